@@ -1,0 +1,1 @@
+"""Smoothing kernels, as plain arithmetic that Taichi compiles. One file each."""

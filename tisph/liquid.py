@@ -1,0 +1,41 @@
+"""The liquid as the kernels see it: viscosity and stiffness, as numbers that are not compiled in."""
+
+from math import comb
+
+from tisph.runtime import scalar, ti
+
+
+@ti.data_oriented
+class Liquid:
+    """Newtonian, weakly compressible liquid; all pressures are over the reference density (length^2/time^2).
+
+    Tait equation of state p / rho0 = c^2/gamma ((1 + s)^gamma - 1) of the compression s = rho/rho0 - 1, as a
+    polynomial in s: no digits are lost where s is small. ``pressure_cutoff`` (over density) or None limits
+    tension; ``velocity_scale`` is the largest wall speed.
+    """
+
+    def __init__(self, channel, equation_of_state, sound_speed):
+        self.gamma = equation_of_state.gamma
+        self.coefficients = tuple(comb(self.gamma, k) / self.gamma for k in range(self.gamma, 0, -1))
+        self.limits_tension = equation_of_state.pressure_cutoff is not None
+        self.kinematic_viscosity = scalar(channel.kinematic_viscosity)
+        self.velocity_scale = scalar(channel.reference_velocity)
+        self.sound_speed = scalar(sound_speed)
+        if self.limits_tension:
+            self.pressure_cutoff = scalar(equation_of_state.pressure_cutoff / channel.density)
+
+    @ti.func
+    def pressure(self, compression):
+        """Return the pressure over the reference density."""
+        series = 0.0
+        for coefficient in ti.static(self.coefficients):
+            series = series * compression + coefficient
+        pressure = self.sound_speed[None] ** 2 * series * compression
+        if ti.static(self.limits_tension):
+            pressure = ti.max(pressure, self.pressure_cutoff[None])
+        return pressure
+
+    @ti.func
+    def stiffness(self, compression):
+        """Return the slope of pressure over compression, c^2 (1 + s)^(gamma - 1)."""
+        return self.sound_speed[None] ** 2 * (1.0 + compression) ** (self.gamma - 1)

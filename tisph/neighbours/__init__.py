@@ -1,0 +1,1 @@
+"""Neighbour search: cells by stable counting sort, particles kept in cell order, reusable Verlet lists."""

@@ -1,0 +1,194 @@
+"""Verlet lists that are reused for as long as they are provably complete.
+
+A list holds every pair closer than ``reach`` = ``cutoff`` + skin when it was built. Until then particle i has
+moved by w(y_i) t + e_i, where w is a reference velocity profile (the row means at the build, linear in
+between) with the largest slope s. A pair that is now within the cutoff was then at most
+stretch (cutoff + 2 max|e|) apart, stretch = (st + sqrt((st)^2 + 4)) / 2 being the norm of a shear by st. As
+long as that is within the reach no pair is missing: shear flow alone, however fast, hardly wears a list out.
+The mirror image of a particle keeps its x, and |y_i - y_j| <= |y_i + y_j|, so the bound holds for images too;
+wall particles move with the walls, where w is the wall velocity.
+"""
+
+import math
+
+import numpy as np
+
+from tisph.runtime import real, scalar, ti
+
+LANES = 4
+"""Rows are padded to a multiple of this with the sentinel, so that pair loops can be unrolled."""
+
+SKIN = 0.1
+"""Reach beyond the kernel support, in particle spacings: measured best for the sum of pair loops and builds."""
+
+ROOM = 1.6
+"""Capacity of a row over the mean number of particles within reach."""
+
+
+@ti.data_oriented
+class VerletLists:
+    """Neighbours ``table[i, k]``, k < ``count[i]`` (a multiple of LANES), of fluid and dummy particles.
+
+    ``crosses[i]`` tells whether a neighbour lies across the period, so that only few particles pay for it.
+    """
+
+    def __init__(self, cells, cutoff, spacing, serial):
+        self.cells = cells
+        self.particles = cells.particles
+        self.domain = cells.domain
+        self.serial = serial
+        self.cutoff = cutoff
+        self.spacing = spacing
+        self.reach = reach(cutoff, spacing)
+        self.capacity = row_capacity(self.reach, spacing)
+        self.reach_squared = scalar(self.reach**2)
+        mobile, fluid = self.particles.mobile, self.particles.fluid
+        self.table = ti.field(ti.i32, shape=(mobile, self.capacity))
+        self.count = ti.field(ti.i32, shape=mobile)
+        self.crosses = ti.field(ti.i32, shape=mobile)
+        self.longest = ti.field(ti.i32, shape=())
+        self.built_position = ti.field(ti.types.vector(2, real()), shape=fluid)
+        self.reference_velocity = ti.field(real(), shape=fluid)
+        self.profile = ti.field(real(), shape=cells.rows + 2)
+        self.steepest = scalar(0.0)
+
+    def outdated(self, drift_squared, elapsed):
+        """Tell whether a pair may be missing, from max|e|^2 and the time since the lists were built."""
+        tilt = self.steepest[None] * elapsed
+        stretch = 0.5 * (tilt + math.sqrt(tilt * tilt + 4.0))
+        return not stretch * (self.cutoff + 2.0 * math.sqrt(drift_squared)) <= self.reach
+
+    @ti.kernel
+    def build(self, now: ti.i32):
+        """List the neighbours of all sorted particles at their mid-step positions."""
+        self.longest[None] = 0
+        ti.loop_config(serialize=True)
+        for row in range(self.cells.rows + 2):
+            self.profile[row] = self.row_velocity(now, row)
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            self.steepest[None] = self.largest_slope()
+        ti.loop_config(serialize=self.serial)
+        for i in range(self.particles.mobile):
+            if i < self.particles.fluid:
+                place = self.particles.mid_position[now, i]
+                self.built_position[i] = place
+                self.reference_velocity[i] = self.profile_at(place.y)
+            ti.atomic_max(self.longest[None], self.gather(now, i))
+
+    @ti.func
+    def row_velocity(self, now, row):
+        """Return the mean velocity of a row of cells, or that of the wall beyond the last row."""
+        mean = self.domain.bottom_velocity[None]
+        if row > self.cells.rows:
+            mean = self.domain.top_velocity[None]
+        elif row > 0:
+            first = self.cells.start[row, 0]
+            last = self.cells.start[row, self.cells.columns]
+            total = 0.0
+            for i in range(first, last):
+                total += self.particles.velocity[now, i].x
+            mean = total / ti.max(1, last - first)
+        return mean
+
+    @ti.func
+    def largest_slope(self):
+        """Return the steepest slope of the reference profile: its knots are the row centres and the walls."""
+        height = self.domain.gap[None] / self.cells.rows
+        steepest = 0.0
+        for row in range(self.cells.rows + 1):
+            rise = ti.abs(self.profile[row + 1] - self.profile[row])
+            run = ti.select(row == 0 or row == self.cells.rows, 0.5 * height, height)
+            steepest = ti.max(steepest, rise / run)
+        return steepest
+
+    @ti.func
+    def profile_at(self, y):
+        """Return the reference profile at height ``y``, constant beyond the walls."""
+        rows = self.cells.rows
+        place = y / self.domain.gap[None] * rows + 0.5
+        row = ti.max(0, ti.min(rows, ti.cast(place, ti.i32)))
+        part = place - row
+        if row == 0:
+            part = 2.0 * part - 1.0
+        elif row == rows:
+            part = 2.0 * part
+        part = ti.max(0.0, ti.min(1.0, part))
+        return self.profile[row] + (self.profile[row + 1] - self.profile[row]) * part
+
+    @ti.func
+    def gather(self, now, i):
+        """Fill row ``i`` of the table from the 3 x 3 cells around it and return how many it needed."""
+        place = self.particles.mid_position[now, i]
+        column = self.cells.column_of(place.x)
+        row = self.cells.row_of(place.y, i)
+        lowest = ti.max(row - 1, 0)
+        highest = ti.min(row + 1, self.cells.rows + 1)
+        if i >= self.particles.fluid:
+            lowest = ti.max(row - 1, 1)
+            highest = ti.min(row + 1, self.cells.rows)
+        last = self.cells.columns
+        found = 0
+        across = 0
+        for near in range(lowest, highest + 1):
+            begin = self.cells.start[near, ti.max(column - 1, 0)]
+            end = self.cells.start[near, ti.min(column + 2, last)]
+            found = self.append(now, i, begin, end, found, False)
+            if column == 0 or column == last - 1:
+                other = ti.select(column == 0, last - 1, 0)
+                before = found
+                found = self.append(
+                    now, i, self.cells.start[near, other], self.cells.start[near, other + 1], found, True
+                )
+                across += found - before
+        self.crosses[i] = across
+        self.count[i] = self.pad(i, found)
+        return found
+
+    @ti.func
+    def append(self, now, i, begin, end, found, periodic: ti.template()):
+        """Append the slots begin .. end-1 that lie within reach, without a branch, and return the new count."""
+        place = self.particles.mid_position[now, i]
+        limit = self.reach_squared[None]
+        for j in range(begin, end):
+            apart = self.particles.mid_position[now, j] - place
+            if ti.static(periodic):
+                apart.x = self.domain.nearest(apart.x)
+            self.table[i, ti.min(found, self.capacity - 1)] = j
+            found += ti.cast(apart.dot(apart) < limit, ti.i32) * ti.cast(j != i, ti.i32)
+        return found
+
+    @ti.func
+    def pad(self, i, found):
+        """Fill row ``i`` up to a multiple of LANES with the sentinel and return the padded length."""
+        filled = ti.min(found, self.capacity)
+        padded = (filled + LANES - 1) // LANES * LANES
+        for k in range(filled, padded):
+            self.table[i, k] = self.particles.sentinel
+        return padded
+
+    def mean_length(self):
+        """Return the mean number of neighbours within reach of a fluid particle, padding not counted."""
+        fluid = self.particles.fluid
+        count = self.count.to_numpy()[:fluid]
+        rows, table = np.arange(fluid), self.table.to_numpy()
+        padding = sum(
+            np.count_nonzero(table[rows, count - k] == self.particles.sentinel) for k in range(1, LANES)
+        )
+        return float(count.sum() - padding) / fluid
+
+    def overflow(self):
+        """Return the longest row if some row did not fit into the table, else 0."""
+        longest = self.longest[None]
+        return longest if longest > self.capacity else 0
+
+
+def reach(cutoff, spacing):
+    """Return the radius of the lists for a kernel support radius ``cutoff``."""
+    return cutoff + SKIN * spacing
+
+
+def row_capacity(radius, spacing):
+    """Return the number of neighbours that a row has room for: a multiple of LANES."""
+    mean = math.pi * (radius / spacing) ** 2
+    return math.ceil((ROOM * mean + LANES) / LANES) * LANES

@@ -1,0 +1,1 @@
+"""Particle operators: gradient, divergence and Laplacian as sums over neighbours. One file each."""

@@ -1,0 +1,44 @@
+"""What both sets of operators share: the pair weight, the separation and linear artificial viscosity."""
+
+from tisph.runtime import real, scalar, ti
+
+
+@ti.data_oriented
+class PairOperators:
+    """Access to particles and lists, and the rates that an evaluation returns.
+
+    ``Rates``: ``acceleration``, rate of ``compression``, and ``transport``, the velocity of the particle
+    relative to the liquid. ``pair_weight`` turns kernel slopes into V_j (-W'(r)/r) with the volume
+    V = spacing^2 that every particle keeps to within the weak compression.
+    """
+
+    def __init__(self, particles, lists, liquid, kernel, artificial_viscosity):
+        self.particles = particles
+        self.lists = lists
+        self.domain = lists.domain
+        self.liquid = liquid
+        self.slope_over_q = ti.func(kernel.slope_over_q)
+        self.has_artificial_viscosity = artificial_viscosity > 0
+        self.artificial_viscosity = scalar(artificial_viscosity)
+        self.smoothing_length = scalar(lists.cutoff / kernel.SUPPORT)
+        self.pair_weight = scalar(lists.spacing**2 / (lists.cutoff / kernel.SUPPORT) ** 4)
+        self.vector = ti.types.vector(2, real())
+        self.matrix = ti.types.matrix(2, 2, real())
+        self.Rates = ti.types.struct(acceleration=self.vector, compression=real(), transport=self.vector)
+
+    @ti.func
+    def separation(self, now, i, j, periodic: ti.template()):
+        """Return the vector from particle i to particle j."""
+        apart = self.particles.mid_position[now, j] - self.particles.mid_position[now, i]
+        if ti.static(periodic):
+            apart.x = self.domain.nearest(apart.x)
+        return apart
+
+    @ti.func
+    def artificial_push(self, weight, apart, approach):
+        """Return a pair's share of Monaghan's linear artificial viscosity, without the factor alpha c h.
+
+        Acceleration sum_j V_j alpha c h (v_ij . r_ij) / r^2 grad W for approaching pairs (Monaghan 1992,
+        Annu. Rev. Astron. Astrophys. 30, eq. 4.1, beta = 0), ``approach`` being the difference of velocities.
+        """
+        return ti.min(0.0, approach.dot(apart)) / apart.dot(apart) * weight * apart

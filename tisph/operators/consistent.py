@@ -1,0 +1,115 @@
+"""Consistent operators: exact for linear fields on any particle arrangement, with shifting and diffusion.
+
+One loop over the neighbours sums, with the weights w_j = -W'(r)/r and differences f_ji = f_j - f_i,
+
+    M = sum w r r^T,   b = sum w r,   G_f = sum w f_ji r,   l_f = sum w f_ji,
+
+from which, after the loop, grad f = M^-1 G_f (corrected kernel gradient: Randles & Libersky 1996; Bonet & Lok
+1999) and lap f = 4 (l_f - grad f . b) / tr M (Morris' Laplacian without his 0.01 h^2, cleared of its linear
+error as in Fatehi & Manzari 2011 and normalised by its own second moment). The volumes V cancel.
+
+    du/dt = -grad p / rho + nu lap u + (du . grad) u
+    ds/dt = -(1 + s) div u + du . grad s + DIFFUSION h c lap s
+    dx/dt = u + du,   du = -SHIFT U h sum V grad W
+
+The shift du evens out the arrangement (Lind et al. 2012); its arbitrary Lagrangian-Eulerian terms keep the
+fields where they are (Oger et al. 2016). Density diffusion is that of Antuono et al. 2010, in which the
+renormalised density gradient is the linear correction above.
+"""
+
+from tisph.neighbours.verlet import LANES
+from tisph.operators._pairs import PairOperators
+from tisph.runtime import real, ti
+
+SHIFT = 2.0
+"""Shifting coefficient: at 1 a jitter of 0.2 changes the error by 9 %, at 2 by 3 %."""
+
+DIFFUSION = 0.1
+"""Density diffusion coefficient, the value usual in the delta-SPH literature."""
+
+
+@ti.data_oriented
+class Operators(PairOperators):
+    """Corrected gradient, moment-normalised Laplacian, particle shifting, density diffusion."""
+
+    def __init__(self, particles, lists, liquid, kernel, artificial_viscosity):
+        super().__init__(particles, lists, liquid, kernel, artificial_viscosity)
+        self.Sums = ti.types.struct(
+            moment_xx=real(),
+            moment_xy=real(),
+            moment_yy=real(),
+            first=self.vector,
+            velocity_gradient=self.matrix,
+            pressure_gradient=self.vector,
+            velocity_laplacian=self.vector,
+            pressure_laplacian=real(),
+            push=self.vector,
+        )
+
+    @ti.func
+    def rates(self, now, i):
+        """Return the rates of fluid particle ``i`` from the mid-step values in buffer ``now``."""
+        sums = self.Sums()
+        if self.lists.crosses[i] > 0:
+            sums = self.pair_sums(now, i, True)
+        else:
+            sums = self.pair_sums(now, i, False)
+        determinant = sums.moment_xx * sums.moment_yy - sums.moment_xy * sums.moment_xy
+        correction = (
+            self.matrix([[sums.moment_yy, -sums.moment_xy], [-sums.moment_xy, sums.moment_xx]]) / determinant
+        )
+        laplacian_norm = 4.0 / (sums.moment_xx + sums.moment_yy)
+        velocity_gradient = sums.velocity_gradient @ correction
+        pressure_gradient = correction @ sums.pressure_gradient
+        velocity_laplacian = laplacian_norm * (sums.velocity_laplacian - velocity_gradient @ sums.first)
+        pressure_laplacian = laplacian_norm * (sums.pressure_laplacian - pressure_gradient.dot(sums.first))
+
+        compression = self.particles.mid_compression[now, i]
+        density = 1.0 + compression
+        stiffness = self.liquid.stiffness(compression)
+        length = self.smoothing_length[None]
+        rates = self.Rates()
+        rates.transport = (
+            -SHIFT * self.liquid.velocity_scale[None] * length * self.pair_weight[None] * sums.first
+        )
+        rates.acceleration = (
+            -pressure_gradient / density
+            + self.liquid.kinematic_viscosity[None] * velocity_laplacian
+            + velocity_gradient @ rates.transport
+        )
+        if ti.static(self.has_artificial_viscosity):
+            strength = self.artificial_viscosity[None] * self.liquid.sound_speed[None] * length
+            rates.acceleration += strength * self.pair_weight[None] * sums.push
+        rates.compression = (
+            -density * (velocity_gradient[0, 0] + velocity_gradient[1, 1])
+            + rates.transport.dot(pressure_gradient) / stiffness
+            + DIFFUSION * length * self.liquid.sound_speed[None] * pressure_laplacian / stiffness
+        )
+        return rates
+
+    @ti.func
+    def pair_sums(self, now, i, periodic: ti.template()):
+        """Return the sums over the neighbours of particle ``i``."""
+        velocity = self.particles.mid_velocity[now, i]
+        pressure = self.particles.mid_pressure[now, i]
+        inverse_length = 1.0 / self.smoothing_length[None]
+        sums = self.Sums()
+        for block in range(self.lists.count[i] // LANES):
+            for lane in ti.static(range(LANES)):
+                j = self.lists.table[i, block * LANES + lane]
+                apart = self.separation(now, i, j, periodic)
+                weight = self.slope_over_q(ti.sqrt(apart.dot(apart)) * inverse_length)
+                weighted = weight * apart
+                faster = self.particles.mid_velocity[now, j] - velocity
+                higher = self.particles.mid_pressure[now, j] - pressure
+                sums.moment_xx += weighted.x * apart.x
+                sums.moment_xy += weighted.x * apart.y
+                sums.moment_yy += weighted.y * apart.y
+                sums.first += weighted
+                sums.velocity_gradient += faster.outer_product(weighted)
+                sums.pressure_gradient += higher * weighted
+                sums.velocity_laplacian += weight * faster
+                sums.pressure_laplacian += weight * higher
+                if ti.static(self.has_artificial_viscosity):
+                    sums.push += self.artificial_push(weight, apart, faster)
+        return sums

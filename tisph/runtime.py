@@ -1,0 +1,49 @@
+"""Taichi, imported and initialised in one place.
+
+Everything that needs Taichi imports ``ti`` from here, so that another compatible package can take its place
+by changing one line, and so that its banner never reaches the user's terminal.
+"""
+
+import contextlib
+import io
+import os
+
+os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
+
+import taichi as ti
+
+__all__ = ["available_threads", "real", "scalar", "start", "ti"]
+
+
+def available_threads():
+    """Return the number of processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def start(precision, threads):
+    """Initialise Taichi on the CPU; fields made earlier are gone.
+
+    ``precision`` is "f64" or "f32". Without ``fast_math``: it re-associates sums and folds away NaN tests.
+    """
+    with contextlib.redirect_stdout(io.StringIO()):
+        ti.init(
+            arch=ti.cpu,
+            default_fp=ti.f64 if precision == "f64" else ti.f32,
+            cpu_max_num_threads=threads,
+            fast_math=False,
+            log_level=ti.ERROR,
+        )
+
+
+def real():
+    """Return the floating-point type chosen at the start."""
+    return ti.lang.impl.get_runtime().default_fp
+
+
+def scalar(value):
+    """Return a 0-D field holding ``value``: a number that kernels read but that is not compiled in."""
+    field = ti.field(real(), shape=())
+    field[None] = value
+    return field

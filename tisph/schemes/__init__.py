@@ -1,0 +1,1 @@
+"""Schemes: how the particles are advanced in time. One file each."""

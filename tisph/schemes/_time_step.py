@@ -1,0 +1,30 @@
+"""Limits of an explicit time step, as formulas in plain numbers."""
+
+import math
+from typing import Literal
+
+AUTO_CFL = 0.25
+VISCOUS_NUMBER = 0.125
+"""Step over h^2/nu; J. P. Morris, P. J. Fox and Y. Zhu, J. Comput. Phys. 136 (1997) 214-226."""
+
+
+def time_step_limits(
+    cfl: float | Literal["auto"],
+    *,
+    smoothing_length: float,
+    sound_speed: float,
+    reference_velocity: float,
+    kinematic_viscosity: float,
+    acceleration: float = 0.0,
+) -> dict[str, float]:
+    """Largest stable steps [time] by the name of what limits them; a run takes the smallest.
+
+    ``acoustic``: cfl h / (c + U), with cfl 0.25 for ``auto``. ``viscous``: 0.125 h^2 / nu. ``acceleration``:
+    0.25 sqrt(h / a), no limit without acceleration. All in the units of the config.
+    """
+    number = AUTO_CFL if cfl == "auto" else cfl
+    return {
+        "acoustic": number * smoothing_length / (sound_speed + reference_velocity),
+        "viscous": VISCOUS_NUMBER * smoothing_length**2 / kinematic_viscosity,
+        "acceleration": 0.25 * math.sqrt(smoothing_length / acceleration) if acceleration > 0 else math.inf,
+    }

@@ -1,0 +1,23 @@
+"""The state of the fluid at one time, as NumPy arrays: what observers, plots and metrics read."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Fluid particles at time ``t``, in the order of their creation (row by row from the bottom wall).
+
+    All arrays have shape (particles_fluid,) and the units of the config: positions ``x`` in [0, length) and
+    ``y`` in [0, gap], velocities ``u`` along and ``v`` across the channel, density, pressure.
+    """
+
+    t: float
+    step: int
+    x: np.ndarray
+    y: np.ndarray
+    u: np.ndarray
+    v: np.ndarray
+    density: np.ndarray
+    pressure: np.ndarray

@@ -1,0 +1,1 @@
+"""Wall treatments: what the particles see beyond a no-slip wall. One file each."""

@@ -1,0 +1,88 @@
+"""Walls made of dummy particles: fixed layers that move with the wall and carry extrapolated fluid values."""
+
+import math
+
+import numpy as np
+
+from tisph.runtime import ti
+
+
+@ti.data_oriented
+class DummyWalls:
+    """Dummy particles on the continued lattice; ``extrapolate`` comes from the treatment."""
+
+    gathers = True
+    """A loop over the dummy particles follows the one over the fluid."""
+
+    def __init__(self, particles, cells, lists, kernel):
+        self.particles = particles
+        self.cells = cells
+        self.domain = cells.domain
+        self.lists = lists
+        self.value = ti.func(kernel.value)
+
+    @staticmethod
+    def wall_slots(channel, reach):
+        """Return (dummy particles, room for images): layers as deep as the kernel reaches, on both walls."""
+        return 2 * layers(channel, reach) * channel.columns, 0
+
+    def load(self, channel):
+        """Put the dummy particles on the lattice continued beyond both walls, at rest relative to them."""
+        depth = layers(channel, self.lists.reach)
+        column, layer = np.meshgrid(np.arange(channel.columns), np.arange(depth))
+        x = (column.ravel() + 0.5) * channel.spacing
+        beyond = (layer.ravel() + 0.5) * channel.spacing
+        places = np.concatenate([np.stack([x, -beyond], 1), np.stack([x, channel.gap + beyond], 1)])
+        self.lay(np.ascontiguousarray(places))
+
+    @ti.kernel
+    def lay(self, places: ti.types.ndarray()):
+        """Write the start positions, shape (dummies, 2), into buffer 0."""
+        for k in range(self.particles.fluid, self.particles.mobile):
+            row = k - self.particles.fluid
+            place = ti.Vector([places[row, 0], places[row, 1]])
+            self.particles.mid_position[0, k] = place
+            self.particles.mid_velocity[0, k] = ti.Vector([self.wall_velocity(place.y), 0.0])
+            self.particles.mid_pressure[0, k] = 0.0
+
+    def present_images(self):
+        """Return 0: no fluid particle has an image."""
+        return 0
+
+    def overflow(self):
+        """Return 0: the number of dummy particles is fixed."""
+        return 0
+
+    def lay_out(self, now):
+        """Do nothing: dummy particles were sorted with the fluid."""
+
+    @ti.kernel
+    def refresh(self, now: ti.i32):
+        """Extrapolate to all dummy particles once their lists are built."""
+        ti.loop_config(serialize=True)
+        for k in range(self.particles.fluid, self.particles.mobile):
+            self.extrapolate(now, k)
+
+    @ti.func
+    def publish(self, buffer, i, position, velocity, pressure):
+        """Write the mid-step values of fluid particle ``i``."""
+        self.particles.mid_position[buffer, i] = position
+        self.particles.mid_velocity[buffer, i] = velocity
+        self.particles.mid_pressure[buffer, i] = pressure
+
+    @ti.func
+    def advance(self, now, k, elapsed):
+        """Carry dummy particle ``k`` along with its wall into the other buffer."""
+        position = self.particles.mid_position[now, k]
+        position.x += self.wall_velocity(position.y) * elapsed
+        self.particles.mid_position[1 - now, k] = position
+
+    @ti.func
+    def wall_velocity(self, y):
+        """Return the velocity of the wall that a dummy particle at height ``y`` belongs to."""
+        return ti.select(y < 0.0, self.domain.bottom_velocity[None], self.domain.top_velocity[None])
+
+
+def layers(channel, reach):
+    """Return the number of layers on each wall that a fluid particle at the wall could see."""
+    return math.ceil(reach / channel.spacing - 0.5)

@@ -1,0 +1,109 @@
+"""Walls made of images: copies of the fluid particles near a wall, written together with them.
+
+The images of the first (last) row of cells stand in the same order as their sources, so that image k of a
+wall is found without a search and the cells beyond the wall are known from those inside.
+"""
+
+import math
+
+from tisph.runtime import ti
+
+ROOM = 1.5
+"""Room for images over the number of particles that a row of cells holds on the lattice."""
+
+
+@ti.data_oriented
+class ImageWalls:
+    """Mirror geometry shared by image treatments; ``image_velocity`` and the rest come from the treatment."""
+
+    gathers = False
+    """Images follow from their sources: no loop over wall particles is needed."""
+
+    def __init__(self, particles, cells, lists, kernel):
+        self.particles = particles
+        self.cells = cells
+        self.domain = cells.domain
+        self.images = ti.field(ti.i32, shape=2)
+        self.first_top = ti.field(ti.i32, shape=())
+
+    @staticmethod
+    def wall_slots(channel, reach):
+        """Return (dummy particles, room for images)."""
+        rows = max(1, int(channel.gap / reach))
+        row = math.ceil(channel.rows / rows + 1) * channel.columns
+        return 0, min(2 * channel.rows * channel.columns, math.ceil(2 * ROOM * row))
+
+    def load(self, channel):
+        """Do nothing: images need no start positions."""
+
+    def present_images(self):
+        """Return the number of images in use."""
+        return self.images[0] + self.images[1]
+
+    def overflow(self):
+        """Return the number of images if there was no room for them, else 0."""
+        needed = self.present_images()
+        return needed if needed > self.particles.slots - self.particles.mobile else 0
+
+    def refresh(self, now):
+        """Do nothing: images are laid out before the lists are built."""
+
+    @ti.kernel
+    def lay_out(self, now: ti.i32):
+        """Lay out the images after a sort: their cells, then their mid-step values."""
+        rows = ti.static(self.cells.rows)
+        last = ti.static(self.cells.columns)
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            below = self.cells.start[1, last]
+            first = self.cells.start[rows, 0]
+            self.images[0] = below
+            self.images[1] = self.particles.fluid - first
+            self.first_top[None] = first
+            for column in range(last + 1):
+                self.cells.start[0, column] = self.particles.mobile + self.cells.start[1, column]
+                self.cells.start[rows + 1, column] = (
+                    self.particles.mobile + below + self.cells.start[rows, column] - first
+                )
+        ti.loop_config(serialize=True)
+        for i in range(self.particles.fluid):
+            self.publish(
+                now,
+                i,
+                self.particles.mid_position[now, i],
+                self.particles.mid_velocity[now, i],
+                self.particles.mid_pressure[now, i],
+            )
+
+    @ti.func
+    def publish(self, buffer, i, position, velocity, pressure):
+        """Write the mid-step values of fluid particle ``i`` and of its images, where there is room."""
+        self.write(buffer, i, position, velocity, pressure)
+        below = self.images[0]
+        if i < below and self.particles.mobile + i < self.particles.slots:
+            wall = self.domain.bottom_velocity[None]
+            self.write(
+                buffer,
+                self.particles.mobile + i,
+                ti.Vector([position.x, -position.y]),
+                self.image_velocity(velocity, wall),
+                pressure,
+            )
+        first = self.first_top[None]
+        slot = self.particles.mobile + below + i - first
+        if i >= first and slot < self.particles.slots:
+            wall = self.domain.top_velocity[None]
+            self.write(
+                buffer,
+                slot,
+                ti.Vector([position.x, 2.0 * self.domain.gap[None] - position.y]),
+                self.image_velocity(velocity, wall),
+                pressure,
+            )
+
+    @ti.func
+    def write(self, buffer, slot, position, velocity, pressure):
+        """Write the mid-step values of one slot."""
+        self.particles.mid_position[buffer, slot] = position
+        self.particles.mid_velocity[buffer, slot] = velocity
+        self.particles.mid_pressure[buffer, slot] = pressure

@@ -1,0 +1,51 @@
+"""Adami dummy particles: fixed wall layers whose velocity and pressure are kernel averages of the fluid.
+
+u_w = 2 U_W - sum_f u_f W_wf / sum_f W_wf and p_w = sum_f p_f W_wf / sum_f W_wf, without body and wall
+acceleration (Adami, Hu & Adams 2012, J. Comput. Phys. 231, eqs. 22, 23 and 27).
+"""
+
+from typing import Literal
+
+from tisph.config.base import Model
+from tisph.neighbours.verlet import LANES
+from tisph.runtime import scalar, ti
+from tisph.walls._dummies import DummyWalls
+
+
+class Parameters(Model):
+    """No parameters: the number of layers follows from the kernel support."""
+
+    type: Literal["adami"] = "adami"
+
+
+@ti.data_oriented
+class Treatment(DummyWalls):
+    """Kernel averages (Shepard) of the fluid at every dummy particle."""
+
+    def __init__(self, particles, cells, lists, kernel):
+        super().__init__(particles, cells, lists, kernel)
+        self.smoothing_length = scalar(lists.cutoff / kernel.SUPPORT)
+
+    @ti.func
+    def extrapolate(self, buffer, k):
+        """Set velocity and pressure of dummy particle ``k``; without fluid in reach, those of the wall."""
+        position = self.particles.mid_position[buffer, k]
+        inverse_length = 1.0 / self.smoothing_length[None]
+        weights = 0.0
+        pressure = 0.0
+        velocity = ti.Vector([0.0, 0.0])
+        for block in range(self.lists.count[k] // LANES):
+            for lane in ti.static(range(LANES)):
+                j = self.lists.table[k, block * LANES + lane]
+                apart = self.particles.mid_position[buffer, j] - position
+                apart.x = self.domain.nearest(apart.x)
+                weight = self.value(ti.sqrt(apart.dot(apart)) * inverse_length)
+                weights += weight
+                pressure += weight * self.particles.mid_pressure[buffer, j]
+                velocity += weight * self.particles.mid_velocity[buffer, j]
+        wall = ti.Vector([self.wall_velocity(position.y), 0.0])
+        self.particles.mid_velocity[buffer, k] = wall
+        self.particles.mid_pressure[buffer, k] = 0.0
+        if weights > 0.0:
+            self.particles.mid_velocity[buffer, k] = 2.0 * wall - velocity / weights
+            self.particles.mid_pressure[buffer, k] = pressure / weights

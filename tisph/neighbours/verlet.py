@@ -172,9 +172,7 @@ class VerletLists:
         fluid = self.particles.fluid
         count = self.count.to_numpy()[:fluid]
         rows, table = np.arange(fluid), self.table.to_numpy()
-        padding = sum(
-            np.count_nonzero(table[rows, count - k] == self.particles.sentinel) for k in range(1, LANES)
-        )
+        padding = sum(np.count_nonzero(table[rows, count - k] == self.particles.sentinel) for k in range(1, LANES))
         return float(count.sum() - padding) / fluid
 
     def overflow(self):

@@ -50,14 +50,12 @@ class Operators(PairOperators):
     def rates(self, now, i):
         """Return the rates of fluid particle ``i`` from the mid-step values in buffer ``now``."""
         sums = self.Sums()
-        if self.lists.crosses[i] > 0:
+        if self.lists.crosses[i] > 0:  # noqa: SIM108 (Taichi has no conditional expression of structs)
             sums = self.pair_sums(now, i, True)
         else:
             sums = self.pair_sums(now, i, False)
         determinant = sums.moment_xx * sums.moment_yy - sums.moment_xy * sums.moment_xy
-        correction = (
-            self.matrix([[sums.moment_yy, -sums.moment_xy], [-sums.moment_xy, sums.moment_xx]]) / determinant
-        )
+        correction = self.matrix([[sums.moment_yy, -sums.moment_xy], [-sums.moment_xy, sums.moment_xx]]) / determinant
         laplacian_norm = 4.0 / (sums.moment_xx + sums.moment_yy)
         velocity_gradient = sums.velocity_gradient @ correction
         pressure_gradient = correction @ sums.pressure_gradient
@@ -69,9 +67,7 @@ class Operators(PairOperators):
         stiffness = self.liquid.stiffness(compression)
         length = self.smoothing_length[None]
         rates = self.Rates()
-        rates.transport = (
-            -SHIFT * self.liquid.velocity_scale[None] * length * self.pair_weight[None] * sums.first
-        )
+        rates.transport = -SHIFT * self.liquid.velocity_scale[None] * length * self.pair_weight[None] * sums.first
         rates.acceleration = (
             -pressure_gradient / density
             + self.liquid.kinematic_viscosity[None] * velocity_laplacian

@@ -18,15 +18,13 @@ class Operators(PairOperators):
 
     def __init__(self, particles, lists, liquid, kernel, artificial_viscosity):
         super().__init__(particles, lists, liquid, kernel, artificial_viscosity)
-        self.Sums = ti.types.struct(
-            pressure=self.vector, viscosity=self.vector, divergence=real(), push=self.vector
-        )
+        self.Sums = ti.types.struct(pressure=self.vector, viscosity=self.vector, divergence=real(), push=self.vector)
 
     @ti.func
     def rates(self, now, i):
         """Return the rates of fluid particle ``i`` from the mid-step values in buffer ``now``."""
         sums = self.Sums()
-        if self.lists.crosses[i] > 0:
+        if self.lists.crosses[i] > 0:  # noqa: SIM108 (Taichi has no conditional expression of structs)
             sums = self.pair_sums(now, i, True)
         else:
             sums = self.pair_sums(now, i, False)
@@ -37,9 +35,7 @@ class Operators(PairOperators):
             - sums.pressure / (1.0 + self.particles.mid_compression[now, i])
         )
         if ti.static(self.has_artificial_viscosity):
-            strength = (
-                self.artificial_viscosity[None] * self.liquid.sound_speed[None] * self.smoothing_length[None]
-            )
+            strength = self.artificial_viscosity[None] * self.liquid.sound_speed[None] * self.smoothing_length[None]
             rates.acceleration += strength * volume_weight * sums.push
         rates.compression = -volume_weight * sums.divergence
         return rates

@@ -1,0 +1,33 @@
+# Needs python3 (3.10 to 3.13) and make; everything else is installed into .venv by pip.
+PYTHON ?= python3
+ifeq ($(OS),Windows_NT)
+BIN := .venv/Scripts
+else
+BIN := .venv/bin
+endif
+
+.PHONY: demo test media clean
+
+# Run the main job and print where its movie, plots and summary are.
+demo: .venv/run-ready
+	$(BIN)/python -m tisph run configs/couette.yaml --overwrite
+
+# Run the tests, without the ones that take minutes (those: $(BIN)/python -m pytest -m slow).
+test: .venv/test-ready
+	$(BIN)/python -m pytest
+
+# Make the pictures and movies that README.md shows.
+media: .venv/run-ready
+	$(BIN)/python media/make.py
+
+.venv/run-ready: pyproject.toml
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	$(BIN)/python -c "import pathlib; pathlib.Path('$@').touch()"
+
+.venv/test-ready: .venv/run-ready
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test]"
+	$(BIN)/python -c "import pathlib; pathlib.Path('$@').touch()"
+
+clean:
+	$(PYTHON) -c "import shutil; [shutil.rmtree(d, ignore_errors=True) for d in ('.venv', 'runs')]"

@@ -1,0 +1,82 @@
+"""LAMMPS, SPH package, on the case of ``couette_case.py``; prints one line of JSON.
+
+Standard library only: any Python runs it; ``lmp`` and ``mpiexec`` come from env-lammps. The input is
+``in.couette.lammps``.
+"""
+
+import re
+import subprocess
+import tempfile
+from pathlib import Path
+
+import couette_case as case
+
+HERE = Path(__file__).resolve().parent
+PROGRAMS = HERE / "env-lammps" / "bin"
+
+LOOP = re.compile(r"Loop time of (\S+) on (\d+) procs for (\d+) steps")
+VERSION = re.compile(r"LAMMPS \((.+)\)")
+
+
+def command(arguments, dump):
+    """Command and its input; the fluid particles at the end go to the file ``dump`` (None: nowhere)."""
+    variables = {
+        "gap": case.GAP,
+        "length": case.LENGTH,
+        "density": case.DENSITY,
+        "dynamic_viscosity": case.DENSITY * case.KINEMATIC_VISCOSITY,
+        "wall_velocity": case.WALL_VELOCITY,
+        "sound_speed": case.SOUND_SPEED,
+        "spacing": case.spacing(arguments.across),
+        "time_step": case.time_step(arguments),
+        "steps": arguments.steps,
+    }
+    words = [PROGRAMS / "mpiexec", "-n", str(arguments.threads), PROGRAMS / "lmp", "-log", "none"]
+    for name, value in variables.items():
+        words += ["-var", name, repr(value)]
+    source = (HERE / "in.couette.lammps").read_text(encoding="utf-8")
+    if dump is not None:
+        source += f'write_dump fluid custom "{dump}" y vx modify format float %.17g\n'
+    return words, source
+
+
+def run(arguments, dump=None):
+    """Output of a run; RuntimeError with the end of it if LAMMPS fails."""
+    words, source = command(arguments, dump)
+    done = subprocess.run(words, input=source, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise RuntimeError("LAMMPS failed:\n" + (done.stdout + done.stderr)[-2000:])
+    return done.stdout
+
+
+def read_dump(path):
+    """Pairs (y, u) of the particles in a dump of columns y and vx."""
+    lines = path.read_text(encoding="utf-8").splitlines()
+    first = lines.index("ITEM: ATOMS y vx") + 1
+    return [tuple(map(float, line.split())) for line in lines[first:]]
+
+
+def main():
+    """Run, read the loop time from LAMMPS' own output, and report."""
+    parser = case.argument_parser(__doc__.splitlines()[0])
+    parser.add_argument("--threads", type=int, default=2, help="MPI processes")
+    arguments = parser.parse_args()
+    if arguments.profile:
+        with tempfile.TemporaryDirectory() as folder:
+            dump = Path(folder) / "end.dump"
+            output = run(arguments, dump)
+            case.write_profile(arguments.profile, read_dump(dump))
+    else:
+        output = run(arguments)
+    seconds, processes, steps = LOOP.search(output).groups()
+    case.report(
+        version=VERSION.search(output).group(1),
+        across=arguments.across,
+        steps=int(steps),
+        loop_seconds=float(seconds),
+        threads=int(processes),
+    )
+
+
+if __name__ == "__main__":
+    main()

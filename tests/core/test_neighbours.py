@@ -1,0 +1,100 @@
+"""Neighbour lists: complete, periodic, ordered, and outdated in time."""
+
+import numpy as np
+import pytest
+
+from tisph.neighbours.verlet import VerletLists
+
+
+def middle_positions(scheme):
+    """Fluid and wall positions that the lists refer to, with images where there are any."""
+    used = scheme.particles.fluid + scheme.wall_particles()
+    return scheme.particles.mid_position.to_numpy()[scheme.now][:used]
+
+
+def missing_pairs(scheme):
+    """Pairs (fluid i, any j) closer than the cutoff that the lists lack; brute force."""
+    places = middle_positions(scheme)
+    table, count = scheme.lists.table.to_numpy(), scheme.lists.count.to_numpy()
+    missing = 0
+    for i in range(scheme.particles.fluid):
+        apart = places - places[i]
+        apart[:, 0] -= scheme.channel.length * np.round(apart[:, 0] / scheme.channel.length)
+        near = set(np.flatnonzero(np.hypot(*apart.T) < scheme.lists.cutoff)) - {i}
+        missing += len(near - set(table[i, : count[i]]))
+    return missing
+
+
+TREATMENTS = ["comoving_image", "adami"]
+
+
+@pytest.mark.parametrize("treatment", TREATMENTS)
+@pytest.mark.parametrize("across", [6, 12, 25])
+def test_no_pair_is_missing_after_a_build(make, treatment, across):
+    scheme = make(
+        f"walls.treatment.type={treatment}",
+        f"discretisation.particles_across={across}",
+        "geometry.length=2.0",
+        jitter=0.45,
+    )
+    assert missing_pairs(scheme) == 0
+
+
+@pytest.mark.parametrize("treatment", TREATMENTS)
+def test_no_pair_is_missing_while_the_lists_are_reused(make, treatment):
+    # checked in each of 150 steps of an impulsively started, disordered flow: many between two builds
+    scheme = make(f"walls.treatment.type={treatment}", "time.end=3.0", jitter=0.3)
+    for _ in range(150):
+        scheme.advance()
+        if scheme.lists.outdated(scheme.drift_squared[None], scheme.middle - scheme.built):
+            scheme.rebuild()
+        assert missing_pairs(scheme) == 0
+    assert 1 < scheme.rebuilds < 75
+
+
+def test_a_uniform_shear_hardly_wears_the_lists_out(make):
+    sheared = make("initial.state=developed", "time.end=4.0")
+    while not sheared.finished:
+        sheared.advance()
+    # by a shear of 2 in all, each build lasting a shear of about 2 SKIN / support = 0.067
+    assert sheared.rebuilds < 2 / 0.067 * 1.5
+
+
+def test_particles_stand_in_cell_order(make):
+    scheme = make(jitter=0.4)
+    start = scheme.cells.start.to_numpy()
+    places = middle_positions(scheme)
+    for row in range(1, scheme.cells.rows + 1):
+        for column in range(scheme.cells.columns):
+            inside = places[start[row, column] : start[row, column + 1]]
+            assert np.all(inside[:, 0] * scheme.cells.columns / scheme.channel.length // 1 == column)
+            assert np.all(inside[:, 1] * scheme.cells.rows / scheme.channel.gap // 1 == row - 1)
+    assert start[scheme.cells.rows, -1] == scheme.particles.fluid
+
+
+def test_sorting_is_stable(make):
+    # particles of one cell keep the order in which they stood, so a second sort changes nothing
+    scheme = make(jitter=0.4)
+    before = scheme.particles.identity.to_numpy()[scheme.now]
+    scheme.rebuild()
+    assert np.array_equal(scheme.particles.identity.to_numpy()[scheme.now], before)
+
+
+def test_an_overflow_of_a_row_is_told(make):
+    scheme = make()
+    lists = VerletLists(scheme.cells, scheme.lists.cutoff, scheme.channel.spacing / 3, serial=True)
+    lists.reach_squared[None] = (4 * scheme.channel.spacing) ** 2
+    lists.capacity = 8
+    lists.build(scheme.now)
+    assert lists.overflow() > lists.capacity
+
+
+def test_rows_are_padded_with_the_sentinel_only(make):
+    scheme = make(jitter=0.2)
+    table, count = scheme.lists.table.to_numpy(), scheme.lists.count.to_numpy()
+    for i in range(scheme.particles.fluid):
+        row = table[i, : count[i]]
+        assert len(row) % 4 == 0
+        assert np.count_nonzero(row == scheme.particles.sentinel) < 4
+        real = row[row != scheme.particles.sentinel]
+        assert len(set(real)) == len(real)

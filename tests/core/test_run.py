@@ -1,0 +1,171 @@
+"""Whole runs through the command line: files, repeatability, restart, and what happens when things go wrong."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pytest
+
+CASE = """
+name: small
+scene: channel
+fluid: {density: 1.0, kinematic_viscosity: 0.01}
+geometry: {gap: 1.0, length: 1.0}
+walls: {top: {velocity: 0.5}}
+discretisation: {particles_across: 12}
+initial: {jitter: 0.2}
+time: {end: 1.0, samples: [0.4, 1.0]}
+output: {video: {frames: 5, width: 480, height: 240}}
+"""
+
+
+@pytest.fixture
+def tisph(tmp_path):
+    """Return a function that runs the command line on the small case in a fresh process."""
+    (tmp_path / "small.yaml").write_text(CASE)
+
+    def call(command, *arguments, status=0):
+        done = subprocess.run(
+            [sys.executable, "-m", "tisph", command, *arguments], cwd=tmp_path, capture_output=True, text=True
+        )
+        assert done.returncode == status, done.stderr
+        return done
+
+    return call
+
+
+def summary(folder):
+    return json.loads((folder / "summary.json").read_text())
+
+
+def samples(folder):
+    with h5py.File(folder / "samples.h5") as file:
+        return {name: {key: group[key][...] for key in group} | dict(group.attrs) for name, group in file.items()}
+
+
+def same_bits(one, other):
+    assert one.keys() == other.keys()
+    for name in one:
+        for key in one[name]:
+            assert np.array_equal(one[name][key], other[name][key]), f"{name}/{key}"
+
+
+def test_a_run_leaves_all_that_is_promised(tisph, tmp_path):
+    tisph("run", "small.yaml", "--out", "out")
+    out = tmp_path / "out"
+    for name in (
+        "config.resolved.yaml",
+        "summary.json",
+        "samples.h5",
+        "history.csv",
+        "profiles.png",
+        "history.png",
+        "movie.mp4",
+        "run.log",
+    ):
+        assert (out / name).stat().st_size > 0, name
+    numbers = summary(out)
+    assert numbers["status"] == "done"
+    assert [sample["t"] for sample in numbers["samples"]] == [0.4, 1.0]
+    stored = samples(out)
+    assert [stored[name]["t"] for name in sorted(stored)] == [0.4, 1.0]
+    for name in ("x", "y", "u", "v", "density", "pressure"):
+        assert stored["sample_001"][name].shape == (144,)
+    history = np.loadtxt(out / "history.csv", delimiter=",", skiprows=1)
+    assert history[0, 0] == 0.0
+    assert history[-1, 0] == 1.0
+    assert history.shape[1] == 1 + 10
+
+
+def test_the_resolved_config_reproduces_the_run(tisph, tmp_path):
+    tisph("run", "small.yaml", "--out", "one", "--no-video")
+    tisph("run", "one/config.resolved.yaml", "--out", "two", "--no-video")
+    same_bits(samples(tmp_path / "one"), samples(tmp_path / "two"))
+
+
+@pytest.mark.parametrize("treatment", ["comoving_image", "adami"])
+def test_the_same_bits_whatever_is_observed_and_on_one_thread_or_two(tisph, tmp_path, treatment):
+    # 25 across: 625 particles, which two threads share; each particle is summed by one thread in list order
+    case = ["--set", "discretisation.particles_across=25", "--set", f"walls.treatment.type={treatment}"]
+    tisph("run", "small.yaml", "--out", "one", *case, "--set", "runtime.threads=1")
+    tisph("run", "small.yaml", "--out", "two", *case, "--set", "runtime.threads=2", "--no-video")
+    same_bits(samples(tmp_path / "one"), samples(tmp_path / "two"))
+
+
+def interrupt(tmp_path, *arguments):
+    """Start a long run, interrupt it once it has stepped, and return the finished process."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "tisph", "run", "small.yaml", *arguments],
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    process.stderr.readline()  # the first progress line: a tenth of the run is done
+    process.send_signal(signal.SIGINT)
+    process.wait(timeout=60)
+    return process
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends SIGINT")
+def test_an_interrupted_run_goes_on_to_the_same_bits(tisph, tmp_path):
+    long = ["--set", "time.end=40.0", "--set", "time.samples=[2.0, 40.0]", "--out"]
+    assert interrupt(tmp_path, *long, "cut").returncode == 130
+    stopped = summary(tmp_path / "cut")
+    assert stopped["status"] == "interrupted"
+    assert [sample["t"] for sample in stopped["samples"]] == [2.0]
+    tisph("run", "small.yaml", *long, "cut", "--resume")
+    tisph("run", "small.yaml", *long, "whole")
+    assert summary(tmp_path / "cut")["status"] == "done"
+    same_bits(samples(tmp_path / "cut"), samples(tmp_path / "whole"))
+    assert (tmp_path / "cut/history.csv").read_text() == (tmp_path / "whole/history.csv").read_text()
+    with h5py.File(tmp_path / "cut/frames.h5") as cut, h5py.File(tmp_path / "whole/frames.h5") as whole:
+        assert [cut[name].attrs["step"] for name in cut] == [whole[name].attrs["step"] for name in whole]
+
+
+def test_checkpoints_of_the_config_can_be_resumed(tisph, tmp_path):
+    tisph("run", "small.yaml", "--out", "out", "--no-video", "--set", "output.checkpoint_every=0.3")
+    before = samples(tmp_path / "out")
+    tisph("run", "small.yaml", "--out", "out", "--no-video", "--set", "output.checkpoint_every=0.3", "--resume")
+    same_bits(samples(tmp_path / "out"), before)
+
+
+def test_a_foreign_or_broken_checkpoint_is_refused(tisph, tmp_path):
+    every = ["--no-video", "--set", "output.checkpoint_every=0.3"]
+    tisph("run", "small.yaml", "--out", "out", *every)
+    other = tisph("run", "small.yaml", "--out", "out", *every, "--set", "initial.seed=1", "--resume", status=2)
+    assert "another config" in other.stderr
+    (tmp_path / "out/checkpoint.h5").write_bytes(b"not a checkpoint")
+    broken = tisph("run", "small.yaml", "--out", "out", *every, "--resume", status=2)
+    assert "cannot be read" in broken.stderr
+    assert summary(tmp_path / "out")["status"] == "done"
+
+
+def test_a_run_that_goes_wrong_says_what_and_keeps_what_it_had(tisph, tmp_path):
+    # four times the stable time step
+    failed = tisph("run", "small.yaml", "--out", "out", "--set", "time.cfl=1.0", "--set", "time.end=30.0", status=3)
+    for word in ("particle", "step", "t ="):
+        assert word in failed.stderr
+    assert "Traceback" not in failed.stderr
+    out = tmp_path / "out"
+    assert summary(out)["status"] == "diverged"
+    for name in ("last_good.png", "last_good.h5", "movie.mp4", "history.csv"):
+        assert (out / name).stat().st_size > 0, name
+    with h5py.File(out / "last_good.h5") as file:
+        last = file.attrs["step"]
+        assert np.isfinite(file["u"][...]).all()
+    step = int(failed.stderr.split("at step ")[1].split(",")[0])
+    assert step - last <= 100
+
+
+def test_render_draws_again_from_the_files(tisph, tmp_path):
+    tisph("run", "small.yaml", "--out", "out")
+    names = ("movie.mp4", "profiles.png", "history.png")
+    for name in names:
+        (tmp_path / "out" / name).unlink()
+    tisph("render", "out")
+    for name in names:
+        assert (tmp_path / "out" / name).stat().st_size > 0

@@ -1,0 +1,238 @@
+"""The command line: exit statuses, one message on standard error, and nothing written on bad input."""
+
+import subprocess
+import sys
+import types
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import tisph
+from tisph import cli
+from tisph.cli.check import estimates, step_count
+from tisph.cli.output_folder import RESULTS
+from tisph.config import load
+from tisph.errors import DivergedError, TisphError
+
+ROOT = Path(tisph.__file__).parents[1]
+
+CONFIG = """\
+scene: channel
+fluid: {density: 1.0, kinematic_viscosity: 0.01}
+geometry: {gap: 1.0, length: 2.0}
+walls: {top: {velocity: 0.5}}
+time: {end: 2.7}
+"""
+
+
+@pytest.fixture
+def case(tmp_path, monkeypatch):
+    """Work in an empty folder that holds case.yaml and bad.yaml."""
+    monkeypatch.chdir(tmp_path)
+    Path("case.yaml").write_text(CONFIG)
+    Path("bad.yaml").write_text(CONFIG.replace("2.7", "-1"))
+    return tmp_path
+
+
+@pytest.fixture
+def simulation(monkeypatch):
+    """Stand in for the simulation: record the calls, leave a summary, raise what ``error`` holds."""
+    stand_in = types.SimpleNamespace(calls=[], error=None)
+
+    def run(config, folder, *, video, resume):
+        stand_in.calls.append((config.name, folder, video, resume))
+        (folder / "summary.json").write_text("{}")
+        if stand_in.error:
+            raise stand_in.error
+        return folder
+
+    stand_in.run = run
+    stand_in.render = lambda folder: stand_in.calls.append(folder)
+    monkeypatch.setitem(sys.modules, "tisph.simulation", stand_in)
+    monkeypatch.setattr(tisph, "simulation", stand_in, raising=False)
+    return stand_in
+
+
+def tisph_command(*arguments):
+    return CliRunner().invoke(cli.app, list(arguments))
+
+
+@pytest.mark.parametrize("command", [[], ["run"], ["check"], ["list"], ["verify"], ["render"]])
+def test_help_has_examples(command):
+    result = tisph_command(*command, "--help")
+    assert result.exit_code == 0
+    assert f"  tisph {' '.join(command)}" in result.stdout.split("Examples:")[1]
+
+
+def test_version():
+    assert tisph_command("--version").stdout == f"tisph {tisph.__version__}\n"
+
+
+@pytest.mark.parametrize("arguments", [["nope"], ["run"], ["check", "case.yaml", "--wrong"], ["render"]])
+def test_wrong_usage_is_bad_input(case, arguments):
+    assert tisph_command(*arguments).exit_code == 2
+
+
+@pytest.mark.parametrize("command", ["run", "check"])
+def test_bad_config_is_one_message_and_nothing_is_written(case, simulation, command):
+    result = tisph_command(command, "bad.yaml")
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert result.stderr == "error: bad.yaml:5: time.end = -1: must be greater than 0 (at least 1e-30)\n"
+    assert sorted(path.name for path in case.iterdir()) == ["bad.yaml", "case.yaml"]
+    assert simulation.calls == []
+
+
+def test_run_makes_its_folder_and_names_the_results(case, simulation):
+    result = tisph_command("run", "case.yaml", "--no-video")
+    assert result.exit_code == 0
+    folder = Path("runs/case")
+    assert simulation.calls == [("case", folder, False, False)]
+    assert str(folder / "summary.json") in result.stdout
+    assert "movie" not in result.stdout  # names only what is there
+
+
+def test_run_passes_overrides_on(case, simulation):
+    tisph_command("run", "case.yaml", "--set", "name=other", "--out", "here")
+    assert simulation.calls == [("other", Path("here"), True, False)]
+
+
+def test_full_folder_is_refused(case, simulation):
+    Path("full").mkdir()
+    Path("full/notes.txt").write_text("mine")
+    result = tisph_command("run", "case.yaml", "--out", "full")
+    assert result.exit_code == 2
+    assert "--out full: the folder is not empty" in result.stderr
+    assert [path.name for path in Path("full").iterdir()] == ["notes.txt"]
+
+
+def test_overwrite_removes_results_and_nothing_else(case, simulation):
+    Path("full").mkdir()
+    for name in (*RESULTS, "notes.txt"):
+        Path("full", name).write_text("old")
+    assert tisph_command("run", "case.yaml", "--out", "full", "--overwrite").exit_code == 0
+    assert sorted(path.name for path in Path("full").iterdir()) == ["notes.txt", "summary.json"]
+
+
+def test_resume_needs_a_checkpoint(case, simulation):
+    Path("old").mkdir()
+    result = tisph_command("run", "case.yaml", "--out", "old", "--resume")
+    assert result.exit_code == 2
+    assert "no checkpoint.h5 in old" in result.stderr
+    Path("old/checkpoint.h5").write_text("")
+    assert tisph_command("run", "case.yaml", "--out", "old", "--resume").exit_code == 0
+    assert simulation.calls == [("case", Path("old"), True, True)]
+
+
+def test_resume_and_overwrite_exclude_each_other(case, simulation):
+    assert tisph_command("run", "case.yaml", "--resume", "--overwrite").exit_code == 2
+
+
+@pytest.mark.parametrize("folder", ["case.yaml", "case.yaml/below", "x" * 300])
+def test_unwritable_folder(case, simulation, folder):
+    result = tisph_command("run", "case.yaml", "--out", folder)
+    assert result.exit_code == 2
+    assert "cannot be written" in result.stderr
+    assert simulation.calls == []
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "message"),
+    [
+        (
+            DivergedError("density of particle 7"),
+            3,
+            f"density of particle 7\npartial results are in {Path('runs/case')}",
+        ),
+        (TisphError("no encoder"), 1, "error: no encoder"),
+        (KeyboardInterrupt(), 130, "interrupted"),
+    ],
+)
+def test_exit_status_of_a_run(case, simulation, error, status, message):
+    simulation.error = error
+    result = tisph_command("run", "case.yaml")
+    assert result.exit_code == status
+    assert message in result.stderr
+    assert "Traceback" not in result.output
+
+
+def test_check_prints_what_the_run_would_be(case):
+    result = tisph_command("check", "case.yaml")
+    assert result.exit_code == 0
+    for text in ("Reynolds number        50", "Mach number            0.1", "acoustic", "2970 from", "5000"):
+        assert text in result.stdout
+    assert "warning" not in result.stdout
+    assert sorted(path.name for path in case.iterdir()) == ["bad.yaml", "case.yaml"]
+
+
+def test_check_warns_of_a_low_sound_speed(case):
+    result = tisph_command("check", "case.yaml", "--set", "scheme={type: wcsph, equation_of_state: {sound_speed: 2.0}}")
+    assert "warning: the Mach number is above 0.1" in result.stdout
+
+
+# kinematic viscosity, stiffness -> sound speed and binding limit, by hand for U = 0.5, gap 1, h = 0.02:
+# acoustic step 0.25 h / (c + U), viscous step 0.125 h^2 / nu; 10 sqrt(nu U / gap) = 20 for nu = 8
+@pytest.mark.parametrize(
+    ("viscosity", "stiffness", "sound", "limit", "step"),
+    [
+        (0.01, "{}", 5.0, "acoustic", 0.005 / 5.5),
+        (0.1, "{}", 5.0, "viscous", 5e-5 / 0.1),
+        (8.0, "{}", 20.0, "viscous", 5e-5 / 8.0),
+        (0.01, "{sound_speed: 9.5}", 9.5, "acoustic", 5e-4),
+        (0.01, "{bulk_modulus: 400.0}", 20.0, "acoustic", 0.005 / 20.5),
+    ],
+)
+def test_estimates(case, viscosity, stiffness, sound, limit, step):
+    overrides = [
+        f"fluid.kinematic_viscosity={viscosity}",
+        f"scheme={{type: wcsph, equation_of_state: {stiffness}}}",
+    ]
+    numbers = estimates(load("case.yaml", overrides))
+    assert numbers["sound_speed"] == pytest.approx(sound, rel=1e-14)  # a few roundings
+    assert numbers["binding_limit"] == limit
+    assert numbers["time_step"] == pytest.approx(step, rel=1e-14)
+
+
+def test_steps_end_on_every_target():
+    # 0 -> 1 takes 4 steps of at most 0.3, 1 -> 1.5 takes 2; an exact multiple costs no extra step
+    assert step_count(0.0, [1.0, 1.5, 1.5], 0.3) == 6
+    assert step_count(0.0, [0.3], 0.1) == 3
+
+
+def test_list(case):
+    everything = tisph_command("list").stdout
+    assert "walls\n" in everything
+    assert "kernels\n" in everything
+    assert "comoving_image" in tisph_command("list", "walls").stdout
+    unknown = tisph_command("list", "wals")
+    assert unknown.exit_code == 2
+    assert "must be one of scenes, walls" in unknown.stderr
+
+
+@pytest.mark.parametrize(("passed", "status"), [(True, 0), (False, 1)])
+def test_verify_tells_by_its_status(monkeypatch, passed, status):
+    calls = []
+    suite = types.SimpleNamespace(run=lambda **options: calls.append(options) or passed)
+    monkeypatch.setitem(sys.modules, "tisph.study.verify", suite)
+    import tisph.study
+
+    monkeypatch.setattr(tisph.study, "verify", suite, raising=False)
+    assert tisph_command("verify", "--quick").exit_code == status
+    assert calls == [{"quick": True, "page": False}]
+
+
+def test_render(case, simulation):
+    assert tisph_command("render", ".").exit_code == 2
+    Path("config.resolved.yaml").write_text("")
+    assert tisph_command("render", ".").exit_code == 0
+    assert simulation.calls == [Path(".")]
+
+
+def test_module_entry_point(case):
+    """``python -m tisph`` from a shell: the status arrives, and standard output stays empty on an error."""
+    done = subprocess.run(
+        [sys.executable, "-m", "tisph", "check", str(case / "bad.yaml")], cwd=ROOT, capture_output=True, text=True
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("error: ")

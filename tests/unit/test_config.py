@@ -1,0 +1,248 @@
+"""Configs that are good: defaults, derived numbers, overrides, and the round trip through the resolved YAML."""
+
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from tisph.config import Config, load
+from tisph.config.checks import DIVISION_TOLERANCE
+from tisph.errors import ConfigError
+
+CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("*.yaml"))
+
+MINIMAL = {
+    "scene": "channel",
+    "fluid": {"density": 1000.0, "dynamic_viscosity": 1e-3},
+    "geometry": {"gap": 0.01, "length": 0.02},
+    "walls": {"top": {"velocity": 0.005}},
+    "time": {"end": 2.7},
+}
+
+
+def write(folder, data):
+    path = folder / "case.yaml"
+    path.write_text(json.dumps(data))  # JSON is YAML 1.2
+    return path
+
+
+def load_data(folder, *overrides, **changes):
+    return load(write(folder, {**MINIMAL, **changes}), overrides)
+
+
+def test_defaults_of_the_shortest_config(tmp_path):
+    config = load_data(tmp_path)
+    assert config.name == "case"
+    assert config.walls.treatment.type == "comoving_image"
+    assert config.walls.bottom.velocity == 0.0
+    assert config.fluid.rheology.type == "newtonian"
+    assert config.scheme.equation_of_state.sound_speed == "auto"
+    assert config.particles_across == 50
+    assert config.time.samples == (2.7,)
+    assert config.start_time == 0.0
+
+
+def test_either_viscosity(tmp_path):
+    # nu = mu / rho holds to rounding: 1e-3 / 1000 and its inverse
+    dynamic = load_data(tmp_path)
+    kinematic = load_data(tmp_path, fluid={"density": 1000.0, "kinematic_viscosity": 1e-6})
+    assert dynamic.kinematic_viscosity == pytest.approx(1e-6, rel=1e-15)
+    assert kinematic.dynamic_viscosity == pytest.approx(1e-3, rel=1e-15)
+
+
+def test_either_resolution(tmp_path):
+    across = load_data(tmp_path, discretisation={"particles_across": 40})
+    spacing = load_data(tmp_path, discretisation={"spacing": 0.00025})
+    for config in (across, spacing):
+        assert (config.particles_across, config.columns) == (40, 80)
+    assert across.spacing == spacing.spacing  # the same bits: both are gap / 40
+
+
+def test_integers_and_yaml_1_2_numbers(tmp_path):
+    path = tmp_path / "case.yaml"
+    path.write_text(
+        "scene: channel\nfluid: {density: 1000, kinematic_viscosity: 1e-6}\n"
+        "geometry: {gap: 1e-2, length: +2.E-2}\nwalls: {top: {velocity: 5e-3}}\ntime: {end: 3}\n"
+    )
+    config = load(path)
+    assert (config.fluid.density, config.geometry.gap, config.geometry.length) == (1000.0, 0.01, 0.02)
+
+
+def test_overrides_win_in_turn(tmp_path):
+    config = load_data(tmp_path, "time.end=5", "time.end=7", "output.video=null", "walls.treatment={type: adami}")
+    assert config.time.end == 7.0
+    assert config.output.video is None
+    assert config.walls.treatment.type == "adami"
+
+
+def test_null_unsets_one_of_an_exclusive_pair(tmp_path):
+    config = load_data(tmp_path, "fluid.dynamic_viscosity=null", "fluid.kinematic_viscosity=2e-6")
+    assert config.kinematic_viscosity == 2e-6
+
+
+@pytest.mark.parametrize(("stem", "name"), [("my case", "my_case"), ("...", "run"), ("12", "12"), ("ü", "_")])
+def test_default_name_is_a_folder_name(tmp_path, stem, name):
+    path = tmp_path / f"{stem}.yaml"
+    path.write_text(json.dumps(MINIMAL))
+    assert load(path).name == name
+
+
+def test_configs_are_frozen(tmp_path):
+    with pytest.raises(ValueError, match="frozen"):
+        load_data(tmp_path).time.end = 3.0
+
+
+@pytest.mark.parametrize("path", CONFIGS, ids=lambda path: path.stem)
+def test_shipped_configs_load_and_resolve(tmp_path, path):
+    config = load(path)
+    assert config.name == path.stem
+    resolved = tmp_path / "config.resolved.yaml"
+    resolved.write_text(config.resolved_yaml())
+    assert load(resolved) == config
+
+
+def test_there_are_shipped_configs():
+    assert {"couette", "couette_minimal", "vm_sph_001_re50"} <= {path.stem for path in CONFIGS}
+
+
+def test_the_couette_configs_describe_one_flow():
+    """The page's case in kg-cm-s and couette.yaml in SI have the same Reynolds number and lattice."""
+    si, cgs = (load(path) for path in CONFIGS if path.stem in ("couette", "vm_sph_001_re50"))
+    reynolds = [c.reference_velocity * c.geometry.gap / c.kinematic_viscosity for c in (si, cgs)]
+    assert reynolds == pytest.approx([50, 50], rel=1e-14)  # a few roundings
+    assert (si.particles_across, si.columns) == (cgs.particles_across, cgs.columns)
+
+
+positive = st.floats(1e-6, 1e6)
+names = st.from_regex(r"[A-Za-z0-9_-][A-Za-z0-9._-]{0,20}[A-Za-z0-9_-]", fullmatch=True)
+
+
+@st.composite
+def config_data(draw):
+    """Raw data of a valid config, any of its optional parts present."""
+    rows, gap, columns = draw(st.integers(10, 60)), draw(positive), draw(st.integers(30, 120))
+    start = draw(st.one_of(st.just(0.0), st.floats(1e-3, 1.0)))
+    samples = sorted(set(draw(st.lists(st.floats(1.0, 10.0), min_size=1, max_size=4))))
+    stiffness = draw(st.sampled_from([{}, {"sound_speed": "auto"}, {"sound_speed": 3.0}, {"bulk_modulus": 1e5}]))
+    viscosity = draw(st.sampled_from(["dynamic_viscosity", "kinematic_viscosity"]))
+    resolution = draw(st.sampled_from([{"particles_across": rows}, {"spacing": gap / rows}]))
+    return {
+        "name": draw(names),
+        "scene": "channel",
+        "fluid": {"density": draw(positive), viscosity: draw(positive)},
+        "geometry": {"gap": gap, "length": columns * (gap / rows)},
+        "walls": {
+            "treatment": {"type": draw(st.sampled_from(["adami", "comoving_image"]))},
+            "bottom": {"velocity": draw(st.floats(-1e3, 1e3))},
+            "top": {"velocity": draw(positive)},
+        },
+        "initial": {"state": "exact", "time": start} if start else {"jitter": draw(st.floats(0, 0.49))},
+        "discretisation": {**resolution, "precision": draw(st.sampled_from(["f32", "f64"]))},
+        "scheme": {"type": "wcsph", "equation_of_state": {**stiffness, "gamma": draw(st.integers(1, 15))}},
+        "time": {"end": 10.0, "samples": samples, "cfl": draw(st.one_of(st.just("auto"), st.floats(0.01, 1)))},
+        "tracers": {"x": "centre"},
+        "output": {"video": draw(st.sampled_from([None, {}, {"width": 640}])), "checkpoint_every": draw(positive)},
+        "runtime": {"threads": draw(st.one_of(st.just("auto"), st.integers(1, 256)))},
+    }
+
+
+same_folder = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+
+
+@same_folder
+@given(config_data())
+def test_round_trip_through_resolved_yaml(tmp_path, data):
+    config = load(write(tmp_path, data))
+    resolved = tmp_path / "config.resolved.yaml"
+    resolved.write_text(config.resolved_yaml())
+    again = load(resolved)
+    assert again == config
+    assert again.resolved_yaml() == config.resolved_yaml()
+
+
+def outcome(path, *overrides):
+    """Return the config, or the message of the ConfigError."""
+    try:
+        return load(path, overrides)
+    except ConfigError as error:
+        return str(error)
+
+
+@same_folder
+@given(st.integers(6, 400), st.floats(0.2, 20), st.floats(1e-3, 1e3))
+def test_every_suggested_length_is_accepted(tmp_path, rows, aspect, gap):
+    """Where gap and length share no spacing, the lengths named in the message make whole columns."""
+    data = {**MINIMAL, "geometry": {"gap": gap, "length": aspect * gap}, "discretisation": {"particles_across": rows}}
+    _, _, lengths = str(outcome(write(tmp_path, data))).partition("or geometry.length ")
+    for length in lengths.split(" or ") if lengths else ():
+        data["geometry"]["length"] = float(length)
+        assert "no whole number" not in str(outcome(write(tmp_path, data)))
+
+
+@same_folder
+@given(st.integers(10, 200), st.floats(0.001, 0.999), st.floats(1e-3, 1e3))
+def test_every_suggested_spacing_is_accepted(tmp_path, rows, fraction, gap):
+    """The length is ten gaps, so that each spacing that divides the gap will do."""
+    geometry = {"gap": gap, "length": 10 * gap}
+    bad = {**MINIMAL, "geometry": geometry, "discretisation": {"spacing": gap / (rows + fraction)}}
+    _, _, spacings = str(outcome(write(tmp_path, bad))).partition("nearest valid spacing: ")
+    found = [
+        load_data(tmp_path, geometry=geometry, discretisation={"spacing": float(s)}) for s in spacings.split(" or ")
+    ]
+    assert [config.particles_across for config in found] == [rows, rows + 1]
+
+
+@same_folder
+@given(st.integers(6, 200), st.integers(1, 40), st.floats(0.1, 10))
+def test_division_has_a_tolerance_for_decimal_rounding(tmp_path, rows, thousandths, gap):
+    """A spacing typed with ten digits divides; one off by a thousandth and more does not."""
+    geometry = {"gap": gap, "length": 10 * gap}
+    typed = {"spacing": float(f"{gap / rows:.11g}")}
+    assert load_data(tmp_path, geometry=geometry, discretisation=typed).particles_across == rows
+    off = {"spacing": gap / (rows * (1 + thousandths * 1e-3 / rows))}
+    assert 1e-3 / rows > DIVISION_TOLERANCE
+    with pytest.raises(ConfigError, match="must divide the gap"):
+        load_data(tmp_path, geometry=geometry, discretisation=off)
+
+
+yaml_like = st.text(alphabet=":{}[],-?&*!|>'\"%@` \n\t#abcdefscn01.e+~<=\\", max_size=200)
+
+
+@settings(same_folder, max_examples=150)
+@given(st.one_of(st.binary(max_size=300), yaml_like.map(str.encode), st.text(max_size=200).map(lambda t: t.encode())))
+def test_any_bytes_are_a_config_or_a_config_error(tmp_path, content):
+    path = tmp_path / "case.yaml"
+    path.write_bytes(content)
+    assert isinstance(outcome(path), (Config, str))
+
+
+values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=6), inner, max_size=3),
+    max_leaves=6,
+)
+
+
+def dotted_keys(data, before=""):
+    for key, value in data.items():
+        yield before + key
+        yield from dotted_keys(value, f"{before}{key}.") if isinstance(value, dict) else ()
+
+
+places = st.sampled_from(list(dotted_keys(Config.model_validate({"name": "case", **MINIMAL}).model_dump())))
+
+
+@settings(same_folder, max_examples=300)
+@given(places, values)
+def test_any_value_anywhere_is_a_config_or_a_config_error(tmp_path, place, value):
+    path = write(tmp_path, MINIMAL)
+    result = outcome(path, f"{place}={json.dumps(value)}")
+    assert isinstance(result, Config) or result.startswith(("--set ", str(path)))
+
+
+def test_a_map_without_a_type_means_the_usual_member(tmp_path):
+    config = load_data(tmp_path, "scheme.operators=standard", walls={"treatment": {}, "top": {"velocity": 0.005}})
+    assert (config.scheme.type, config.scheme.operators) == ("wcsph", "standard")
+    assert config.walls.treatment.type == "comoving_image"

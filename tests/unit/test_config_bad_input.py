@@ -1,0 +1,232 @@
+"""Every kind of bad input is one ConfigError that names file, line, key, value and what is allowed."""
+
+import re
+
+import pytest
+
+from tisph.config import load
+from tisph.errors import ConfigError
+
+GOOD = """\
+scene: channel
+fluid:
+  density: 1000.0
+  dynamic_viscosity: 1.0e-3
+geometry:
+  gap: 0.01
+  length: 0.02
+walls:
+  top: {velocity: 0.005}
+time:
+  end: 2.7
+"""
+
+
+@pytest.fixture
+def message(tmp_path):
+    """Write text or bytes to case.yaml, load it, and return the message of the error it must raise."""
+
+    def load_bad(content, *overrides):
+        path = tmp_path / "case.yaml"
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        with pytest.raises(ConfigError) as caught:
+            load(path, overrides)
+        assert caught.value.exit_status == 2
+        return str(caught.value).replace(str(path), "case.yaml")
+
+    return load_bad
+
+
+def test_the_good_file_is_good(tmp_path):
+    path = tmp_path / "case.yaml"
+    path.write_text(GOOD)
+    assert load(path).name == "case"
+
+
+# (what to replace in GOOD, by what, what the message must contain)
+TEXT_CASES = {
+    "not_yaml": (GOOD, "a: [1, 2", ["case.yaml:1: is not YAML"]),
+    "tab": (GOOD, "fluid:\n\tdensity: 1", ["case.yaml:2: is not YAML"]),
+    "two_documents": (GOOD, "a: 1\n---\nb: 2", ["case.yaml:2", "single document"]),
+    "empty": (GOOD, "", ["case.yaml: is empty", "map of keys"]),
+    "list": (GOOD, "- 1\n- 2", ["case.yaml: is a list", "map of keys"]),
+    "single_value": (GOOD, "hello", ["case.yaml: is a single value"]),
+    "nested_list": ("walls:\n  top: {velocity: 0.005}", "walls: [1]", ["case.yaml:8: walls = [1]: must be a map"]),
+    "nested_value": ("  top: {velocity: 0.005}", "  top: 0.005", ["case.yaml:9: walls.top = 0.005: must be a map"]),
+    "nothing": ("{velocity: 0.005}", "", ["case.yaml:9: walls.top = null: must be a map"]),
+    "python_tag": ("1000.0", "!!python/object/apply:os.getcwd []", ["case.yaml:3: tag !!python/object", "not allowed"]),
+    "standard_tag": ("1000.0", "!!float 1000", ["case.yaml:3: tag !!float", "not allowed"]),
+    "own_tag": ("1000.0", "!unit 1000", ["case.yaml:3: tag !unit", "not allowed"]),
+    "anchor": ("1000.0", "&rho 1000.0", ["case.yaml:3: anchor &rho", "not allowed"]),
+    "alias": ("1000.0", "*rho", ["case.yaml:3: alias *rho", "not allowed"]),
+    "deep": (GOOD, "a: " + "[" * 10_000, ["case.yaml:1: nested more than"]),
+    "duplicate": ("  gap: 0.01", "  gap: 0.01\n  gap: 0.02", ["case.yaml:7: duplicate key geometry.gap", "line 6"]),
+    "number_as_key": ("scene: channel", "1: channel", ["case.yaml:1: key '1'", "words"]),
+    "map_as_key": ("scene: channel", "? {a: 1}\n: channel", ["case.yaml:1: key", "words"]),
+    "endless_integer": ("1000.0", "9" * 5000, ["case.yaml:3: cannot read the value '9999"]),
+    "control_character": ("channel", "chan\x07nel", ["case.yaml", "is not YAML"]),
+    "unknown_top": (
+        "scene: channel",
+        "scene: channel\nflud: {}",
+        ["case.yaml:2: flud", "nearest: fluid", "allowed: name,"],
+    ),
+    "unknown_nested": ("density:", "densty:", ["case.yaml:3: fluid.densty = 1000.0: unknown key; nearest: density"]),
+    "misplaced": ("scene: channel", "scene: channel\nsamples: [1]", ["case.yaml:2: samples", "nearest: time.samples"]),
+    "missing": ("  density: 1000.0\n", "", ["case.yaml:2: fluid.density: is missing"]),
+    "missing_top": ("time:\n  end: 2.7\n", "", ["case.yaml: time: is missing"]),
+    "quoted_number": ("1000.0", '"0.5"', ['case.yaml:3: fluid.density = "0.5": must be a number']),
+    "word_for_number": ("1000.0", "water", ['case.yaml:3: fluid.density = "water": must be a number']),
+    "boolean": ("1000.0", "true", ["case.yaml:3: fluid.density = true: must be a number"]),
+    "date": ("1000.0", "2024-01-01", ["case.yaml:3: fluid.density", "must be a number"]),
+    "nan": ("1000.0", ".nan", ["case.yaml:3: fluid.density = NaN: must be a finite number"]),
+    "infinity": ("0.005", "-.inf", ["case.yaml:9: walls.top.velocity = -Infinity: must be a finite number"]),
+    "overflow": ("1000.0", "1e999", ["case.yaml:3: fluid.density = Infinity: must be a finite number"]),
+    "negative_density": ("1000.0", "-1", ["case.yaml:3: fluid.density = -1: must be greater than 0"]),
+    "zero_viscosity": ("1.0e-3", "0", ["case.yaml:4: fluid.dynamic_viscosity = 0: must be greater than 0"]),
+    "negative_gap": ("0.01", "-0.01", ["case.yaml:6: geometry.gap = -0.01: must be greater than 0"]),
+    "zero_length": ("0.02", "0.0", ["case.yaml:7: geometry.length = 0.0: must be greater than 0"]),
+    "huge_gap": ("0.01", "1e31", ["case.yaml:6: geometry.gap = 1e+31: must be at most 1e+30"]),
+    "long_value": ("channel", "c" * 500, ["case.yaml:1: scene", "...", "must be channel"]),
+    "unknown_scene": ("channel", "chanel", ['case.yaml:1: scene = "chanel": must be channel; nearest: channel']),
+    "number_for_name": ("scene:", "name: 12\nscene:", ["case.yaml:1: name = 12: must be text"]),
+    "control_in_key": ("density:", '"den\\nsity":', ["case.yaml:3: fluid.den\\nsity = 1000.0: unknown key"]),
+    "long_key": ("density:", "d" * 500 + ":", ["case.yaml:3: fluid.ddd", "ddd... = 1000.0: unknown key"]),
+    "nothing_moves": ("0.005", "0.0", ["case.yaml:8: walls: nothing moves"]),
+}
+
+
+@pytest.mark.parametrize("case", TEXT_CASES)
+def test_bad_text(message, case):
+    old, new, wanted = TEXT_CASES[case]
+    assert old in GOOD
+    text = message(GOOD.replace(old, new, 1))
+    assert [part for part in wanted if part not in text] == []
+    assert len(text) < 1000
+    assert text.replace("\n", " ").isprintable()
+
+
+# override of GOOD, what the message must contain
+OVERRIDE_CASES = [
+    ("fluid", ["must look like key.path=value"]),
+    ("=1", ["must look like key.path=value"]),
+    ("a..b=1", ["must look like key.path=value"]),
+    ("time.end=[1", ["--set time.end=[1", "is not YAML"]),
+    ("time.end=!!float 3", ["tags are not allowed"]),
+    ("time.end=", ["time.end = null: must be a number"]),
+    ("time.end.x=3", ["time.end is not a map of keys"]),
+    ("time.edn=3", ["--set time.edn=3: time.edn = 3: unknown key; nearest: end"]),
+    ("fluid.kinematic_viscosity=1e-6", ["exactly one of dynamic_viscosity, kinematic_viscosity", "are given"]),
+    ("fluid.dynamic_viscosity=null", ["exactly one of dynamic_viscosity, kinematic_viscosity", "none is given"]),
+    ("discretisation={spacing: 2.0e-4, particles_across: 50}", ["exactly one of particles_across, spacing"]),
+    ("discretisation={precision: f32}", ["exactly one of particles_across, spacing", "none is given"]),
+    ("discretisation.spacing=-1", ["discretisation.spacing = -1: must be greater than 0"]),
+    ("discretisation.spacing=3.0e-4", ["must divide the gap", "nearest valid spacing: 0.00030303030303 or 0.00029411"]),
+    ("geometry.length=0.0201", ["100.5 columns", "particles_across: 100, or geometry.length 0.02 or 0.0202"]),
+    ("geometry.length=0.0019", ["no whole number", "geometry.length 0.0018 or 0.002"]),
+    ("geometry.length=0.0018", ["must be at least 0.002, 10 particle spacings"]),
+    ("discretisation.particles_across=5", ["particles_across = 5: at least 6 particles"]),
+    ("discretisation.spacing=2.0e-3", ["at least 6 particles", "spacing at most 0.00166667"]),
+    ("discretisation={particles_across: 9, smoothing_ratio: 3}", ["at least 10 particles"]),
+    ("discretisation.particles_across=50.0", ["50.0: must be a whole number"]),
+    ("discretisation.particles_across=4000", ["3.2e+07 particles", "19.2 GB of memory", "at most 20000000"]),
+    ("discretisation.particles_across=1000000000000", ["PB of memory"]),
+    ("discretisation.spacing=1e-30", ["PB of memory"]),
+    ("discretisation={particles_across: 50, kernel: quintic_splin}", ["nearest: quintic_spline"]),
+    ("discretisation={particles_across: 50, smoothing_ratio: 4}", ["must be at most 3"]),
+    ("discretisation={particles_across: 50, precision: f16}", ["'f64' or 'f32'"]),
+    ("walls.treatment=adami", ["must be a map such as {type: adami}"]),
+    ("walls.treatment={type: adamy}", ['walls.treatment.type = "adamy"', "nearest: adami"]),
+    ("walls.treatment={type: _images}", ["must be one of adami, comoving_image"]),
+    ("walls.treatment={type: adami, layers: 3}", ["walls.treatment.layers = 3: unknown key; allowed: type"]),
+    ("walls.top={amplitude: 1.0}", ["walls.top.amplitude = 1.0: unknown key", "allowed: velocity"]),
+    ("scheme={type: implicit}", ["scheme.type", "wcsph"]),
+    ("scheme={type: wcsph, equation_of_state: {gamma: 0}}", ["equation_of_state.gamma = 0: must be at least 1"]),
+    ("scheme={type: wcsph, equation_of_state: {sound_speed: 0}}", ["must be greater than 0", "or auto"]),
+    ("scheme={type: wcsph, equation_of_state: {sound_speed: fast}}", ["must be a number, or auto"]),
+    ("scheme={type: wcsph, equation_of_state: {sound_speed: 1.0, bulk_modulus: 1.0}}", ["exactly one of sound_speed"]),
+    ("scheme={type: wcsph, equation_of_state: {pressure_cutoff: 1.0}}", ["must be less than 0"]),
+    ("drive.acceleration=1.0", ["body acceleration is not available in this version"]),
+    ("initial.state=moving", ["'rest', 'developed' or 'exact'"]),
+    ("initial.time=1.0", ["only with state exact"]),
+    ("initial={state: exact}", ["initial.time", "must be greater than 0"]),
+    ("initial={state: exact, time: 2.7}", ["time.end = 2.7: must be after the start of the run at 2.7"]),
+    ("initial={state: exact, time: -1}", ["initial.time = -1: must be at least 0"]),
+    ("initial.jitter=0.5", ["must be less than 0.5"]),
+    ("initial.seed=-1", ["must be at least 0"]),
+    ("time.samples=[]", ["time.samples = []: must not be empty"]),
+    ("time.samples=1.8", ["time.samples = 1.8: must be a list"]),
+    ("time.samples=[1.8, 2.8]", ["time.samples.1 = 2.8: must be inside the run, 0 to 2.7"]),
+    ("time.samples=[-1.0, 1.8]", ["time.samples.0 = -1.0: must be inside the run"]),
+    ("time.samples=[1.8, 1.0]", ["time.samples.1 = 1.0: must be greater than the sample before it, 1.8"]),
+    ("time.samples=[1.8, 1.8]", ["must be greater than the sample before it"]),
+    ('time.samples=["1.8"]', ['time.samples.0 = "1.8": must be a number']),
+    ("time.cfl=0", ["must be greater than 0, or auto"]),
+    ("time.cfl=1.5", ["must be at most 1, or auto"]),
+    ("tracers.count=1", ["tracers.count = 1: must be at least 2"]),
+    ("tracers.x=0.03", ["tracers.x = 0.03: must be inside the channel: centre, or 0 to 0.02"]),
+    ("tracers.x=left", ["must be a number, or centre"]),
+    ("output.video={width: 641}", ["output.video.width = 641: must be a multiple of 2"]),
+    ("output.video={height: 100}", ["must be at least 240"]),
+    ("output.video={fps: 0}", ["must be at least 1"]),
+    ("output.video={frames: 1}", ["must be at least 2"]),
+    ("output.video=true", ["output.video = true: must be a map"]),
+    ("output.checkpoint_every=0", ["must be greater than 0"]),
+    ("runtime.arch=cuda", ["must be 'cpu'"]),
+    ("runtime.threads=0", ["must be at least 1, or auto"]),
+    ("runtime.threads=257", ["must be at most 256, or auto"]),
+    ("units.length=$x$", ["units.length", "must be a unit label"]),
+    ("name=../up", ['name = "../up": must be a folder name']),
+    ("name=.hidden", ["must be a folder name"]),
+    ("name=" + "n" * 65, ["must be a folder name", "1 to 64"]),
+]
+
+
+@pytest.mark.parametrize(("override", "wanted"), OVERRIDE_CASES, ids=[case[0][:60] for case in OVERRIDE_CASES])
+def test_bad_override(message, override, wanted):
+    text = message(GOOD, override)
+    assert [part for part in wanted if part not in text] == []
+
+
+def test_several_mistakes_are_listed_in_the_order_of_the_lines(message):
+    bad = GOOD.replace("1000.0", "-1").replace("0.01", "x").replace("2.7", ".nan")
+    lines = message(bad).split("\n")
+    assert [re.match(r"case.yaml:(\d+):", line).group(1) for line in lines] == ["3", "6", "11"]
+
+
+def test_more_than_five_mistakes_are_counted(message):
+    bad = GOOD + "".join(f"wrong{index}: 1\n" for index in range(7))
+    lines = message(bad).split("\n")
+    assert len(lines) == 6
+    assert lines[-1] == "and 2 more"
+
+
+def test_a_replaced_value_is_blamed_on_the_override(message):
+    text = message(GOOD, "geometry={gap: -1, length: 0.02}")
+    assert text.startswith("--set geometry={gap: -1, length: 0.02}: geometry.gap = -1")
+
+
+def test_not_utf8(message):
+    assert "case.yaml:2: is not UTF-8 text" in message(b"scene: channel\nname: \xff\xfe\n")
+
+
+def test_binary_and_huge_files(message):
+    assert "case.yaml" in message(bytes(range(256)))
+    assert "is larger than" in message("# x\n" * 100_000)
+
+
+def test_missing_file_names_the_nearest(tmp_path):
+    (tmp_path / "couette.yaml").write_text(GOOD)
+    with pytest.raises(ConfigError, match=r"couete.yaml: no such file; nearest: couette.yaml"):
+        load(tmp_path / "couete.yaml")
+
+
+@pytest.mark.parametrize("path", ["", ".", "a\0b", "x" * 5000, "no/such/folder/x.yaml"])
+def test_unreadable_path(path):
+    with pytest.raises(ConfigError):
+        load(path)
+
+
+def test_more_memory_than_the_machine_has(message, monkeypatch):
+    # 5000 particles need an estimated 3 MB
+    monkeypatch.setattr("tisph.config.memory.physical_bytes", lambda: 1_000_000)
+    assert "would need about 3 MB of memory; this machine has 1 MB" in message(GOOD)

@@ -1,0 +1,57 @@
+"""The guard names field, particle, step and time of what went wrong."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from tisph.errors import DivergedError
+from tisph.observers.guard import Guard
+from tisph.snapshot import Snapshot
+
+CHANNEL = SimpleNamespace(density=2.0, gap=1.0)
+
+
+def sound():
+    values = np.linspace(0.1, 0.9, 5)
+    return Snapshot(t=1.5, step=50, x=values, y=values, u=values, v=0 * values, density=2 + 0 * values, pressure=values)
+
+
+def spoiled(field, value):
+    values = getattr(sound(), field).copy()
+    values[3] = value
+    return replace(sound(), **{field: values})
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "words"),
+    [
+        ("u", np.nan, "not a finite number"),
+        ("v", np.inf, "not a finite number"),
+        ("density", 2.5, "off the reference density"),
+        ("density", 1.5, "off the reference density"),
+        ("y", -0.01, "beyond a wall"),
+        ("y", 1.01, "beyond a wall"),
+    ],
+)
+def test_names_field_particle_step_and_time(field, value, words):
+    with pytest.raises(DivergedError) as caught:
+        Guard(CHANNEL).check(spoiled(field, value))
+    message = str(caught.value)
+    assert message.startswith(field)
+    for part in (words, "particle 3", "step 50", "t = 1.5"):
+        assert part in message
+
+
+def test_remembers_the_last_good_state():
+    guard = Guard(CHANNEL)
+    good = sound()
+    guard.check(good)
+    with pytest.raises(DivergedError):
+        guard.check(spoiled("u", np.nan))
+    assert guard.last_good is good
+
+
+def test_twenty_percent_is_the_limit():
+    Guard(CHANNEL).check(spoiled("density", 2.39))

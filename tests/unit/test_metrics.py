@@ -1,0 +1,222 @@
+"""Error measures: interpolation and wall shear on known fields, and every number of a sample."""
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tisph.scenes.channel import Channel
+from tisph.snapshot import Snapshot
+from tisph.verification.interpolation import Probes, interpolate
+from tisph.verification.metrics import fit_line, sample_metrics
+from tisph.verification.wall_shear import wall_shear
+
+
+def make_channel(rows=50, **changes):
+    """Re = 50 in units of the gap: gap 1, length 2, U = 0.5, nu = 0.01."""
+    numbers = {
+        "gap": 1.0,
+        "length": 2.0,
+        "density": 2.0,
+        "kinematic_viscosity": 0.01,
+        "bottom_velocity": 0.0,
+        "top_velocity": 0.5,
+        "initial_state": "rest",
+        "start_time": 0.0,
+        "spacing": 1.0 / rows,
+        "columns": 2 * rows,
+        "rows": rows,
+        "units": None,
+    }
+    return Channel(**{**numbers, **changes})
+
+
+def make_snapshot(channel, u=None, t=1.8, jitter=0.2, seed=0):
+    """Jittered particles with velocities ``u(x, y)``, the exact ones by default."""
+    x, y = channel.jittered(seed, jitter)
+    velocity = channel.exact_velocity(y, t) if u is None else u(x, y)
+    at_rest = np.zeros_like(x)
+    return Snapshot(t, 10, x, y, velocity, at_rest, np.full_like(x, channel.density), at_rest)
+
+
+def measure(channel, snapshot, heights=10):
+    """Sample metrics with tracers that read the exact velocity."""
+    y = channel.tracer_positions(heights)[1]
+    return sample_metrics(channel, snapshot, (y, channel.exact_velocity(y, snapshot.t)))
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    coefficients=st.lists(st.floats(-3, 3, allow_subnormal=False), min_size=6, max_size=6),
+    jitter=st.floats(0, 0.49),
+    seed=st.integers(0, 2**31),
+)
+def test_interpolation_is_exact_for_quadratic_fields_up_to_the_walls(coefficients, jitter, seed):
+    channel = make_channel(rows=12)
+    c0, cx, cy, cxx, cxy, cyy = coefficients
+
+    def field(x, y):
+        return c0 + cx * x + cy * y + cxx * x * x + cxy * x * y + cyy * y * y
+
+    y = np.array([0.0, 0.01, 0.1, 0.5, 0.77, 0.99, 1.0])
+    x = np.linspace(0.6, 1.4, 7)  # away from the periodic edge, where the field jumps
+    values = interpolate(make_snapshot(channel, field, jitter=jitter, seed=seed), channel, x, y)
+    # rounding 1e-16 * field (up to 20) * condition number of the 6 x 6 system: at points on a wall 1.5e4 on a
+    # lattice, 2e5 in the worst of 300 disordered ones
+    assert np.max(np.abs(values - field(x, y))) <= 4e-10
+
+
+def test_interpolation_crosses_the_periodic_edge():
+    """Moving particles and probes together along the channel changes nothing."""
+    channel = make_channel(rows=20)
+    snapshot = make_snapshot(channel, lambda x, y: np.sin(np.pi * x) + y**3)
+    y = np.linspace(0.05, 0.95, 5)
+    values = interpolate(snapshot, channel, np.full(5, 1.0), y)
+    moved = (snapshot.x + 0.97) % 2.0
+    shifted = Snapshot(1.8, 10, moved, *(getattr(snapshot, key) for key in ("y", "u", "v", "density", "pressure")))
+    # rounding 4e-16 of positions over the radius 0.15, times the condition number 3e2 to 5e3
+    assert np.max(np.abs(interpolate(shifted, channel, np.full(5, 1.97), y) - values)) <= 1e-12
+
+
+def test_interpolation_error_is_far_below_the_errors_that_it_measures():
+    """Third order at least: the quadratic basis leaves the third derivative and what disorder makes of it."""
+    errors = []
+    for rows in (25, 50, 100):
+        channel = make_channel(rows)
+        x, y = channel.tracer_positions(10)
+        values = Probes(channel, x, y).velocity(make_snapshot(channel))
+        errors.append(np.max(np.abs(values - channel.exact_velocity(y, 1.8))) / 0.5)
+    assert np.log2(errors[0] / errors[2]) / 2 > 2.7  # 3, less the scatter of one random sample
+    assert errors[1] < 1e-4  # a tenth of the error bound 1.5e-3 of the flow at this time
+
+
+def test_a_hole_at_a_probe_is_no_exception():
+    channel = make_channel(rows=20)
+    full = make_snapshot(channel)
+    keep = np.abs(full.y - 0.5) > 0.2
+    keys = ("x", "y", "u", "v", "density", "pressure")
+    holed = Snapshot(1.8, 10, *(getattr(full, key)[keep] for key in keys))
+    values = interpolate(holed, channel, np.array([1.0, 1.0]), np.array([0.5, 0.9]))
+    assert np.isnan(values[0])
+    assert np.isfinite(values[1])
+
+
+@pytest.mark.parametrize("walls", [(0.0, 0.5), (0.3, -0.2)])
+def test_wall_shear_is_exact_for_cubic_profiles(walls):
+    bottom, top = walls
+    channel = make_channel(rows=12, bottom_velocity=bottom, top_velocity=top)
+
+    def profile(x, y):
+        return bottom + (top - bottom) * y + 0.7 * y * (1 - y) * (1 + y)
+
+    slopes = (top - bottom + 0.7, top - bottom - 1.4)
+    # viscosity 0.02 * slope; rounding times the condition number (< 100) of the three columns
+    assert wall_shear(channel, make_snapshot(channel, profile)) == pytest.approx(
+        [0.02 * slope for slope in slopes], abs=1e-14
+    )
+
+
+def test_wall_shear_error_falls_with_the_fourth_power_of_the_spacing():
+    errors = []
+    for rows in (25, 50, 100):
+        channel = make_channel(rows)
+        top = wall_shear(channel, make_snapshot(channel))[1]
+        errors.append(abs(top / channel.exact_wall_shear(1.8)[1] - 1))
+    assert np.log2(errors[0] / errors[2]) / 2 > 3.7  # 4, less what higher orders take at 25 rows
+    assert errors[1] < 2e-4  # of the stress; 1.2e-4 measured, a tenth of the error of the flow
+
+
+def test_exact_particles_have_no_error():
+    channel = make_channel()
+    numbers = measure(channel, make_snapshot(channel))
+    assert numbers["l2"] == numbers["linf"] == 0.0
+    assert numbers["slope"] == numbers["slope_exact"]
+    assert numbers["intercept"] == numbers["intercept_exact"]
+    assert numbers["t"] == 1.8
+    assert numbers["t_star"] == pytest.approx(0.018, rel=1e-15)
+    assert numbers["density_variation"] == numbers["max_transverse_velocity"] == 0.0
+    # the errors of interpolation and fit, see above
+    assert numbers["centreline"] == pytest.approx(numbers["centreline_exact"], abs=0.5e-4)
+    assert numbers["wall_shear_top"] == pytest.approx(numbers["wall_shear_top_exact"], rel=2e-4)
+
+
+def test_a_known_error_is_measured():
+    """u = exact * (1 + 0.03) has l2 = 3 %; linf is 3 % of the largest velocity over the wall's."""
+    channel = make_channel()
+    exact = make_snapshot(channel)
+    fields = {key: getattr(exact, key) for key in ("x", "y", "pressure")}
+    density = exact.density.copy()
+    density[17] *= 0.9
+    v = exact.v.copy()
+    v[3] = -0.004
+    wrong = Snapshot(1.8, 10, u=1.03 * exact.u, v=v, density=density, **fields)
+    numbers = measure(channel, wrong)
+    assert numbers["l2"] == pytest.approx(0.03, rel=1e-12)
+    assert numbers["linf"] == pytest.approx(0.03 * exact.u.max() / 0.5, rel=1e-12)
+    assert numbers["density_variation"] == pytest.approx(0.1, rel=1e-12)
+    assert numbers["max_transverse_velocity"] == 0.004
+
+
+def test_the_fitted_slope_is_blind_to_symmetric_errors():
+    """A fifth of the wall speed missing at mid-gap leaves the slope as it is: why l2 stands beside it."""
+    channel = make_channel(initial_state="developed")
+    snapshot = make_snapshot(channel, lambda x, y: 0.5 * y - 0.1 * np.sin(np.pi * y))
+    y = channel.tracer_positions(10)[1]
+    numbers = sample_metrics(channel, snapshot, (y, 0.5 * y - 0.1 * np.sin(np.pi * y)))
+    assert numbers["slope"] == pytest.approx(0.5, abs=1e-15)  # the symmetric terms cancel in pairs
+    assert numbers["l2"] > 0.2
+    # 0.25 - 0.1; the interpolation error is 0.1 pi^4 R^4 = 1.3e-4 times a number below 1/100 (5e-8 measured)
+    assert numbers["centreline"] == pytest.approx(0.15, abs=1.5e-6)
+
+
+PAGE_CASE = [  # t [s], kinematic viscosity, slope, intercept, centreline, du/dy at bottom and top wall
+    (1.8, 0.01, 0.3460, -0.0973, 0.004204, 3.9e-6, 2.1026),
+    (2.7, 0.01, 0.3941, -0.1044, 0.015712, 3.3e-4, 1.7168),
+    (1.8, 0.1, 0.49975, -0.0342, 0.19613, 0.3316, 0.6700),
+    (2.7, 0.1, 0.49999, -0.0141, 0.22784, 0.4304, 0.5696),
+]
+
+
+@pytest.mark.parametrize("row", PAGE_CASE)
+def test_exact_numbers_of_the_verification_page(row):
+    """The exact start-up at the page's output times, lines fitted at its 50 particle heights."""
+    t, viscosity, *expected = row
+    channel = make_channel(kinematic_viscosity=viscosity, density=1.0)
+    numbers = measure(channel, make_snapshot(channel, t=t), heights=50)
+    assert numbers["slope_exact"] == pytest.approx(expected[0], abs=0.51e-4)
+    assert numbers["intercept_exact"] == pytest.approx(expected[1], abs=0.51e-4)
+    assert numbers["centreline_exact"] == pytest.approx(expected[2], abs=0.51e-5)
+    shears = [numbers[f"wall_shear_{wall}_exact"] / viscosity for wall in ("bottom", "top")]
+    assert shears == pytest.approx(expected[3:], rel=0.02, abs=1e-6)  # two printed digits where small
+
+
+def test_numbers_that_do_not_exist_are_null():
+    """At t = 0 the liquid is at rest (no relative error) and the stress on the moving wall is infinite."""
+    channel = make_channel()
+    numbers = measure(channel, make_snapshot(channel, t=0.0))
+    assert numbers["l2"] is None
+    assert numbers["wall_shear_top_exact"] is None
+    assert numbers["linf"] == 0.0
+    json.dumps(numbers, allow_nan=False)
+    single = measure(channel, make_snapshot(channel), heights=1)
+    assert single["slope"] is None
+
+
+def test_a_flow_that_went_wrong_still_has_numbers():
+    channel = make_channel(rows=20)
+    snapshot = make_snapshot(channel)
+    for field in (snapshot.u, snapshot.y, snapshot.density):
+        field[5] = np.nan
+    numbers = measure(channel, snapshot)
+    assert numbers["l2"] is None
+    assert numbers["density_variation"] is None
+    json.dumps(numbers, allow_nan=False)
+
+
+@given(slope=st.floats(-5, 5), intercept=st.floats(-5, 5), count=st.integers(2, 40))
+def test_a_line_is_fitted_exactly(slope, intercept, count):
+    y = (np.arange(count) + 0.5) / count
+    # rounding of values up to 10, divided by the spread 0.25 of two tracers
+    assert fit_line(y, slope * y + intercept) == pytest.approx((slope, intercept), abs=1e-13)

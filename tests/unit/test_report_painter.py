@@ -1,0 +1,139 @@
+import warnings
+
+import matplotlib
+import numpy as np
+import pytest
+from report_scene import make_channel, make_snapshot, particles
+
+from tisph.report import style
+from tisph.report.error_label import error_label
+from tisph.report.painter import FramePainter
+from tisph.verification.metrics import relative_error
+
+WIDTH, HEIGHT = 960, 480
+LINEAR = {"initial_state": "developed"}
+
+
+@pytest.fixture(scope="module")
+def painter():
+    return FramePainter(make_channel(**LINEAR), WIDTH, HEIGHT, title="test")
+
+
+def pixel(painter, x, y):
+    """Row and column in the frame of a place in the channel."""
+    rect, scale = painter.layout.channel, painter.layout.pixels_per_length
+    return rect.top + int((painter.channel.gap - y) * scale), rect.left + int(x * scale)
+
+
+def test_frame_has_the_size_asked_for_in_bytes(painter):
+    frame = painter.paint(make_snapshot(painter.channel, 1.0))
+    assert frame.shape == (HEIGHT, WIDTH, 3)
+    assert frame.dtype == np.uint8
+
+
+@pytest.mark.parametrize("fraction", [0.0, 0.3, 0.7, 1.0, 1.5])
+def test_disc_has_the_colour_of_its_speed(painter, fraction):
+    channel = painter.channel
+    speed = fraction * channel.reference_velocity
+    frame = painter.paint(particles(channel, 1.0, [0.004], [0.006], [-speed]))
+    expected = 255 * np.array(matplotlib.colormaps["viridis"](min(fraction, 1.0))[:3])
+    # The look-up table has 256 speeds and 256 coverages: neighbouring entries differ by at most 2 levels.
+    assert np.abs(frame[pixel(painter, 0.004, 0.006)] - expected).max() <= 2
+
+
+def test_disc_stands_at_its_particle_and_the_rest_of_the_channel_is_white(painter):
+    x, y = 0.0137, 0.0031
+    frame = painter.paint(particles(painter.channel, 1.0, [x], [y], [0.0]))
+    ink = 255.0 - frame[painter.layout.channel.slices][:, :, 0]
+    rows, columns = np.mgrid[: ink.shape[0], : ink.shape[1]] + 0.5
+    scale = painter.layout.pixels_per_length
+    # Rim sampling as in the raster tests, and bytes: a twentieth of a pixel.
+    assert (ink * columns).sum() / ink.sum() == pytest.approx(x * scale, abs=0.05)
+    assert (ink * rows).sum() / ink.sum() == pytest.approx((painter.channel.gap - y) * scale, abs=0.05)
+    assert np.count_nonzero(ink) < 4 * (2 * painter.disc_radius + 2) ** 2
+
+
+def test_two_snapshots_differ_only_where_something_moves(painter):
+    channel, layout = painter.channel, painter.layout
+    early, late = make_snapshot(channel, 1.0), make_snapshot(channel, 20.0, slip=0.1)
+    changed = np.any(painter.paint(early).copy() != painter.paint(late), axis=2)
+    for part in (layout.channel, layout.profile, layout.time_label, layout.error_label):
+        assert changed[part.slices].any()
+        changed[part.slices] = False
+    assert not changed.any()
+
+
+def test_same_snapshot_gives_the_same_frame(painter):
+    snapshot = make_snapshot(painter.channel, 1.0)
+    first = painter.paint(snapshot).copy()
+    painter.paint(make_snapshot(painter.channel, 5.0, slip=0.2))
+    assert np.array_equal(first, painter.paint(snapshot))
+
+
+def test_exact_curve_and_dots_stand_at_their_velocity(painter):
+    channel, rect = painter.channel, painter.layout.profile
+    lowest, highest = painter.velocity_range
+    shift = 0.5
+    frame = painter.paint(make_snapshot(channel, 1.0, slip=shift)).astype(float)
+    red = 255 * np.array(matplotlib.colors.to_rgb(style.EXACT))
+    blue = 255 * np.array(matplotlib.colors.to_rgb(style.PARTICLES))
+    row = rect.top + int((1 - 3.5 / channel.rows) * rect.height)  # through the fourth row of particles
+    u = channel.exact_velocity(channel.gap * 3.5 / channel.rows, 1.0)
+    for colour, velocity in ((red, u), (blue, u + shift * channel.reference_velocity)):
+        distance = np.abs(frame[row, rect.left + 1 : rect.right - 1] - colour).max(axis=1)
+        columns = np.flatnonzero(distance < 40)  # the core of line or dot, not its soft rim
+        expected = (velocity - lowest) / (highest - lowest) * rect.width
+        assert columns.mean() + 1.5 == pytest.approx(expected, abs=1.0)  # a pixel
+
+
+def test_periodic_edge_shows_both_parts_of_a_disc_unless_the_channel_is_cut(painter):
+    frame = painter.paint(particles(painter.channel, 1.0, [0.0], [0.005], [0.0]))
+    panel = frame[painter.layout.channel.slices]
+    middle = panel.shape[0] // 2
+    assert panel[middle, 0, 0] < 100
+    assert panel[middle, -1, 0] < 100
+    long = FramePainter(make_channel(length=0.1), WIDTH, HEIGHT)
+    panel = long.paint(particles(long.channel, 1.0, [0.0], [0.005], [0.0]))[long.layout.channel.slices]
+    assert panel[panel.shape[0] // 2, 0, 0] < 100
+    assert panel[panel.shape[0] // 2, -1, 0] == 255
+
+
+@pytest.mark.parametrize("velocity", [0.005, -0.005])
+def test_arrows_point_where_a_wall_goes_and_a_wall_at_rest_has_none(velocity):
+    painter = FramePainter(make_channel(top_velocity=velocity), WIDTH, HEIGHT)
+    frame = painter.paint(make_snapshot(painter.channel, 1.0))
+    layout, rect = painter.layout, painter.layout.channel
+    wall = frame[rect.top - layout.wall_thickness + 2 : rect.top - 2, rect.left : rect.left + rect.width // 3, 0]
+    white = (wall > 200).sum(axis=0)
+    arrows = np.flatnonzero(white)
+    first = arrows[: np.flatnonzero(np.diff(np.append(arrows, arrows[-1] + 9)) > 1)[0] + 1]
+    head = np.argmax(white[first])  # the head is wider than the shaft
+    assert (head > len(first) / 2) == (velocity > 0)
+    resting = frame[rect.bottom + 2 : rect.bottom + layout.wall_thickness - 2, rect.left : rect.right]
+    assert resting.mean() > 180  # hatched and light: no dark bar, so no arrows
+
+
+def test_particles_gone_wrong_do_not_stop_the_picture(painter):
+    channel = painter.channel
+    wrong = particles(channel, 1.0, [0.001, np.nan, 0.003, 0.007], [0.005, 0.005, np.inf, 0.005], [0, 0, 0, np.nan])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        frame = painter.paint(wrong)
+    assert frame[pixel(painter, 0.001, 0.005)][0] < 100
+
+
+def test_user_settings_of_matplotlib_do_not_reach_the_picture(painter):
+    with matplotlib.rc_context({"font.size": 30, "axes.facecolor": "black", "figure.facecolor": "black"}):
+        other = FramePainter(painter.channel, WIDTH, HEIGHT, title="test")
+    snapshot = make_snapshot(painter.channel, 1.0)
+    assert np.array_equal(other.paint(snapshot), painter.paint(snapshot))
+
+
+def test_error_is_relative_to_the_exact_profile():
+    channel = make_channel(**LINEAR)
+    x, y = channel.lattice()
+    exact = channel.exact_velocity(y, 1.0)
+    assert relative_error(channel, particles(channel, 1.0, x, y, 1.01 * exact)) == pytest.approx(0.01)
+    at_rest = make_channel()
+    assert relative_error(at_rest, particles(at_rest, 0.0, x, y, 0 * x)) is None
+    assert error_label(at_rest, particles(at_rest, 0.0, x, y, 0 * x)) == "L2 error: none yet"

@@ -1,0 +1,94 @@
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from PIL import Image
+from report_scene import make_channel, make_snapshot
+
+from tisph.report.history import plot_history
+from tisph.report.profiles import plot_profiles
+
+PNG_SIZE = (1320, 720)
+
+
+@pytest.fixture
+def figures(monkeypatch):
+    """The figures that are saved during the test."""
+    saved = []
+    save = Figure.savefig
+
+    def remember(self, *arguments, **settings):
+        saved.append(self)
+        return save(self, *arguments, **settings)
+
+    monkeypatch.setattr(Figure, "savefig", remember)
+    return saved
+
+
+def legend_texts(figure):
+    return [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def history(channel, count, times):
+    y = (np.arange(count) + 0.5) * channel.gap / count
+    return times, y, np.array([channel.exact_velocity(y, t) for t in times])
+
+
+def test_profiles_show_particles_on_the_exact_curve_and_their_error(tmp_path, figures):
+    channel = make_channel()
+    plot_profiles(tmp_path / "profiles.png", channel, [make_snapshot(channel, t, slip=1e-3) for t in (1.8, 20.0)])
+    assert Image.open(tmp_path / "profiles.png").size == PNG_SIZE
+    velocity, error = figures[0].axes
+    dots, curve = velocity.lines[:2]
+    u, y = dots.get_data()
+    assert np.allclose(u - channel.exact_velocity(y, 1.8), 1e-3 * channel.reference_velocity, rtol=1e-9)
+    u, y = curve.get_data()
+    assert np.array_equal(u, channel.exact_velocity(y, 1.8))
+    assert (y[0], y[-1]) == (0.0, channel.gap)
+    assert np.allclose(error.lines[0].get_xdata(), 1e-3, rtol=1e-9)
+    assert legend_texts(figures[0])[0].startswith("t = 1.8 s,  t* = 0.018,  L2 error 3.")
+
+
+def test_profiles_of_a_perfect_run_and_of_the_start_can_be_drawn(tmp_path):
+    channel = make_channel(initial_state="developed")
+    plot_profiles(tmp_path / "perfect.png", channel, [make_snapshot(channel, 1.8)])
+    channel = make_channel()
+    plot_profiles(tmp_path / "start.png", channel, [make_snapshot(channel, 0.0)])
+
+
+def test_history_shows_tracers_on_the_exact_history(tmp_path, figures):
+    channel = make_channel()
+    times, y, u = history(channel, 5, np.linspace(0.0, 20.0, 30))
+    plot_history(tmp_path / "history.png", channel, times, y, u)
+    assert Image.open(tmp_path / "history.png").size == PNG_SIZE
+    markers, curve = figures[0].axes[0].lines[:2]
+    t, velocity = markers.get_data()
+    assert np.array_equal(velocity, channel.exact_velocity(y[-1], t))  # the highest tracer comes first
+    t, velocity = curve.get_data()
+    assert np.array_equal(velocity, channel.exact_velocity(y[-1], t))
+    assert (t[0], t[-1]) == (0.0, 20.0)
+    assert legend_texts(figures[0]) == ["y/H = 0.9", "y/H = 0.7", "y/H = 0.5", "y/H = 0.3", "y/H = 0.1", "exact"]
+
+
+def test_history_of_a_run_that_stopped_at_once_can_be_drawn(tmp_path):
+    channel = make_channel()
+    plot_history(tmp_path / "history.png", channel, *history(channel, 2, np.array([0.0])))
+
+
+def test_legends_stay_short(tmp_path, figures):
+    channel = make_channel()
+    plot_profiles(tmp_path / "profiles.png", channel, [make_snapshot(channel, t) for t in np.linspace(1, 20, 30)])
+    plot_history(tmp_path / "history.png", channel, *history(channel, 40, np.linspace(0.0, 20.0, 30)))
+    for figure in figures:
+        assert len(legend_texts(figure)) == 13  # twelve of them, and "exact"
+
+
+def test_legends_overlap_no_other_text(tmp_path, figures):
+    channel = make_channel(top_velocity=-2.5e-4)
+    plot_profiles(tmp_path / "profiles.png", channel, [make_snapshot(channel, t) for t in np.linspace(1, 20, 12)])
+    plot_history(tmp_path / "history.png", channel, *history(channel, 12, np.linspace(0.0, 20.0, 30)))
+    for figure in figures:
+        box = figure.legends[0].get_window_extent()
+        assert box.x0 >= 0
+        assert box.x1 <= PNG_SIZE[0]
+        for axes in figure.axes:
+            assert not box.overlaps(axes.get_tightbbox())

@@ -1,0 +1,59 @@
+"""Command line: one file a command. What a command needs is imported when it runs, so that help is quick."""
+
+from typing import Annotated
+
+import typer
+
+from tisph import __version__
+from tisph.cli import check, list_families, render, run, verify
+from tisph.cli.outcome import reported
+
+HELP = """Laminar, wall-bounded flow by smoothed particles: a YAML file describes a run, one command runs it.
+
+\b
+Examples:
+  tisph check configs/couette.yaml
+  tisph run configs/couette.yaml
+  tisph run configs/couette.yaml --set walls.top.velocity=0.01 --out runs/faster
+
+Exit status: 0 done, 1 a check failed, 2 bad input, 3 the run diverged, 130 interrupted.
+"""
+
+app = typer.Typer(
+    help=HELP,
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"tisph {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version and exit."),
+    ] = False,
+) -> None:
+    pass
+
+
+for _name, _command in {
+    "run": run.run,
+    "check": check.check,
+    "list": list_families.list_families,
+    "verify": verify.verify,
+    "render": render.render,
+}.items():
+    app.command(_name)(reported(_command))
+
+
+def main() -> None:
+    """Run the command line on the arguments of this process."""
+    app(prog_name="tisph")

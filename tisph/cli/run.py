@@ -1,0 +1,58 @@
+"""``tisph run``: simulate, compare with the exact solution, leave numbers, pictures and a movie."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from tisph.cli.options import ConfigFile, Overrides
+from tisph.errors import DivergedError
+
+SHOWN = {
+    "movie": "movie.mp4",
+    "profiles": "profiles.png",
+    "history": "history.png",
+    "summary": "summary.json",
+}
+
+
+def run(
+    config: ConfigFile,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Folder of the results [default: runs/NAME].")
+    ] = None,
+    overrides: Overrides = None,
+    no_video: Annotated[bool, typer.Option("--no-video", help="Make no movie.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on from the checkpoint in DIR.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in DIR.")] = False,
+) -> None:
+    """Run a config and leave its results in DIR.
+
+    \b
+    Examples:
+      tisph run configs/couette.yaml
+      tisph run configs/couette.yaml --out runs/fine --set discretisation.particles_across=100
+      tisph run configs/couette.yaml --no-video --overwrite
+      tisph run configs/couette.yaml --resume
+    """
+    from tisph.cli import output_folder
+    from tisph.config import load
+
+    loaded = load(config, overrides or ())
+    folder = out or Path("runs") / loaded.name
+    output_folder.prepare(folder, overwrite=overwrite, resume=resume)
+
+    from tisph import simulation
+
+    try:
+        simulation.run(loaded, folder, video=not no_video, resume=resume)
+    except DivergedError as error:
+        raise DivergedError(f"{error}\npartial results are in {folder}") from None
+    _show_results(folder)
+
+
+def _show_results(folder: Path) -> None:
+    typer.echo(f"results in {folder}")
+    for what, name in SHOWN.items():
+        if (folder / name).is_file():
+            typer.echo(f"  {what:9} {folder / name}")

@@ -1,0 +1,62 @@
+"""The base of every parameter model: frozen, strict types, finite numbers, no unknown keys."""
+
+from typing import Annotated, Any, ClassVar
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_serializer, model_validator
+from pydantic_core import InitErrorDetails, PydanticCustomError
+
+# Beyond these magnitudes products of a few inputs (a Reynolds number, a time step) leave the range of f64.
+SMALLEST, LARGEST = 1e-30, 1e30
+
+Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
+"""A physical quantity that cannot be zero or negative."""
+
+Signed = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
+"""A physical quantity of either sign, such as a velocity."""
+
+REFUSED = "refused"
+"""Type of the errors whose text is complete: the loader shows it as it stands."""
+
+
+def refusal(text: str) -> PydanticCustomError:
+    """An error to raise in a validator, saying in ``text`` what is allowed."""
+    return PydanticCustomError(REFUSED, "{text}", {"text": text})
+
+
+def refusals(found: list[tuple[tuple[str | int, ...], str, Any]]) -> ValidationError:
+    """One error to raise in a model validator, from (place below the model, text, value) of each finding."""
+    details = [InitErrorDetails(type=refusal(text), loc=place, input=value) for place, text, value in found]
+    return ValidationError.from_exception_data("Config", details)
+
+
+class Model(BaseModel):
+    """Parameters as they stand in a config: a string is no number, NaN and inf are refused.
+
+    Of the keys in ``exclusive_keys`` exactly one must have a value; ``null`` counts as not given.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    exclusive_keys: ClassVar[tuple[str, ...]] = ()
+
+    @model_validator(mode="after")
+    def _check_exclusive_keys(self) -> "Model":
+        given = [key for key in self.exclusive_keys if getattr(self, key) is not None]
+        rule = f"give exactly one of {', '.join(self.exclusive_keys)}"
+        if self.exclusive_keys and not given:
+            raise refusals([((), f"{rule}: none is given", {})])
+        if len(given) > 1:
+            raise refusals(
+                [
+                    (
+                        (given[-1],),
+                        f"{rule}: {' and '.join(given)} are given (null unsets)",
+                        getattr(self, given[-1]),
+                    )
+                ]
+            )
+        return self
+
+    @model_serializer(mode="wrap")
+    def _leave_out_unused_exclusive_keys(self, handler: Any) -> dict[str, Any]:
+        unused = [key for key in self.exclusive_keys if getattr(self, key) is None]
+        return {key: value for key, value in handler(self).items() if key not in unused}

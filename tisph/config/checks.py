@@ -1,0 +1,147 @@
+"""Conditions between keys: a spacing that divides gap and length, samples inside the run, a size to fit."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from tisph import families
+from tisph.config import memory
+from tisph.config.base import refusals
+
+LEAST_PARTICLES_ACROSS = 6
+DIVISION_TOLERANCE = 1e-9
+"""Relative; far above the rounding of decimal numbers, far below anything that a flow would notice."""
+
+SKIN = 0.3
+"""Room for a neighbour list's skin in units of the spacing, where the least length is worked out."""
+
+FARTHEST_ROWS = 10_000
+"""How far from the given resolution a valid one is looked for."""
+
+Problem = tuple[str, str]
+"""Dotted key and what is wrong with its value."""
+
+
+def raise_problems(config: Any) -> None:
+    """Raise one ValidationError with all problems of the validated config, if there are any."""
+    found = []
+    for key, text in problems(config):
+        place = tuple(int(part) if part.isdigit() else part for part in key.split("."))
+        found.append((place, text, _value(config, place)))
+    if found:
+        raise refusals(found)
+
+
+def problems(config: Any) -> Iterator[Problem]:
+    """Every condition between keys that the config breaks."""
+    yield from _motion(config)
+    yield from _times(config)
+    yield from _tracers(config)
+    too_large = list(_size(config))
+    yield from too_large or _lattice(config)
+
+
+def _value(config: Any, location: tuple[str | int, ...]) -> Any:
+    for part in location:
+        config = config[part] if isinstance(part, int) else getattr(config, part)
+    return config
+
+
+def _motion(config: Any) -> Iterator[Problem]:
+    if config.reference_velocity == 0:
+        yield "walls", "nothing moves: give walls.bottom or walls.top a velocity other than 0"
+    if config.initial.state == "exact" and config.initial.time == 0:
+        yield "initial.time", "must be greater than 0 with state exact (from rest: state rest)"
+    if config.initial.state != "exact" and config.initial.time != 0:
+        yield "initial.time", f"is allowed only with state exact, not with state {config.initial.state}"
+
+
+def _times(config: Any) -> Iterator[Problem]:
+    start, end, samples = config.start_time, config.time.end, config.time.samples
+    if not end > start:
+        yield "time.end", f"must be after the start of the run at {start:g}"
+        return
+    for index, sample in enumerate(samples):
+        if not start <= sample <= end:
+            yield f"time.samples.{index}", f"must be inside the run, {start:g} to {end:g}"
+        elif index and not sample > samples[index - 1]:
+            yield (
+                f"time.samples.{index}",
+                f"must be greater than the sample before it, {samples[index - 1]:g}",
+            )
+
+
+def _tracers(config: Any) -> Iterator[Problem]:
+    if config.tracers.x != "centre" and config.tracers.x > config.geometry.length:
+        yield "tracers.x", f"must be inside the channel: centre, or 0 to {config.geometry.length:g}"
+
+
+def _resolution_key(config: Any) -> str:
+    return "discretisation." + ("particles_across" if config.discretisation.spacing is None else "spacing")
+
+
+def _across(config: Any) -> float:
+    """Particles across the gap as given, perhaps not a whole number."""
+    given = config.discretisation
+    return given.particles_across or config.geometry.gap / given.spacing
+
+
+def _size(config: Any) -> Iterator[Problem]:
+    across = _across(config)
+    particles = across * (across * config.geometry.length / config.geometry.gap)
+    needed, available = memory.estimated_bytes(particles), memory.physical_bytes()
+    text = f"makes {particles:.3g} particles, which would need about {memory.format_bytes(needed)} of memory"
+    if particles > memory.MOST_PARTICLES:
+        yield _resolution_key(config), f"{text}; at most {memory.MOST_PARTICLES} particles are allowed"
+    elif available and needed > available:
+        yield _resolution_key(config), f"{text}; this machine has {memory.format_bytes(available)}"
+
+
+def _lattice(config: Any) -> Iterator[Problem]:
+    across, gap, length = _across(config), config.geometry.gap, config.geometry.length
+    columns = across * length / gap
+    least_rows = max(LEAST_PARTICLES_ACROSS, math.ceil(_reach(config)))
+    key = _resolution_key(config)
+    if across < least_rows * (1 - DIVISION_TOLERANCE):
+        limit = f" (spacing at most {gap / least_rows:.6g})" if config.discretisation.spacing else ""
+        yield key, f"at least {least_rows} particles must fit across the gap{limit}"
+    elif not _is_whole(across):
+        yield key, f"must divide the gap {gap:g}; {_nearest_valid(config, least_rows)}"
+    elif not _is_whole(columns):
+        choices = _nearest_valid(config, least_rows)
+        lengths = [f"{whole * gap / across:.12g}" for whole in (math.floor(columns), math.ceil(columns)) if whole]
+        text = f"makes {columns:.6g} columns in the length {length:g}, no whole number; {choices}"
+        yield key, f"{text}, or geometry.length {' or '.join(lengths)}"
+    else:
+        yield from _least_length(config, round(columns))
+
+
+def _least_length(config: Any, columns: int) -> Iterator[Problem]:
+    least = math.ceil(3 * _reach(config))
+    if columns < least:
+        # with fewer than three cells along x a particle would meet a neighbour and its periodic copy
+        text = f"must be at least {least * config.spacing:.6g}, {least} particle spacings"
+        yield "geometry.length", f"{text}: the periodic neighbour search needs three cells along x"
+
+
+def _reach(config: Any) -> float:
+    """Radius of the neighbour search in particle spacings."""
+    support = families.constant("kernels", config.discretisation.kernel, "SUPPORT")
+    return support * config.discretisation.smoothing_ratio + SKIN
+
+
+def _is_whole(number: float) -> bool:
+    return round(number) >= 1 and abs(number - round(number)) <= DIVISION_TOLERANCE * number
+
+
+def _nearest_valid(config: Any, least_rows: int) -> str:
+    """The resolutions around the given one that divide gap and length, in the words of a message."""
+    across, gap = _across(config), config.geometry.gap
+    aspect = config.geometry.length / gap
+    start = math.floor(across)
+    below = range(start, max(least_rows, start - FARTHEST_ROWS) - 1, -1)
+    above = range(max(least_rows, start + 1), start + FARTHEST_ROWS)
+    found = [next((rows for rows in side if _is_whole(rows * aspect)), None) for side in (below, above)]
+    by_spacing = config.discretisation.spacing is not None
+    choices = [f"{gap / rows:.12g}" if by_spacing else str(rows) for rows in found if rows]
+    return f"nearest valid {'spacing' if by_spacing else 'particles_across'}: {' or '.join(choices) or 'none'}"

@@ -1,0 +1,87 @@
+"""Field types of a config that pydantic does not have: members of a family, and a number or one word."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, Discriminator, GetCoreSchemaHandler, Tag
+from pydantic_core import CoreSchema, core_schema
+
+from tisph import families
+from tisph.config.base import Model, refusal, refusals
+
+WORD_TAG = "<word>"
+NUMBER_TAG_START = "<or "
+
+
+def nearest(word: object, choices: Iterable[str]) -> str:
+    """``"; nearest: NAME"`` for the choice that is most like ``word``, empty where none is alike."""
+    matches = get_close_matches(str(word), list(choices), n=1, cutoff=0.6)
+    return f"; nearest: {matches[0]}" if matches else ""
+
+
+def one_of(choices: list[str]) -> str:
+    """What a value with these choices must be, in words."""
+    return "must be " + ("one of " if len(choices) > 1 else "") + ", ".join(choices)
+
+
+def number_or(number: Any, word: str) -> Any:
+    """The type of a value that is a number of type ``number``, or the one word ``word``."""
+    number_tag = f"{NUMBER_TAG_START}{word}>"
+    return Annotated[
+        Annotated[number, Tag(number_tag)] | Annotated[Literal[word], Tag(WORD_TAG)],
+        Discriminator(lambda value: WORD_TAG if value == word else number_tag),
+    ]
+
+
+def member_name(family: str) -> Any:
+    """The type of a value that is the name of a member of ``family``."""
+
+    def check(name: str) -> str:
+        members = families.names(family)
+        if name not in members:
+            raise refusal(one_of(members) + nearest(name, members))
+        return name
+
+    return Annotated[str, AfterValidator(check)]
+
+
+@dataclass(frozen=True)
+class Member:
+    """Marks a map ``{type: NAME, ...}`` whose other keys are the ``Parameters`` of a family's member.
+
+    ``usual`` is the member meant where the map, or its ``type``, is left out.
+    """
+
+    family: str
+    usual: str
+
+    def default(self) -> Model:
+        """The parameters of the usual member, all at their defaults."""
+        return families.load(self.family, self.usual).Parameters()
+
+    def model(self, value: object) -> type[Model] | None:
+        """Parameter model that the raw map ``value`` names by its ``type``, None where it names none."""
+        name = value.get("type", self.usual) if isinstance(value, dict) else None
+        if name not in families.names(self.family):
+            return None
+        return families.load(self.family, name).Parameters
+
+    def _validate(self, value: object) -> Model:
+        if isinstance(value, Model):
+            return value
+        model = self.model(value)
+        if model is None:
+            raise self._refuse(value)
+        return model.model_validate(value)
+
+    def _refuse(self, value: object) -> Exception:
+        members = families.names(self.family)
+        if not isinstance(value, dict):
+            return refusal(f"must be a map such as {{type: {members[0]}}}")
+        return refusals([(("type",), one_of(members) + nearest(value["type"], members), value["type"])])
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        serialization = core_schema.plain_serializer_function_ser_schema(lambda model: model.model_dump())
+        return core_schema.no_info_plain_validator_function(self._validate, serialization=serialization)

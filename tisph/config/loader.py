@@ -1,0 +1,123 @@
+"""From a YAML file and ``--set`` overrides to a checked Config, or to one message that says what is wrong."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from tisph.config.fields import nearest
+from tisph.config.messages import describe
+from tisph.config.schema import Config
+from tisph.config.yaml_text import KeyPath, YamlTextError, in_one_line, parse
+from tisph.errors import ConfigError
+
+LARGEST_FILE = 64 * 1024
+"""Bytes; a config is a few kilobytes, and a wrong file should not be parsed for minutes."""
+
+MOST_SHOWN = 5
+
+
+class Source:
+    """Raw data of a config with the origin (file and line, or override) of every key."""
+
+    def __init__(self, path: str):
+        self.path = path
+        self.data: dict[str, Any] = {}
+        self._origins: dict[KeyPath, tuple[int, str]] = {}
+
+    def read(self) -> None:
+        """Fill in the file's data; raises ConfigError."""
+        try:
+            document = parse(_read_text(self.path))
+        except YamlTextError as error:
+            where = f"{self.path}:{error.line}" if error.line else self.path
+            raise ConfigError(f"{where}: {error.text}") from None
+        if not isinstance(document.data, dict):
+            kind = {list: "a list", type(None): "empty"}.get(type(document.data), "a single value")
+            raise ConfigError(f"{self.path}: is {kind}; it must be a map of keys such as 'scene: channel'")
+        self.data = document.data
+        self._origins = {place: (line, f"{self.path}:{line}") for place, line in document.lines.items()}
+
+    def override(self, text: str, rank: int) -> None:
+        """Set one key from ``key.path=value``; ``rank`` orders its errors among those of the overrides."""
+        dotted, equals, value = text.partition("=")
+        label = f"--set {in_one_line(text)}"
+        place = tuple(part.strip() for part in dotted.split("."))
+        if not equals or not all(place):
+            raise ConfigError(f"{label}: must look like key.path=value, such as time.end=2.7")
+        try:
+            parsed = parse(value).data
+        except YamlTextError as error:
+            raise ConfigError(f"{label}: the value {error.text}") from None
+        parent = self.data
+        for depth, part in enumerate(place[:-1], start=1):
+            if not isinstance(parent.setdefault(part, {}), dict):
+                raise ConfigError(f"{label}: {'.'.join(place[:depth])} is not a map of keys")
+            parent = parent[part]
+        parent[place[-1]] = parsed
+        replaced = [old for old in self._origins if old[: len(place)] == place]
+        for old in replaced:
+            del self._origins[old]
+        self._origins[place] = (LARGEST_FILE + rank, label)
+
+    def origin(self, place: KeyPath) -> tuple[int, str]:
+        """Order and name of where ``place``, or the nearest map around it, was written."""
+        while place and place not in self._origins:
+            place = place[:-1]
+        return self._origins.get(place, (0, self.path))
+
+
+def load(path: str | Path, overrides: Sequence[str] = ()) -> Config:
+    """Read a config file, apply ``key.path=value`` overrides in turn, and check everything.
+
+    Raises ConfigError with one message that names file, line, key, value and what is allowed for each of the
+    first few mistakes. ``name`` defaults to the file's name without its ending.
+    """
+    source = Source(str(path))
+    source.read()
+    for rank, text in enumerate(overrides):
+        source.override(text, rank)
+    source.data.setdefault("name", _default_name(source.path))
+    try:
+        return Config.model_validate(source.data)
+    except ValidationError as error:
+        raise ConfigError(_message(error, source)) from None
+
+
+def _message(error: ValidationError, source: Source) -> str:
+    found = [(source.origin(place), text) for place, text in describe(error, source.data)]
+    lines = [f"{where}: {text}" for (_, where), text in sorted(found)]
+    more = len(lines) - MOST_SHOWN
+    return "\n".join(lines[:MOST_SHOWN] + ([f"and {more} more"] if more > 0 else []))
+
+
+def _default_name(path: str) -> str:
+    safe = re.sub(r"[^A-Za-z0-9._-]", "_", Path(path).stem)[:64].strip(".")
+    return safe or "run"
+
+
+def _read_text(path: str) -> str:
+    try:
+        with open(path, "rb") as file:
+            content = file.read(LARGEST_FILE + 1)
+    except FileNotFoundError:
+        raise ConfigError(f"{path}: no such file{_nearest_file(Path(path))}") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise ConfigError(f"{path}: cannot be read: {reason}") from None
+    if len(content) > LARGEST_FILE:
+        raise ConfigError(f"{path}: is larger than {LARGEST_FILE} bytes: is this a config?")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise ConfigError(f"{path}:{line}: is not UTF-8 text (byte {error.start})") from None
+
+
+def _nearest_file(path: Path) -> str:
+    try:
+        return nearest(path.name, [entry.name for entry in path.parent.iterdir() if entry.suffix == ".yaml"])
+    except OSError:
+        return ""

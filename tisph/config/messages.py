@@ -1,0 +1,101 @@
+"""Validation errors as the lines that a user reads: key, value, what is allowed, nearest valid key."""
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic.fields import FieldInfo
+
+from tisph.config.base import REFUSED, SMALLEST, Model
+from tisph.config.fields import NUMBER_TAG_START, WORD_TAG, Member, nearest
+from tisph.config.schema import Config
+from tisph.config.yaml_text import KeyPath, in_one_line
+
+TEXTS = {
+    "float_type": "must be a number",
+    "int_type": "must be a whole number",
+    "finite_number": "must be a finite number",
+    "string_type": "must be text (in quotes where it looks like a number)",
+    "tuple_type": "must be a list such as [1.0, 2.0]",
+    "model_type": "must be a map of keys",
+    "missing": "is missing",
+    "too_short": "must not be empty",
+    "greater_than": "must be greater than {gt:g}",
+    "greater_than_equal": "must be at least {ge:g}",
+    "less_than": "must be less than {lt:g}",
+    "less_than_equal": "must be at most {le:g}",
+    "multiple_of": "must be a multiple of {multiple_of:g}",
+    "too_long": "must have at most {max_length} items",
+    "literal_error": "must be {expected}",
+}
+"""What is allowed, by pydantic's type of error; a type that is not here keeps pydantic's own words."""
+
+
+def describe(error: ValidationError, data: Any) -> list[tuple[KeyPath, str]]:
+    """Place and message of every error of a failed validation of the raw ``data``."""
+    return [_describe(details, data) for details in error.errors(include_url=False)]
+
+
+def show(value: object) -> str:
+    """A value as it could stand in a YAML file, cut where it is long."""
+    return in_one_line(json.dumps(value, default=str, ensure_ascii=False))
+
+
+def _describe(details: Any, data: Any) -> tuple[KeyPath, str]:
+    # an unknown key may look like a tag, but has none below it
+    tags = [part for part in details["loc"] if _is_tag(part) and details["type"] != "extra_forbidden"]
+    place = tuple(part for part in details["loc"] if part not in tags)
+    key = in_one_line(".".join(map(str, place)))
+    text = _text(details, place, data)
+    if tags and tags[0] != WORD_TAG:
+        text += f", or {tags[0][len(NUMBER_TAG_START) : -1]}"
+    if details["type"] == "missing" or isinstance(details["input"], (dict, Model)):
+        return place, f"{key}: {text}"
+    return place, f"{key} = {show(details['input'])}: {text}"
+
+
+def _is_tag(part: str | int) -> bool:
+    return isinstance(part, str) and part.startswith("<")
+
+
+def _text(details: Any, place: KeyPath, data: Any) -> str:
+    kind, context = details["type"], details.get("ctx", {})
+    if kind == REFUSED:
+        return context["text"]
+    if kind == "extra_forbidden":
+        return _unknown_key(place, data)
+    if context.get("ge") == SMALLEST:
+        return f"must be greater than 0 (at least {SMALLEST:g})"
+    return TEXTS[kind].format(**context) if kind in TEXTS else details["msg"]
+
+
+def _unknown_key(place: KeyPath, data: Any) -> str:
+    model: type[Model] = Config
+    for part in place[:-1]:
+        data = data[part]
+        model = _model_below(model.model_fields[part], data)
+    allowed = list(model.model_fields)
+    elsewhere = (f"; nearest: {key}" for key in _dotted_keys(Config) if key.endswith(f".{place[-1]}"))
+    suggestion = nearest(place[-1], allowed) or next(elsewhere, "")
+    return f"unknown key{suggestion}; allowed: {', '.join(allowed)}"
+
+
+def _dotted_keys(model: type[Model], before: str = "") -> Iterator[str]:
+    """Full names of all keys, but for those of family members."""
+    for name, field in model.model_fields.items():
+        yield before + name
+        below = _static_model(field)
+        if below:
+            yield from _dotted_keys(below, f"{before}{name}.")
+
+
+def _model_below(field: FieldInfo, data: Any) -> type[Model] | None:
+    """Model of the map ``data`` that stands at ``field``."""
+    members = [mark for mark in field.metadata if isinstance(mark, Member)]
+    return members[0].model(data) if members else _static_model(field)
+
+
+def _static_model(field: FieldInfo) -> type[Model] | None:
+    choices = getattr(field.annotation, "__args__", (field.annotation,))
+    return next((item for item in choices if isinstance(item, type) and issubclass(item, Model)), None)

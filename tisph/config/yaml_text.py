@@ -1,0 +1,134 @@
+"""YAML 1.2 text to plain data with the line of every key, and back: maps, lists and plain values only."""
+
+import io
+from dataclasses import dataclass
+from typing import Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent, NodeEvent
+from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+
+MOST_LEVELS = 20
+"""Deepest nesting that is read; a config has four levels."""
+
+LONGEST_SHOWN = 60
+"""Characters of a user's text that a message repeats."""
+
+KeyPath = tuple[str | int, ...]
+
+# What ruamel's scanner and constructor raise on some malformed texts besides their own errors.
+PARSER_ERRORS = (YAMLError, ValueError, TypeError, AttributeError, IndexError, KeyError, AssertionError)
+
+
+class YamlTextError(Exception):
+    """Text that is no acceptable YAML: what is wrong, and the line (from 1) where known."""
+
+    def __init__(self, text: str, line: int | None = None):
+        super().__init__(text)
+        self.text, self.line = text, line
+
+
+def in_one_line(text: str) -> str:
+    """Text of a user as it may stand in a message: control characters escaped, cut where it is long."""
+    escaped = "".join(c if c.isprintable() else repr(c)[1:-1] for c in text[:LONGEST_SHOWN])
+    return escaped if len(text) <= LONGEST_SHOWN else f"{escaped}..."
+
+
+@dataclass
+class Document:
+    """Plain data (maps, lists and plain values) and the line, from 1, of every key and item."""
+
+    data: Any
+    lines: dict[KeyPath, int]
+
+
+def parse(text: str) -> Document:
+    """Read one YAML document; raises YamlTextError for everything but plain data."""
+    try:
+        _refuse_what_is_not_plain(text)
+        builder = _Builder()
+        return Document(builder.plain(_reader().compose(text)), builder.lines)
+    except PARSER_ERRORS as error:
+        raise YamlTextError(*_parser_message(error)) from None
+
+
+def dump(data: dict[str, Any]) -> str:
+    """Block-style YAML of plain data; ``parse`` gives the same data back, numbers to the last bit."""
+    writer = YAML(typ="safe", pure=True)
+    writer.default_flow_style = False
+    writer.sort_base_mapping_type_on_output = False
+    stream = io.StringIO()
+    writer.dump(data, stream)
+    return stream.getvalue()
+
+
+def _reader() -> YAML:
+    return YAML(typ="safe", pure=True)
+
+
+def _parser_message(error: Exception) -> tuple[str, int | None]:
+    mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
+    marked = isinstance(error, MarkedYAMLError)
+    text = ", ".join(part for part in (error.context, error.problem) if part) if marked else ""
+    text = text or str(error).partition("\n")[0] or type(error).__name__
+    return f"is not YAML: {text}", mark.line + 1 if mark else None
+
+
+def _refuse_what_is_not_plain(text: str) -> None:
+    """Look at the stream of events first, so that no alias is expanded and no deep nesting is followed."""
+    level = 0
+    for event in _reader().parse(text):
+        line = event.start_mark.line + 1
+        if isinstance(event, AliasEvent):
+            raise YamlTextError(f"alias *{event.anchor}: aliases are not allowed, write the value out", line)
+        if isinstance(event, NodeEvent) and event.anchor is not None:
+            raise YamlTextError(f"anchor &{event.anchor}: anchors are not allowed, write the value out", line)
+        if getattr(event, "tag", None) is not None:
+            tag = str(event.tag).replace("tag:yaml.org,2002:", "!!")
+            raise YamlTextError(f"tag {tag}: tags are not allowed, write a plain value", line)
+        level += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
+        if level > MOST_LEVELS:
+            raise YamlTextError(f"nested more than {MOST_LEVELS} levels deep", line)
+
+
+class _Builder:
+    """Plain data from the nodes of one document, noting the line of every key and item."""
+
+    def __init__(self):
+        self.lines: dict[KeyPath, int] = {}
+        self._constructor = _reader().constructor
+
+    def plain(self, node: Node | None, path: KeyPath = ()) -> Any:
+        if isinstance(node, MappingNode):
+            return self._map(node, path)
+        if isinstance(node, SequenceNode):
+            for index, item in enumerate(node.value):
+                self.lines[(*path, index)] = item.start_mark.line + 1
+            return [self.plain(item, (*path, index)) for index, item in enumerate(node.value)]
+        return None if node is None else self._scalar(node)
+
+    def _map(self, node: MappingNode, path: KeyPath) -> dict[str, Any]:
+        data = {}
+        for key_node, value_node in node.value:
+            line = key_node.start_mark.line + 1
+            key = self._scalar(key_node) if isinstance(key_node, ScalarNode) else None
+            if not isinstance(key, str):
+                shown = repr(in_one_line(key_node.value)) if isinstance(key_node, ScalarNode) else "a map or list"
+                raise YamlTextError(f"key {shown}: keys must be words", line)
+            if key in data:
+                dotted = in_one_line(".".join(map(str, (*path, key))))
+                raise YamlTextError(f"duplicate key {dotted}: already given in line {self.lines[(*path, key)]}", line)
+            self.lines[(*path, key)] = line
+            data[key] = self.plain(value_node, (*path, key))
+        return data
+
+    def _scalar(self, node: ScalarNode) -> Any:
+        if node.tag.endswith((":merge", ":value")):  # the keys << and =, which mean nothing here
+            return node.value
+        try:
+            return self._constructor.construct_object(node)
+        except PARSER_ERRORS:
+            raise YamlTextError(
+                f"cannot read the value {in_one_line(node.value)!r}", node.start_mark.line + 1
+            ) from None

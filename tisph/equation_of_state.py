@@ -1,0 +1,61 @@
+"""Tait equation of state: pressure from density, p = B ((rho/rho0)^gamma - 1), B = rho0 c^2 / gamma."""
+
+import math
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from tisph.config.base import LARGEST, Model, Positive
+from tisph.config.fields import number_or
+
+SCALE_RATIO = 10.0
+"""Automatic sound speed over the fastest velocity scale: density then varies by about a percent at most."""
+
+
+class Tait(Model):
+    """Stiffness of the weakly compressible liquid.
+
+    At most one of ``sound_speed`` and ``bulk_modulus`` (K = density * sound_speed^2, the bulk modulus at zero
+    pressure) is given; without either the sound speed is ``auto``, see ``sound_speed``. ``pressure_cutoff``
+    (negative) limits tension: the pressure never falls below it.
+    """
+
+    exclusive_keys = ("sound_speed", "bulk_modulus")
+
+    type: Literal["tait"] = "tait"
+    gamma: int = Field(default=7, ge=1, le=15)
+    sound_speed: number_or(Positive, "auto") | None = None
+    bulk_modulus: Positive | None = None
+    pressure_cutoff: float | None = Field(default=None, lt=0, ge=-LARGEST)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fill_in_sound_speed(cls, data: Any) -> Any:
+        if isinstance(data, dict) and all(data.get(key) is None for key in cls.exclusive_keys):
+            return {**data, "sound_speed": "auto"}
+        return data
+
+
+def sound_speed(
+    parameters: Tait, *, reference_velocity: float, kinematic_viscosity: float, gap: float, density: float
+) -> float:
+    """Sound speed [length/time] that the parameters mean in a channel flow.
+
+    ``auto`` is ten times the larger of the wall speed U and the viscous scale sqrt(nu U / H), which keep the
+    inertial and the viscous pressure differences small against density * c^2 (J. P. Morris, P. J. Fox and
+    Y. Zhu, J. Comput. Phys. 136 (1997) 214-226).
+    """
+    if parameters.bulk_modulus is not None:
+        return math.sqrt(parameters.bulk_modulus / density)
+    if parameters.sound_speed != "auto":
+        return parameters.sound_speed
+    viscous_velocity = math.sqrt(kinematic_viscosity * reference_velocity / gap)
+    return SCALE_RATIO * max(reference_velocity, viscous_velocity)
+
+
+def pressure(parameters: Tait, compression: np.ndarray, *, density: float, sound_speed: float) -> np.ndarray:
+    """Pressure at ``compression`` = rho/rho0 - 1 (any shape), never below the cutoff."""
+    relative = np.expm1(parameters.gamma * np.log1p(compression)) / parameters.gamma
+    values = density * sound_speed**2 * relative
+    return values if parameters.pressure_cutoff is None else np.maximum(values, parameters.pressure_cutoff)

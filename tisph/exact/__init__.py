@@ -1,0 +1,1 @@
+"""Exact solutions, without Taichi. One file each."""

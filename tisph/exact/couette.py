@@ -1,0 +1,158 @@
+"""Start-up plane Couette flow: liquid at rest between two walls that start to move at t = 0.
+
+Equation: du/dt = nu d2u/dy2 for 0 < y < H, u(y, 0) = 0, u(0, t) = U0, u(H, t) = U1.
+With f(eta, T), eta = y/H, T = nu t/H^2, the flow when only the wall eta = 1 moves, with unit velocity,
+
+    u(y, t) = U1 f(y/H, T) + U0 f(1 - y/H, T)
+
+    f = eta + (2/pi) sum_{n>=1} (-1)^n/n sin(n pi eta) exp(-n^2 pi^2 T)                          ("fourier")
+    f = sum_{k>=0} erfc((2k+1-eta)/(2 sqrt T)) - erfc((2k+1+eta)/(2 sqrt T))                     ("images")
+
+Sources: G. K. Batchelor, An Introduction to Fluid Dynamics, section 4.3 (the series, and the half-space
+solution whose reflections in the walls the images are); J. P. Morris, P. J. Fox and Y. Zhu, J. Comput. Phys.
+136 (1997) 214-226 (the series, as the test of an SPH code).
+
+Shapes and units: ``y`` and ``t`` broadcast against each other and the result has the broadcast shape; any
+self-consistent units, ``kinematic_viscosity`` in length^2/time, wall velocities in length/time.
+"""
+
+import numpy as np
+from scipy.special import erfc
+
+SWITCH_TIME = 0.1
+"""t* = nu t/gap^2 up to which images are summed, and from which the series: at this time 3 pairs of images or
+7 terms of the series reach rounding error."""
+
+# exp(-EXPONENT) = 2e-17 and erfc(sqrt(EXPONENT)) is smaller still: what is left out is below double rounding.
+EXPONENT = 38.5
+
+
+def velocity(y, t, *, gap, kinematic_viscosity, bottom, top):
+    """Velocity u(y, t) along the walls, by the form that converges fastest, to 1e-15 of the wall speed.
+
+    ``t >= 0``; at t = 0 the liquid is at rest and y = 0 and y = gap already have their wall's velocity.
+    ``bottom`` and ``top`` are the wall velocities. Raises ValueError for a negative time.
+    """
+    eta, diffusion_time = _dimensionless(y, t, gap, kinematic_viscosity)
+    return top * _select(_velocity_forms, eta, diffusion_time) + bottom * _select(
+        _velocity_forms, 1 - eta, diffusion_time
+    )
+
+
+def shear_rate(y, t, *, gap, kinematic_viscosity, bottom, top):
+    """Velocity gradient du/dy (1/time), by the form that converges fastest.
+
+    ``t >= 0``; at t = 0 it is 0 in the liquid and infinite at a wall that moves. Otherwise as ``velocity``.
+    """
+    eta, diffusion_time = _dimensionless(y, t, gap, kinematic_viscosity)
+    at_top, at_bottom = (
+        _select(_gradient_forms, coordinate, diffusion_time) if speed != 0 else 0.0
+        for coordinate, speed in ((eta, top), (1 - eta, bottom))
+    )
+    return (top * at_top - bottom * at_bottom + np.zeros_like(eta))[()] / gap
+
+
+def fourier(y, t, *, gap, kinematic_viscosity, bottom, top):
+    """Velocity by the Fourier series, for any t > 0 (else ValueError); arguments as ``velocity``."""
+    eta, diffusion_time = _after_start(y, t, gap, kinematic_viscosity)
+    return top * _series_velocity(eta, diffusion_time) + bottom * _series_velocity(1 - eta, diffusion_time)
+
+
+def images(y, t, *, gap, kinematic_viscosity, bottom, top):
+    """Velocity by images, for any t > 0 (else ValueError); arguments as ``velocity``."""
+    eta, diffusion_time = _after_start(y, t, gap, kinematic_viscosity)
+    return top * _image_velocity(eta, diffusion_time) + bottom * _image_velocity(1 - eta, diffusion_time)
+
+
+def fourier_shear_rate(y, t, *, gap, kinematic_viscosity, bottom, top):
+    """du/dy (1/time) by the Fourier series, for any t > 0 (else ValueError); arguments as ``velocity``."""
+    eta, diffusion_time = _after_start(y, t, gap, kinematic_viscosity)
+    at_top, at_bottom = (_series_gradient(coordinate, diffusion_time) for coordinate in (eta, 1 - eta))
+    return (top * at_top - bottom * at_bottom) / gap
+
+
+def images_shear_rate(y, t, *, gap, kinematic_viscosity, bottom, top):
+    """du/dy (1/time) by images, for any t > 0 (else ValueError); arguments as ``velocity``."""
+    eta, diffusion_time = _after_start(y, t, gap, kinematic_viscosity)
+    at_top, at_bottom = (_image_gradient(coordinate, diffusion_time) for coordinate in (eta, 1 - eta))
+    return (top * at_top - bottom * at_bottom) / gap
+
+
+def _dimensionless(y, t, gap, kinematic_viscosity):
+    """Broadcast pair (y/gap, nu t/gap^2) as float arrays."""
+    eta = np.asarray(y, dtype=float) / gap
+    diffusion_time = kinematic_viscosity * np.asarray(t, dtype=float) / gap**2
+    if np.any(diffusion_time < 0):
+        raise ValueError("start-up Couette flow is defined for t >= 0 only")
+    return np.broadcast_arrays(eta, diffusion_time)
+
+
+def _after_start(y, t, gap, kinematic_viscosity):
+    eta, diffusion_time = _dimensionless(y, t, gap, kinematic_viscosity)
+    if np.any(diffusion_time == 0):
+        raise ValueError("a single form of the solution holds for t > 0 only")
+    return eta, diffusion_time
+
+
+def _select(forms, eta, diffusion_time):
+    """Evaluate (start, early, late) = ``forms`` each where it holds; a scalar for scalar arguments."""
+    at_start = diffusion_time == 0
+    early = ~at_start & (diffusion_time <= SWITCH_TIME)
+    late = diffusion_time > SWITCH_TIME
+    result = np.empty(eta.shape)
+    for form, where in zip(forms, (at_start, early, late), strict=True):
+        if where.any():
+            result[where] = form(eta[where], diffusion_time[where])
+    return result[()]
+
+
+def _series_terms(diffusion_time):
+    return range(1, 1 + int(np.ceil(np.sqrt(EXPONENT / diffusion_time.min()) / np.pi)))
+
+
+def _image_terms(diffusion_time):
+    """Odd distances 2k+1: the next image, at least 2k+2 from any eta <= 1, adds less than rounding error."""
+    return range(1, 2 + 2 * int(np.ceil(np.sqrt(EXPONENT * diffusion_time.max()))), 2)
+
+
+def _series_velocity(eta, diffusion_time):
+    total = eta.copy()
+    for n in _series_terms(diffusion_time):
+        decay = np.exp(-((n * np.pi) ** 2) * diffusion_time)
+        total += (-1) ** n * 2 / (n * np.pi) * np.sin(n * np.pi * eta) * decay
+    return total
+
+
+def _image_velocity(eta, diffusion_time):
+    width = 2 * np.sqrt(diffusion_time)
+    total = np.zeros_like(eta)
+    for distance in _image_terms(diffusion_time):
+        total += erfc((distance - eta) / width) - erfc((distance + eta) / width)
+    return total
+
+
+def _series_gradient(eta, diffusion_time):
+    total = np.ones_like(eta)
+    for n in _series_terms(diffusion_time):
+        total += (-1) ** n * 2 * np.cos(n * np.pi * eta) * np.exp(-((n * np.pi) ** 2) * diffusion_time)
+    return total
+
+
+def _image_gradient(eta, diffusion_time):
+    width = 2 * np.sqrt(diffusion_time)
+    total = np.zeros_like(eta)
+    for distance in _image_terms(diffusion_time):
+        total += np.exp(-(((distance - eta) / width) ** 2)) + np.exp(-(((distance + eta) / width) ** 2))
+    return 2 / np.sqrt(np.pi) / width * total
+
+
+def _start_velocity(eta, diffusion_time):
+    return np.where(eta >= 1, 1.0, 0.0)
+
+
+def _start_gradient(eta, diffusion_time):
+    return np.where(eta >= 1, np.inf, 0.0)
+
+
+_velocity_forms = (_start_velocity, _image_velocity, _series_velocity)
+_gradient_forms = (_start_gradient, _image_gradient, _series_gradient)

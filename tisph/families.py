@@ -1,0 +1,71 @@
+"""The menu of choices: one package a family, one module a member, listed from the folders.
+
+A module whose name starts with an underscore is a helper, not a member. Members are imported on demand only,
+so that a run loads (and compiles) nothing but what its config names.
+"""
+
+import ast
+import importlib
+import importlib.util
+import pkgutil
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+FAMILIES = {
+    "scenes": "tisph.scenes",
+    "walls": "tisph.walls",
+    "schemes": "tisph.schemes",
+    "rheology": "tisph.rheology",
+    "kernels": "tisph.kernels",
+    "operators": "tisph.operators",
+    "exact": "tisph.exact",
+}
+
+
+def names(family: str) -> list[str]:
+    """Sorted member names of ``family``; KeyError for an unknown family. Imports no member."""
+    folders = [str(folder) for folder in _folders(family)]
+    return sorted(item.name for item in pkgutil.iter_modules(folders) if not item.name.startswith("_"))
+
+
+def load(family: str, name: str) -> ModuleType:
+    """Import one member (this may import Taichi); KeyError where ``names(family)`` does not have it."""
+    _member_file(family, name)
+    return importlib.import_module(f"{FAMILIES[family]}.{name}")
+
+
+def summary(family: str, name: str) -> str:
+    """First line of the member's docstring, empty without one; read without importing it."""
+    docstring = ast.get_docstring(_syntax_tree(family, name)) or ""
+    return docstring.partition("\n")[0]
+
+
+def constant(family: str, name: str, attribute: str) -> Any:
+    """Value of a module-level literal ``attribute = ...`` of a member, read without importing it.
+
+    KeyError where the member has no such literal.
+    """
+    for statement in _syntax_tree(family, name).body:
+        if isinstance(statement, ast.Assign) and ast.unparse(statement.targets[0]) == attribute:
+            return ast.literal_eval(statement.value)
+    raise KeyError(f"{FAMILIES[family]}.{name} has no literal {attribute}")
+
+
+def _syntax_tree(family: str, name: str) -> ast.Module:
+    return ast.parse(_member_file(family, name).read_text(encoding="utf-8"))
+
+
+def _member_file(family: str, name: str) -> Path:
+    """Source file of a member: a module, or the ``__init__`` of a package."""
+    if name not in names(family):
+        raise KeyError(f"{family} has no member {name!r}; it has {', '.join(names(family))}")
+    candidates = [
+        path for folder in _folders(family) for path in (folder / f"{name}.py", folder / name / "__init__.py")
+    ]
+    return next(path for path in candidates if path.is_file())
+
+
+def _folders(family: str) -> list[Path]:
+    specification = importlib.util.find_spec(FAMILIES[family])
+    return [Path(folder) for folder in specification.submodule_search_locations]

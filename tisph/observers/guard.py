@@ -1,0 +1,40 @@
+"""Guard: stops a run that has gone wrong, and remembers the last state that was sound."""
+
+import numpy as np
+
+from tisph.errors import DivergedError
+
+INTERVAL = 50
+"""Steps between two looks: a run that goes wrong is stopped within twice as many."""
+
+DENSITY_LIMIT = 0.2
+"""Largest sound departure of the density from the reference density, as a fraction of it."""
+
+
+class Guard:
+    """Checks every snapshot for numbers that are none, compression, and particles beyond a wall."""
+
+    def __init__(self, channel):
+        self.channel = channel
+        self.last_good = None
+
+    def check(self, snapshot):
+        """Raise DivergedError naming field, particle, step and time; else keep ``snapshot`` as good."""
+        for field in ("x", "y", "u", "v", "density"):
+            self._refuse(snapshot, field, ~np.isfinite(getattr(snapshot, field)), "is not a finite number")
+        off = np.abs(snapshot.density / self.channel.density - 1.0) > DENSITY_LIMIT
+        limit = f"is off the reference density {self.channel.density:.6g} by more than {DENSITY_LIMIT:.0%}"
+        self._refuse(snapshot, "density", off, limit)
+        outside = (snapshot.y < 0.0) | (snapshot.y > self.channel.gap)
+        self._refuse(snapshot, "y", outside, f"lies beyond a wall (0 to {self.channel.gap:.6g})")
+        self.last_good = snapshot
+
+    def _refuse(self, snapshot, field, bad, reason):
+        if not bad.any():
+            return
+        particle = int(np.argmax(bad))
+        value = getattr(snapshot, field)[particle]
+        raise DivergedError(
+            f"{field} = {value:.6g} of particle {particle} {reason}, "
+            f"at step {snapshot.step}, t = {snapshot.t:.6g} ({int(bad.sum())} particles are wrong)"
+        )

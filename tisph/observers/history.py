@@ -1,0 +1,60 @@
+"""History: velocities at the tracers on a vertical line, in ``history.csv``."""
+
+import numpy as np
+
+from tisph.observers._schedule import Schedule, even_times
+from tisph.verification.interpolation import Probes
+
+RECORDS = 401
+"""Lines of the history, evenly spaced in time."""
+
+
+class History:
+    """Appends a line ``t, u at each tracer`` at evenly spaced times from ``start`` to ``end``.
+
+    ``x`` and ``y`` are the arrays of tracer positions. The header names the heights. Lines of an interrupted
+    run up to ``resumed_at`` are kept.
+    """
+
+    def __init__(self, path, channel, tracers, end, resumed_at=None):
+        self.path = path
+        self.heights = tracers[1]
+        self.probes = Probes(channel, *tracers)
+        self.schedule = Schedule(even_times(channel.start_time, end, RECORDS))
+        kept = []
+        if resumed_at is not None:
+            times, velocities = read_history(path)
+            kept = [(t, row) for t, row in zip(times, velocities, strict=True) if t <= resumed_at]
+            self.schedule.mark(resumed_at)
+        heights = ",".join(f"u(y={y:.6g})" for y in self.heights)
+        self.path.write_text(f"t,{heights}\n", encoding="utf-8")
+        self._append(kept)
+
+    def due(self, time):
+        """Tell whether a line is due."""
+        return self.schedule.due(time)
+
+    def observe(self, snapshot):
+        """Append one line."""
+        self.schedule.mark(snapshot.t)
+        self._append([(snapshot.t, self.probes.velocity(snapshot))])
+
+    def tracers(self, snapshot):
+        """Return the pair (y, u) at the tracers, arrays of shape (tracers,)."""
+        return self.heights, self.probes.velocity(snapshot)
+
+    def close(self):
+        """Do nothing: the file is closed after each line."""
+
+    def _append(self, records):
+        with self.path.open("a", encoding="utf-8") as file:
+            for t, velocities in records:
+                file.write(",".join(repr(float(value)) for value in (t, *velocities)) + "\n")
+
+
+def read_history(path):
+    """Return times (records,) and tracer velocities (records, tracers) of a ``history.csv``."""
+    table = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)
+    if table.size == 0:
+        return np.empty(0), np.empty((0, 0))
+    return table[:, 0], table[:, 1:]

@@ -1,0 +1,65 @@
+"""Samples: the whole state at exact times, in ``samples.h5``."""
+
+import h5py
+
+from tisph.observers._schedule import Schedule
+from tisph.snapshot import Snapshot
+
+FIELDS = ("x", "y", "u", "v", "density", "pressure")
+
+
+class Samples:
+    """Writes a group ``sample_000``, ... at each of ``times`` and keeps the snapshots in ``snapshots``.
+
+    A group has the attributes ``t`` and ``step`` and the datasets x, y, u, v, density, pressure of shape
+    (particles_fluid,), in the units of the config and the order of creation. ``resumed_at`` is the time up to
+    which samples of an interrupted run are kept, None for a new file.
+    """
+
+    def __init__(self, path, times, resumed_at=None):
+        self.path = path
+        self.schedule = Schedule(times)
+        self.snapshots = []
+        if resumed_at is None:
+            h5py.File(path, "w").close()
+        else:
+            self.snapshots = [snapshot for snapshot in read_samples(path) if snapshot.t <= resumed_at]
+            self.schedule.mark(resumed_at)
+
+    def due(self, time):
+        """Tell whether a sample is due."""
+        return self.schedule.due(time)
+
+    def observe(self, snapshot):
+        """Write one sample; the file is closed again, so that an interrupt cannot spoil it."""
+        self.schedule.mark(snapshot.t)
+        name = f"sample_{len(self.snapshots):03d}"
+        with h5py.File(self.path, "a") as file:
+            if name in file:
+                del file[name]
+            write_snapshot(file.create_group(name), snapshot)
+        self.snapshots.append(snapshot)
+
+    def close(self):
+        """Do nothing: the file is closed after each sample."""
+
+
+def write_snapshot(group, snapshot):
+    """Write ``snapshot`` into an HDF5 group."""
+    group.attrs["t"] = snapshot.t
+    group.attrs["step"] = snapshot.step
+    for name in FIELDS:
+        group.create_dataset(name, data=getattr(snapshot, name))
+
+
+def read_samples(path):
+    """Return the snapshots of a ``samples.h5`` in the order of time."""
+    with h5py.File(path, "r") as file:
+        return [
+            Snapshot(
+                t=float(group.attrs["t"]),
+                step=int(group.attrs["step"]),
+                **{name: group[name][...] for name in FIELDS},
+            )
+            for _, group in sorted(file.items())
+        ]

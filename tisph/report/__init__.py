@@ -1,0 +1,1 @@
+"""Pictures, movies and tables, without Taichi and without a window."""

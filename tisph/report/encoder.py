@@ -1,0 +1,89 @@
+"""RGB frames into an MP4 (H.264, yuv420p) through the ffmpeg that imageio-ffmpeg brings along."""
+
+import contextlib
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from imageio_ffmpeg import get_ffmpeg_exe
+
+from tisph.errors import TisphError
+
+# From RGB with the matrix of HD video, and the file says so: every player shows the colours that were drawn.
+_COLOURS = (
+    "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p,"
+    "setparams=colorspace=bt709:color_primaries=bt709:color_trc=iec61966-2-1:range=tv"
+)
+
+
+class Encoder:
+    """Writes frames to ``path`` as they come; ``close`` makes the file playable, also after an interruption.
+
+    ``width`` and ``height`` in pixels must be even, as yuv420p has one colour for 2 x 2 pixels. Raises
+    TisphError if ffmpeg cannot start or stops early.
+    """
+
+    def __init__(self, path: Path, width: int, height: int, frames_per_second: float):
+        self._shape = (height, width, 3)
+        self._messages = tempfile.TemporaryFile()  # noqa: SIM115 (it lives as long as the process)
+        try:
+            self._process = subprocess.Popen(
+                _command(path, width, height, frames_per_second),
+                stdin=subprocess.PIPE,
+                stdout=subprocess.DEVNULL,
+                stderr=self._messages,
+                **_apart_from_terminal(),
+            )
+        except (OSError, RuntimeError) as error:  # imageio-ffmpeg raises RuntimeError if it has no ffmpeg
+            self._messages.close()
+            raise TisphError(f"{path}: ffmpeg could not be started, so there is no movie: {error}") from error
+        self._path = path
+
+    def write(self, frame: np.ndarray) -> None:
+        """Encode one frame, uint8 of shape (height, width, 3)."""
+        if frame.shape != self._shape or frame.dtype != np.uint8:
+            raise ValueError(f"frame is {frame.dtype} {frame.shape}, expected uint8 {self._shape}")
+        try:
+            self._process.stdin.write(np.ascontiguousarray(frame).data)
+        except OSError as error:  # ffmpeg has gone: its own words say why
+            raise self._failure() from error
+
+    def close(self) -> None:
+        """Finish the file. May be called again, and does nothing then."""
+        if self._messages.closed:
+            return
+        with contextlib.suppress(OSError):  # nothing left to flush into if ffmpeg has gone
+            self._process.stdin.close()
+        status = self._process.wait()
+        if status != 0:
+            raise self._failure()
+        self._messages.close()
+
+    def _failure(self) -> TisphError:
+        with contextlib.suppress(OSError):
+            self._process.stdin.close()
+        status = self._process.wait()
+        self._messages.seek(0)
+        words = self._messages.read().decode(errors="replace").strip() or "it said nothing"
+        self._messages.close()
+        return TisphError(f"{self._path}: ffmpeg stopped with status {status}: {words}")
+
+
+def _command(path: Path, width: int, height: int, frames_per_second: float) -> list[str]:
+    """Return the ffmpeg call; at veryfast and 23, discs and text look as drawn."""
+    return [
+        get_ffmpeg_exe(), "-y", "-loglevel", "error",
+        "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(frames_per_second),
+        "-i", "pipe:0",
+        "-an", "-vf", _COLOURS, "-c:v", "libx264", "-preset", "veryfast", "-crf", "23",
+        "-movflags", "+faststart", f"file:{path}",
+    ]  # fmt: skip
+
+
+def _apart_from_terminal() -> dict:
+    """Return the settings that keep Ctrl-C from ffmpeg: it must live to finish the file."""
+    if sys.platform == "win32":
+        return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.CREATE_NO_WINDOW}
+    return {"start_new_session": True}

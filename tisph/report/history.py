@@ -1,0 +1,50 @@
+"""Velocity over time at the tracers, against the exact history."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.ticker import FuncFormatter
+
+from tisph.report import style
+from tisph.report.labels import axis_exponent, axis_label, number, tick_text, velocity_unit
+
+_MARKERS = 40  # a tracer
+_CURVE_POINTS = 300
+_LEGEND_ENTRIES = 12
+
+
+def plot_history(path: Path | str, channel, times: np.ndarray, tracer_y: np.ndarray, tracer_u: np.ndarray) -> None:
+    """Write a PNG of u(t) at every tracer, as markers on the exact history.
+
+    ``times`` (n,) and ``tracer_u`` (n, tracers) are in the units of ``channel``, as are the heights
+    ``tracer_y`` (tracers,). Of more than twelve tracers the legend names twelve, evenly chosen.
+    """
+    with style.plot_style():
+        figure = style.plot_figure()
+        axes = figure.subplots()
+        shown = style.evenly_chosen(len(times), _MARKERS)
+        named = style.evenly_chosen(len(tracer_y), _LEGEND_ENTRIES)
+        colours = style.colours(len(tracer_y), 0.9)
+        # More points early on, where a start from rest changes fastest.
+        exact_times = times[0] + (times[-1] - times[0]) * np.linspace(0.0, 1.0, _CURVE_POINTS) ** 2
+        for index in reversed(range(len(tracer_y))):  # the legend from top to bottom, as in the channel
+            height, colour = tracer_y[index], colours[index]
+            markers = axes.plot(times[shown], tracer_u[shown, index], "o", color=colour, markersize=5)[0]
+            exact = channel.exact_velocity(height, exact_times)
+            axes.plot(exact_times, exact, "-", color=style.TEXT, linewidth=0.9)
+            if index in named:
+                markers.set_label(f"y/H = {number(height / channel.gap, 3)}")
+        axes.plot([], [], "-", color=style.TEXT, linewidth=0.9, label="exact")
+        _label_axes(axes, channel, float(np.max(np.abs(times))))
+        figure.legend(loc="outside right center", frameon=False, fontsize=10)
+        figure.savefig(path, format="png")
+
+
+def _label_axes(axes, channel, latest: float) -> None:
+    time_exponent, speed_exponent = axis_exponent(latest), axis_exponent(channel.reference_velocity)
+    axes.set_xlabel(axis_label("t", channel.units.time, time_exponent), parse_math=False)
+    axes.set_ylabel(axis_label("u", velocity_unit(channel.units), speed_exponent), parse_math=False)
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: tick_text(value, time_exponent)))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: tick_text(value, speed_exponent)))
+    axes.grid(True)
+    axes.margins(x=0.02)

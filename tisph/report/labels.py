@@ -1,0 +1,77 @@
+"""Numbers and units as text that a reader takes in at once: no 1e-05, no offsets, a true minus sign."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+MINUS = "\N{MINUS SIGN}"
+TIMES = "\N{MULTIPLICATION SIGN}"
+_VISCOSITY = "\N{GREEK SMALL LETTER NU}"
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def power_text(exponent: int) -> str:
+    """Return a power of ten, for example ``10⁻³``."""
+    return "10" + str(exponent).translate(_SUPERSCRIPT)
+
+
+def scientific(value: float, decimals: int = 1) -> str:
+    """Return ``value`` as mantissa times power of ten, for example ``1.5×10⁻³``; zero is ``0``, and NaN ``nan``."""
+    if value == 0.0 or not math.isfinite(value):
+        return f"{value:.0f}"
+    mantissa, exponent = f"{value:.{decimals}e}".split("e")
+    return f"{mantissa}{TIMES}{power_text(int(exponent))}".replace("-", MINUS)
+
+
+def number(value: float, digits: int = 4) -> str:
+    """Return ``value`` to ``digits`` significant digits, plain from 0.001 to 9999, else scientific."""
+    rounded = float(f"{value:.{digits - 1}e}")
+    if rounded != 0.0 and math.isfinite(rounded) and not 1e-3 <= abs(rounded) < 1e4:
+        mantissa, power = scientific(rounded, digits - 1).split(TIMES)
+        return f"{mantissa.rstrip('0').rstrip('.')}{TIMES}{power}"
+    return np.format_float_positional(rounded, trim="-").replace("-", MINUS)
+
+
+def axis_exponent(largest: float, smallest_plain: float = 1e-2) -> int:
+    """Return the power of ten, a multiple of 3, to be taken out of an axis that reaches to ``largest``.
+
+    Values from ``smallest_plain`` to 10^4 stand as they are (exponent 0).
+    """
+    if smallest_plain <= largest < 1e4 or largest == 0.0:
+        return 0
+    return 3 * math.floor(math.log10(largest) / 3.0)
+
+
+def axis_label(quantity: str, unit: str, exponent: int = 0) -> str:
+    """Return an axis label such as ``u [10⁻³ m/s]``; ``unit`` may be empty."""
+    parts = [power_text(exponent)] if exponent else []
+    parts += [unit] if unit else []
+    return f"{quantity} [{' '.join(parts)}]" if parts else quantity
+
+
+def tick_text(value: float, exponent: int) -> str:
+    """Return a tick label in units of ``10^exponent``, free of rounding noise."""
+    scaled = float(f"{value / 10.0**exponent:.9g}")
+    return np.format_float_positional(scaled + 0.0, trim="-").replace("-", MINUS)
+
+
+def velocity_unit(units) -> str:
+    """Return the label of a velocity, for example ``m/s``, from the config's unit labels."""
+    return f"{units.length}/{units.time}"
+
+
+def time_label(viscous_time: float, unit: str) -> Callable[[float], str]:
+    """Return a function t -> ``t = 1.80 s   t* = νt/H² = 0.0180`` with a fixed number of decimals.
+
+    The steps of t and of t* = t / ``viscous_time`` are about a ten-thousandth of the viscous time H²/ν.
+    """
+    exponent = axis_exponent(viscous_time, smallest_plain=1.0)
+    decimals = max(0, 4 - math.floor(math.log10(viscous_time) - exponent))
+    suffix = f"{TIMES}{power_text(exponent)}" if exponent else ""
+
+    def label(t: float) -> str:
+        clock = f"t = {t / 10.0**exponent:.{decimals}f}{suffix} {unit}"
+        return f"{clock}     t* = {_VISCOSITY}t/H² = {t / viscous_time:.4f}"
+
+    return label

@@ -1,0 +1,87 @@
+"""Where everything stands in a movie frame: pixel rectangles for any frame size and channel shape."""
+
+from dataclasses import dataclass
+
+LONGEST_SHOWN = 4.0  # gaps: of a longer channel this much is shown, or its discs would be too small to see
+
+
+@dataclass(frozen=True)
+class Rect:
+    """A rectangle of whole pixels, from the top-left corner of the frame."""
+
+    left: int
+    top: int
+    width: int
+    height: int
+
+    @property
+    def right(self) -> int:
+        """First column beyond the rectangle."""
+        return self.left + self.width
+
+    @property
+    def bottom(self) -> int:
+        """First row beyond the rectangle."""
+        return self.top + self.height
+
+    @property
+    def slices(self) -> tuple[slice, slice]:
+        """Index of the rectangle in a frame (rows, columns, 3)."""
+        return slice(self.top, self.bottom), slice(self.left, self.right)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The parts of a frame of ``width`` x ``height`` pixels.
+
+    ``scale`` is the size of text and lines relative to a frame of 1280 x 640; ``shown_length`` (length) is
+    the part of the channel along x that is drawn, ``pixels_per_length`` the same along x and y.
+    ``channel``, ``profile``, ``time_label`` and ``error_label`` are all that changes from frame to frame.
+    """
+
+    width: int
+    height: int
+    scale: float
+    shown_length: float
+    pixels_per_length: float
+    channel: Rect
+    profile: Rect
+    colour_bar: Rect
+    time_label: Rect
+    error_label: Rect
+    wall_thickness: int
+
+    def pixels(self, size: float) -> int:
+        """Return ``size``, given in pixels of a frame of 1280 x 640, in pixels of this frame."""
+        return max(1, round(size * self.scale))
+
+
+def arrange(length: float, gap: float, width: int, height: int) -> Layout:
+    """Return the layout of a frame for a channel of ``length`` and ``gap``: both axes to the same scale."""
+    scale = min(width / 1280.0, height / 640.0)
+
+    def px(size: float) -> int:
+        return max(1, round(size * scale))
+
+    split = round(0.62 * width)  # channel to the left, profile to the right
+    wall = px(22)
+    left, right, top, bottom = px(84), split - px(8), px(92) + wall, height - px(142) - wall
+    shown = min(length, LONGEST_SHOWN * gap)
+    pixels_per_length = min((right - left) / shown, (bottom - top) / gap)
+    channel = _centred(left, right, (top + bottom) // 2, shown * pixels_per_length, gap * pixels_per_length)
+    profile_height = max(channel.height, round(0.8 * (bottom - top)))
+    profile = _centred(split + px(88), width - px(26), (top + bottom) // 2, width, profile_height)
+    half = profile.width // 2
+    return Layout(
+        width, height, scale, shown, pixels_per_length, channel, profile,
+        colour_bar=_centred(left, right, height - px(57), max(channel.width, px(360)), px(12)),
+        time_label=Rect(px(24), px(47), split - px(24), px(26)),
+        error_label=Rect(profile.right - half, profile.top - px(31), half, px(24)),
+        wall_thickness=wall,
+    )  # fmt: skip
+
+
+def _centred(left: int, right: int, middle: int, width: float, height: float) -> Rect:
+    """Return a rectangle centred on row ``middle`` and from ``left`` to ``right``, no wider than that."""
+    columns, rows = max(2, min(right - left, round(width))), max(2, round(height))
+    return Rect(left + (right - left - columns) // 2, middle - rows // 2, columns, rows)

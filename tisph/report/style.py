@@ -1,0 +1,74 @@
+"""Colours, fonts and matplotlib settings that all pictures share."""
+
+from contextlib import AbstractContextManager
+from functools import lru_cache
+from pathlib import Path
+
+import matplotlib
+import matplotlib.style
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from PIL import ImageFont
+
+COLOUR_MAP = "viridis"  # perceptually uniform, readable in grey and by colour-blind eyes
+TEXT = "#22262e"
+MUTED = "#6b7280"
+GRID = "#e3e6ea"
+WALL_MOVING = "#3d4451"
+WALL_RESTING = "#eef0f3"
+PARTICLES = "#8fa3c4"
+EXACT = "#d1362f"
+
+_SETTINGS = {
+    "font.family": "DejaVu Sans",  # comes with matplotlib: the same text widths on every machine
+    "text.color": TEXT,
+    "axes.labelcolor": TEXT,
+    "axes.edgecolor": MUTED,
+    "axes.unicode_minus": True,
+    "axes.axisbelow": True,
+    "grid.color": GRID,
+    "hatch.linewidth": 0.8,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "xtick.labelcolor": TEXT,
+    "ytick.labelcolor": TEXT,
+}
+
+
+def plot_style() -> AbstractContextManager:
+    """Return a context in which matplotlib has this project's settings, whatever the user's own file says."""
+    return matplotlib.style.context(["default", _SETTINGS])
+
+
+def plot_figure() -> Figure:
+    """Return an empty figure for a plot, 1320 x 720 pixels, with room for labels and outside legends."""
+    figure = Figure((11.0, 6.0), dpi=120, layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.12, h_pad=0.12)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def rgb(colour: str) -> np.ndarray:
+    """Return a ``#rrggbb`` colour as three floats from 0 to 255."""
+    return np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)], dtype=np.float32)
+
+
+def colours(count: int, brightest: float = 1.0) -> np.ndarray:
+    """Return ``count`` RGB colours along the colour map, shape (count, 3), from 0 to 1.
+
+    ``brightest`` below 1 leaves out the pale end, which a thin line on white would lose.
+    """
+    return matplotlib.colormaps[COLOUR_MAP](np.linspace(0.0, brightest, count))[:, :3]
+
+
+def evenly_chosen(count: int, most: int) -> np.ndarray:
+    """Return at most ``most`` indices out of ``count``, evenly spread, the first and the last among them."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
+
+
+@lru_cache
+def text_font(size: int) -> ImageFont.FreeTypeFont:
+    """Return the font of the labels that change every frame; ``size`` in pixels."""
+    path = Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf"
+    return ImageFont.truetype(str(path), size)

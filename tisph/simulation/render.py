@@ -1,0 +1,49 @@
+"""Movie and pictures again from the files of a run."""
+
+from tisph import config
+from tisph.errors import ConfigError
+from tisph.observers.frames import read_frames
+from tisph.observers.history import read_history
+from tisph.observers.samples import read_samples
+from tisph.report.history import plot_history
+from tisph.report.movie import Movie
+from tisph.report.profiles import plot_profiles
+from tisph.scenes.channel import Channel
+from tisph.simulation.results import Folder
+
+
+def render(run_dir):
+    """Draw what the files in ``run_dir`` allow and return the paths of the pictures.
+
+    Raises ConfigError where ``run_dir`` is no results folder or its files cannot be read.
+    """
+    folder = Folder(run_dir)
+    if not folder.config.exists():
+        raise ConfigError(f"{folder.root}: no results folder (config.resolved.yaml is missing)")
+    settings = config.load(folder.config)
+    channel = Channel.from_config(settings)
+    try:
+        drawn = pictures(folder, settings, channel)
+        if settings.output.video and folder.frames.exists():
+            with Movie(folder.movie, channel, settings.output.video, settings.name) as movie:
+                for snapshot in read_frames(folder.frames):
+                    movie.add(snapshot)
+            drawn.append(folder.movie)
+    except (OSError, KeyError, ValueError) as error:
+        raise ConfigError(f"{folder.root}: the results cannot be read ({error})") from error
+    return drawn
+
+
+def pictures(folder, settings, channel):
+    """Draw profiles.png and history.png from the stored samples and history; return what was drawn."""
+    drawn = []
+    snapshots = read_samples(folder.samples)
+    if snapshots:
+        plot_profiles(folder.profiles_picture, channel, snapshots)
+        drawn.append(folder.profiles_picture)
+    times, velocities = read_history(folder.history)
+    if len(times):
+        heights = channel.tracer_positions(settings.tracers.count, settings.tracers.x)[1]
+        plot_history(folder.history_picture, channel, times, heights, velocities)
+        drawn.append(folder.history_picture)
+    return drawn

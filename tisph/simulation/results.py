@@ -1,0 +1,88 @@
+"""The results folder: its files, ``summary.json`` and where the numbers come from."""
+
+import hashlib
+import json
+import platform
+import subprocess
+import sys
+from importlib import metadata
+from pathlib import Path
+
+from tisph import __version__
+
+
+class Folder:
+    """Paths of a run's files in ``root``."""
+
+    def __init__(self, root):
+        self.root = Path(root)
+        self.config = self.root / "config.resolved.yaml"
+        self.summary = self.root / "summary.json"
+        self.samples = self.root / "samples.h5"
+        self.history = self.root / "history.csv"
+        self.frames = self.root / "frames.h5"
+        self.movie = self.root / "movie.mp4"
+        self.profiles_picture = self.root / "profiles.png"
+        self.history_picture = self.root / "history.png"
+        self.log = self.root / "run.log"
+        self.checkpoint = self.root / "checkpoint.h5"
+        self.last_good = self.root / "last_good.h5"
+        self.last_good_picture = self.root / "last_good.png"
+
+    def write_summary(self, summary):
+        """Write ``summary`` as JSON, whole or not at all."""
+        partial = self.summary.with_suffix(".partial")
+        partial.write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        partial.replace(self.summary)
+
+
+def fingerprint(config):
+    """Return a hash of all that decides a run's outcome."""
+    return hashlib.sha256(config.resolved_yaml().encode()).hexdigest()[:16]
+
+
+def provenance(config, threads):
+    """Return what else a number in the summary depends on."""
+    packages = ("taichi", "numpy", "scipy", "h5py", "pydantic", "matplotlib")
+    return {
+        "versions": {
+            "tisph": __version__,
+            "python": platform.python_version(),
+            **{name: metadata.version(name) for name in packages},
+        },
+        "platform": platform.platform(),
+        "processor": platform.machine(),
+        "threads": threads,
+        "precision": config.discretisation.precision,
+        "seed": config.initial.seed,
+        "config_hash": fingerprint(config),
+        "commit": _commit(),
+    }
+
+
+def peak_memory_mb():
+    """Return the largest resident memory of this process so far, None where the system does not tell."""
+    try:
+        import resource
+    except ImportError:
+        return None
+    unit = 1 if sys.platform == "darwin" else 1024
+    return round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6, 1)
+
+
+def _commit():
+    """Return the commit of the checkout that the package lies in, None for an installed package."""
+    root = Path(__file__).resolve().parents[2]
+    if not (root / ".git").exists():
+        return None
+    try:
+        run = subprocess.run(
+            ["git", "-C", str(root), "rev-parse", "HEAD"],
+            capture_output=True,
+            text=True,
+            timeout=5,
+            check=True,
+        )
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return run.stdout.strip()

@@ -1,0 +1,63 @@
+"""``summary.json`` and the last good state of a run."""
+
+import time
+
+import h5py
+
+from tisph import PROCESS_START
+from tisph.observers.samples import write_snapshot
+from tisph.report.movie import Movie
+from tisph.simulation.results import peak_memory_mb, provenance
+from tisph.verification.metrics import sample_metrics
+
+
+def write_summary(job):
+    """Write the summary of a run that has ended in whatever way."""
+    summary = {
+        "name": job.config.name,
+        "status": job.status,
+        **({"message": job.message} if job.message else {}),
+        "samples": [
+            sample_metrics(job.channel, snapshot, job.history.tracers(snapshot)) for snapshot in job.samples.snapshots
+        ],
+        "numbers": _numbers(job),
+        "cost": _cost(job),
+        "provenance": provenance(job.config, job.threads),
+    }
+    job.folder.write_summary(summary)
+
+
+def _numbers(job):
+    channel, scheme = job.channel, job.scheme
+    return {
+        "reynolds": channel.reynolds,
+        "mach": channel.reference_velocity / scheme.sound_speed,
+        "sound_speed": scheme.sound_speed,
+        "spacing": channel.spacing,
+        "particles_fluid": scheme.particles.fluid,
+        "particles_wall": scheme.wall_particles(),
+        "neighbours_mean": scheme.lists.mean_length(),
+        "dt_min": scheme.shortest if scheme.steps else None,
+        "dt_max": scheme.longest if scheme.steps else None,
+    }
+
+
+def _cost(job):
+    steps = job.scheme.steps - job.first_step
+    loop = job.costs["loop"]
+    return {
+        "steps": job.scheme.steps,
+        "wall_total_s": time.perf_counter() - PROCESS_START,
+        **{f"wall_{kind}_s": seconds for kind, seconds in job.costs.items()},
+        "particle_steps_per_s": steps * job.scheme.particles.fluid / loop if loop > 0 else None,
+        "neighbour_rebuilds": job.scheme.rebuilds,
+        "peak_memory_mb": peak_memory_mb(),
+    }
+
+
+def write_last_good(folder, channel, config, snapshot):
+    """Keep the last sound state of a run that went wrong, as data and as a picture."""
+    with h5py.File(folder.last_good, "w") as file:
+        write_snapshot(file, snapshot)
+    video = config.output.video or type(config.output).model_fields["video"].default
+    Movie(folder.movie, channel, video, config.name).save_frame(folder.last_good_picture, snapshot)

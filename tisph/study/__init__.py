@@ -1,0 +1,1 @@
+"""Runs of many configs: verification suites and tables."""

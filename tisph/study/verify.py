@@ -1,0 +1,116 @@
+"""Run the verification suite, or the verification page's case, and print the table.
+
+Each case is a fresh process, one at a time, so that no run can touch another and each costs what a user pays.
+"""
+
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from rich.console import Console
+from ruamel.yaml import YAML
+
+from tisph.errors import ConfigError
+from tisph.verification import page as page_case
+from tisph.verification import suite
+from tisph.verification.criteria import Result
+from tisph.verification.table import format_header, format_row
+
+HEADER = ("case", "quantity", "value", "bound", "verdict")
+
+
+def run(quick=False, page=False):
+    """Print the table of the suite (``quick``: of its short runs), or with ``page`` that of the page's case.
+
+    Returns True if every check passed, for the page if every run reached its end. Raises ConfigError where
+    the page's configs are not found.
+    """
+    with tempfile.TemporaryDirectory(prefix="tisph-verify-") as folder:
+        if page:
+            return _verify_page(Path(folder))
+        return _verify_suite(Runner(suite.runs(quick), Path(folder)), suite.criteria(quick))
+
+
+class Runner:
+    """Runs cases when their results are first asked for, and keeps the results.
+
+    ``configs`` maps case names to configs as plain dicts; results are kept in subfolders of ``folder``.
+    """
+
+    def __init__(self, configs, folder):
+        self.failures = {}
+        self._configs = configs
+        self._folder = folder
+        self._results = {}
+
+    def result(self, name):
+        """``Result`` of a case. Where the run stopped early, ``failures[name]`` has its message."""
+        if name not in self._results:
+            config_path = self._folder / f"{name}.yaml"
+            with config_path.open("w", encoding="utf-8") as file:
+                YAML(typ="safe", pure=True).dump({"name": name, **self._configs[name]}, file)
+            self._results[name], message = run_config(config_path, self._folder / name)
+            if message:
+                self.failures[name] = message
+        return self._results[name]
+
+    def judge(self, criterion):
+        """``Check`` of a criterion, after running what it needs."""
+        return criterion.judge(*(self.result(name) for name in criterion.runs))
+
+
+def run_config(config_path, folder):
+    """Run one config in a process of its own: its ``Result``, and its error message, empty if it is done."""
+    command = [sys.executable, "-m", "tisph", "run", str(config_path), "--out", str(folder), "--no-video"]
+    process = subprocess.run(command, capture_output=True, text=True, check=False)
+    message = "" if process.returncode == 0 else process.stderr.strip() or f"exit status {process.returncode}"
+    summary_path = folder / "summary.json"
+    if not summary_path.is_file():
+        return Result(folder, {"status": "failed", "samples": []}), message
+    return Result(folder, json.loads(summary_path.read_text(encoding="utf-8"))), message
+
+
+def _verify_suite(runner, criteria):
+    """Print a line as soon as its runs are done; True if all passed."""
+    console = Console()
+    labels = [(criterion.case, criterion.quantity, "1.23e-06", criterion.bound, "pass") for criterion in criteria]
+    widths = [max(map(len, column)) for column in zip(HEADER, *labels, strict=True)]
+    print(format_header(HEADER, widths))
+    all_passed = True
+    for criterion in criteria:
+        with console.status(f"running {' and '.join(criterion.runs)}"):
+            check = runner.judge(criterion)
+        verdict = "pass" if check.passed else "FAIL"
+        line = (check.case, check.quantity, f"{check.value:.3g}", check.bound, verdict)
+        print(format_row(line, widths), flush=True)
+        all_passed &= check.passed
+    for name, message in runner.failures.items():
+        print(f"{name} did not finish: {message}")
+    return all_passed
+
+
+def _verify_page(folder):
+    """Run every reading of the page and print their table; True if all reached their end."""
+    summaries = {}
+    all_done = True
+    for name, remark in page_case.READINGS.items():
+        path = _page_config(name)
+        print(f"running {path.name}: {remark}{page_case.COSTS.get(name, '')}", flush=True)
+        result, message = run_config(path, folder / name)
+        summaries[name] = result.summary
+        if message:
+            all_done = False
+            print(f"{name} did not finish: {message}", flush=True)
+    print(f"\n{page_case.page_table(summaries)}")
+    return all_done
+
+
+def _page_config(name):
+    """Config of a reading, in ``configs`` of the working directory or of the checkout with this file."""
+    for root in (Path.cwd(), Path(__file__).resolve().parents[2]):
+        path = root / "configs" / f"vm_sph_001_{name}.yaml"
+        if path.is_file():
+            return path
+    raise ConfigError(f"configs/vm_sph_001_{name}.yaml not found: run this from a checkout of the source")

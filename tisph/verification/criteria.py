@@ -1,0 +1,164 @@
+"""What runs are held to: a bound on an error, nearness to another run, an order of convergence, equal
+results.
+
+A criterion names the runs that it needs and judges their results as a ``Check``. A run that stopped early
+lacks samples: its checks fail, with the value NaN.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from tisph.verification.metrics import fit_line
+
+
+@dataclass(frozen=True)
+class Check:
+    """One line of the verification table; ``value`` is NaN where the runs gave none."""
+
+    case: str
+    quantity: str
+    value: float
+    bound: str
+    passed: bool
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a run left behind: its folder and the contents of its ``summary.json``."""
+
+    folder: Path
+    summary: dict
+
+    def measure(self, t_star, quantity):
+        """Number ``quantity`` of the sample at dimensionless time ``t_star``; NaN where there is none.
+
+        ``transverse`` is ``max_transverse_velocity`` over the reference velocity.
+        """
+        for sample in self.summary.get("samples", []):
+            if math.isclose(sample["t_star"], t_star, rel_tol=1e-9):
+                if quantity == "transverse":
+                    return sample["max_transverse_velocity"] / self.reference_velocity
+                return math.nan if sample[quantity] is None else sample[quantity]
+        return math.nan
+
+    @property
+    def reference_velocity(self):
+        """Largest wall speed of the run."""
+        numbers = self.summary["numbers"]
+        return numbers["mach"] * numbers["sound_speed"]
+
+    def arrays(self):
+        """Contents of ``samples.h5`` as {"sample/dataset": array}; empty where there is no such file."""
+        path = self.folder / "samples.h5"
+        if not path.is_file():
+            return {}
+        with h5py.File(path, "r") as file:
+            return {f"{sample}/{key}": data[()] for sample, group in file.items() for key, data in group.items()}
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """A number, computed from the results of ``runs`` (names), and the values of it that pass."""
+
+    case: str
+    quantity: str
+    bound: str
+    runs: tuple[str, ...]
+    value: Callable[..., float]
+    accepts: Callable[[float], bool]
+
+    def judge(self, *results):
+        """Check of the ``Result`` of each of ``runs``, in their order."""
+        value = float(self.value(*results))
+        return Check(self.case, self.quantity, value, self.bound, bool(self.accepts(value)))
+
+
+def at_most(case, t_star, quantity, bound):
+    """The sample's number ``quantity`` is at most ``bound`` at dimensionless time ``t_star``."""
+    return Criterion(
+        case,
+        f"{quantity} at t* = {t_star:g}",
+        f"<= {bound:g}",
+        runs=(case,),
+        value=lambda result: result.measure(t_star, quantity),
+        accepts=lambda value: value <= bound,
+    )
+
+
+def near(case, reference, t_star, tolerance):
+    """The l2 error is that of the run ``reference`` at the same t*, within a relative ``tolerance``."""
+    return Criterion(
+        case,
+        f"l2 off {reference} at t* = {t_star:g}",
+        f"<= {tolerance:g}",
+        runs=(case, reference),
+        value=lambda ours, other: abs(ours.measure(t_star, "l2") / other.measure(t_star, "l2") - 1),
+        accepts=lambda value: value <= tolerance,
+    )
+
+
+def order(case, resolutions, t_star, bound):
+    """The l2 error falls with at least the power ``bound`` of the spacing: a fit over all resolutions.
+
+    ``resolutions`` maps run names to particles across the gap.
+    """
+    logarithms = -np.log(list(resolutions.values()))
+
+    def fitted(*results):
+        return fit_line(logarithms, np.log([result.measure(t_star, "l2") for result in results]))[0]
+
+    return Criterion(
+        case,
+        f"order at t* = {t_star:g}",
+        f">= {bound:g}",
+        runs=tuple(resolutions),
+        value=fitted,
+        accepts=lambda value: value >= bound,
+    )
+
+
+def same_velocities(case, reference, bound):
+    """Every particle has the velocity (u, v)/U of the run ``reference`` at every sample, within ``bound``."""
+
+    def largest_difference(ours, other):
+        arrays, others = ours.arrays(), other.arrays()
+        if not arrays or arrays.keys() != others.keys():
+            return math.nan
+        return max(
+            np.max(np.abs(arrays[key] / ours.reference_velocity - others[key] / other.reference_velocity))
+            for key in arrays
+            if key.endswith(("/u", "/v"))
+        )
+
+    return Criterion(
+        case,
+        f"velocities off {reference}",
+        f"<= {bound:g}",
+        runs=(case, reference),
+        value=largest_difference,
+        accepts=lambda value: value <= bound,
+    )
+
+
+def same_bits(case, reference):
+    """Every array in ``samples.h5`` has the same bits as in the run ``reference``."""
+
+    def differing_arrays(ours, other):
+        arrays, others = ours.arrays(), other.arrays()
+        if not arrays or arrays.keys() != others.keys():
+            return math.nan
+        return sum(arrays[key].tobytes() != others[key].tobytes() for key in arrays)
+
+    return Criterion(
+        case,
+        f"arrays that differ from {reference}",
+        "= 0",
+        runs=(case, reference),
+        value=differing_arrays,
+        accepts=lambda value: value == 0,
+    )

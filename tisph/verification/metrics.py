@@ -1,0 +1,97 @@
+"""Error measures of one sample: the numbers of a sample in ``summary.json``.
+
+A straight-line fit through the tracers, the measure of the verification page, cannot see errors that are
+symmetric about mid-gap. It is given, and always beside the errors of the whole profile.
+"""
+
+import numpy as np
+
+from tisph.verification.interpolation import interpolate
+from tisph.verification.wall_shear import wall_shear
+
+CENTRELINE_POINTS = 32
+"""Points along the channel over which the velocity at mid-gap is averaged."""
+
+
+def sample_metrics(channel, snapshot, tracers):
+    """Compare a snapshot with the exact solution at its time.
+
+    ``tracers`` is the pair (y, u) of arrays of heights and velocities at the probes. Returns a dict of
+    floats, None where a number does not exist (a relative error of a liquid at rest, a wall shear that is
+    infinite):
+
+    ``t``, ``t_star`` = nu t/gap^2; ``l2`` = sqrt(sum (u-u_exact)^2 / sum u_exact^2) and ``linf`` = max
+    |u-u_exact| / (largest wall speed) over the particles at their own positions; ``slope`` (1/time),
+    ``intercept`` (velocity) of the least-squares line u(y) through the tracers; ``centreline``: u at
+    mid-gap, averaged along the channel; ``wall_shear_bottom``, ``wall_shear_top``: shear stress mu du/dy;
+    each also ``_exact``, the lines being fitted to exact velocities at the same tracers;
+    ``density_variation`` = max |density/density_0 - 1|; ``max_transverse_velocity`` = max |v|.
+    """
+    measures = {
+        "t": snapshot.t,
+        "t_star": snapshot.t / channel.viscous_time,
+        "l2": relative_error(channel, snapshot),
+        "linf": _largest_error(channel, snapshot),
+        **_line_fits(channel, snapshot.t, *tracers),
+        **_centreline(channel, snapshot),
+        **_wall_shears(channel, snapshot),
+        "density_variation": np.max(np.abs(snapshot.density / channel.density - 1)),
+        "max_transverse_velocity": np.max(np.abs(snapshot.v)),
+    }
+    return {key: _number(value) for key, value in measures.items()}
+
+
+def _number(value):
+    return float(value) if value is not None and np.isfinite(value) else None
+
+
+def relative_error(channel, snapshot):
+    """L2 error sqrt(sum (u - u_exact)^2 / sum u_exact^2) over the particles; None if all should be at rest."""
+    exact = channel.exact_velocity(snapshot.y, snapshot.t)
+    norm = float(np.linalg.norm(exact))
+    return float(np.linalg.norm(snapshot.u - exact)) / norm if norm > 0 else None
+
+
+def _largest_error(channel, snapshot):
+    error = snapshot.u - channel.exact_velocity(snapshot.y, snapshot.t)
+    return np.max(np.abs(error)) / channel.reference_velocity
+
+
+def _line_fits(channel, t, y, u):
+    slope, intercept = fit_line(y, u)
+    slope_exact, intercept_exact = fit_line(y, channel.exact_velocity(y, t))
+    return {
+        "slope": slope,
+        "slope_exact": slope_exact,
+        "intercept": intercept,
+        "intercept_exact": intercept_exact,
+    }
+
+
+def fit_line(y, u):
+    """Slope and intercept of the least-squares line through the points (``y``, ``u``); NaN for one point."""
+    offset = y - np.mean(y)
+    spread = np.sum(offset**2)
+    slope = np.sum(offset * u) / spread if spread > 0 else np.nan
+    return slope, np.mean(u) - slope * np.mean(y)
+
+
+def _centreline(channel, snapshot):
+    x = (np.arange(CENTRELINE_POINTS) + 0.5) * channel.length / CENTRELINE_POINTS
+    middle = 0.5 * channel.gap
+    velocity = interpolate(snapshot, channel, x, np.full(CENTRELINE_POINTS, middle))
+    return {
+        "centreline": np.mean(velocity),
+        "centreline_exact": channel.exact_velocity(middle, snapshot.t),
+    }
+
+
+def _wall_shears(channel, snapshot):
+    bottom, top = wall_shear(channel, snapshot)
+    bottom_exact, top_exact = channel.exact_wall_shear(snapshot.t)
+    return {
+        "wall_shear_bottom": bottom,
+        "wall_shear_bottom_exact": bottom_exact,
+        "wall_shear_top": top,
+        "wall_shear_top_exact": top_exact,
+    }

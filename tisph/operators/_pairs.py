@@ -1,5 +1,6 @@
 """What both sets of operators share: the pair weight, the separation and linear artificial viscosity."""
 
+from tisph.operators._weights import WeightTable
 from tisph.runtime import real, scalar, ti
 
 
@@ -17,11 +18,12 @@ class PairOperators:
         self.lists = lists
         self.domain = lists.domain
         self.liquid = liquid
-        self.slope_over_q = ti.func(kernel.slope_over_q)
         self.has_artificial_viscosity = artificial_viscosity > 0
         self.artificial_viscosity = scalar(artificial_viscosity)
-        self.smoothing_length = scalar(lists.cutoff / kernel.SUPPORT)
-        self.pair_weight = scalar(lists.spacing**2 / (lists.cutoff / kernel.SUPPORT) ** 4)
+        length = lists.cutoff / kernel.SUPPORT
+        self.weights = WeightTable(kernel, length)
+        self.smoothing_length = scalar(length)
+        self.pair_weight = scalar(lists.spacing**2 / length**4)
         self.vector = ti.types.vector(2, real())
         self.matrix = ti.types.matrix(2, 2, real())
         self.Rates = ti.types.struct(acceleration=self.vector, compression=real(), transport=self.vector)

@@ -88,13 +88,12 @@ class Operators(PairOperators):
         """Return the sums over the neighbours of particle ``i``."""
         velocity = self.particles.mid_velocity[now, i]
         pressure = self.particles.mid_pressure[now, i]
-        inverse_length = 1.0 / self.smoothing_length[None]
         sums = self.Sums()
         for block in range(self.lists.count[i] // LANES):
             for lane in ti.static(range(LANES)):
                 j = self.lists.table[i, block * LANES + lane]
                 apart = self.separation(now, i, j, periodic)
-                weight = self.slope_over_q(ti.sqrt(apart.dot(apart)) * inverse_length)
+                weight = self.weights.at(apart.dot(apart))
                 weighted = weight * apart
                 faster = self.particles.mid_velocity[now, j] - velocity
                 higher = self.particles.mid_pressure[now, j] - pressure

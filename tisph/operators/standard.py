@@ -46,7 +46,6 @@ class Operators(PairOperators):
         velocity = self.particles.mid_velocity[now, i]
         pressure = self.particles.mid_pressure[now, i]
         length = self.smoothing_length[None]
-        inverse_length = 1.0 / length
         softening = 0.01 * length * length
         sums = self.Sums()
         for block in range(self.lists.count[i] // LANES):
@@ -54,7 +53,7 @@ class Operators(PairOperators):
                 j = self.lists.table[i, block * LANES + lane]
                 apart = self.separation(now, i, j, periodic)
                 squared = apart.dot(apart)
-                weight = self.slope_over_q(ti.sqrt(squared) * inverse_length)
+                weight = self.weights.at(squared)
                 faster = self.particles.mid_velocity[now, j] - velocity
                 sums.pressure += (pressure + self.particles.mid_pressure[now, j]) * weight * apart
                 sums.viscosity += weight * squared / (squared + softening) * faster

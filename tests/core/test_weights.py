@@ -1,0 +1,44 @@
+"""The table of pair weights against the kernel that it is made from."""
+
+import numpy as np
+import pytest
+
+from tisph import families, runtime
+from tisph.operators._weights import WeightTable
+from tisph.runtime import ti
+
+
+@pytest.mark.parametrize("name", families.names("kernels"))
+def test_the_table_follows_the_kernel(name):
+    runtime.start("f64", 1)
+    kernel = families.load("kernels", name)
+    length = 0.3
+    table = WeightTable(kernel, length)
+    q = np.linspace(0.3, kernel.SUPPORT, 1001)
+    weights = ti.field(ti.f64, shape=q.size)
+    squares = ti.field(ti.f64, shape=q.size)
+    squares.from_numpy((q * length) ** 2)
+
+    @ti.kernel
+    def look_up():
+        for i in weights:
+            weights[i] = table.at(squares[i])
+
+    look_up()
+    exact = np.array([kernel.slope_over_q(distance) for distance in q])
+    # linear interpolation: (interval)^2 / 8 times the second derivative in q^2, both of order 1e-3 and 1 to 10,
+    # for distances from 0.3 h on: closer pairs do not occur
+    assert np.abs(weights.to_numpy() - exact).max() < 1e-5 * kernel.slope_over_q(1e-3)
+
+
+def test_no_weight_beyond_the_support():
+    runtime.start("f64", 1)
+    kernel = families.load("kernels", "quintic_spline")
+    table = WeightTable(kernel, 1.0)
+
+    @ti.kernel
+    def at(squared: float) -> float:
+        return table.at(squared)
+
+    assert at(9.0) == 0.0
+    assert at(1e30) == 0.0

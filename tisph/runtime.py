@@ -7,6 +7,7 @@ by changing one line, and so that its banner never reaches the user's terminal.
 import contextlib
 import io
 import os
+from pathlib import Path
 
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 
@@ -26,15 +27,30 @@ def start(precision, threads):
     """Initialise Taichi on the CPU; fields made earlier are gone.
 
     ``precision`` is "f64" or "f32". Without ``fast_math``: it re-associates sums and folds away NaN tests.
+    Compiled kernels are kept apart for one thread and for several, because Taichi 1.7.4 takes a loop compiled
+    with ``serialize`` for the same as one without, and would run it on one thread ever after.
     """
+    cache = _cache_folder("serial" if threads == 1 else "parallel")
     with contextlib.redirect_stdout(io.StringIO()):
         ti.init(
+            offline_cache=cache is not None,
+            offline_cache_file_path=cache or "",
             arch=ti.cpu,
             default_fp=ti.f64 if precision == "f64" else ti.f32,
             cpu_max_num_threads=threads,
             fast_math=False,
             log_level=ti.ERROR,
         )
+
+
+def _cache_folder(kind):
+    """Return the folder of compiled kernels, None where the user has none that can be written."""
+    try:
+        folder = Path.home() / ".cache" / "tisph" / kind
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, RuntimeError):
+        return None
+    return str(folder) if os.access(folder, os.W_OK) else None
 
 
 def real():

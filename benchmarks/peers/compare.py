@@ -65,11 +65,16 @@ def summary_of(numbers):
     return {"median": median(numbers), "min": min(numbers), "max": max(numbers)}
 
 
+def other_load(runs):
+    """Median number of cores busy with other programs; None where the system does not tell."""
+    loads = [one["other_load"] for one in runs]
+    return None if None in loads else median(loads)
+
+
 def disturbed(runs):
     """Whether other programs may have slowed most of the runs of a code."""
     speeds = [one["particle_steps_per_s"] for one in runs]
-    loads = [one["other_load"] for one in runs if one["other_load"] is not None]
-    return max(speeds) > SPREAD * median(speeds) or (bool(loads) and median(loads) > OTHER_LOAD)
+    return max(speeds) > SPREAD * median(speeds) or (other_load(runs) or 0.0) > OTHER_LOAD
 
 
 def verdict_on(code, ratio, measured):
@@ -90,6 +95,7 @@ def row_of(code, measured):
         "version": measured[code.label][0]["version"],
         "particle_steps_per_s": summary_of(own),
         "ns_per_particle_step": 1e9 / median(own),
+        "other_load": other_load(measured[code.label]),
         "ratio": ratio,
         "bound": code.bound,
         "verdict": verdict_on(code, ratio["median"], measured),
@@ -104,8 +110,9 @@ def spread(numbers, digits):
 def table(rows):
     """Markdown table of the rows."""
     lines = [
-        "| code | 10^6 particle-steps/s, median (min..max) | ns per particle-step | tisph / code | bound | |",
-        "|---|---|---|---|---|---|",
+        "| code | 10^6 particle-steps/s, median (min..max) | ns per particle-step | other load, cores "
+        "| tisph / code | bound | |",
+        "|---|---|---|---|---|---|---|",
     ]
     for row in rows:
         bound = "-" if row["bound"] is None else f">= {row['bound']:g}"
@@ -114,6 +121,7 @@ def table(rows):
             row["code"],
             spread(speed, 3),
             f"{row['ns_per_particle_step']:.0f}",
+            "unknown" if row["other_load"] is None else f"{row['other_load']:.2f}",
             spread(row["ratio"], 2),
             bound,
             row["verdict"],
@@ -168,7 +176,7 @@ def print_report(arguments, place, rows, errors):
     print("; ".join(f"{row['code']} {row['version']}" for row in rows))
     print("\n" + table(rows))
     if any(row["verdict"] == "DISTURBED" for row in rows):
-        print("DISTURBED: other programs were running (other_load in peers.json); measure on a quiet machine")
+        print("DISTURBED: other programs were running; measure on a quiet machine")
     for label, one in errors.items():
         cost = f"{one['steps']} steps, {one['loop_seconds']:.1f} s"
         print(f"L2 at t = {ERROR_TIME}: {label} {one['l2']:.2e} ({cost})")

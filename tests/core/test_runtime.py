@@ -1,0 +1,29 @@
+"""The one place where Taichi is initialised."""
+
+import pytest
+
+from tisph import runtime
+from tisph.runtime import ti
+
+
+def test_serial_and_parallel_kernels_are_cached_apart():
+    # a shared cache would hand the serial loops of one thread to a run on several
+    folders = []
+    for threads in (1, 2):
+        runtime.start("f64", threads)
+        folders.append(ti.lang.impl.current_cfg().offline_cache_file_path)
+    assert folders[0] != folders[1]
+
+
+@pytest.mark.parametrize(("precision", "digits"), [("f64", 1e-16), ("f32", 1e-7)])
+def test_numbers_keep_the_digits_of_the_precision(precision, digits):
+    runtime.start(precision, 1)
+    stored = runtime.scalar(0.3)[None]
+    assert abs(stored - 0.3) <= 0.3 * digits
+    if precision == "f32":
+        assert stored != 0.3
+
+
+def test_nothing_is_printed(capfd):
+    runtime.start("f64", 1)
+    assert capfd.readouterr().out == ""

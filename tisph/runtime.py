@@ -31,6 +31,7 @@ def start(precision, threads):
     with ``serialize`` for the same as one without, and would run it on one thread ever after.
     """
     cache = _cache_folder("serial" if threads == 1 else "parallel")
+    others = _thread_ids()
     with contextlib.redirect_stdout(io.StringIO()):
         ti.init(
             offline_cache=cache is not None,
@@ -41,6 +42,7 @@ def start(precision, threads):
             fast_math=False,
             log_level=ti.ERROR,
         )
+    _share_processors(sorted(_thread_ids() - others), threads)
 
 
 def _cache_folder(kind):
@@ -51,6 +53,28 @@ def _cache_folder(kind):
     except (OSError, RuntimeError):
         return None
     return str(folder) if os.access(folder, os.W_OK) else None
+
+
+def _thread_ids():
+    """Return the system's numbers of this process' threads where it tells them (Linux), else none."""
+    folder = Path("/proc/self/task")
+    return {int(entry.name) for entry in folder.iterdir()} if folder.exists() else set()
+
+
+def _share_processors(new_threads, count):
+    """Let no two of the ``count`` loop threads meet on one processor, each having a share of them all.
+
+    Loops last half a millisecond here. Linux often wakes the threads of such a loop on one processor, where
+    they run one after the other, and moves them apart too late: without this two threads of a 5000 particle
+    run were a third slower. Loop threads are numbered one after another, whatever else is among the new ones.
+    """
+    if count == 1 or not hasattr(os, "sched_setaffinity"):
+        return
+    processors = sorted(os.sched_getaffinity(0))
+    if len(processors) < count:
+        return
+    for index, thread in enumerate(new_threads):
+        os.sched_setaffinity(thread, processors[index % count :: count])
 
 
 def real():

@@ -54,8 +54,15 @@ def sound_speed(
     return SCALE_RATIO * max(reference_velocity, viscous_velocity)
 
 
+def series(gamma: int) -> tuple[float, ...]:
+    """Coefficients of ((1 + s)^gamma - 1) / gamma in s, highest power first, without the last one, which is 0.
+
+    As a polynomial it keeps its digits where s is small.
+    """
+    return tuple(math.comb(gamma, power) / gamma for power in range(gamma, 0, -1))
+
+
 def pressure(parameters: Tait, compression: np.ndarray, *, density: float, sound_speed: float) -> np.ndarray:
     """Pressure at ``compression`` = rho/rho0 - 1 (any shape), never below the cutoff."""
-    relative = np.expm1(parameters.gamma * np.log1p(compression)) / parameters.gamma
-    values = density * sound_speed**2 * relative
+    values = density * sound_speed**2 * np.polyval([*series(parameters.gamma), 0.0], compression)
     return values if parameters.pressure_cutoff is None else np.maximum(values, parameters.pressure_cutoff)

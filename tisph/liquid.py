@@ -1,7 +1,6 @@
 """The liquid as the kernels see it: viscosity and stiffness, as numbers that are not compiled in."""
 
-from math import comb
-
+from tisph.equation_of_state import series
 from tisph.runtime import scalar, ti
 
 
@@ -10,13 +9,13 @@ class Liquid:
     """Newtonian, weakly compressible liquid; all pressures are over the reference density (length^2/time^2).
 
     Tait equation of state p / rho0 = c^2/gamma ((1 + s)^gamma - 1) of the compression s = rho/rho0 - 1, as a
-    polynomial in s: no digits are lost where s is small. ``pressure_cutoff`` (over density) or None limits
+    polynomial in s. ``pressure_cutoff`` (over density) or None limits
     tension; ``velocity_scale`` is the largest wall speed.
     """
 
     def __init__(self, channel, equation_of_state, sound_speed):
         self.gamma = equation_of_state.gamma
-        self.coefficients = tuple(comb(self.gamma, k) / self.gamma for k in range(self.gamma, 0, -1))
+        self.coefficients = series(self.gamma)
         self.limits_tension = equation_of_state.pressure_cutoff is not None
         self.kinematic_viscosity = scalar(channel.kinematic_viscosity)
         self.velocity_scale = scalar(channel.reference_velocity)

@@ -69,7 +69,7 @@ def estimates(config: Any) -> dict[str, Any]:
         "time_step": limits[binding],
         "binding_limit": binding,
         "steps": steps,
-        "memory": memory.estimated_bytes(particles),
+        "memory": memory.estimated_bytes(particles, config.support),
         "run_time": particles * steps * SECONDS_PER_PARTICLE_STEP,
     }
 

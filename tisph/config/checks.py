@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from tisph import families
 from tisph.config import memory
 from tisph.config.base import refusals
 
@@ -89,7 +88,7 @@ def _across(config: Any) -> float:
 def _size(config: Any) -> Iterator[Problem]:
     across = _across(config)
     particles = across * (across * config.geometry.length / config.geometry.gap)
-    needed, available = memory.estimated_bytes(particles), memory.physical_bytes()
+    needed, available = memory.estimated_bytes(particles, config.support), memory.physical_bytes()
     text = f"makes {particles:.3g} particles, which would need about {memory.format_bytes(needed)} of memory"
     if particles > memory.MOST_PARTICLES:
         yield _resolution_key(config), f"{text}; at most {memory.MOST_PARTICLES} particles are allowed"
@@ -100,7 +99,7 @@ def _size(config: Any) -> Iterator[Problem]:
 def _lattice(config: Any) -> Iterator[Problem]:
     across, gap, length = _across(config), config.geometry.gap, config.geometry.length
     columns = across * length / gap
-    least_rows = max(LEAST_PARTICLES_ACROSS, math.ceil(_reach(config)))
+    least_rows = max(LEAST_PARTICLES_ACROSS, math.ceil(config.support + SKIN))
     key = _resolution_key(config)
     if across < least_rows * (1 - DIVISION_TOLERANCE):
         limit = f" (spacing at most {gap / least_rows:.6g})" if config.discretisation.spacing else ""
@@ -117,17 +116,11 @@ def _lattice(config: Any) -> Iterator[Problem]:
 
 
 def _least_length(config: Any, columns: int) -> Iterator[Problem]:
-    least = math.ceil(3 * _reach(config))
+    least = math.ceil(3 * config.support + SKIN)
     if columns < least:
         # with fewer than three cells along x a particle would meet a neighbour and its periodic copy
         text = f"must be at least {least * config.spacing:.6g}, {least} particle spacings"
         yield "geometry.length", f"{text}: the periodic neighbour search needs three cells along x"
-
-
-def _reach(config: Any) -> float:
-    """Radius of the neighbour search in particle spacings."""
-    support = families.constant("kernels", config.discretisation.kernel, "SUPPORT")
-    return support * config.discretisation.smoothing_ratio + SKIN
 
 
 def _is_whole(number: float) -> bool:

@@ -1,16 +1,20 @@
 """How much memory a run would need, known before anything is allocated."""
 
+import math
 import os
 
-BYTES_PER_PARTICLE = 600
-"""Estimate: two copies of about 20 f64 fields (the sort needs both), and some 60 neighbours at 4 bytes."""
+FIELD_BYTES = 350
+"""Estimate of a particle's fields: two copies of 14 numbers, and room for images of the particles at the walls."""
+
+NEIGHBOUR_BYTES = 4 * 1.6
+"""Bytes of the neighbour table for each particle within the kernel support: an index, and room for disorder."""
 
 MOST_PARTICLES = 20_000_000
 
 
-def estimated_bytes(particles: float) -> float:
-    """Estimated memory of a run in bytes."""
-    return particles * BYTES_PER_PARTICLE
+def estimated_bytes(particles: float, support: float) -> float:
+    """Estimated memory of the fields of a run in bytes, for a kernel ``support`` radius in particle spacings."""
+    return particles * (FIELD_BYTES + NEIGHBOUR_BYTES * math.pi * support**2)
 
 
 def physical_bytes() -> int | None:

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, model_validator
 
+from tisph import families
 from tisph.config import checks, yaml_text
 from tisph.config.base import LARGEST, SMALLEST, Model, Positive, Signed, refusal
 from tisph.config.fields import Member, member_name, number_or
@@ -213,6 +214,12 @@ class Config(Model):
     def columns(self) -> int:
         """Particles along x in one period."""
         return round(self.geometry.length / self.spacing)
+
+    @property
+    def support(self) -> float:
+        """Radius of the kernel support in particle spacings."""
+        radius = families.constant("kernels", self.discretisation.kernel, "SUPPORT")
+        return radius * self.discretisation.smoothing_ratio
 
     @property
     def reference_velocity(self) -> float:

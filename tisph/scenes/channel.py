@@ -133,3 +133,7 @@ class Channel:
             "bottom": self.bottom_velocity,
             "top": self.top_velocity,
         }
+
+
+Scene = Channel
+"""The name under which a run asks a module of this folder for its scene."""

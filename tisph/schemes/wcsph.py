@@ -1,8 +1,9 @@
 """Explicit weakly compressible SPH: density carried by the particles, pressure from an equation of state.
 
 Second-order midpoint steps with one evaluation of the rates f each: from the state y^n a predictor with the
-previous rates, y^(n+1/2) = y^n + dt/2 f^(n-1/2), then y^(n+1) = y^n + dt f(y^(n+1/2)). One loop over the
-particles evaluates, corrects and predicts the next middle, reading one buffer and writing the other.
+previous rates, y^(n+1/2) = y^n + dt/2 f^(n-1/2) (positions with the new velocity), then
+y^(n+1) = y^n + dt f(y^(n+1/2)). One loop over the particles evaluates, corrects and predicts the next middle,
+reading one buffer and writing the other.
 """
 
 import math
@@ -105,6 +106,7 @@ class Scheme:
         self.walls.load(self.channel)
         self.rebuild()
         self.proceed()
+        self.limit = self.time_step_limit()
 
     @property
     def finished(self):

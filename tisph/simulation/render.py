@@ -1,6 +1,6 @@
 """Movie and pictures again from the files of a run."""
 
-from tisph import config
+from tisph import config, families
 from tisph.errors import ConfigError
 from tisph.observers.frames import read_frames
 from tisph.observers.history import read_history
@@ -8,7 +8,6 @@ from tisph.observers.samples import read_samples
 from tisph.report.history import plot_history
 from tisph.report.movie import Movie
 from tisph.report.profiles import plot_profiles
-from tisph.scenes.channel import Channel
 from tisph.simulation.results import Folder
 
 
@@ -21,7 +20,7 @@ def render(run_dir):
     if not folder.config.exists():
         raise ConfigError(f"{folder.root}: no results folder (config.resolved.yaml is missing)")
     settings = config.load(folder.config)
-    channel = Channel.from_config(settings)
+    channel = families.load("scenes", settings.scene).Scene.from_config(settings)
     try:
         drawn = pictures(folder, settings, channel)
         if settings.output.video and folder.frames.exists():

@@ -15,7 +15,6 @@ from tisph.observers.guard import INTERVAL, Guard
 from tisph.observers.history import History
 from tisph.observers.samples import Samples
 from tisph.report.movie import Movie
-from tisph.scenes.channel import Channel
 from tisph.simulation import checkpoint
 from tisph.simulation.progress import RunProgress
 from tisph.simulation.render import pictures
@@ -49,7 +48,7 @@ class Run:
     def __init__(self, config, folder):
         self.config = config
         self.folder = folder
-        self.channel = Channel.from_config(config)
+        self.channel = families.load("scenes", config.scene).Scene.from_config(config)
         self.fingerprint = fingerprint(config)
         self.threads = threads(config, self.channel)
         self.costs = {
@@ -183,21 +182,22 @@ def threads(config, channel):
 
 @contextmanager
 def _interrupts_to(job):
-    """Let the first Ctrl-C end the run after its step, with all results; a second one stops at once."""
+    """Let Ctrl-C or a termination end the run after its step, with all results; a second one stops at once."""
 
     def handle(number, frame):
         job.interrupted = True
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        signal.signal(number, signal.default_int_handler)
 
     try:
-        previous = signal.signal(signal.SIGINT, handle)
+        previous = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
     except ValueError:  # not in the main thread: the caller decides
         yield
         return
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, previous)
+        for number, handler in previous.items():
+            signal.signal(number, handler)
 
 
 @contextmanager

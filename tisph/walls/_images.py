@@ -67,7 +67,7 @@ class ImageWalls:
                 )
         ti.loop_config(serialize=True)
         for i in range(self.particles.fluid):
-            self.publish(
+            self.publish_images(
                 now,
                 i,
                 self.particles.mid_position[now, i],
@@ -77,29 +77,23 @@ class ImageWalls:
 
     @ti.func
     def publish(self, buffer, i, position, velocity, pressure):
-        """Write the mid-step values of fluid particle ``i`` and of its images, where there is room."""
+        """Write the mid-step values of fluid particle ``i`` and of its images."""
         self.write(buffer, i, position, velocity, pressure)
-        below = self.images[0]
-        if i < below and self.particles.mobile + i < self.particles.slots:
-            wall = self.domain.bottom_velocity[None]
-            self.write(
-                buffer,
-                self.particles.mobile + i,
-                ti.Vector([position.x, -position.y]),
-                self.image_velocity(velocity, wall),
-                pressure,
-            )
-        first = self.first_top[None]
-        slot = self.particles.mobile + below + i - first
-        if i >= first and slot < self.particles.slots:
-            wall = self.domain.top_velocity[None]
-            self.write(
-                buffer,
-                slot,
-                ti.Vector([position.x, 2.0 * self.domain.gap[None] - position.y]),
-                self.image_velocity(velocity, wall),
-                pressure,
-            )
+        self.publish_images(buffer, i, position, velocity, pressure)
+
+    @ti.func
+    def publish_images(self, buffer, i, position, velocity, pressure):
+        """Write the mid-step values of the images of fluid particle ``i``, if it has any, where there is room."""
+        slot = self.particles.mobile + i
+        if i < self.images[0] and slot < self.particles.slots:
+            mirrored = ti.Vector([position.x, -position.y])
+            wall_velocity = self.domain.bottom_velocity[None]
+            self.write(buffer, slot, mirrored, self.image_velocity(velocity, wall_velocity), pressure)
+        slot += self.images[0] - self.first_top[None]
+        if i >= self.first_top[None] and slot < self.particles.slots:
+            mirrored = ti.Vector([position.x, 2.0 * self.domain.gap[None] - position.y])
+            wall_velocity = self.domain.top_velocity[None]
+            self.write(buffer, slot, mirrored, self.image_velocity(velocity, wall_velocity), pressure)
 
     @ti.func
     def write(self, buffer, slot, position, velocity, pressure):

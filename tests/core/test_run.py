@@ -28,9 +28,13 @@ def tisph(tmp_path):
     """Return a function that runs the command line on the small case in a fresh process."""
     (tmp_path / "small.yaml").write_text(CASE)
 
-    def call(command, *arguments, status=0):
+    def call(command, *arguments, status=0, **environment):
         done = subprocess.run(
-            [sys.executable, "-m", "tisph", command, *arguments], cwd=tmp_path, capture_output=True, text=True
+            [sys.executable, "-m", "tisph", command, *arguments],
+            cwd=tmp_path,
+            env={**os.environ, **environment},
+            capture_output=True,
+            text=True,
         )
         assert done.returncode == status, done.stderr
         return done
@@ -169,3 +173,12 @@ def test_render_draws_again_from_the_files(tisph, tmp_path):
     tisph("render", "out")
     for name in names:
         assert (tmp_path / "out" / name).stat().st_size > 0
+
+
+@pytest.mark.parametrize("treatment", ["comoving_image", "adami"])
+@pytest.mark.parametrize("across", [6, 12])
+def test_no_kernel_reads_or_writes_out_of_bounds(tisph, treatment, across):
+    # Taichi checks every index in debug mode; without it a bad one passes silently
+    case = ["--set", f"discretisation.particles_across={across}", "--set", "geometry.length=2.0"]
+    walls = ["--set", f"walls.treatment.type={treatment}", "--set", "initial.jitter=0.3"]
+    tisph("run", "small.yaml", "--out", f"{treatment}{across}", "--no-video", *case, *walls, TI_DEBUG="1")

@@ -34,10 +34,6 @@ class Particles:
         self.mid_compression = ti.field(real(), shape=(2, fluid))
         self.identity = ti.field(ti.i32, shape=(2, fluid))
 
-    def fields(self):
-        """Return every field by name: what a checkpoint holds."""
-        return {name: field for name, field in vars(self).items() if isinstance(field, ti.Field)}
-
     def load(self, position, velocity, far):
         """Fill buffer 0: uncompressed fluid at ``position`` with ``velocity``, arrays of shape (fluid, 2).
 

@@ -4,14 +4,42 @@ Everything that needs Taichi imports ``ti`` from here, so that another compatibl
 by changing one line, and so that its banner never reaches the user's terminal.
 """
 
+import atexit
 import contextlib
 import io
 import os
+import shutil
+import tempfile
 from pathlib import Path
 
-os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 
-import taichi as ti
+def _cache_home():
+    """Return a folder for compiled kernels: in the user's home, else one that lasts as long as this process."""
+    try:
+        folder = Path.home() / ".cache" / "tisph"
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except (OSError, RuntimeError):
+        folder = Path(tempfile.mkdtemp(prefix="tisph-"))
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        os.environ["XDG_CACHE_HOME"] = os.environ["MPLCONFIGDIR"] = str(folder)
+    os.environ.setdefault("XDG_CACHE_HOME", str(folder.parent))
+    return folder
+
+
+CACHE = _cache_home()
+"""Compiled kernels. Taichi has a folder of its own too, and ends the process where it cannot be written."""
+
+os.environ.update(
+    ENABLE_TAICHI_HEADER_PRINT="0",  # no banner
+    TI_SKIP_VERSION_CHECK="ON",  # no request to a server, which it sends once a day otherwise
+    TI_ENABLE_TORCH="0",  # no import of what happens to be installed
+    TI_ENABLE_PADDLE="0",
+)
+os.environ.pop("TI_ARCH", None)  # a run depends on its config alone
+
+import taichi as ti  # noqa: E402 (it reads the environment while it is imported)
 
 __all__ = ["available_threads", "real", "scalar", "start", "ti"]
 
@@ -30,12 +58,11 @@ def start(precision, threads):
     Compiled kernels are kept apart for one thread and for several, because Taichi 1.7.4 takes a loop compiled
     with ``serialize`` for the same as one without, and would run it on one thread ever after.
     """
-    cache = _cache_folder("serial" if threads == 1 else "parallel")
     others = _thread_ids()
     with contextlib.redirect_stdout(io.StringIO()):
         ti.init(
-            offline_cache=cache is not None,
-            offline_cache_file_path=cache or "",
+            offline_cache=True,
+            offline_cache_file_path=str(CACHE / ("serial" if threads == 1 else "parallel")),
             arch=ti.cpu,
             default_fp=ti.f64 if precision == "f64" else ti.f32,
             cpu_max_num_threads=threads,
@@ -43,16 +70,6 @@ def start(precision, threads):
             log_level=ti.ERROR,
         )
     _share_processors(sorted(_thread_ids() - others), threads)
-
-
-def _cache_folder(kind):
-    """Return the folder of compiled kernels, None where the user has none that can be written."""
-    try:
-        folder = Path.home() / ".cache" / "tisph" / kind
-        folder.mkdir(parents=True, exist_ok=True)
-    except (OSError, RuntimeError):
-        return None
-    return str(folder) if os.access(folder, os.W_OK) else None
 
 
 def _thread_ids():
@@ -73,8 +90,9 @@ def _share_processors(new_threads, count):
     processors = sorted(os.sched_getaffinity(0))
     if len(processors) < count:
         return
-    for index, thread in enumerate(new_threads):
-        os.sched_setaffinity(thread, processors[index % count :: count])
+    with contextlib.suppress(OSError):  # a container may forbid it, and a thread may have ended
+        for index, thread in enumerate(new_threads):
+            os.sched_setaffinity(thread, processors[index % count :: count])
 
 
 def real():

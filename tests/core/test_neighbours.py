@@ -80,13 +80,14 @@ def test_sorting_is_stable(make):
     assert np.array_equal(scheme.particles.identity.to_numpy()[scheme.now], before)
 
 
-def test_an_overflow_of_a_row_is_told(make):
+@pytest.mark.parametrize(("capacity", "told"), [(8, 28), (27, 28), (28, 28), (29, 0)])
+def test_a_row_that_may_not_fit_is_told(make, capacity, told):
+    # 28 neighbours within reach on the square lattice; a full row may have lost its last one
     scheme = make()
-    lists = VerletLists(scheme.cells, scheme.lists.cutoff, scheme.channel.spacing / 3, serial=True)
-    lists.reach_squared[None] = (4 * scheme.channel.spacing) ** 2
-    lists.capacity = 8
+    lists = VerletLists(scheme.cells, scheme.lists.cutoff, scheme.channel.spacing, serial=True)
+    lists.capacity = capacity
     lists.build(scheme.now)
-    assert lists.overflow() > lists.capacity
+    assert lists.overflow() == told
 
 
 def test_rows_are_padded_with_the_sentinel_only(make):

@@ -100,15 +100,21 @@ def test_the_same_bits_whatever_is_observed_and_on_one_thread_or_two(tisph, tmp_
     same_bits(samples(tmp_path / "one"), samples(tmp_path / "two"))
 
 
-def interrupt(tmp_path, *arguments):
-    """Start a long run, interrupt it once it has stepped, and return the finished process."""
+def start(tmp_path, *arguments):
+    """Start a run and return its process once it has done a tenth of the way."""
     process = subprocess.Popen(
         [sys.executable, "-m", "tisph", "run", "small.yaml", *arguments],
         cwd=tmp_path,
         stderr=subprocess.PIPE,
         text=True,
     )
-    process.stderr.readline()  # the first progress line: a tenth of the run is done
+    process.stderr.readline()  # the first progress line
+    return process
+
+
+def interrupt(tmp_path, *arguments):
+    """Start a long run, interrupt it once it has stepped, and return the finished process."""
+    process = start(tmp_path, *arguments)
     process.send_signal(signal.SIGINT)
     process.wait(timeout=60)
     return process
@@ -182,3 +188,39 @@ def test_no_kernel_reads_or_writes_out_of_bounds(tisph, treatment, across):
     case = ["--set", f"discretisation.particles_across={across}", "--set", "geometry.length=2.0"]
     walls = ["--set", f"walls.treatment.type={treatment}", "--set", "initial.jitter=0.3"]
     tisph("run", "small.yaml", "--out", f"{treatment}{across}", "--no-video", *case, *walls, TI_DEBUG="1")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="HOME decides on POSIX systems only")
+@pytest.mark.parametrize("home", ["/proc/nowhere", None])
+def test_runs_without_a_home_to_keep_compiled_kernels_in(tmp_path, home):
+    (tmp_path / "small.yaml").write_text(CASE)
+    environment = {key: value for key, value in os.environ.items() if key not in ("HOME", "XDG_CACHE_HOME")}
+    command = [sys.executable, "-m", "tisph", "run", "small.yaml", "--out", "out", "--set", "time.end=0.4"]
+    done = subprocess.run(
+        [*command, "--set", "time.samples=[0.4]"],
+        cwd=tmp_path,
+        env={**environment, **({"HOME": home} if home else {})},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_second_run_into_the_same_folder_is_refused(tisph, tmp_path):
+    first = start(tmp_path, "--out", "out", "--set", "time.end=40.0")
+    try:
+        refused = tisph("run", "small.yaml", "--out", "out", "--overwrite", status=2)
+        assert "another run is writing there" in refused.stderr
+    finally:
+        first.send_signal(signal.SIGTERM)
+        first.wait(timeout=60)
+    assert summary(tmp_path / "out")["status"] == "interrupted"
+
+
+def test_a_damaged_history_is_no_traceback_on_resume(tisph, tmp_path):
+    every = ["--no-video", "--set", "output.checkpoint_every=0.3"]
+    tisph("run", "small.yaml", "--out", "out", *every)
+    (tmp_path / "out/history.csv").write_text("t,u\nnonsense\n")
+    refused = tisph("run", "small.yaml", "--out", "out", *every, "--resume", status=2)
+    assert "cannot be read" in refused.stderr
+    assert "Traceback" not in refused.stderr

@@ -38,7 +38,7 @@ def case(tmp_path, monkeypatch):
 @pytest.fixture
 def simulation(monkeypatch):
     """Stand in for the simulation: record the calls, leave a summary, raise what ``error`` holds."""
-    stand_in = types.SimpleNamespace(calls=[], error=None)
+    stand_in = types.SimpleNamespace(calls=[], error=None, drawn=[])
 
     def run(config, folder, *, video, resume):
         stand_in.calls.append((config.name, folder, video, resume))
@@ -48,7 +48,7 @@ def simulation(monkeypatch):
         return folder
 
     stand_in.run = run
-    stand_in.render = lambda folder: stand_in.calls.append(folder)
+    stand_in.render = lambda folder: stand_in.calls.append(folder) or stand_in.drawn
     monkeypatch.setitem(sys.modules, "tisph.simulation", stand_in)
     monkeypatch.setattr(tisph, "simulation", stand_in, raising=False)
     return stand_in
@@ -112,7 +112,7 @@ def test_overwrite_removes_results_and_nothing_else(case, simulation):
     for name in (*RESULTS, "notes.txt"):
         Path("full", name).write_text("old")
     assert tisph_command("run", "case.yaml", "--out", "full", "--overwrite").exit_code == 0
-    assert sorted(path.name for path in Path("full").iterdir()) == ["notes.txt", "summary.json"]
+    assert sorted(path.name for path in Path("full").iterdir()) == [".lock", "notes.txt", "summary.json"]
 
 
 def test_resume_needs_a_checkpoint(case, simulation):
@@ -225,7 +225,9 @@ def test_verify_tells_by_its_status(monkeypatch, passed, status):
 def test_render(case, simulation):
     assert tisph_command("render", ".").exit_code == 2
     Path("config.resolved.yaml").write_text("")
-    assert tisph_command("render", ".").exit_code == 0
+    simulation.drawn = [Path("profiles.png")]
+    done = tisph_command("render", ".")
+    assert (done.exit_code, done.output) == (0, "profiles.png\n")
     assert simulation.calls == [Path(".")]
 
 

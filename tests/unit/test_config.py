@@ -128,6 +128,7 @@ def config_data(draw):
     stiffness = draw(st.sampled_from([{}, {"sound_speed": "auto"}, {"sound_speed": 3.0}, {"bulk_modulus": 1e5}]))
     viscosity = draw(st.sampled_from(["dynamic_viscosity", "kinematic_viscosity"]))
     resolution = draw(st.sampled_from([{"particles_across": rows}, {"spacing": gap / rows}]))
+    precision = st.sampled_from(["f32", "f64"] if 1e-6 <= gap / rows <= 1e6 else ["f64"])
     return {
         "name": draw(names),
         "scene": "channel",
@@ -139,7 +140,7 @@ def config_data(draw):
             "top": {"velocity": draw(positive)},
         },
         "initial": {"state": "exact", "time": start} if start else {"jitter": draw(st.floats(0, 0.49))},
-        "discretisation": {**resolution, "precision": draw(st.sampled_from(["f32", "f64"]))},
+        "discretisation": {**resolution, "precision": draw(precision)},
         "scheme": {"type": "wcsph", "equation_of_state": {**stiffness, "gamma": draw(st.integers(1, 15))}},
         "time": {"end": 10.0, "samples": samples, "cfl": draw(st.one_of(st.just("auto"), st.floats(0.01, 1)))},
         "tracers": {"x": "centre"},

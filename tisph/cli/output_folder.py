@@ -1,11 +1,15 @@
 """The folder of results: when it may be used, and that it can be written."""
 
-import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+
+from filelock import FileLock, Timeout
 
 from tisph.errors import ConfigError
 
 CHECKPOINT = "checkpoint.h5"
+LOCK = ".lock"
 
 RESULTS = (
     "config.resolved.yaml",
@@ -13,6 +17,7 @@ RESULTS = (
     "samples.h5",
     "frames.h5",
     CHECKPOINT,
+    "checkpoint.partial",
     "history.csv",
     "profiles.png",
     "history.png",
@@ -24,8 +29,9 @@ RESULTS = (
 """What a run may leave, and all that ``--overwrite`` removes: other files in the folder are not touched."""
 
 
-def prepare(folder: Path, *, overwrite: bool, resume: bool) -> None:
-    """Make ``folder`` ready for results; ConfigError where it is not empty or cannot be written.
+@contextmanager
+def claimed(folder: Path, *, overwrite: bool, resume: bool) -> Iterator[None]:
+    """Make ``folder`` ready for results and keep other runs out of it; ConfigError where that cannot be.
 
     Without ``overwrite`` or ``resume`` it must be new or empty; ``resume`` needs a checkpoint in it.
     """
@@ -34,15 +40,22 @@ def prepare(folder: Path, *, overwrite: bool, resume: bool) -> None:
     if resume and not (folder / CHECKPOINT).is_file():
         raise ConfigError(f"--resume: there is no {CHECKPOINT} in {folder}, nothing to go on from")
     try:
-        if folder.is_dir() and any(folder.iterdir()) and not (overwrite or resume):
+        used = folder.is_dir() and any(entry.name != LOCK for entry in folder.iterdir())
+        if used and not (overwrite or resume):
             raise ConfigError(
                 f"--out {folder}: the folder is not empty; choose another one, or add --overwrite or --resume"
             )
         folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-        for name in RESULTS if overwrite else ():
-            (folder / name).unlink(missing_ok=True)
-    except (OSError, ValueError) as error:
+        lock = FileLock(folder / LOCK)
+        lock.acquire(timeout=0)
+    except Timeout:
+        raise ConfigError(f"--out {folder}: another run is writing there; choose another folder") from None
+    except (OSError, ValueError, NotImplementedError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise ConfigError(f"--out {folder}: cannot be written: {reason}") from None
+    try:
+        for name in RESULTS if overwrite else ():
+            (folder / name).unlink(missing_ok=True)
+        yield
+    finally:
+        lock.release()

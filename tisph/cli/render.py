@@ -22,4 +22,5 @@ def render(
 
     from tisph import simulation
 
-    simulation.render(run_dir)
+    for path in simulation.render(run_dir):
+        typer.echo(path)

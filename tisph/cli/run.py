@@ -40,14 +40,13 @@ def run(
 
     loaded = load(config, overrides or ())
     folder = out or Path("runs") / loaded.name
-    output_folder.prepare(folder, overwrite=overwrite, resume=resume)
+    with output_folder.claimed(folder, overwrite=overwrite, resume=resume):
+        from tisph import simulation
 
-    from tisph import simulation
-
-    try:
-        simulation.run(loaded, folder, video=not no_video, resume=resume)
-    except DivergedError as error:
-        raise DivergedError(f"{error}\npartial results are in {folder}") from None
+        try:
+            simulation.run(loaded, folder, video=not no_video, resume=resume)
+        except DivergedError as error:
+            raise DivergedError(f"{error}\npartial results are in {folder}") from None
     _show_results(folder)
 
 

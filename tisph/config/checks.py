@@ -14,6 +14,9 @@ DIVISION_TOLERANCE = 1e-9
 SKIN = 0.3
 """Room for a neighbour list's skin in units of the spacing, where the least length is worked out."""
 
+SMALLEST_F32 = 1e-6
+"""Spacing whose fourth power, in the determinant of the moments, is well inside the range of single precision."""
+
 FARTHEST_ROWS = 10_000
 """How far from the given resolution a valid one is looked for."""
 
@@ -113,10 +116,18 @@ def _lattice(config: Any) -> Iterator[Problem]:
         yield key, f"{text}, or geometry.length {' or '.join(lengths)}"
     else:
         yield from _least_length(config, round(columns))
+        yield from _precision(config)
+
+
+def _precision(config: Any) -> Iterator[Problem]:
+    size = config.spacing
+    if config.discretisation.precision == "f32" and not SMALLEST_F32 <= size <= 1 / SMALLEST_F32:
+        text = f"needs a particle spacing from {SMALLEST_F32:g} to {1 / SMALLEST_F32:g}, which is {size:.3g}"
+        yield "discretisation.precision", f"{text}: take other units of length, or f64"
 
 
 def _least_length(config: Any, columns: int) -> Iterator[Problem]:
-    least = math.ceil(3 * config.support + SKIN)
+    least = math.ceil(3 * (config.support + SKIN))
     if columns < least:
         # with fewer than three cells along x a particle would meet a neighbour and its periodic copy
         text = f"must be at least {least * config.spacing:.6g}, {least} particle spacings"

@@ -19,8 +19,11 @@ class Cells:
     def __init__(self, particles, domain, channel, reach):
         self.particles = particles
         self.domain = domain
-        self.columns = int(channel.length / reach)
-        self.rows = max(1, int(channel.gap / reach))
+        # counted in spacings, of which length and gap are whole numbers: no cell is lost to rounding
+        self.columns = int(channel.columns / (reach / channel.spacing))
+        self.rows = max(1, int(channel.rows / (reach / channel.spacing)))
+        if self.columns < 3:
+            raise ValueError(f"{self.columns} cells along x: a pair and its periodic copy would both be listed")
         self.start = ti.field(ti.i32, shape=(self.rows + 2, self.columns + 1))
         self.cursor = ti.field(ti.i32, shape=(self.rows + 2) * self.columns)
         self.cell = ti.field(ti.i32, shape=particles.mobile)

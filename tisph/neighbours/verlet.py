@@ -176,9 +176,12 @@ class VerletLists:
         return float(count.sum() - padding) / fluid
 
     def overflow(self):
-        """Return the longest row if some row did not fit into the table, else 0."""
+        """Return the longest row if it may not have fitted into the table, else 0.
+
+        The place after the last neighbour takes candidates that are then refused, so a full row is too long.
+        """
         longest = self.longest[None]
-        return longest if longest > self.capacity else 0
+        return longest if longest >= self.capacity else 0
 
 
 def reach(cutoff, spacing):

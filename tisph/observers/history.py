@@ -54,7 +54,8 @@ class History:
 
 def read_history(path):
     """Return times (records,) and tracer velocities (records, tracers) of a ``history.csv``."""
-    table = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)
-    if table.size == 0:
+    lines = path.read_text(encoding="utf-8").splitlines()[1:]
+    if not lines:
         return np.empty(0), np.empty((0, 0))
+    table = np.loadtxt(lines, delimiter=",", ndmin=2)
     return table[:, 0], table[:, 1:]

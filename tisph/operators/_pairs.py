@@ -29,6 +29,16 @@ class PairOperators:
         self.Rates = ti.types.struct(acceleration=self.vector, compression=real(), transport=self.vector)
 
     @ti.func
+    def sums(self, now, i):
+        """Return the ``pair_sums`` of particle ``i``, wrapping distances only where a neighbour is across."""
+        sums = self.Sums()
+        if self.lists.crosses[i] > 0:  # noqa: SIM108 (Taichi has no conditional expression of structs)
+            sums = self.pair_sums(now, i, True)
+        else:
+            sums = self.pair_sums(now, i, False)
+        return sums
+
+    @ti.func
     def separation(self, now, i, j, periodic: ti.template()):
         """Return the vector from particle i to particle j."""
         apart = self.particles.mid_position[now, j] - self.particles.mid_position[now, i]
@@ -41,6 +51,7 @@ class PairOperators:
         """Return a pair's share of Monaghan's linear artificial viscosity, without the factor alpha c h.
 
         Acceleration sum_j V_j alpha c h (v_ij . r_ij) / r^2 grad W for approaching pairs (Monaghan 1992,
-        Annu. Rev. Astron. Astrophys. 30, eq. 4.1, beta = 0), ``approach`` being the difference of velocities.
+        Annu. Rev. Astron. Astrophys. 30, eq. 4.1, beta = 0) without his 0.01 h^2, since r > 0;
+        ``approach`` is the difference of velocities.
         """
         return ti.min(0.0, approach.dot(apart)) / apart.dot(apart) * weight * apart

@@ -49,11 +49,7 @@ class Operators(PairOperators):
     @ti.func
     def rates(self, now, i):
         """Return the rates of fluid particle ``i`` from the mid-step values in buffer ``now``."""
-        sums = self.Sums()
-        if self.lists.crosses[i] > 0:  # noqa: SIM108 (Taichi has no conditional expression of structs)
-            sums = self.pair_sums(now, i, True)
-        else:
-            sums = self.pair_sums(now, i, False)
+        sums = self.sums(now, i)
         determinant = sums.moment_xx * sums.moment_yy - sums.moment_xy * sums.moment_xy
         correction = self.matrix([[sums.moment_yy, -sums.moment_xy], [-sums.moment_xy, sums.moment_xx]]) / determinant
         laplacian_norm = 4.0 / (sums.moment_xx + sums.moment_yy)

@@ -23,11 +23,7 @@ class Operators(PairOperators):
     @ti.func
     def rates(self, now, i):
         """Return the rates of fluid particle ``i`` from the mid-step values in buffer ``now``."""
-        sums = self.Sums()
-        if self.lists.crosses[i] > 0:  # noqa: SIM108 (Taichi has no conditional expression of structs)
-            sums = self.pair_sums(now, i, True)
-        else:
-            sums = self.pair_sums(now, i, False)
+        sums = self.sums(now, i)
         volume_weight = self.pair_weight[None]
         rates = self.Rates()
         rates.acceleration = volume_weight * (

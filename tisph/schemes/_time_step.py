@@ -8,6 +8,15 @@ VISCOUS_NUMBER = 0.125
 """Step over h^2/nu; J. P. Morris, P. J. Fox and Y. Zhu, J. Comput. Phys. 136 (1997) 214-226."""
 
 
+def effective_viscosity(kinematic_viscosity: float, artificial_viscosity: float, length: float, speed: float) -> float:
+    """Kinematic viscosity with Monaghan's linear artificial one in it, alpha c h / 8 in two dimensions.
+
+    ``length`` is the smoothing length h, ``speed`` the sound speed c (J. J. Monaghan, Rep. Prog. Phys. 68 (2005)
+    1703-1759).
+    """
+    return kinematic_viscosity + artificial_viscosity * speed * length / 8.0
+
+
 def time_step_limits(
     cfl: float | Literal["auto"],
     *,

@@ -9,10 +9,12 @@ reading one buffer and writing the other.
 import math
 from typing import Literal
 
+import numpy as np
 from pydantic import Field
 
 from tisph import families
 from tisph.config.base import Model
+from tisph.config.fields import member_name
 from tisph.domain import Domain
 from tisph.equation_of_state import Tait, pressure, sound_speed
 from tisph.errors import DivergedError
@@ -22,7 +24,7 @@ from tisph.neighbours.verlet import VerletLists, reach
 from tisph.particles import Particles
 from tisph.runtime import scalar, ti
 from tisph.schemes._plan import StepPlan
-from tisph.schemes._time_step import time_step_limits
+from tisph.schemes._time_step import effective_viscosity, time_step_limits
 from tisph.snapshot import Snapshot
 
 CONTROL_INTERVAL = 50
@@ -52,9 +54,9 @@ class Parameters(Model):
     """
 
     type: Literal["wcsph"] = "wcsph"
-    operators: Literal["consistent", "standard"] = "consistent"
+    operators: member_name("operators") = "consistent"
     equation_of_state: Tait = Tait()
-    artificial_viscosity: float = Field(default=0.0, ge=0)
+    artificial_viscosity: float = Field(default=0.0, ge=0, le=10)
 
 
 @ti.data_oriented
@@ -64,7 +66,7 @@ class Scheme:
     ``targets`` are times that steps end on exactly. ``serial`` compiles loops without threads.
     """
 
-    def __init__(self, config, channel, serial):
+    def __init__(self, config, channel, targets, serial):
         kernel = families.load("kernels", config.discretisation.kernel)
         walls = families.load("walls", config.walls.treatment.type).Treatment
         operators = families.load("operators", config.scheme.operators).Operators
@@ -79,6 +81,7 @@ class Scheme:
             density=channel.density,
         )
         self.cfl = config.time.cfl
+        self.artificial_viscosity = config.scheme.artificial_viscosity
         self.smoothing_length = config.discretisation.smoothing_ratio * channel.spacing
         cutoff = kernel.SUPPORT * self.smoothing_length
         radius = reach(cutoff, channel.spacing)
@@ -93,15 +96,15 @@ class Scheme:
         self.drift_squared = scalar(0.0)
         self.speed_squared = scalar(0.0)
         self.acceleration_squared = scalar(0.0)
-
-    def start(self, position, velocity, targets):
-        """Place the particles, (particles, 2) arrays, and plan the way to the ``targets``."""
-        self.time = self.middle = self.end = self.built = self.channel.start_time
+        self.plan = StepPlan(channel.start_time, targets)
+        self.time = self.middle = self.end = self.built = channel.start_time
         self.steps = self.rebuilds = self.now = 0
-        self.length = 0.0
-        self.limit = self.time_step_limit()
+        self.length, self.limit = 0.0, math.inf
         self.shortest, self.longest = math.inf, 0.0
-        self.plan = StepPlan(self.time, targets)
+
+    def start(self, position, velocity):
+        """Place the particles, (particles, 2) arrays, and evaluate their first rates."""
+        self.limit = self.time_step_limit()
         self.particles.load(position, velocity, 1e3 * (self.channel.gap + self.channel.length))
         self.walls.load(self.channel)
         self.rebuild()
@@ -135,16 +138,22 @@ class Scheme:
         self.time, self.middle = time, middle
 
     def time_step_limit(self):
-        """Return the longest step that the present speeds and accelerations allow."""
+        """Return the longest step that the present speeds and accelerations allow.
+
+        Where they are not finite the step stays as it is: the guard, which looks as often, names the fault.
+        """
         limits = time_step_limits(
             self.cfl,
             smoothing_length=self.smoothing_length,
             sound_speed=self.sound_speed,
             reference_velocity=max(self.channel.reference_velocity, math.sqrt(self.speed_squared[None])),
-            kinematic_viscosity=self.channel.kinematic_viscosity,
+            kinematic_viscosity=effective_viscosity(
+                self.channel.kinematic_viscosity, self.artificial_viscosity, self.smoothing_length, self.sound_speed
+            ),
             acceleration=math.sqrt(self.acceleration_squared[None]),
         )
-        return min(limits.values())
+        limit = min(limits.values())
+        return limit if limit > 0.0 else self.limit
 
     def rebuild(self):
         """Sort the particles into cells and list their neighbours anew."""
@@ -152,9 +161,9 @@ class Scheme:
         self.particles.reorder(self.now, self.cells.order, self.serial)
         self.now = 1 - self.now
         self.walls.lay_out(self.now)
-        self.require_room("images", self.walls.overflow())
+        self.require_room("images of particles", self.walls.overflow())
         self.lists.build(self.now)
-        self.require_room("neighbours of one particle", self.lists.overflow())
+        self.require_room("neighbours of a particle", self.lists.overflow())
         self.walls.refresh(self.now)
         self.built = self.middle
         self.rebuilds += 1
@@ -163,9 +172,14 @@ class Scheme:
         """Raise DivergedError if ``needed`` (0 where all fits) tells of an overflow."""
         if needed:
             raise DivergedError(
-                f"too many {what}: {needed} at step {self.steps}, t = {self.time:.6g}; "
-                "the particles have clustered, which a sound run never does"
+                f"x, y: too many {what} ({needed}) around particle {self.most_crowded()}, "
+                f"at step {self.steps}, t = {self.time:.6g}: the particles have clustered"
             )
+
+    def most_crowded(self):
+        """Return the number of the particle with the longest list of neighbours."""
+        count = self.lists.count.to_numpy()[: self.particles.fluid]
+        return int(self.particles.identity.to_numpy()[self.now, np.argmax(count)])
 
     def snapshot(self):
         """Return the state at ``time`` as a Snapshot."""

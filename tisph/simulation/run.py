@@ -4,12 +4,12 @@ import logging
 import math
 import signal
 import time
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 
 import numpy as np
 
 from tisph import PROCESS_START, families, runtime
-from tisph.errors import DivergedError, TisphError
+from tisph.errors import ConfigError, DivergedError, TisphError
 from tisph.observers.frames import Frames, frame_times
 from tisph.observers.guard import INTERVAL, Guard
 from tisph.observers.history import History
@@ -32,14 +32,17 @@ def run(config, out_dir, *, video=True, resume=False):
 
     ``resume`` goes on from the checkpoint there. Raises ConfigError for a checkpoint that does not fit,
     DivergedError for a run that went wrong and KeyboardInterrupt after Ctrl-C; the last two leave all results
-    up to then and say so in ``summary.json``, and after Ctrl-C a checkpoint too.
+    up to then and say so in ``summary.json``, and after Ctrl-C a checkpoint too. TisphError where the results
+    cannot be written.
     """
     folder = Folder(out_dir)
-    folder.root.mkdir(parents=True, exist_ok=True)
-    with _logging_to(folder.log, append=resume):
-        job = Run(config, folder)
-        job.prepare(video, resume)
-        return job.execute()
+    try:
+        folder.root.mkdir(parents=True, exist_ok=True)
+        with _logging_to(folder.log, append=resume):
+            Run(config, folder).execute(video, resume)
+    except OSError as error:
+        raise TisphError(f"{folder.root}: the results cannot be written: {error}") from error
+    return folder.root
 
 
 class Run:
@@ -57,49 +60,61 @@ class Run:
             "loop": 0.0,
             "output": 0.0,
         }
-        self.status = "running"
+        self.status = "failed"
         self.message = None
         self.interrupted = False
 
-    def prepare(self, video, resume):
-        """Compile, place the particles or take up the checkpoint, and open the files."""
-        with self._timed("compile"):
-            runtime.start(self.config.discretisation.precision, self.threads)
-            scheme = families.load("schemes", self.config.scheme.type).Scheme
-            self.scheme = scheme(self.config, self.channel, serial=self.threads == 1)
-            x, y = self.channel.jittered(self.config.initial.seed, self.config.initial.jitter)
-            u = self.channel.initial_velocity(y)
-            targets = sorted({*self.config.time.samples, self.config.time.end})
-            self.scheme.start(np.stack([x, y], 1), np.stack([u, np.zeros_like(u)], 1), targets)
-            if resume:
-                checkpoint.restore(self.folder.checkpoint, self.scheme, self.fingerprint)
-        self.first_step = self.scheme.steps
-        with self._timed("output"):
-            self._open(video, self.scheme.time if resume else None)
-        log.info("%s: %d particles, %d threads", self.config.name, x.size, self.threads)
-
-    def execute(self):
-        """Step to the end, write what is known then, and return the folder's path."""
-        try:
-            with (
-                _interrupts_to(self),
-                RunProgress(
-                    self.channel.start_time,
-                    self.config.time.end,
-                    self.scheme.particles.fluid,
-                    self.channel.units.time,
-                ) as progress,
-            ):
-                self._loop(progress)
-            self.status = "interrupted" if self.interrupted else "done"
-        except DivergedError as error:
-            self.status, self.message = "diverged", str(error)
-            raise
-        finally:
-            self._finish()
-        if self.interrupted:
+    def execute(self, video, resume):
+        """Set up, step to the end, and write what is known then, whatever ends the run."""
+        with _interrupts_to(self):
+            with self._timed("compile"):
+                self._build(resume)
+            with self._timed("output"):
+                self._open_or_refuse(video, self.scheme.time if resume else None)
+            try:
+                self._step_on(resume)
+                self.status = "done" if self.scheme.finished else "interrupted"
+            except DivergedError as error:
+                self.status, self.message = "diverged", str(error)
+                raise
+            except Exception as error:
+                self.message = f"{type(error).__name__}: {error}"
+                raise
+            finally:
+                self._finish()
+        if self.status == "interrupted":
             raise KeyboardInterrupt
-        return self.folder.root
+
+    def _build(self, resume):
+        runtime.start(self.config.discretisation.precision, self.threads)
+        scheme = families.load("schemes", self.config.scheme.type).Scheme
+        targets = sorted({*self.config.time.samples, self.config.time.end})
+        self.scheme = scheme(self.config, self.channel, targets, serial=self.threads == 1)
+        if resume:
+            checkpoint.restore(self.folder.checkpoint, self.scheme, self.fingerprint)
+        self.first_step = self.scheme.steps
+        log.info("%s: %d particles, %d threads", self.config.name, self.scheme.particles.fluid, self.threads)
+
+    def _step_on(self, resume):
+        if not resume:
+            with self._timed("compile"):
+                x, y = self.channel.jittered(self.config.initial.seed, self.config.initial.jitter)
+                u = self.channel.initial_velocity(y)
+                self.scheme.start(np.stack([x, y], 1), np.stack([u, np.zeros_like(u)], 1))
+        with RunProgress(
+            self.scheme.time, self.config.time.end, self.scheme.particles.fluid, self.channel.units.time
+        ) as progress:
+            self._loop(progress)
+
+    def _open_or_refuse(self, video, resumed_at):
+        try:
+            self._open(video, resumed_at)
+        except (OSError, KeyError, ValueError) as error:
+            if resumed_at is None:
+                raise
+            raise ConfigError(
+                f"{self.folder.root}: the results cannot be read ({error}); run again with --overwrite"
+            ) from error
 
     def _open(self, video, resumed_at):
         self.folder.config.write_text(self.config.resolved_yaml(), encoding="utf-8")
@@ -122,14 +137,21 @@ class Run:
         scheme = self.scheme
         self._observe()
         while not scheme.finished and not self.interrupted:
-            with self._timed("loop"):
-                scheme.advance()
+            self._advance()
             if scheme.steps % INTERVAL == 0 or any(observer.due(scheme.time) for observer in self.observers):
                 self._observe()
             if scheme.time >= self.next_checkpoint:
                 self.next_checkpoint += self.config.output.checkpoint_every
                 self._save()
             progress.update(scheme.time, scheme.steps)
+
+    def _advance(self):
+        try:
+            with self._timed("loop"):
+                self.scheme.advance()
+        except DivergedError:
+            self.guard.check(self.scheme.snapshot())  # what has gone wrong may have a plainer name
+            raise
 
     def _observe(self):
         with self._timed("output"):
@@ -144,16 +166,17 @@ class Run:
             checkpoint.save(self.folder.checkpoint, self.scheme, self.fingerprint)
 
     def _finish(self):
-        with self._timed("output"):
-            for observer in self.observers:
-                observer.close()
-            if self.status == "running":
-                self.status = "failed"
-            if self.status == "interrupted":
-                checkpoint.save(self.folder.checkpoint, self.scheme, self.fingerprint)
-            if self.status == "diverged" and self.guard.last_good is not None:
-                write_last_good(self.folder, self.channel, self.config, self.guard.last_good)
-            pictures(self.folder, self.config, self.channel)
+        """Write the most precious first, and let nothing that fails keep the rest from being written."""
+        steps = [lambda: write_summary(self)]
+        if self.status == "interrupted":
+            steps.insert(0, self._save)
+        if self.status == "diverged" and self.guard.last_good is not None:
+            steps.append(lambda: write_last_good(self.folder, self.channel, self.config, self.guard.last_good))
+        steps += [observer.close for observer in self.observers]
+        steps.append(lambda: pictures(self.folder, self.config, self.channel))
+        with self._timed("output"), ExitStack() as stack:
+            for step in reversed(steps):
+                stack.callback(step)
         write_summary(self)
         log.info(
             "%s after %d steps, t = %.6g%s",

@@ -29,7 +29,7 @@ class ImageWalls:
     @staticmethod
     def wall_slots(channel, reach):
         """Return (dummy particles, room for images)."""
-        rows = max(1, int(channel.gap / reach))
+        rows = max(1, int(channel.rows / (reach / channel.spacing)))
         row = math.ceil(channel.rows / rows + 1) * channel.columns
         return 0, min(2 * channel.rows * channel.columns, math.ceil(2 * ROOM * row))
 

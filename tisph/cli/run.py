@@ -45,6 +45,9 @@ def run(
 
         try:
             simulation.run(loaded, folder, video=not no_video, resume=resume)
+        except KeyboardInterrupt:
+            typer.echo(f"partial results are in {folder}; the same command with --resume goes on", err=True)
+            raise
         except DivergedError as error:
             raise DivergedError(f"{error}\npartial results are in {folder}") from None
     _show_results(folder)

@@ -1,7 +1,8 @@
 """Adami dummy particles: fixed wall layers whose velocity and pressure are kernel averages of the fluid.
 
 u_w = 2 U_W - sum_f u_f W_wf / sum_f W_wf and p_w = sum_f p_f W_wf / sum_f W_wf, without body and wall
-acceleration (Adami, Hu & Adams 2012, J. Comput. Phys. 231, eqs. 22, 23 and 27).
+acceleration (Adami, Hu & Adams 2012, J. Comput. Phys. 231, eqs. 22, 23 and 27). The extrapolated velocity
+serves all operators here, also the divergence, where they take the velocity of the wall.
 """
 
 from typing import Literal

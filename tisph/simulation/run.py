@@ -119,9 +119,9 @@ class Run:
     def _open(self, video, resumed_at):
         self.folder.config.write_text(self.config.resolved_yaml(), encoding="utf-8")
         end = self.config.time.end
-        self.tracers = self.channel.tracer_positions(self.config.tracers.count, self.config.tracers.x)
+        tracers = self.channel.tracer_positions(self.config.tracers.count, self.config.tracers.x)
         self.samples = Samples(self.folder.samples, self.config.time.samples, resumed_at)
-        self.history = History(self.folder.history, self.channel, self.tracers, end, resumed_at)
+        self.history = History(self.folder.history, self.channel, tracers, end, resumed_at)
         self.observers = [self.samples, self.history]
         settings = self.config.output.video
         if video and settings:

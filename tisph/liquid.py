@@ -9,8 +9,8 @@ class Liquid:
     """Newtonian, weakly compressible liquid; all pressures are over the reference density (length^2/time^2).
 
     Tait equation of state p / rho0 = c^2/gamma ((1 + s)^gamma - 1) of the compression s = rho/rho0 - 1, as a
-    polynomial in s. ``pressure_cutoff`` (over density) or None limits
-    tension; ``velocity_scale`` is the largest wall speed.
+    polynomial in s. ``pressure_cutoff`` (over density) or None limits tension; ``velocity_scale`` is the
+    largest wall speed.
     """
 
     def __init__(self, channel, equation_of_state, sound_speed):

@@ -54,7 +54,6 @@ def test_dummy_particles_reflect_a_uniform_flow_about_the_wall(make):
 
 def test_dummy_particles_move_with_their_wall(make):
     scheme = make("walls.treatment.type=adami", "walls.bottom.velocity=-0.3", "time.end=0.7")
-    scheme.lists.table.to_numpy()
     start = np.sort(middle(scheme)[1][0][:, 0].reshape(-1)) % (1 / 12)
     assert np.allclose(start, start[0], atol=0.05 / 12)
     while not scheme.finished:

@@ -1,7 +1,6 @@
 """``tisph check``: validate a config and say what its run would be, without running it."""
 
 import itertools
-import math
 from typing import Any
 
 import typer
@@ -51,6 +50,7 @@ def estimates(config: Any) -> dict[str, Any]:
     from tisph.schemes._time_step import effective_viscosity, time_step_limits
 
     speed, viscosity, gap = config.reference_velocity, config.kinematic_viscosity, config.geometry.gap
+    smoothing_length = config.discretisation.smoothing_ratio * config.spacing
     sound = sound_speed(
         config.scheme.equation_of_state,
         reference_velocity=speed,
@@ -60,12 +60,10 @@ def estimates(config: Any) -> dict[str, Any]:
     )
     limits = time_step_limits(
         config.time.cfl,
-        smoothing_length=config.discretisation.smoothing_ratio * config.spacing,
+        smoothing_length=smoothing_length,
         sound_speed=sound,
         reference_velocity=speed,
-        kinematic_viscosity=effective_viscosity(
-            viscosity, config.scheme.artificial_viscosity, config.discretisation.smoothing_ratio * config.spacing, sound
-        ),
+        kinematic_viscosity=effective_viscosity(viscosity, config.scheme.artificial_viscosity, smoothing_length, sound),
     )
     binding = min(limits, key=lambda name: limits[name])
     steps = step_count(config.start_time, [*config.time.samples, config.time.end], limits[binding])
@@ -87,8 +85,10 @@ def estimates(config: Any) -> dict[str, Any]:
 
 def step_count(start: float, targets: list[float], longest: float) -> int:
     """Steps no longer than ``longest`` from ``start`` through every target (ascending), each hit exactly."""
+    from tisph.schemes._plan import steps_between
+
     pairs = itertools.pairwise([start, *targets])
-    return sum(math.ceil((after - before) / longest * (1 - 1e-12)) for before, after in pairs)
+    return sum(steps_between(before, after, longest) for before, after in pairs if after > before)
 
 
 def _lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:

@@ -20,8 +20,7 @@ def reported(command: Callable[..., None]) -> Callable[..., None]:
         try:
             command(*arguments, **options)
         except TisphError as error:
-            kind = "" if error.exit_status == INTERRUPTED else "error: "
-            typer.echo(f"{kind}{error}", err=True)
+            typer.echo(f"error: {error}", err=True)
             raise typer.Exit(error.exit_status) from None
         except KeyboardInterrupt:
             typer.echo("interrupted", err=True)

@@ -7,25 +7,11 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from tisph.errors import ConfigError
+from tisph.folder import Folder
 
-CHECKPOINT = "checkpoint.h5"
 LOCK = ".lock"
 
-RESULTS = (
-    "config.resolved.yaml",
-    "summary.json",
-    "samples.h5",
-    "frames.h5",
-    CHECKPOINT,
-    "checkpoint.partial",
-    "history.csv",
-    "profiles.png",
-    "history.png",
-    "last_good.h5",
-    "last_good.png",
-    "movie.mp4",
-    "run.log",
-)
+RESULTS = tuple(path.name for path in Folder(".").files())
 """What a run may leave, and all that ``--overwrite`` removes: other files in the folder are not touched."""
 
 
@@ -37,8 +23,9 @@ def claimed(folder: Path, *, overwrite: bool, resume: bool) -> Iterator[None]:
     """
     if overwrite and resume:
         raise ConfigError("--overwrite and --resume exclude each other")
-    if resume and not (folder / CHECKPOINT).is_file():
-        raise ConfigError(f"--resume: there is no {CHECKPOINT} in {folder}, nothing to go on from")
+    checkpoint = Folder(folder).checkpoint
+    if resume and not checkpoint.is_file():
+        raise ConfigError(f"--resume: there is no {checkpoint.name} in {folder}, nothing to go on from")
     try:
         used = folder.is_dir() and any(entry.name != LOCK for entry in folder.iterdir())
         if used and not (overwrite or resume):

@@ -21,7 +21,7 @@ class Cells:
         self.domain = domain
         # counted in spacings, of which length and gap are whole numbers: no cell is lost to rounding
         self.columns = int(channel.columns / (reach / channel.spacing))
-        self.rows = max(1, int(channel.rows / (reach / channel.spacing)))
+        self.rows = cell_rows(channel, reach)
         if self.columns < 3:
             raise ValueError(f"{self.columns} cells along x: a pair and its periodic copy would both be listed")
         self.start = ti.field(ti.i32, shape=(self.rows + 2, self.columns + 1))
@@ -77,3 +77,8 @@ class Cells:
         self.particles.mid_position[now, k].x = inside
         if k < self.particles.fluid:
             self.particles.position[now, k].x += inside - x
+
+
+def cell_rows(channel, reach):
+    """Return the number of rows of cells, each at least ``reach`` high, between the walls."""
+    return max(1, int(channel.rows / (reach / channel.spacing)))

@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 
 from tisph.observers._schedule import Schedule, even_times
-from tisph.snapshot import Snapshot
+from tisph.observers._storage import read_snapshot, write_snapshot
 
 FIELDS = ("x", "y", "u", "v")
 
@@ -32,11 +32,7 @@ class Frames:
     def observe(self, snapshot):
         """Store and draw one frame."""
         self.schedule.mark(snapshot.t)
-        group = self.file.create_group(f"frame_{self.count:05d}")
-        group.attrs["t"] = snapshot.t
-        group.attrs["step"] = snapshot.step
-        for name in FIELDS:
-            group.create_dataset(name, data=getattr(snapshot, name).astype(np.float32))
+        write_snapshot(self.file.create_group(f"frame_{self.count:05d}"), snapshot, FIELDS, np.float32)
         self.file.flush()
         self.count += 1
         self.movie.add(snapshot)
@@ -51,7 +47,7 @@ class Frames:
             if self.file[name].attrs["t"] > resumed_at:
                 del self.file[name]
             else:
-                self.movie.add(_snapshot(self.file[name]))
+                self.movie.add(read_snapshot(self.file[name], FIELDS))
                 self.count += 1
 
 
@@ -64,10 +60,4 @@ def read_frames(path):
     """Yield the stored frames as snapshots; density and pressure, which no frame shows, are empty."""
     with h5py.File(path, "r") as file:
         for name in sorted(file):
-            yield _snapshot(file[name])
-
-
-def _snapshot(group):
-    empty = np.empty(0)
-    fields = {name: group[name][...].astype(float) for name in FIELDS}
-    return Snapshot(t=float(group.attrs["t"]), step=int(group.attrs["step"]), density=empty, pressure=empty, **fields)
+            yield read_snapshot(file[name], FIELDS)

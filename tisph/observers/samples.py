@@ -3,9 +3,7 @@
 import h5py
 
 from tisph.observers._schedule import Schedule
-from tisph.snapshot import Snapshot
-
-FIELDS = ("x", "y", "u", "v", "density", "pressure")
+from tisph.observers._storage import read_snapshot, write_snapshot
 
 
 class Samples:
@@ -44,22 +42,7 @@ class Samples:
         """Do nothing: the file is closed after each sample."""
 
 
-def write_snapshot(group, snapshot):
-    """Write ``snapshot`` into an HDF5 group."""
-    group.attrs["t"] = snapshot.t
-    group.attrs["step"] = snapshot.step
-    for name in FIELDS:
-        group.create_dataset(name, data=getattr(snapshot, name))
-
-
 def read_samples(path):
     """Return the snapshots of a ``samples.h5`` in the order of time."""
     with h5py.File(path, "r") as file:
-        return [
-            Snapshot(
-                t=float(group.attrs["t"]),
-                step=int(group.attrs["step"]),
-                **{name: group[name][...] for name in FIELDS},
-            )
-            for _, group in sorted(file.items())
-        ]
+        return [read_snapshot(group) for _, group in sorted(file.items())]

@@ -23,10 +23,17 @@ class StepPlan:
             return 0.0
         target = self.targets[0]
         if self.left == 0 or limit != self.limit:
-            # a remainder of rounding size must not cost a step of its own
-            self.left = max(1, math.ceil((target - self.time) / limit * (1.0 - 1e-12)))
+            self.left = steps_between(self.time, target, limit)
             self.step = (target - self.time) / self.left
             self.limit = limit
         self.left -= 1
         self.time = self.time + self.step if self.left else self.targets.pop(0)
         return self.step
+
+
+def steps_between(start, target, limit):
+    """Return the number of equal steps no longer than ``limit`` from ``start`` to ``target``, at least 1.
+
+    A remainder of rounding size does not cost a step of its own.
+    """
+    return max(1, math.ceil((target - start) / limit * (1.0 - 1e-12)))

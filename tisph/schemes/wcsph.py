@@ -92,7 +92,7 @@ class Scheme:
         self.cells = Cells(self.particles, self.domain, channel, radius)
         self.lists = VerletLists(self.cells, cutoff, channel.spacing, serial)
         self.walls = walls(self.particles, self.cells, self.lists, kernel)
-        self.operators = operators(self.particles, self.lists, self.liquid, kernel, config.scheme.artificial_viscosity)
+        self.operators = operators(self.particles, self.lists, self.liquid, kernel, self.artificial_viscosity)
         self.drift_squared = scalar(0.0)
         self.speed_squared = scalar(0.0)
         self.acceleration_squared = scalar(0.0)

@@ -2,13 +2,13 @@
 
 from tisph import config, families
 from tisph.errors import ConfigError
+from tisph.folder import Folder
 from tisph.observers.frames import read_frames
 from tisph.observers.history import read_history
 from tisph.observers.samples import read_samples
 from tisph.report.history import plot_history
 from tisph.report.movie import Movie
 from tisph.report.profiles import plot_profiles
-from tisph.simulation.results import Folder
 
 
 def render(run_dir):
@@ -17,8 +17,6 @@ def render(run_dir):
     Raises ConfigError where ``run_dir`` is no results folder or its files cannot be read.
     """
     folder = Folder(run_dir)
-    if not folder.config.exists():
-        raise ConfigError(f"{folder.root}: no results folder (config.resolved.yaml is missing)")
     settings = config.load(folder.config)
     channel = families.load("scenes", settings.scene).Scene.from_config(settings)
     try:

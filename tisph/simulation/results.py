@@ -1,4 +1,4 @@
-"""The results folder: its files, ``summary.json`` and where the numbers come from."""
+"""``summary.json`` as a file, and what else its numbers come from."""
 
 import hashlib
 import json
@@ -11,29 +11,11 @@ from pathlib import Path
 from tisph import __version__
 
 
-class Folder:
-    """Paths of a run's files in ``root``."""
-
-    def __init__(self, root):
-        self.root = Path(root)
-        self.config = self.root / "config.resolved.yaml"
-        self.summary = self.root / "summary.json"
-        self.samples = self.root / "samples.h5"
-        self.history = self.root / "history.csv"
-        self.frames = self.root / "frames.h5"
-        self.movie = self.root / "movie.mp4"
-        self.profiles_picture = self.root / "profiles.png"
-        self.history_picture = self.root / "history.png"
-        self.log = self.root / "run.log"
-        self.checkpoint = self.root / "checkpoint.h5"
-        self.last_good = self.root / "last_good.h5"
-        self.last_good_picture = self.root / "last_good.png"
-
-    def write_summary(self, summary):
-        """Write ``summary`` as JSON, whole or not at all."""
-        partial = self.summary.with_suffix(".partial")
-        partial.write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-        partial.replace(self.summary)
+def write_summary(path, summary):
+    """Write ``summary`` as JSON, whole or not at all."""
+    partial = path.with_suffix(".partial")
+    partial.write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    partial.replace(path)
 
 
 def fingerprint(config):

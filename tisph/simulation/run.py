@@ -10,6 +10,7 @@ import numpy as np
 
 from tisph import PROCESS_START, families, runtime
 from tisph.errors import ConfigError, DivergedError, TisphError
+from tisph.folder import Folder
 from tisph.observers.frames import Frames, frame_times
 from tisph.observers.guard import INTERVAL, Guard
 from tisph.observers.history import History
@@ -18,8 +19,8 @@ from tisph.report.movie import Movie
 from tisph.simulation import checkpoint
 from tisph.simulation.progress import RunProgress
 from tisph.simulation.render import pictures
-from tisph.simulation.results import Folder, fingerprint
-from tisph.simulation.summary import write_last_good, write_summary
+from tisph.simulation.results import fingerprint, write_summary
+from tisph.simulation.summary import cost, summarise, write_last_good
 
 PARTICLES_PER_THREAD = 512
 """Taichi does not split a loop into shorter pieces than this."""
@@ -167,17 +168,16 @@ class Run:
 
     def _finish(self):
         """Write the most precious first, and let nothing that fails keep the rest from being written."""
-        steps = [lambda: write_summary(self)]
-        if self.status == "interrupted":
-            steps.insert(0, self._save)
-        if self.status == "diverged" and self.guard.last_good is not None:
-            steps.append(lambda: write_last_good(self.folder, self.channel, self.config, self.guard.last_good))
-        steps += [observer.close for observer in self.observers]
-        steps.append(lambda: pictures(self.folder, self.config, self.channel))
-        with self._timed("output"), ExitStack() as stack:
-            for step in reversed(steps):
-                stack.callback(step)
-        write_summary(self)
+        with self._timed("output"), ExitStack() as last_first:
+            last_first.callback(pictures, self.folder, self.config, self.channel)
+            for observer in self.observers:
+                last_first.callback(observer.close)
+            if self.status == "diverged" and self.guard.last_good is not None:
+                last_first.callback(write_last_good, self.folder, self.channel, self.config, self.guard.last_good)
+            last_first.callback(self._summarise)
+            if self.status == "interrupted":
+                checkpoint.save(self.folder.checkpoint, self.scheme, self.fingerprint)
+        write_summary(self.folder.summary, {**self.summary, "cost": cost(self)})
         log.info(
             "%s after %d steps, t = %.6g%s",
             self.status,
@@ -185,6 +185,10 @@ class Run:
             self.scheme.time,
             f": {self.message}" if self.message else "",
         )
+
+    def _summarise(self):
+        self.summary = summarise(self)
+        write_summary(self.folder.summary, self.summary)
 
     @contextmanager
     def _timed(self, kind):

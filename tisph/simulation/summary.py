@@ -5,15 +5,15 @@ import time
 import h5py
 
 from tisph import PROCESS_START
-from tisph.observers.samples import write_snapshot
+from tisph.observers._storage import write_snapshot
 from tisph.report.movie import Movie
 from tisph.simulation.results import peak_memory_mb, provenance
 from tisph.verification.metrics import sample_metrics
 
 
-def write_summary(job):
-    """Write the summary of a run that has ended in whatever way."""
-    summary = {
+def summarise(job):
+    """Return the summary of a run that has ended in whatever way."""
+    return {
         "name": job.config.name,
         "status": job.status,
         **({"message": job.message} if job.message else {}),
@@ -21,10 +21,9 @@ def write_summary(job):
             sample_metrics(job.channel, snapshot, job.history.tracers(snapshot)) for snapshot in job.samples.snapshots
         ],
         "numbers": _numbers(job),
-        "cost": _cost(job),
+        "cost": cost(job),
         "provenance": provenance(job.config, job.threads),
     }
-    job.folder.write_summary(summary)
 
 
 def _numbers(job):
@@ -42,7 +41,8 @@ def _numbers(job):
     }
 
 
-def _cost(job):
+def cost(job):
+    """Return what the run has cost by now; times in seconds of the clock."""
     steps = job.scheme.steps - job.first_step
     loop = job.costs["loop"]
     return {

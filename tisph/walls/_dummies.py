@@ -5,20 +5,17 @@ import math
 import numpy as np
 
 from tisph.runtime import ti
+from tisph.walls._treatment import WallTreatment
 
 
 @ti.data_oriented
-class DummyWalls:
+class DummyWalls(WallTreatment):
     """Dummy particles on the continued lattice; ``extrapolate`` comes from the treatment."""
 
     gathers = True
-    """A loop over the dummy particles follows the one over the fluid."""
 
     def __init__(self, particles, cells, lists, kernel):
-        self.particles = particles
-        self.cells = cells
-        self.domain = cells.domain
-        self.lists = lists
+        super().__init__(particles, cells, lists, kernel)
         self.value = ti.func(kernel.value)
 
     @staticmethod
@@ -45,17 +42,6 @@ class DummyWalls:
             self.particles.mid_velocity[0, k] = ti.Vector([self.wall_velocity(place.y), 0.0])
             self.particles.mid_pressure[0, k] = 0.0
 
-    def present_images(self):
-        """Return 0: no fluid particle has an image."""
-        return 0
-
-    def overflow(self):
-        """Return 0: the number of dummy particles is fixed."""
-        return 0
-
-    def lay_out(self, now):
-        """Do nothing: dummy particles were sorted with the fluid."""
-
     @ti.kernel
     def refresh(self, now: ti.i32):
         """Extrapolate to all dummy particles once their lists are built."""
@@ -66,9 +52,7 @@ class DummyWalls:
     @ti.func
     def publish(self, buffer, i, position, velocity, pressure):
         """Write the mid-step values of fluid particle ``i``."""
-        self.particles.mid_position[buffer, i] = position
-        self.particles.mid_velocity[buffer, i] = velocity
-        self.particles.mid_pressure[buffer, i] = pressure
+        self.write(buffer, i, position, velocity, pressure)
 
     @ti.func
     def advance(self, now, k, elapsed):

@@ -6,35 +6,28 @@ wall is found without a search and the cells beyond the wall are known from thos
 
 import math
 
+from tisph.neighbours.cells import cell_rows
 from tisph.runtime import ti
+from tisph.walls._treatment import WallTreatment
 
 ROOM = 1.5
 """Room for images over the number of particles that a row of cells holds on the lattice."""
 
 
 @ti.data_oriented
-class ImageWalls:
+class ImageWalls(WallTreatment):
     """Mirror geometry shared by image treatments; ``image_velocity`` and the rest come from the treatment."""
 
-    gathers = False
-    """Images follow from their sources: no loop over wall particles is needed."""
-
     def __init__(self, particles, cells, lists, kernel):
-        self.particles = particles
-        self.cells = cells
-        self.domain = cells.domain
+        super().__init__(particles, cells, lists, kernel)
         self.images = ti.field(ti.i32, shape=2)
         self.first_top = ti.field(ti.i32, shape=())
 
     @staticmethod
     def wall_slots(channel, reach):
         """Return (dummy particles, room for images)."""
-        rows = max(1, int(channel.rows / (reach / channel.spacing)))
-        row = math.ceil(channel.rows / rows + 1) * channel.columns
+        row = math.ceil(channel.rows / cell_rows(channel, reach) + 1) * channel.columns
         return 0, min(2 * channel.rows * channel.columns, math.ceil(2 * ROOM * row))
-
-    def load(self, channel):
-        """Do nothing: images need no start positions."""
 
     def present_images(self):
         """Return the number of images in use."""
@@ -44,9 +37,6 @@ class ImageWalls:
         """Return the number of images if there was no room for them, else 0."""
         needed = self.present_images()
         return needed if needed > self.particles.slots - self.particles.mobile else 0
-
-    def refresh(self, now):
-        """Do nothing: images are laid out before the lists are built."""
 
     @ti.kernel
     def lay_out(self, now: ti.i32):
@@ -94,10 +84,3 @@ class ImageWalls:
             mirrored = ti.Vector([position.x, 2.0 * self.domain.gap[None] - position.y])
             wall_velocity = self.domain.top_velocity[None]
             self.write(buffer, slot, mirrored, self.image_velocity(velocity, wall_velocity), pressure)
-
-    @ti.func
-    def write(self, buffer, slot, position, velocity, pressure):
-        """Write the mid-step values of one slot."""
-        self.particles.mid_position[buffer, slot] = position
-        self.particles.mid_velocity[buffer, slot] = velocity
-        self.particles.mid_pressure[buffer, slot] = pressure

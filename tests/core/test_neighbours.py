@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from tisph.config import checks
+from tisph.neighbours import verlet
 from tisph.neighbours.verlet import VerletLists
 
 
@@ -99,3 +101,8 @@ def test_rows_are_padded_with_the_sentinel_only(make):
         assert np.count_nonzero(row == scheme.particles.sentinel) < 4
         real = row[row != scheme.particles.sentinel]
         assert len(set(real)) == len(real)
+
+
+def test_the_config_leaves_room_for_the_skin():
+    # the checks of a config, which know no Taichi, have a number of their own for the least length
+    assert checks.SKIN >= verlet.SKIN

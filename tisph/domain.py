@@ -1,17 +1,70 @@
-"""The channel as the kernels see it: sizes and wall velocities, as numbers that are not compiled in."""
+"""The channel as the kernels see it: sizes, wall velocities and drive, as numbers that are not compiled in."""
 
 from tisph.runtime import scalar, ti
 
 
 @ti.data_oriented
 class Domain:
-    """Plane channel 0 <= y <= gap, periodic in x over ``length``, with walls moving along x."""
+    """Plane channel 0 <= y <= gap, periodic in x over ``length``, with walls moving along x.
+
+    ``driven`` and ``oscillates`` tell whether a body acceleration and wall accelerations exist; without them
+    their fields do not. Wall velocities are those of the time last given to ``move_on``.
+    """
 
     def __init__(self, channel):
+        self.driven = channel.acceleration != 0.0
+        self.oscillates = channel.bottom.oscillates or channel.top.oscillates
+        self.motions = (channel.bottom, channel.top)
         self.gap = scalar(channel.gap)
         self.length = scalar(channel.length)
-        self.bottom_velocity = scalar(channel.bottom_velocity)
-        self.top_velocity = scalar(channel.top_velocity)
+        self.bottom_velocity = scalar(channel.bottom.velocity(channel.start_time))
+        self.top_velocity = scalar(channel.top.velocity(channel.start_time))
+        if self.driven:
+            self.acceleration = scalar(channel.acceleration)
+        if self.oscillates:
+            self.bottom_acceleration = scalar(channel.bottom.acceleration(channel.start_time))
+            self.top_acceleration = scalar(channel.top.acceleration(channel.start_time))
+
+    def move_on(self, time):
+        """Take up the wall velocities at ``time``."""
+        if self.oscillates:
+            bottom, top = self.motions
+            self.set_walls(bottom.velocity(time), top.velocity(time), bottom.acceleration(time), top.acceleration(time))
+
+    @ti.kernel
+    def set_walls(self, bottom: float, top: float, bottom_rate: float, top_rate: float):
+        """Store wall velocities and accelerations."""
+        self.bottom_velocity[None] = bottom
+        self.top_velocity[None] = top
+        self.bottom_acceleration[None] = bottom_rate
+        self.top_acceleration[None] = top_rate
+
+    @ti.func
+    def wall_velocity(self, top: ti.template()):
+        """Return the velocity of the bottom (``top`` 0) or top wall (1)."""
+        return self.top_velocity[None] if ti.static(top) else self.bottom_velocity[None]
+
+    @ti.func
+    def relative_acceleration(self, top: ti.template()):
+        """Return the acceleration of a wall less that of the body force: what viscous forces have to give there."""
+        relative = 0.0
+        if ti.static(self.oscillates):
+            relative += self.top_acceleration[None] if ti.static(top) else self.bottom_acceleration[None]
+        if ti.static(self.driven):
+            relative -= self.acceleration[None]
+        return relative
+
+    @ti.func
+    def inside(self, top: ti.template(), y):
+        """Return the distance of height ``y`` from a wall, positive inside the channel."""
+        return self.gap[None] - y if ti.static(top) else y
+
+    @ti.func
+    def mirrored(self, top: ti.template(), position):
+        """Return the mirror image of ``position`` in a wall."""
+        place = position
+        place.y = 2.0 * self.gap[None] - position.y if ti.static(top) else -position.y
+        return place
 
     @ti.func
     def nearest(self, dx):

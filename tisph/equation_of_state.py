@@ -38,20 +38,32 @@ class Tait(Model):
 
 
 def sound_speed(
-    parameters: Tait, *, reference_velocity: float, kinematic_viscosity: float, gap: float, density: float
+    parameters: Tait,
+    *,
+    reference_velocity: float,
+    kinematic_viscosity: float,
+    gap: float,
+    density: float,
+    elastic_speed: float = 0.0,
 ) -> float:
     """Sound speed [length/time] that the parameters mean in a channel flow.
 
-    ``auto`` is ten times the larger of the wall speed U and the viscous scale sqrt(nu U / H), which keep the
-    inertial and the viscous pressure differences small against density * c^2 (J. P. Morris, P. J. Fox and
-    Y. Zhu, J. Comput. Phys. 136 (1997) 214-226).
+    ``auto`` is ten times the largest of the ``reference_velocity`` U, the fastest speed to expect (the
+    ``peak_velocity`` of a channel); of the viscous scale sqrt(nu U / H), nu in total; and of the ``elastic_speed``
+    sqrt(nu_p / relaxation time) of shear waves in a polymer. The first two keep inertial and viscous pressure
+    differences small against density * c^2 (J. P. Morris, P. J. Fox and Y. Zhu, J. Comput. Phys. 136 (1997)
+    214-226); the third does so for polymer stresses, of which it is the modulus over the density.
+
+    Morris' scale of a body force, sqrt(g H), is no scale of its own here: it is for a force that pressure
+    balances. Along the periodic x no pressure can build up, friction balances the force, and with the peak speed
+    U = g H^2 / (8 nu) of that flow the viscous scale already is sqrt(g H / 8).
     """
     if parameters.bulk_modulus is not None:
         return math.sqrt(parameters.bulk_modulus / density)
     if parameters.sound_speed != "auto":
         return parameters.sound_speed
     viscous_velocity = math.sqrt(kinematic_viscosity * reference_velocity / gap)
-    return SCALE_RATIO * max(reference_velocity, viscous_velocity)
+    return SCALE_RATIO * max(reference_velocity, viscous_velocity, elastic_speed)
 
 
 def series(gamma: int) -> tuple[float, ...]:

@@ -6,19 +6,22 @@ from tisph.runtime import scalar, ti
 
 @ti.data_oriented
 class Liquid:
-    """Newtonian, weakly compressible liquid; all pressures are over the reference density (length^2/time^2).
+    """Weakly compressible liquid; all pressures and stresses are over the reference density (length^2/time^2).
 
     Tait equation of state p / rho0 = c^2/gamma ((1 + s)^gamma - 1) of the compression s = rho/rho0 - 1, as a
     polynomial in s. ``pressure_cutoff`` (over density) or None limits tension; ``velocity_scale`` is the
-    largest wall speed.
+    largest speed to expect. ``kinematic_viscosity`` is that of the solvent; ``stress`` is the law of the
+    stress that particles carry (``Stress`` of a rheology), None for a Newtonian liquid.
     """
 
-    def __init__(self, channel, equation_of_state, sound_speed):
+    def __init__(self, channel, equation_of_state, sound_speed, stress):
+        self.stress = stress
+        self.carries_stress = stress is not None
         self.gamma = equation_of_state.gamma
         self.coefficients = series(self.gamma)
         self.limits_tension = equation_of_state.pressure_cutoff is not None
-        self.kinematic_viscosity = scalar(channel.kinematic_viscosity)
-        self.velocity_scale = scalar(channel.reference_velocity)
+        self.kinematic_viscosity = scalar(channel.solvent_viscosity)
+        self.velocity_scale = scalar(channel.peak_velocity)
         self.sound_speed = scalar(sound_speed)
         if self.limits_tension:
             self.pressure_cutoff = scalar(equation_of_state.pressure_cutoff / channel.density)

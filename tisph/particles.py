@@ -15,11 +15,13 @@ class Particles:
     the state in the middle of the coming step, which the neighbours read: fluid, walls and sentinel.
     ``identity`` (fluid) is the number that a particle was created with; sorting permutes it along.
 
+    With ``carries_stress`` there are also ``stress`` and ``mid_stress``: xx, xy, yy over the reference density.
+
     Wall slots up to ``mobile`` hold particles of their own that are sorted too (dummy particles); the rest,
     up to ``slots``, is room for images of fluid particles.
     """
 
-    def __init__(self, fluid, dummies, images):
+    def __init__(self, fluid, dummies, images, carries_stress):
         self.fluid = fluid
         self.mobile = fluid + dummies
         self.slots = self.mobile + images
@@ -33,20 +35,22 @@ class Particles:
         self.mid_pressure = ti.field(real(), shape=(2, self.slots + 1))
         self.mid_compression = ti.field(real(), shape=(2, fluid))
         self.identity = ti.field(ti.i32, shape=(2, fluid))
+        self.carries_stress = carries_stress
+        if carries_stress:
+            tensor = ti.types.vector(3, real())
+            self.stress = ti.field(tensor, shape=(2, fluid))
+            self.mid_stress = ti.field(tensor, shape=(2, self.slots + 1))
 
-    def load(self, position, velocity, far):
+    def load(self, position, velocity, stress, far):
         """Fill buffer 0: uncompressed fluid at ``position`` with ``velocity``, arrays of shape (fluid, 2).
 
-        The sentinel is put at distance ``far`` along both axes, where every kernel vanishes.
+        ``stress`` (fluid, 3) is over the reference density, None where particles carry none. The sentinel is put at
+        distance ``far`` along both axes, where every kernel vanishes.
         """
-        for state, middle, values in (
-            (self.position, self.mid_position, position),
-            (self.velocity, self.mid_velocity, velocity),
-        ):
-            state.from_numpy(np.stack([values, values]))
-            everywhere = np.zeros((2, self.slots + 1, 2))
-            everywhere[0, : self.fluid] = values
-            middle.from_numpy(everywhere)
+        self._fill(self.position, self.mid_position, position)
+        self._fill(self.velocity, self.mid_velocity, velocity)
+        if self.carries_stress:
+            self._fill(self.stress, self.mid_stress, stress)
         self.compression.fill(0.0)
         self.mid_compression.fill(0.0)
         self.mid_pressure.fill(0.0)
@@ -54,13 +58,23 @@ class Particles:
         for buffer in (0, 1):
             self.mid_position[buffer, self.sentinel] = [far, far]
 
+    def _fill(self, state, middle, values):
+        state.from_numpy(np.stack([values, values]))
+        everywhere = np.zeros((2, self.slots + 1, values.shape[1]))
+        everywhere[0, : self.fluid] = values
+        middle.from_numpy(everywhere)
+
     def state(self, now):
-        """Return position, velocity (fluid, 2) and compression (fluid,) in the order of creation."""
+        """Return position, velocity (fluid, 2), compression (fluid,), stress (fluid, 3) in the order of creation.
+
+        The stress is None where particles carry none.
+        """
         order = np.argsort(self.identity.to_numpy()[now])
         return (
             self.position.to_numpy()[now][order],
             self.velocity.to_numpy()[now][order],
             self.compression.to_numpy()[now][order],
+            self.stress.to_numpy()[now][order] if self.carries_stress else None,
         )
 
     @ti.kernel
@@ -72,9 +86,13 @@ class Particles:
             self.mid_position[1 - now, k] = self.mid_position[now, source]
             self.mid_velocity[1 - now, k] = self.mid_velocity[now, source]
             self.mid_pressure[1 - now, k] = self.mid_pressure[now, source]
+            if ti.static(self.carries_stress):
+                self.mid_stress[1 - now, k] = self.mid_stress[now, source]
             if k < self.fluid:
                 self.position[1 - now, k] = self.position[now, source]
                 self.velocity[1 - now, k] = self.velocity[now, source]
                 self.compression[1 - now, k] = self.compression[now, source]
                 self.mid_compression[1 - now, k] = self.mid_compression[now, source]
                 self.identity[1 - now, k] = self.identity[now, source]
+                if ti.static(self.carries_stress):
+                    self.stress[1 - now, k] = self.stress[now, source]

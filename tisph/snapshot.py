@@ -10,7 +10,8 @@ class Snapshot:
     """Fluid particles at time ``t``, in the order of their creation (row by row from the bottom wall).
 
     All arrays have shape (particles_fluid,) and the units of the config: positions ``x`` in [0, length) and
-    ``y`` in [0, gap], velocities ``u`` along and ``v`` across the channel, density, pressure.
+    ``y`` in [0, gap], velocities ``u`` along and ``v`` across the channel, density, pressure; polymer stresses
+    [mass/(length time^2)] where the liquid has them, else None.
     """
 
     t: float
@@ -21,3 +22,6 @@ class Snapshot:
     v: np.ndarray
     density: np.ndarray
     pressure: np.ndarray
+    stress_xx: np.ndarray | None = None
+    stress_xy: np.ndarray | None = None
+    stress_yy: np.ndarray | None = None

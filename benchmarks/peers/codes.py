@@ -63,7 +63,7 @@ def measure_tisph(run, folder):
         "scene": "channel",
         "fluid": {"density": case.DENSITY, "kinematic_viscosity": case.KINEMATIC_VISCOSITY},
         "geometry": {"gap": case.GAP, "length": case.LENGTH},
-        "walls": {"treatment": {"type": "comoving_image"}, "top": {"velocity": case.WALL_VELOCITY}},
+        "walls": {"treatment": {"type": "consistent_image"}, "top": {"velocity": case.WALL_VELOCITY}},
         "discretisation": {"particles_across": run.across},
         "scheme": {"equation_of_state": {"sound_speed": case.SOUND_SPEED}, "type": "wcsph"},
         "time": {"end": run.end},

@@ -5,6 +5,7 @@ import pytest
 
 from tisph import config, families, runtime
 from tisph.scenes.channel import Channel
+from tisph.simulation.run import start_values
 
 CASE = """
 scene: channel
@@ -30,7 +31,7 @@ def make(tmp_path):
         scheme = families.load("schemes", "wcsph").Scheme(settings, channel, settings.time.samples, serial=threads == 1)
         x, y = channel.jittered(0, jitter)
         field = np.stack([channel.initial_velocity(y), 0 * y], 1) if velocity is None else velocity(x, y)
-        scheme.start(np.stack([x, y], 1), field)
+        scheme.start(np.stack([x, y], 1), field, start_values(channel, settings.initial)[2])
         return scheme
 
     return build

@@ -48,7 +48,7 @@ def test_no_pair_is_missing_while_the_lists_are_reused(make, treatment):
     scheme = make(f"walls.treatment.type={treatment}", "time.end=3.0", jitter=0.3)
     for _ in range(150):
         scheme.advance()
-        if scheme.lists.outdated(scheme.drift_squared[None], scheme.middle - scheme.built):
+        if scheme.lists.outdated(scheme.stepper.drift_squared[None], scheme.middle - scheme.built):
             scheme.rebuild()
         assert missing_pairs(scheme) == 0
     assert 1 < scheme.rebuilds < 75

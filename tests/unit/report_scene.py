@@ -4,10 +4,18 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from tisph.scenes._motion import Polymer, WallMotion
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Snapshot
 
-VIDEO = SimpleNamespace(fps=25, width=480, height=240)
+END = 20.0
+
+
+def make_video(width=480, height=240, color_by="speed") -> SimpleNamespace:
+    return SimpleNamespace(fps=25, width=width, height=height, color_by=color_by)
+
+
+VIDEO = make_video()
 
 
 def make_channel(rows=10, **changes) -> Channel:
@@ -16,8 +24,8 @@ def make_channel(rows=10, **changes) -> Channel:
         "length": 0.02,
         "density": 1000.0,
         "kinematic_viscosity": 1e-6,
-        "bottom_velocity": 0.0,
-        "top_velocity": 0.005,
+        "bottom": WallMotion(0.0),
+        "top": WallMotion(0.005),
         "initial_state": "rest",
         "start_time": 0.0,
         "units": SimpleNamespace(length="m", mass="kg", time="s"),
@@ -25,6 +33,30 @@ def make_channel(rows=10, **changes) -> Channel:
     }
     spacing = settings["gap"] / rows
     return Channel(**settings, rows=rows, spacing=spacing, columns=round(settings["length"] / spacing))
+
+
+class PolymerChannel(Channel):
+    """A channel whose exact fields can be read off: u = U y/H, S_xy = stress(t) (1 - 2 y/H), S_xx = stress(t)."""
+
+    STRESS = 4e-4
+
+    @classmethod
+    def stress(cls, t):
+        return cls.STRESS * np.minimum(t, 1.0)
+
+    def exact_velocity(self, y, t):
+        return self.top.cosine * np.asarray(y) / self.gap + 0.0 * np.asarray(t)
+
+    def exact_polymer_stress(self, y, t):
+        return self.stress(t) + 0.0 * np.asarray(y), self.exact_polymer_shear_stress(y, t)
+
+    def exact_polymer_shear_stress(self, y, t):
+        return self.stress(t) * (1.0 - 2.0 * np.asarray(y) / self.gap)
+
+
+def make_polymer_channel(**changes) -> PolymerChannel:
+    channel = make_channel(polymer=Polymer(relaxation_time=2.0, solvent_fraction=0.5), **changes)
+    return PolymerChannel(**vars(channel))
 
 
 def make_snapshot(channel, t, slip=0.0) -> Snapshot:
@@ -36,4 +68,8 @@ def make_snapshot(channel, t, slip=0.0) -> Snapshot:
 def particles(channel, t, x, y, u) -> Snapshot:
     x, y, u = (np.asarray(values, dtype=float) for values in (x, y, u))
     zero = np.zeros_like(x)
-    return Snapshot(t=t, step=0, x=x, y=y, u=u, v=zero, density=zero + channel.density, pressure=zero)
+    stresses = {}
+    if channel.polymer:
+        normal, shear = channel.exact_polymer_stress(y, t)
+        stresses = {"stress_xx": normal, "stress_xy": shear, "stress_yy": zero}
+    return Snapshot(t=t, step=0, x=x, y=y, u=u, v=zero, density=zero + channel.density, pressure=zero, **stresses)

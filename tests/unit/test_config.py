@@ -7,9 +7,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from tisph import families
 from tisph.config import Config, load
 from tisph.config.checks import DIVISION_TOLERANCE
 from tisph.errors import ConfigError
+from tisph.scenes.channel import Channel
 
 CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("*.yaml"))
 
@@ -35,7 +37,7 @@ def load_data(folder, *overrides, **changes):
 def test_defaults_of_the_shortest_config(tmp_path):
     config = load_data(tmp_path)
     assert config.name == "case"
-    assert config.walls.treatment.type == "comoving_image"
+    assert config.walls.treatment.type == "consistent_image"
     assert config.walls.bottom.velocity == 0.0
     assert config.fluid.rheology.type == "newtonian"
     assert config.scheme.equation_of_state.sound_speed == "auto"
@@ -110,13 +112,17 @@ def test_there_are_shipped_configs():
 def test_the_couette_configs_describe_one_flow():
     """The page's case in kg-cm-s and couette.yaml in SI have the same Reynolds number and lattice."""
     si, cgs = (load(path) for path in CONFIGS if path.stem in ("couette", "vm_sph_001_re50"))
-    reynolds = [c.reference_velocity * c.geometry.gap / c.kinematic_viscosity for c in (si, cgs)]
+    reynolds = [Channel.from_config(config).reynolds for config in (si, cgs)]
     assert reynolds == pytest.approx([50, 50], rel=1e-14)  # a few roundings
     assert (si.particles_across, si.columns) == (cgs.particles_across, cgs.columns)
 
 
 positive = st.floats(1e-6, 1e6)
 names = st.from_regex(r"[A-Za-z0-9_-][A-Za-z0-9._-]{0,20}[A-Za-z0-9_-]", fullmatch=True)
+steady_walls = st.fixed_dictionaries({"velocity": st.floats(-1e3, 1e3)})
+swinging_walls = st.fixed_dictionaries(
+    {"amplitude": positive, "angular_frequency": positive}, optional={"phase": st.sampled_from(["cos", "sin", None])}
+)
 
 
 @st.composite
@@ -135,10 +141,11 @@ def config_data(draw):
         "fluid": {"density": draw(positive), viscosity: draw(positive)},
         "geometry": {"gap": gap, "length": columns * (gap / rows)},
         "walls": {
-            "treatment": {"type": draw(st.sampled_from(["adami", "comoving_image"]))},
-            "bottom": {"velocity": draw(st.floats(-1e3, 1e3))},
+            "treatment": {"type": draw(st.sampled_from(families.names("walls")))},
+            "bottom": draw(st.one_of(steady_walls, swinging_walls)),
             "top": {"velocity": draw(positive)},
         },
+        "drive": {"acceleration": draw(st.floats(-1e3, 1e3))},
         "initial": {"state": "exact", "time": start} if start else {"jitter": draw(st.floats(0, 0.49))},
         "discretisation": {**resolution, "precision": draw(precision)},
         "scheme": {"type": "wcsph", "equation_of_state": {**stiffness, "gamma": draw(st.integers(1, 15))}},
@@ -246,4 +253,4 @@ def test_any_value_anywhere_is_a_config_or_a_config_error(tmp_path, place, value
 def test_a_map_without_a_type_means_the_usual_member(tmp_path):
     config = load_data(tmp_path, "scheme.operators=standard", walls={"treatment": {}, "top": {"velocity": 0.005}})
     assert (config.scheme.type, config.scheme.operators) == ("wcsph", "standard")
-    assert config.walls.treatment.type == "comoving_image"
+    assert config.walls.treatment.type == "consistent_image"

@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+from exact_collocation import chebyshev_derivatives
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 from scipy.special import erfc
 
 from tisph.exact import couette
+from tisph.exact._channel import SWITCH_TIME
 
 # For t* >= 1e-4: the rounding 1.1e-16 of y/gap times the steepest slope 1/sqrt(pi t*) = 56 is 6e-15, and the
 # 200 terms of the series, each rounded to 1.1e-16 with a random sign, add 2e-15.
@@ -36,23 +38,11 @@ def test_series_and_images_agree(bottom, top, time, fraction):
 @pytest.mark.parametrize("factor", [0.999, 1.0, 1.001])
 def test_the_switch_is_invisible(factor):
     """On both sides of the switch the result is within rounding of the form that was not chosen."""
-    t = factor * couette.SWITCH_TIME
+    t = factor * SWITCH_TIME
     for form in (couette.fourier, couette.images):
         assert np.max(np.abs(couette.velocity(HEIGHTS, t, **UNIT) - form(HEIGHTS, t, **UNIT))) <= 1e-15
     for form in (couette.fourier_shear_rate, couette.images_shear_rate):
         assert np.max(np.abs(couette.shear_rate(HEIGHTS, t, **UNIT) - form(HEIGHTS, t, **UNIT))) <= 4e-15
-
-
-def chebyshev_derivatives(count):
-    """Nodes from 1 down to 0, and the collocation matrices of d/dy and d2/dy2 on them."""
-    nodes = np.cos(np.pi * np.arange(count + 1) / count)
-    weights = np.ones(count + 1)
-    weights[[0, -1]] = 2.0
-    weights *= (-1.0) ** np.arange(count + 1)
-    gaps = nodes[:, None] - nodes[None, :] + np.eye(count + 1)
-    first = np.outer(weights, 1 / weights) / gaps
-    first -= np.diag(first.sum(axis=1))
-    return (nodes + 1) / 2, 2 * first, 4 * first @ first
 
 
 @pytest.mark.parametrize("t_star", [0.018, 0.027, 0.09, 0.11, 0.4, 1.0])

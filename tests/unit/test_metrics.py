@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tisph.scenes._motion import Polymer, WallMotion
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Snapshot
 from tisph.verification.interpolation import Probes, interpolate
 from tisph.verification.metrics import fit_line, sample_metrics
-from tisph.verification.wall_shear import wall_shear
 
 
 def make_channel(rows=50, **changes):
@@ -21,8 +21,8 @@ def make_channel(rows=50, **changes):
         "length": 2.0,
         "density": 2.0,
         "kinematic_viscosity": 0.01,
-        "bottom_velocity": 0.0,
-        "top_velocity": 0.5,
+        "bottom": WallMotion(0.0),
+        "top": WallMotion(0.5),
         "initial_state": "rest",
         "start_time": 0.0,
         "spacing": 1.0 / rows,
@@ -103,35 +103,10 @@ def test_a_hole_at_a_probe_is_no_exception():
     assert np.isfinite(values[1])
 
 
-@pytest.mark.parametrize("walls", [(0.0, 0.5), (0.3, -0.2)])
-def test_wall_shear_is_exact_for_cubic_profiles(walls):
-    bottom, top = walls
-    channel = make_channel(rows=12, bottom_velocity=bottom, top_velocity=top)
-
-    def profile(x, y):
-        return bottom + (top - bottom) * y + 0.7 * y * (1 - y) * (1 + y)
-
-    slopes = (top - bottom + 0.7, top - bottom - 1.4)
-    # viscosity 0.02 * slope; rounding times the condition number (< 100) of the three columns
-    assert wall_shear(channel, make_snapshot(channel, profile)) == pytest.approx(
-        [0.02 * slope for slope in slopes], abs=1e-14
-    )
-
-
-def test_wall_shear_error_falls_with_the_fourth_power_of_the_spacing():
-    errors = []
-    for rows in (25, 50, 100):
-        channel = make_channel(rows)
-        top = wall_shear(channel, make_snapshot(channel))[1]
-        errors.append(abs(top / channel.exact_wall_shear(1.8)[1] - 1))
-    assert np.log2(errors[0] / errors[2]) / 2 > 3.7  # 4, less what higher orders take at 25 rows
-    assert errors[1] < 2e-4  # of the stress; 1.2e-4 measured, a tenth of the error of the flow
-
-
 def test_exact_particles_have_no_error():
     channel = make_channel()
     numbers = measure(channel, make_snapshot(channel))
-    assert numbers["l2"] == numbers["linf"] == 0.0
+    assert numbers["l2"] == numbers["rms"] == numbers["linf"] == 0.0
     assert numbers["slope"] == numbers["slope_exact"]
     assert numbers["intercept"] == numbers["intercept_exact"]
     assert numbers["t"] == 1.8
@@ -154,9 +129,48 @@ def test_a_known_error_is_measured():
     wrong = Snapshot(1.8, 10, u=1.03 * exact.u, v=v, density=density, **fields)
     numbers = measure(channel, wrong)
     assert numbers["l2"] == pytest.approx(0.03, rel=1e-12)
+    assert numbers["rms"] == pytest.approx(0.03 * np.sqrt(np.mean(exact.u**2)) / 0.5, rel=1e-12)
     assert numbers["linf"] == pytest.approx(0.03 * exact.u.max() / 0.5, rel=1e-12)
     assert numbers["density_variation"] == pytest.approx(0.1, rel=1e-12)
     assert numbers["max_transverse_velocity"] == 0.004
+
+
+def test_rms_is_a_measure_where_the_velocity_vanishes():
+    """Twice the velocity of a wall at an instant at which hardly anything moves: l2 is no number to judge by."""
+    channel = make_channel(initial_state="developed", top=WallMotion(0.5, angular_frequency=1.0))
+    numbers = measure(channel, make_snapshot(channel, lambda x, y: np.full_like(x, 0.005), t=0.0))
+    off = np.sqrt(np.mean((0.005 - channel.exact_velocity(channel.jittered(0, 0.2)[1], 0.0)) ** 2))
+    assert numbers["rms"] == pytest.approx(off / 0.5, rel=1e-12)
+
+
+def polymer_snapshot(channel, t, shear_factor=1.0, normal_shift=0.0):
+    """Jittered particles with the exact velocities and the exact stresses, altered as told; S_yy is not 0."""
+    x, y = channel.jittered(0, 0.2)
+    normal, shear = channel.exact_polymer_stress(y, t)
+    at_rest = np.zeros_like(x)
+    stresses = {"stress_xx": normal + 0.3 + normal_shift, "stress_xy": shear_factor * shear, "stress_yy": at_rest + 0.3}
+    velocity = channel.exact_velocity(y, t)
+    return Snapshot(t, 10, x, y, velocity, at_rest, at_rest + channel.density, at_rest, **stresses)
+
+
+def test_stress_errors_are_relative_to_the_exact_stresses():
+    channel = make_channel(rows=20, polymer=Polymer(1.0, 0.5))
+    exact = measure(channel, polymer_snapshot(channel, 50.0))
+    assert exact["shear_stress_l2"] == 0.0
+    # S_xx + 0.3 - 0.3 loses the digits of a stress of about 1e-4
+    assert exact["normal_stress_l2"] <= 1e-11
+    wrong = measure(channel, polymer_snapshot(channel, 50.0, shear_factor=0.98))
+    assert wrong["shear_stress_l2"] == pytest.approx(0.02, rel=1e-10)
+    normal = channel.exact_polymer_stress(channel.jittered(0, 0.2)[1], 50.0)[0]
+    shifted = measure(channel, polymer_snapshot(channel, 50.0, normal_shift=1e-5))
+    assert shifted["normal_stress_l2"] == pytest.approx(1e-5 / np.sqrt(np.mean(normal**2)), rel=1e-6)
+
+
+def test_stress_errors_exist_only_with_polymer():
+    channel = make_channel()
+    assert not {"shear_stress_l2", "normal_stress_l2"} & measure(channel, make_snapshot(channel)).keys()
+    at_start = measure(make_channel(polymer=Polymer(1.0, 0.5)), polymer_snapshot(make_channel(), 0.0))
+    assert at_start["shear_stress_l2"] is None  # nothing to be relative to
 
 
 def test_the_fitted_slope_is_blind_to_symmetric_errors():

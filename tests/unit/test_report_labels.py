@@ -1,6 +1,18 @@
+from types import SimpleNamespace
+
 import pytest
 
-from tisph.report.labels import axis_exponent, axis_label, number, scientific, tick_text, time_label
+from tisph.report.labels import (
+    acceleration_unit,
+    axis_exponent,
+    axis_label,
+    fixed_point,
+    number,
+    scientific,
+    stress_unit,
+    tick_text,
+    time_label,
+)
 
 MINUS, TIMES, NU = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}", "\N{GREEK SMALL LETTER NU}"
 
@@ -62,3 +74,24 @@ def test_axis_labels_name_power_and_unit():
 def test_time_label_resolves_a_ten_thousandth_of_the_viscous_time(viscous_time, t, text):
     label = time_label(viscous_time, "s")(t)
     assert label == f"{text}     t* = {NU}t/H² = {t / viscous_time:.4f}"
+
+
+def test_stress_is_in_pascal_where_the_units_say_so():
+    assert stress_unit(SimpleNamespace(length="m", mass="kg", time="s")) == "Pa"
+    assert stress_unit(SimpleNamespace(length="cm", mass="kg", time="s")) == "kg/(cm s²)"
+    assert acceleration_unit(SimpleNamespace(length="cm", mass="kg", time="s")) == "cm/s²"
+
+
+@pytest.mark.parametrize(
+    ("largest", "value", "text"),
+    [
+        (0.5, 0.25, "0.250"),
+        (0.005, -0.00354, f"{MINUS}0.00354"),
+        (0.5, -1e-9, "0.000"),
+        (1234.0, 7.3, "7"),
+        (2e5, -1.5e5, f"{MINUS}150{TIMES}10³"),
+        (3e-7, 1.5e-7, f"150{TIMES}10⁻⁹"),
+    ],
+)
+def test_values_that_change_keep_their_decimals(largest, value, text):
+    assert fixed_point(largest, 3)(value) == text

@@ -4,12 +4,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from matplotlib.text import Text
-from report_scene import make_channel, make_snapshot
+from report_scene import END, make_channel, make_polymer_channel, make_snapshot, make_video
 
 from tisph.report import style
+from tisph.report.driving import DriveLabel, wall_labels
 from tisph.report.layout import arrange
 from tisph.report.painter import FramePainter
+from tisph.report.quantities import quantity
 from tisph.report.stage import build_figure
+from tisph.report.text import text_width
+from tisph.scenes._motion import WallMotion
 
 RATIOS = [0.3, 0.5, 1.0, 2.0, 4.0, 10.0, 20.0]
 SIZES = [(1280, 640), (1920, 1080), (640, 480), (480, 960), (2000, 400)]
@@ -49,43 +53,88 @@ def visible_texts(figure) -> list[Text]:
     return [text for text in figure.findobj(Text) if text.get_text() and text.get_visible() and text not in hidden]
 
 
+DEVELOPED = {"initial_state": "developed"}
 LONG_UNITS = SimpleNamespace(length="long.unit_of.16c", mass="kg", time="long.unit_of.16c")
 SHORT_UNITS = SimpleNamespace(length="m", mass="kg", time="s")
 
 
-@pytest.mark.parametrize(
-    ("velocities", "units"),
-    [
-        ((0.0, 0.005), SHORT_UNITS),
-        ((-0.25, 0.5), SHORT_UNITS),
-        ((2e5, 0.0), SHORT_UNITS),
-        ((-3e-7, -1.23456e-7), LONG_UNITS),
-    ],
-)
-@pytest.mark.parametrize("ratio", [0.3, 1.0, 2.0, 20.0])
-def test_no_text_overlaps_another_or_leaves_the_frame(ratio, velocities, units):
-    bottom, top = velocities
-    channel = make_channel(gap=0.01, length=0.01 * ratio, bottom_velocity=bottom, top_velocity=top, units=units)
-    layout = arrange(channel.length, channel.gap, 1280, 640)
-    ends = (1.08 * min(0.0, *velocities), 1.08 * max(0.0, *velocities))
+FLOWS = {
+    "couette": {"top": WallMotion(0.005)},
+    "both walls": {"bottom": WallMotion(-0.25), "top": WallMotion(0.5)},
+    "large": {"bottom": WallMotion(2e5), "top": WallMotion(0.0)},
+    "long units": {"bottom": WallMotion(-3e-7), "top": WallMotion(-1.23456e-7), "units": LONG_UNITS},
+    "driven": {"top": WallMotion(0.0), "acceleration": 2e-3},
+    "backflow": {"top": WallMotion(0.005), "acceleration": -1e-2},
+    "driven, long units": {"top": WallMotion(-1.23456e-7), "acceleration": -1.23456e-11, "units": LONG_UNITS},
+    "oscillating": {"top": WallMotion(0.0, 0.5, 3.0), "bottom": WallMotion(1.23e-5, 0.0, 3.0)},
+    "oscillating, long units": {"top": WallMotion(0.0, 1.23e-9, 3.0), "units": LONG_UNITS},
+    "stopped": {"top": WallMotion(0.0, before=0.5), "bottom": WallMotion(-0.5, before=0.123), **DEVELOPED},
+    "changed, long units": {"top": WallMotion(-2.34567e-7, before=1.23456e-7), "units": LONG_UNITS, **DEVELOPED},
+    "stopped, long units": {"top": WallMotion(0.0, before=1.23e-7), "units": LONG_UNITS, **DEVELOPED},
+}
+
+
+def boxes_of(channel, layout, color_by):
+    """All texts of a frame with their places, from the lower left corner as in matplotlib."""
     with style.plot_style():
-        figure = build_figure(channel, layout, ends, "a-name-of-64-characters" * 3)
+        figure = build_figure(channel, layout, quantity(color_by, channel, END), "a-name-of-64-characters" * 3)
         figure.canvas.draw()
         boxes = [(text.get_text(), text.get_window_extent()) for text in visible_texts(figure)]
-    for label in (layout.time_label, layout.error_label):
-        box = SimpleNamespace(x0=label.left, x1=label.right, y0=640 - label.bottom, y1=640 - label.top)
-        boxes.append((label, box))
+    places = {"time": layout.time_label, "error": layout.error_label}
+    names = ("top wall", "bottom wall")
+    for name, motion, label in zip(names, (channel.top, channel.bottom), wall_labels(channel, layout), strict=True):
+        if motion.largest_speed:
+            places[name] = label.box
+    if channel.acceleration:
+        places["drive"] = DriveLabel(channel, layout).box
+    for name, place in places.items():
+        y0, y1 = layout.height - place.bottom, layout.height - place.top
+        boxes.append((name, SimpleNamespace(x0=place.left, x1=place.right, y0=y0, y1=y1)))
+    return boxes
+
+
+def assert_legible(boxes, width, height):
     for (one, a), (other, b) in combinations(boxes, 2):
         apart = a.x1 <= b.x0 or b.x1 <= a.x0 or a.y1 <= b.y0 or b.y1 <= a.y0
         assert apart, f"{one!r} overlaps {other!r}"
     for text, box in boxes:
-        inside = 0 <= box.x0 < box.x1 <= 1280 and 0 <= box.y0 < box.y1 <= 640
+        inside = 0 <= box.x0 < box.x1 <= width and 0 <= box.y0 < box.y1 <= height
         assert inside, f"{text!r} leaves the frame"
+
+
+@pytest.mark.parametrize("flow", FLOWS)
+@pytest.mark.parametrize("ratio", [0.3, 1.0, 2.0, 20.0])
+def test_no_text_overlaps_another_or_leaves_the_frame(ratio, flow):
+    channel = make_channel(gap=0.01, length=0.01 * ratio, **FLOWS[flow])
+    layout = arrange(channel.length, channel.gap, 1280, 640)
+    assert_legible(boxes_of(channel, layout, "speed"), 1280, 640)
+
+
+@pytest.mark.parametrize("units", [SHORT_UNITS, LONG_UNITS])
+@pytest.mark.parametrize("ratio", [0.3, 2.0])
+def test_no_text_about_stress_overlaps_another_or_leaves_the_frame(ratio, units):
+    channel = make_polymer_channel(length=0.01 * ratio, acceleration=-2e-3, units=units)
+    layout = arrange(channel.length, channel.gap, 1280, 640)
+    assert_legible(boxes_of(channel, layout, "shear_stress"), 1280, 640)
+
+
+@pytest.mark.parametrize("flow", FLOWS)
+@pytest.mark.parametrize("ratio", [0.3, 2.0])
+def test_words_on_walls_and_of_the_drive_fit_their_places(ratio, flow):
+    channel = make_channel(gap=0.01, length=0.01 * ratio, **FLOWS[flow])
+    layout = arrange(channel.length, channel.gap, 1280, 640)
+    frame = np.full((640, 1280, 3), 255, dtype=np.uint8)
+    for label in wall_labels(channel, layout):
+        for t in (0.0, 0.5, 1.0, 1.5):
+            assert text_width(label.words(t), label.font_size) <= label.box.width
+            label.paint(frame, t)
+    DriveLabel(channel, layout).paint(frame)
+    assert np.all(frame[:, layout.split :] == 255)
 
 
 @pytest.mark.parametrize("size", [(240, 240), (240, 1200), (1200, 240)])
 def test_small_and_odd_shaped_frames_can_be_drawn(size):
     channel = make_channel(rows=6)
-    frame = FramePainter(channel, *size, title="extreme").paint(make_snapshot(channel, 1.0))
+    frame = FramePainter(channel, make_video(*size), "extreme", END).paint(make_snapshot(channel, 1.0))
     assert frame.shape == (size[1], size[0], 3)
     assert np.all(frame[0, 0] == 255)

@@ -2,7 +2,7 @@ import imageio_ffmpeg
 import numpy as np
 import pytest
 from PIL import Image
-from report_scene import VIDEO, make_channel, make_snapshot
+from report_scene import END, VIDEO, make_channel, make_snapshot
 
 from tisph.errors import TisphError
 from tisph.report.encoder import Encoder
@@ -15,7 +15,7 @@ TIMES = (0.0, 1.0, 2.0, 5.0, 10.0, 20.0)
 def film(tmp_path_factory):
     """A finished movie and its frames as drawn."""
     channel, path = make_channel(), tmp_path_factory.mktemp("movie") / "movie.mp4"
-    with Movie(path, channel, VIDEO, title="test") as movie:
+    with Movie(path, channel, VIDEO, "test", END) as movie:
         for t in TIMES:
             movie.add(make_snapshot(channel, t))
         frames = [movie.frame(make_snapshot(channel, t)) for t in TIMES]
@@ -68,7 +68,7 @@ def test_file_can_be_played_before_it_is_complete(film):
 
 def test_interrupted_movie_keeps_the_frames_it_had(tmp_path):
     path, channel = tmp_path / "movie.mp4", make_channel()
-    movie = Movie(path, channel, VIDEO)
+    movie = Movie(path, channel, VIDEO, "test", END)
 
     def run():
         with movie:
@@ -86,7 +86,7 @@ def test_interrupted_movie_keeps_the_frames_it_had(tmp_path):
 
 def test_single_frames_need_no_movie(tmp_path):
     channel = make_channel()
-    with Movie(tmp_path / "movie.mp4", channel, VIDEO) as movie:
+    with Movie(tmp_path / "movie.mp4", channel, VIDEO, "test", END) as movie:
         frame = movie.frame(make_snapshot(channel, 1.0))
         movie.save_frame(tmp_path / "preview.png", make_snapshot(channel, 1.0))
     assert frame.shape == (VIDEO.height, VIDEO.width, 3)
@@ -96,7 +96,7 @@ def test_single_frames_need_no_movie(tmp_path):
 
 def test_frames_stay_as_they_were_when_the_next_one_is_drawn():
     channel = make_channel()
-    movie = Movie("unused.mp4", channel, VIDEO)
+    movie = Movie("unused.mp4", channel, VIDEO, "test", END)
     first = movie.frame(make_snapshot(channel, 1.0))
     kept = first.copy()
     movie.frame(make_snapshot(channel, 10.0))
@@ -105,7 +105,7 @@ def test_frames_stay_as_they_were_when_the_next_one_is_drawn():
 
 def test_closing_twice_is_harmless(tmp_path):
     channel = make_channel()
-    movie = Movie(tmp_path / "movie.mp4", channel, VIDEO)
+    movie = Movie(tmp_path / "movie.mp4", channel, VIDEO, "test", END)
     movie.add(make_snapshot(channel, 1.0))
     movie.close()
     movie.close()
@@ -138,7 +138,7 @@ def test_error_of_the_run_is_not_hidden_by_a_broken_movie(tmp_path):
     channel = make_channel()
 
     def run():
-        with Movie(tmp_path / "no_such_folder" / "movie.mp4", channel, VIDEO) as movie:
+        with Movie(tmp_path / "no_such_folder" / "movie.mp4", channel, VIDEO, "test", END) as movie:
             movie.add(make_snapshot(channel, 1.0))
             raise ZeroDivisionError
 

@@ -3,20 +3,22 @@ import warnings
 import matplotlib
 import numpy as np
 import pytest
-from report_scene import make_channel, make_snapshot, particles
+from report_scene import END, make_channel, make_snapshot, make_video, particles
 
 from tisph.report import style
-from tisph.report.error_label import error_label
+from tisph.report.error_label import velocity_error_label
 from tisph.report.painter import FramePainter
+from tisph.scenes._motion import WallMotion
 from tisph.verification.metrics import relative_error
 
 WIDTH, HEIGHT = 960, 480
+VIDEO = make_video(WIDTH, HEIGHT)
 LINEAR = {"initial_state": "developed"}
 
 
 @pytest.fixture(scope="module")
 def painter():
-    return FramePainter(make_channel(**LINEAR), WIDTH, HEIGHT, title="test")
+    return FramePainter(make_channel(**LINEAR), VIDEO, "test", END)
 
 
 def pixel(painter, x, y):
@@ -72,7 +74,7 @@ def test_same_snapshot_gives_the_same_frame(painter):
 
 def test_exact_curve_and_dots_stand_at_their_velocity(painter):
     channel, rect = painter.channel, painter.layout.profile
-    lowest, highest = painter.velocity_range
+    lowest, highest = painter.quantity.profile_range
     shift = 0.5
     frame = painter.paint(make_snapshot(channel, 1.0, slip=shift)).astype(float)
     red = 255 * np.array(matplotlib.colors.to_rgb(style.EXACT))
@@ -92,7 +94,7 @@ def test_periodic_edge_shows_both_parts_of_a_disc_unless_the_channel_is_cut(pain
     middle = panel.shape[0] // 2
     assert panel[middle, 0, 0] < 100
     assert panel[middle, -1, 0] < 100
-    long = FramePainter(make_channel(length=0.1), WIDTH, HEIGHT)
+    long = FramePainter(make_channel(length=0.1), VIDEO, "test", END)
     panel = long.paint(particles(long.channel, 1.0, [0.0], [0.005], [0.0]))[long.layout.channel.slices]
     assert panel[panel.shape[0] // 2, 0, 0] < 100
     assert panel[panel.shape[0] // 2, -1, 0] == 255
@@ -100,7 +102,7 @@ def test_periodic_edge_shows_both_parts_of_a_disc_unless_the_channel_is_cut(pain
 
 @pytest.mark.parametrize("velocity", [0.005, -0.005])
 def test_arrows_point_where_a_wall_goes_and_a_wall_at_rest_has_none(velocity):
-    painter = FramePainter(make_channel(top_velocity=velocity), WIDTH, HEIGHT)
+    painter = FramePainter(make_channel(top=WallMotion(velocity)), VIDEO, "test", END)
     frame = painter.paint(make_snapshot(painter.channel, 1.0))
     layout, rect = painter.layout, painter.layout.channel
     wall = frame[rect.top - layout.wall_thickness + 2 : rect.top - 2, rect.left : rect.left + rect.width // 3, 0]
@@ -124,7 +126,7 @@ def test_particles_gone_wrong_do_not_stop_the_picture(painter):
 
 def test_user_settings_of_matplotlib_do_not_reach_the_picture(painter):
     with matplotlib.rc_context({"font.size": 30, "axes.facecolor": "black", "figure.facecolor": "black"}):
-        other = FramePainter(painter.channel, WIDTH, HEIGHT, title="test")
+        other = FramePainter(painter.channel, VIDEO, "test", END)
     snapshot = make_snapshot(painter.channel, 1.0)
     assert np.array_equal(other.paint(snapshot), painter.paint(snapshot))
 
@@ -136,4 +138,4 @@ def test_error_is_relative_to_the_exact_profile():
     assert relative_error(channel, particles(channel, 1.0, x, y, 1.01 * exact)) == pytest.approx(0.01)
     at_rest = make_channel()
     assert relative_error(at_rest, particles(at_rest, 0.0, x, y, 0 * x)) is None
-    assert error_label(at_rest, particles(at_rest, 0.0, x, y, 0 * x)) == "L2 error: none yet"
+    assert velocity_error_label(at_rest)(particles(at_rest, 0.0, x, y, 0 * x)) == "L2 error: none yet"

@@ -1,11 +1,14 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from PIL import Image
-from report_scene import make_channel, make_snapshot
+from report_scene import make_channel, make_polymer_channel, make_snapshot
 
 from tisph.report.history import plot_history
 from tisph.report.profiles import plot_profiles
+from tisph.scenes._motion import WallMotion
 
 PNG_SIZE = (1320, 720)
 
@@ -48,6 +51,36 @@ def test_profiles_show_particles_on_the_exact_curve_and_their_error(tmp_path, fi
     assert legend_texts(figures[0])[0].startswith("t = 1.8 s,  t* = 0.018,  L2 error 3.")
 
 
+def test_profiles_with_polymer_show_its_stresses_on_their_exact_curves(tmp_path, figures):
+    channel = make_polymer_channel()
+    snapshots = [make_snapshot(channel, t) for t in (0.5, 5.0)]
+    snapshots = [replace(s, stress_xy=s.stress_xy + 1e-5, stress_yy=s.stress_yy + 3e-5) for s in snapshots]
+    plot_profiles(tmp_path / "profiles.png", channel, snapshots)
+    assert Image.open(tmp_path / "profiles.png").size == (1320, 1260)
+    shear, normal = figures[0].axes[2:]
+    for index, t in enumerate((0.5, 5.0)):
+        for axes, component, shift in ((shear, 1, 1e-5), (normal, 0, -3e-5)):
+            dots, curve = axes.lines[2 * index : 2 * index + 2]
+            stress, y = dots.get_data()
+            # Stresses of 4e-4 in doubles: 1e-19 of rounding in each.
+            assert np.allclose(stress - channel.exact_polymer_stress(y, t)[component], shift, rtol=0, atol=1e-18)
+            stress, y = curve.get_data()
+            assert np.array_equal(stress, channel.exact_polymer_stress(y, t)[component])
+    assert [axes.get_xlabel().split(" [")[0] for axes in (shear, normal)] == [
+        "polymer shear stress Sxy",
+        "first normal stress difference N1 = Sxx \N{MINUS SIGN} Syy",
+    ]
+
+
+def test_samples_that_coincide_can_be_told_apart(tmp_path, figures):
+    channel = make_channel(initial_state="developed")
+    plot_profiles(tmp_path / "profiles.png", channel, [make_snapshot(channel, t) for t in (1.0, 2.0, 3.0)])
+    dots = figures[0].axes[0].lines[0:6:2]
+    sizes = [line.get_markersize() for line in dots]
+    assert np.all(np.diff(sizes) < -1.0)  # later ones lie on top and leave a rim, half a point wide, of the earlier
+    assert len({line.get_marker() for line in dots}) == 3
+
+
 def test_profiles_of_a_perfect_run_and_of_the_start_can_be_drawn(tmp_path):
     channel = make_channel(initial_state="developed")
     plot_profiles(tmp_path / "perfect.png", channel, [make_snapshot(channel, 1.8)])
@@ -69,6 +102,17 @@ def test_history_shows_tracers_on_the_exact_history(tmp_path, figures):
     assert legend_texts(figures[0]) == ["y/H = 0.9", "y/H = 0.7", "y/H = 0.5", "y/H = 0.3", "y/H = 0.1", "exact"]
 
 
+@pytest.mark.parametrize("frequency", [1.0, 15.0])
+def test_history_of_an_oscillation_resolves_every_period(tmp_path, figures, frequency):
+    channel = make_channel(top=WallMotion(0.0, 0.005, frequency), initial_state="developed")
+    plot_history(tmp_path / "history.png", channel, *history(channel, 3, np.linspace(0.0, 20.0, 401)))
+    markers, curve = figures[0].axes[0].lines[:2]
+    period = 2 * np.pi / frequency
+    # A straight line between points P/40 apart misses the crest by (2 pi/40)^2/8 = 0.3 %: less than the line's width.
+    assert np.diff(curve.get_xdata()).max() <= 1.05 * period / 40
+    assert np.diff(markers.get_xdata()).max() <= 1.5 * max(period / 12, 20.0 / 400)  # the history has 401 records
+
+
 def test_history_of_a_run_that_stopped_at_once_can_be_drawn(tmp_path):
     channel = make_channel()
     plot_history(tmp_path / "history.png", channel, *history(channel, 2, np.array([0.0])))
@@ -83,7 +127,7 @@ def test_legends_stay_short(tmp_path, figures):
 
 
 def test_legends_overlap_no_other_text(tmp_path, figures):
-    channel = make_channel(top_velocity=-2.5e-4)
+    channel = make_channel(top=WallMotion(-2.5e-4), bottom=WallMotion(1e-4))  # the longer kind of error label
     plot_profiles(tmp_path / "profiles.png", channel, [make_snapshot(channel, t) for t in np.linspace(1, 20, 12)])
     plot_history(tmp_path / "history.png", channel, *history(channel, 12, np.linspace(0.0, 20.0, 30)))
     for figure in figures:

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from tisph.config import load
 from tisph.exact import couette
+from tisph.scenes._motion import WallMotion
 from tisph.scenes.channel import Channel
 
 WATER = {
@@ -14,8 +15,8 @@ WATER = {
     "length": 0.02,
     "density": 1000.0,
     "kinematic_viscosity": 1e-6,
-    "bottom_velocity": -0.001,
-    "top_velocity": 0.005,
+    "bottom": WallMotion(-0.001),
+    "top": WallMotion(0.005),
     "initial_state": "rest",
     "start_time": 0.0,
     "spacing": 0.0002,
@@ -61,7 +62,7 @@ def test_dimensionless_numbers():
 
 
 def test_the_faster_wall_is_the_reference_whatever_its_direction():
-    assert Channel(**{**WATER, "bottom_velocity": -0.02}).reference_velocity == 0.02
+    assert Channel(**{**WATER, "bottom": WallMotion(-0.02)}).reference_velocity == 0.02
 
 
 def test_from_rest_the_exact_solution_is_the_start_up():

@@ -1,6 +1,8 @@
 """``tisph check``: validate a config and say what its run would be, without running it."""
 
 import itertools
+import math
+from collections.abc import Iterator
 from typing import Any
 
 import typer
@@ -15,6 +17,12 @@ HIGHEST_MACH = 0.1
 
 HIGHEST_CELL_REYNOLDS = 10.0
 """Runs with a jitter of 0.1 to 0.4 failed from about 20 on, none below."""
+
+LEAST_PENETRATION = 4.0
+"""Spacings; a particle's neighbours reach 3 smoothing lengths far with the usual kernel."""
+
+LEAST_SOLVENT_FRACTION = 0.1
+"""Below, little viscosity is left at the scale of the spacing, where the polymer stress does not resist."""
 
 
 def check(config: ConfigFile, overrides: Overrides = None) -> None:
@@ -31,56 +39,69 @@ def check(config: ConfigFile, overrides: Overrides = None) -> None:
 
     loaded = load(config, overrides or ())
     typer.echo(f"{loaded.name}: valid ({loaded.scene}, {loaded.scheme.type}, {loaded.walls.treatment.type})")
+    channel = _scene(loaded)
     numbers = estimates(loaded)
-    for label, text in _lines(loaded, numbers):
+    for label, text in [*_flow_lines(channel), *_run_lines(loaded, numbers)]:
         typer.echo(f"  {label:22} {text}")
-    if numbers["mach"] > HIGHEST_MACH * (1 + 1e-9):
-        typer.echo(f"  warning: the Mach number is above {HIGHEST_MACH:g}; expect compressibility errors")
-    if numbers["cell_reynolds"] > HIGHEST_CELL_REYNOLDS:
-        typer.echo(
-            f"  warning: the cell Reynolds number U spacing / nu is {numbers['cell_reynolds']:.3g}; above "
-            f"{HIGHEST_CELL_REYNOLDS:g} a disordered flow may push particles through a wall"
-        )
+    for text in _warnings(channel, numbers):
+        typer.echo(f"  warning: {text}")
 
 
 def estimates(config: Any) -> dict[str, Any]:
     """Numbers of a run before it runs, in the config's units; memory in bytes, run time in seconds."""
     from tisph.config import memory
-    from tisph.equation_of_state import sound_speed
-    from tisph.schemes._time_step import effective_viscosity, time_step_limits
 
-    speed, viscosity, gap = config.reference_velocity, config.kinematic_viscosity, config.geometry.gap
-    smoothing_length = config.discretisation.smoothing_ratio * config.spacing
-    sound = sound_speed(
-        config.scheme.equation_of_state,
-        reference_velocity=speed,
-        kinematic_viscosity=viscosity,
-        gap=gap,
-        density=config.fluid.density,
-    )
-    limits = time_step_limits(
-        config.time.cfl,
-        smoothing_length=smoothing_length,
-        sound_speed=sound,
-        reference_velocity=speed,
-        kinematic_viscosity=effective_viscosity(viscosity, config.scheme.artificial_viscosity, smoothing_length, sound),
-    )
+    channel = _scene(config)
+    sound, limits = _sound_speed_and_limits(config, channel)
     binding = min(limits, key=lambda name: limits[name])
     steps = step_count(config.start_time, [*config.time.samples, config.time.end], limits[binding])
-    particles = config.particles_across * config.columns
+    particles = channel.rows * channel.columns
     return {
-        "reynolds": speed * gap / viscosity,
-        "mach": speed / sound,
-        "cell_reynolds": speed * config.spacing / viscosity,
+        "reynolds": channel.reynolds,
+        "mach": channel.peak_velocity / sound,
+        "cell_reynolds": channel.reference_velocity * channel.spacing / channel.kinematic_viscosity,
         "sound_speed": sound,
-        "viscous_time": gap**2 / viscosity,
+        "viscous_time": channel.viscous_time,
         "particles": particles,
         "time_step": limits[binding],
         "binding_limit": binding,
         "steps": steps,
-        "memory": memory.estimated_bytes(particles, config.support),
+        "memory": memory.estimated_bytes(particles, config.support, channel.polymer is not None),
         "run_time": particles * steps * SECONDS_PER_PARTICLE_STEP,
     }
+
+
+def _scene(config: Any) -> Any:
+    from tisph import families
+
+    return families.load("scenes", config.scene).Scene.from_config(config)
+
+
+def _sound_speed_and_limits(config: Any, channel: Any) -> tuple[float, dict[str, float]]:
+    """Sound speed, and the limits of the time step while nothing is faster than the peak velocity."""
+    from tisph.equation_of_state import sound_speed
+    from tisph.schemes._time_step import effective_viscosity, time_step_limits
+
+    length = config.discretisation.smoothing_ratio * channel.spacing
+    sound = sound_speed(
+        config.scheme.equation_of_state,
+        reference_velocity=channel.peak_velocity,
+        kinematic_viscosity=channel.kinematic_viscosity,
+        gap=channel.gap,
+        density=channel.density,
+        elastic_speed=channel.elastic_speed,
+    )
+    artificial = config.scheme.artificial_viscosity
+    return sound, time_step_limits(
+        config.time.cfl,
+        smoothing_length=length,
+        sound_speed=sound,
+        reference_velocity=channel.peak_velocity,
+        kinematic_viscosity=effective_viscosity(channel.solvent_viscosity, artificial, length, sound),
+        acceleration=abs(channel.acceleration),
+        elastic_speed=channel.elastic_speed,
+        relaxation_time=channel.polymer.relaxation_time if channel.polymer else math.inf,
+    )
 
 
 def step_count(start: float, targets: list[float], longest: float) -> int:
@@ -91,19 +112,40 @@ def step_count(start: float, targets: list[float], longest: float) -> int:
     return sum(steps_between(before, after, longest) for before, after in pairs if after > before)
 
 
-def _lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
+def _flow_lines(channel: Any) -> list[tuple[str, str]]:
+    """What the flow is, independent of particles."""
+    length, time = channel.units.length, channel.units.time
+    by_walls = channel.reference_velocity == max(channel.bottom.largest_speed, channel.top.largest_speed)
+    lines = [
+        ("Reynolds number", f"{channel.reynolds:.6g}  (U H / nu)"),
+        (f"{'wall' if by_walls else 'mean'} speed U", f"{channel.reference_velocity:.6g} {length}/{time}"),
+        ("kinematic viscosity nu", f"{channel.kinematic_viscosity:.6g} {length}^2/{time}"),
+        ("viscous time H^2/nu", f"{channel.viscous_time:.6g} {time}"),
+    ]
+    if channel.acceleration:
+        drive = f"{channel.acceleration:.6g} {length}/{time}^2 along x"
+        mean = channel.acceleration * channel.gap**2 / (12 * channel.kinematic_viscosity)
+        lines.append(("drive", f"{drive}, of which the developed flow has the mean speed {mean:.6g} {length}/{time}"))
+    for name, wall in _oscillating_walls(channel):
+        depth = wall.penetration_depth(channel.kinematic_viscosity)
+        text = f"{depth:.4g} {length}, {depth / channel.spacing:.3g} spacings  (sqrt(2 nu / w), {name} wall)"
+        lines.append(("penetration depth", text))
+    if channel.polymer:
+        lines.append(("Weissenberg number", f"{channel.weissenberg:.4g}  (relaxation time * U / H)"))
+        lines.append(("elasticity number", f"{channel.elasticity:.4g}  (relaxation time * nu / H^2)"))
+    return lines
+
+
+def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
+    """What the run is: particles, steps, cost."""
     from tisph.config.memory import format_bytes
 
     length, time = config.units.length, config.units.time
     step = f"{numbers['time_step']:.4g} {time}, set by the {numbers['binding_limit']} limit"
     spacing = f"{config.spacing:.6g} {length} ({config.particles_across} across, {config.columns} along)"
     return [
-        ("Reynolds number", f"{numbers['reynolds']:.6g}  (U H / nu)"),
-        ("Mach number", f"{numbers['mach']:.4g}  (U / c)"),
-        ("wall speed U", f"{config.reference_velocity:.6g} {length}/{time}"),
+        ("Mach number", f"{numbers['mach']:.4g}  (peak speed / c)"),
         ("sound speed c", f"{numbers['sound_speed']:.6g} {length}/{time}"),
-        ("kinematic viscosity nu", f"{config.kinematic_viscosity:.6g} {length}^2/{time}"),
-        ("viscous time H^2/nu", f"{numbers['viscous_time']:.6g} {time}"),
         ("particle spacing", spacing),
         ("fluid particles", str(numbers["particles"])),
         ("time step", step),
@@ -111,6 +153,33 @@ def _lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
         ("memory", f"about {format_bytes(numbers['memory'])}"),
         ("run time", f"about {_duration(numbers['run_time'])} (estimate, without compiling and video)"),
     ]
+
+
+def _warnings(channel: Any, numbers: dict[str, Any]) -> Iterator[str]:
+    """What may go wrong with a valid config."""
+    if numbers["mach"] > HIGHEST_MACH * (1 + 1e-9):
+        yield f"the Mach number is above {HIGHEST_MACH:g}; expect compressibility errors"
+    if numbers["cell_reynolds"] > HIGHEST_CELL_REYNOLDS:
+        yield (
+            f"the cell Reynolds number U spacing / nu is {numbers['cell_reynolds']:.3g}; above "
+            f"{HIGHEST_CELL_REYNOLDS:g} a disordered flow may push particles through a wall"
+        )
+    for name, wall in _oscillating_walls(channel):
+        spacings = wall.penetration_depth(channel.kinematic_viscosity) / channel.spacing
+        if spacings < LEAST_PENETRATION:
+            yield (
+                f"the {name} wall's penetration depth is {spacings:.2g} spacings; below {LEAST_PENETRATION:g} the "
+                "layer that follows the wall is thinner than a particle's neighbourhood and not resolved"
+            )
+    if channel.polymer and channel.polymer.solvent_fraction < LEAST_SOLVENT_FRACTION:
+        yield (
+            f"fluid.rheology.solvent_fraction is below {LEAST_SOLVENT_FRACTION:g}; the solvent's viscosity is what "
+            "damps the shortest waves of the polymer stress"
+        )
+
+
+def _oscillating_walls(channel: Any) -> list[tuple[str, Any]]:
+    return [(name, wall) for name, wall in (("bottom", channel.bottom), ("top", channel.top)) if wall.oscillates]
 
 
 def _duration(seconds: float) -> str:

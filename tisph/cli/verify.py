@@ -1,27 +1,52 @@
 """``tisph verify``: runs against exact solutions, as a table."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from tisph.errors import ConfigError
+
+WALLS_FOLDER = Path("runs/verify-walls")
+
 
 def verify(
-    quick: Annotated[bool, typer.Option("--quick", help="Only the cases that take seconds.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer and shorter runs.")] = False,
     page: Annotated[
         bool, typer.Option("--page", help="The readings of VM-LSDYNA-SPH-001 next to its printed numbers.")
     ] = False,
+    walls: Annotated[
+        bool, typer.Option("--walls", help="All wall treatments in all flows, and which one is recommended.")
+    ] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help=f"With --walls: folder of its results [default: {WALLS_FOLDER}]."),
+    ] = None,
 ) -> None:
     """Compare runs with exact solutions.
 
-    Prints a table of case, error, bound, pass or FAIL; exit status 1 on a FAIL.
+    Prints a table of case, error, bound, pass or FAIL; exit status 1 on a FAIL. With --walls a table of wall
+    treatments, with a picture and all numbers in DIR, where finished runs are kept: an interrupted comparison goes
+    on with the same command.
 
     \b
     Examples:
       tisph verify --quick
       tisph verify
       tisph verify --page
+      tisph verify --walls
     """
-    from tisph.study import verify as suite
+    if walls and page:
+        raise ConfigError("--walls and --page exclude each other")
+    if out and not walls:
+        raise ConfigError("--out is for --walls only: nothing else leaves results")
+    if walls:
+        from tisph.study import walls as comparison
 
-    if not suite.run(quick=quick, page=page):
+        passed = comparison.run(out or WALLS_FOLDER, quick=quick)
+    else:
+        from tisph.study import verify as suite
+
+        passed = suite.run(quick=quick, page=page)
+    if not passed:
         raise typer.Exit(1)

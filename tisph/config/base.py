@@ -32,11 +32,13 @@ def refusals(found: list[tuple[tuple[str | int, ...], str, Any]]) -> ValidationE
 class Model(BaseModel):
     """Parameters as they stand in a config: a string is no number, NaN and inf are refused.
 
-    Of the keys in ``exclusive_keys`` exactly one must have a value; ``null`` counts as not given.
+    Of the keys in ``exclusive_keys`` exactly one must have a value; ``null`` counts as not given. These and the
+    ``unset_keys`` are left out of the resolved config where they have no value.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
     exclusive_keys: ClassVar[tuple[str, ...]] = ()
+    unset_keys: ClassVar[tuple[str, ...]] = ()
 
     @model_validator(mode="after")
     def _check_exclusive_keys(self) -> "Model":
@@ -57,6 +59,6 @@ class Model(BaseModel):
         return self
 
     @model_serializer(mode="wrap")
-    def _leave_out_unused_exclusive_keys(self, handler: Any) -> dict[str, Any]:
-        unused = [key for key in self.exclusive_keys if getattr(self, key) is None]
+    def _leave_out_unused_keys(self, handler: Any) -> dict[str, Any]:
+        unused = [key for key in (*self.exclusive_keys, *self.unset_keys) if getattr(self, key) is None]
         return {key: value for key, value in handler(self).items() if key not in unused}

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+from tisph import families
 from tisph.config import memory
 from tisph.config.base import refusals
 
@@ -37,7 +38,10 @@ def raise_problems(config: Any) -> None:
 def problems(config: Any) -> Iterator[Problem]:
     """Every condition between keys that the config breaks."""
     yield from _motion(config)
+    yield from _start(config)
     yield from _times(config)
+    yield from _colours(config)
+    yield from _members(config)
     yield from _tracers(config)
     too_large = list(_size(config))
     yield from too_large or _lattice(config)
@@ -50,12 +54,22 @@ def _value(config: Any, location: tuple[str | int, ...]) -> Any:
 
 
 def _motion(config: Any) -> Iterator[Problem]:
-    if config.reference_velocity == 0:
-        yield "walls", "nothing moves: give walls.bottom or walls.top a velocity other than 0"
-    if config.initial.state == "exact" and config.initial.time == 0:
+    walls = (config.walls.bottom, config.walls.top)
+    if not (config.drive.acceleration or any(w.velocity or w.velocity_before or w.amplitude for w in walls)):
+        text = "nothing moves: give walls.bottom or walls.top a velocity other than 0, or drive.acceleration"
+        yield "walls", text
+
+
+def _start(config: Any) -> Iterator[Problem]:
+    state = config.initial.state
+    if state == "exact" and config.initial.time == 0:
         yield "initial.time", "must be greater than 0 with state exact (from rest: state rest)"
-    if config.initial.state != "exact" and config.initial.time != 0:
-        yield "initial.time", f"is allowed only with state exact, not with state {config.initial.state}"
+    if state != "exact" and config.initial.time != 0:
+        yield "initial.time", f"is allowed only with state exact, not with state {state}"
+    for side in ("bottom", "top"):
+        if state == "rest" and getattr(config.walls, side).velocity_before is not None:
+            text = "is not allowed with initial.state rest, in which nothing moves before t = 0"
+            yield f"walls.{side}.velocity_before", f"{text}: take state developed, or exact with a time"
 
 
 def _times(config: Any) -> Iterator[Problem]:
@@ -78,6 +92,21 @@ def _tracers(config: Any) -> Iterator[Problem]:
         yield "tracers.x", f"must be inside the channel: centre, or 0 to {config.geometry.length:g}"
 
 
+def _colours(config: Any) -> Iterator[Problem]:
+    video, rheology = config.output.video, config.fluid.rheology
+    if video and video.color_by == "shear_stress" and not rheology.carries_stress:
+        text = f"needs a rheology with a stress of its own, such as oldroyd_b; {rheology.type} has none"
+        yield "output.video.color_by", f"{text}: take speed"
+
+
+def _members(config: Any) -> Iterator[Problem]:
+    """What the chosen members of families say: each may have a function ``problems(config)``."""
+    chosen = {"walls": config.walls.treatment, "rheology": config.fluid.rheology, "schemes": config.scheme}
+    for family, parameters in chosen.items():
+        find = getattr(families.load(family, parameters.type), "problems", None)
+        yield from find(config) if find else ()
+
+
 def _resolution_key(config: Any) -> str:
     return "discretisation." + ("particles_across" if config.discretisation.spacing is None else "spacing")
 
@@ -91,7 +120,8 @@ def _across(config: Any) -> float:
 def _size(config: Any) -> Iterator[Problem]:
     across = _across(config)
     particles = across * (across * config.geometry.length / config.geometry.gap)
-    needed, available = memory.estimated_bytes(particles, config.support), memory.physical_bytes()
+    needed = memory.estimated_bytes(particles, config.support, config.fluid.rheology.carries_stress)
+    available = memory.physical_bytes()
     text = f"makes {particles:.3g} particles, which would need about {memory.format_bytes(needed)} of memory"
     if particles > memory.MOST_PARTICLES:
         yield _resolution_key(config), f"{text}; at most {memory.MOST_PARTICLES} particles are allowed"

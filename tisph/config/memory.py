@@ -6,15 +6,22 @@ import os
 FIELD_BYTES = 350
 """Estimate of a particle's fields: two copies of 14 numbers, and room for images of the particles at the walls."""
 
+STRESS_BYTES = 96
+"""A particle's polymer stress: three numbers in two copies, at full and at half steps."""
+
 NEIGHBOUR_BYTES = 4 * 1.6
 """Bytes of the neighbour table for each particle within the kernel support: an index, and room for disorder."""
 
 MOST_PARTICLES = 20_000_000
 
 
-def estimated_bytes(particles: float, support: float) -> float:
-    """Estimated memory of the fields of a run in bytes, for a kernel ``support`` radius in particle spacings."""
-    return particles * (FIELD_BYTES + NEIGHBOUR_BYTES * math.pi * support**2)
+def estimated_bytes(particles: float, support: float, carries_stress: bool) -> float:
+    """Estimated memory of the fields of a run in bytes, for a kernel ``support`` radius in particle spacings.
+
+    ``carries_stress`` tells whether every particle has a stress of its own.
+    """
+    fields = FIELD_BYTES + (STRESS_BYTES if carries_stress else 0)
+    return particles * (fields + NEIGHBOUR_BYTES * math.pi * support**2)
 
 
 def physical_bytes() -> int | None:

@@ -11,13 +11,13 @@ from pydantic import AfterValidator, Field, model_validator
 
 from tisph import families
 from tisph.config import checks, yaml_text
-from tisph.config.base import LARGEST, SMALLEST, Model, Positive, Signed, refusal
+from tisph.config.base import LARGEST, SMALLEST, Model, Positive, Signed, refusal, refusals
 from tisph.config.fields import Member, member_name, number_or
 
 PixelCount = Annotated[int, Field(ge=240, le=4096, multiple_of=2)]
 Count = Annotated[int, Field(ge=1, le=10**12)]
 
-WallTreatment = Member("walls", usual="comoving_image")
+WallTreatment = Member("walls", usual="consistent_image")
 Rheology = Member("rheology", usual="newtonian")
 Scheme = Member("schemes", usual="wcsph")
 
@@ -33,9 +33,9 @@ def _text(pattern: str, allowed: str) -> Any:
     return Annotated[str, AfterValidator(check)]
 
 
-def _zero(value: float) -> float:
-    if value != 0:
-        raise refusal("must be 0: body acceleration is not available in this version")
+def _not_zero(value: float) -> float:
+    if value == 0:
+        raise refusal("must not be 0: for a wall at rest give velocity: 0")
     return value
 
 
@@ -73,9 +73,44 @@ class Geometry(Model):
 
 
 class Wall(Model):
-    """Constant velocity of a wall along x [length/time], of either sign."""
+    """Velocity of a wall along x from t = 0 on, of either sign: constant, or oscillating.
 
-    velocity: Signed = 0.0
+    ``velocity`` [length/time], with ``velocity_before`` for a wall that had another velocity before t = 0; or
+    ``amplitude`` [length/time] * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t.
+    """
+
+    exclusive_keys = ("velocity", "amplitude")
+    unset_keys = ("velocity_before", "angular_frequency", "phase")
+
+    velocity: Signed | None = None
+    velocity_before: Signed | None = None
+    amplitude: Annotated[Signed, AfterValidator(_not_zero)] | None = None
+    angular_frequency: Positive | None = None
+    phase: Literal["cos", "sin"] | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fill_in_velocity_or_phase(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        if all(data.get(key) is None for key in ("velocity", "amplitude", "angular_frequency", "phase")):
+            return {**data, "velocity": 0.0}
+        if data.get("amplitude") is not None and data.get("phase") is None:
+            return {**data, "phase": "cos"}
+        return data
+
+    @model_validator(mode="after")
+    def _check_forms(self) -> "Wall":
+        oscillates = self.amplitude is not None
+        alien = ("velocity_before",) if oscillates else ("angular_frequency", "phase")
+        form = "of constant velocity; this one oscillates" if oscillates else "that oscillates, which has an amplitude"
+        values = {key: getattr(self, key) for key in alien}
+        found = [((key,), f"is only for a wall {form}", value) for key, value in values.items() if value is not None]
+        if oscillates and self.angular_frequency is None:
+            found.append((("angular_frequency",), "is missing: a wall with an amplitude oscillates", {}))
+        if found:
+            raise refusals(found)
+        return self
 
 
 class Walls(Model):
@@ -87,13 +122,17 @@ class Walls(Model):
 
 
 class Drive(Model):
-    """Body acceleration along x [length/time^2]: only 0 in this version."""
+    """Body acceleration along x [length/time^2], of either sign: -(dp/dx) / density of a pressure gradient."""
 
-    acceleration: Annotated[Signed, AfterValidator(_zero)] = 0.0
+    acceleration: Signed = 0.0
 
 
 class Initial(Model):
-    """Start: at rest, developed, or ``exact``: the exact start-up flow at ``time``.
+    """Start: at rest, developed, or ``exact``: the exact flow at ``time`` that started at t = 0.
+
+    Motion starts, or changes, at t = 0. ``developed``: the steady flow of the velocities before t = 0, the
+    periodic flow of walls that oscillate. ``exact`` started from rest, or from the developed flow where a wall
+    has a ``velocity_before``.
 
     ``jitter``: uniform random displacement of every particle, +- that many spacings in x and y; the same
     ``seed`` gives the same displacements.
@@ -143,14 +182,14 @@ class Tracers(Model):
 
 
 class Video(Model):
-    """Movie: frames a second, number of frames, size in pixels (even, as H.264 wants it)."""
+    """Movie: frames a second, number of frames, size in pixels (even, as H.264 wants it), what colours show."""
 
     fps: Annotated[int, Field(ge=1, le=120)] = 30
     frames: Annotated[int, Field(ge=2, le=10_000)] = 120
     width: PixelCount = 1280
     height: PixelCount = 640
     renderer: Literal["raster"] = "raster"
-    color_by: Literal["speed"] = "speed"
+    color_by: Literal["speed", "shear_stress"] = "speed"
 
 
 class Output(Model):
@@ -220,11 +259,6 @@ class Config(Model):
         """Radius of the kernel support in particle spacings."""
         radius = families.constant("kernels", self.discretisation.kernel, "SUPPORT")
         return radius * self.discretisation.smoothing_ratio
-
-    @property
-    def reference_velocity(self) -> float:
-        """Largest wall speed [length/time]."""
-        return max(abs(self.walls.bottom.velocity), abs(self.walls.top.velocity))
 
     @property
     def start_time(self) -> float:

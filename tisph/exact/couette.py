@@ -19,12 +19,7 @@ self-consistent units, ``kinematic_viscosity`` in length^2/time, wall velocities
 import numpy as np
 from scipy.special import erfc
 
-SWITCH_TIME = 0.1
-"""t* = nu t/gap^2 up to which images are summed, and from which the series: at this time 3 pairs of images or
-7 terms of the series reach rounding error."""
-
-# exp(-EXPONENT) = 2e-17 and erfc(sqrt(EXPONENT)) is smaller still: what is left out is below double rounding.
-EXPONENT = 38.5
+from tisph.exact._channel import dimensionless, image_distances, select, series_terms
 
 
 def velocity(y, t, *, gap, kinematic_viscosity, bottom, top):
@@ -33,8 +28,8 @@ def velocity(y, t, *, gap, kinematic_viscosity, bottom, top):
     ``t >= 0``; at t = 0 the liquid is at rest and y = 0 and y = gap already have their wall's velocity.
     ``bottom`` and ``top`` are the wall velocities. Raises ValueError for a negative time.
     """
-    eta, diffusion_time = _dimensionless(y, t, gap, kinematic_viscosity)
-    return top * _select(_velocity_forms, eta, diffusion_time) + bottom * _select(
+    eta, diffusion_time = dimensionless(y, t, gap, kinematic_viscosity)
+    return top * select(_velocity_forms, eta, diffusion_time) + bottom * select(
         _velocity_forms, 1 - eta, diffusion_time
     )
 
@@ -44,9 +39,9 @@ def shear_rate(y, t, *, gap, kinematic_viscosity, bottom, top):
 
     ``t >= 0``; at t = 0 it is 0 in the liquid and infinite at a wall that moves. Otherwise as ``velocity``.
     """
-    eta, diffusion_time = _dimensionless(y, t, gap, kinematic_viscosity)
+    eta, diffusion_time = dimensionless(y, t, gap, kinematic_viscosity)
     at_top, at_bottom = (
-        _select(_gradient_forms, coordinate, diffusion_time) if speed != 0 else 0.0
+        select(_gradient_forms, coordinate, diffusion_time) if speed != 0 else 0.0
         for coordinate, speed in ((eta, top), (1 - eta, bottom))
     )
     return (top * at_top - bottom * at_bottom + np.zeros_like(eta))[()] / gap
@@ -78,46 +73,16 @@ def images_shear_rate(y, t, *, gap, kinematic_viscosity, bottom, top):
     return (top * at_top - bottom * at_bottom) / gap
 
 
-def _dimensionless(y, t, gap, kinematic_viscosity):
-    """Broadcast pair (y/gap, nu t/gap^2) as float arrays."""
-    eta = np.asarray(y, dtype=float) / gap
-    diffusion_time = kinematic_viscosity * np.asarray(t, dtype=float) / gap**2
-    if np.any(diffusion_time < 0):
-        raise ValueError("start-up Couette flow is defined for t >= 0 only")
-    return np.broadcast_arrays(eta, diffusion_time)
-
-
 def _after_start(y, t, gap, kinematic_viscosity):
-    eta, diffusion_time = _dimensionless(y, t, gap, kinematic_viscosity)
+    eta, diffusion_time = dimensionless(y, t, gap, kinematic_viscosity)
     if np.any(diffusion_time == 0):
         raise ValueError("a single form of the solution holds for t > 0 only")
     return eta, diffusion_time
 
 
-def _select(forms, eta, diffusion_time):
-    """Evaluate (start, early, late) = ``forms`` each where it holds; a scalar for scalar arguments."""
-    at_start = diffusion_time == 0
-    early = ~at_start & (diffusion_time <= SWITCH_TIME)
-    late = diffusion_time > SWITCH_TIME
-    result = np.empty(eta.shape)
-    for form, where in zip(forms, (at_start, early, late), strict=True):
-        if where.any():
-            result[where] = form(eta[where], diffusion_time[where])
-    return result[()]
-
-
-def _series_terms(diffusion_time):
-    return range(1, 1 + int(np.ceil(np.sqrt(EXPONENT / diffusion_time.min()) / np.pi)))
-
-
-def _image_terms(diffusion_time):
-    """Odd distances 2k+1: the next image, at least 2k+2 from any eta <= 1, adds less than rounding error."""
-    return range(1, 2 + 2 * int(np.ceil(np.sqrt(EXPONENT * diffusion_time.max()))), 2)
-
-
 def _series_velocity(eta, diffusion_time):
     total = eta.copy()
-    for n in _series_terms(diffusion_time):
+    for n in series_terms(diffusion_time):
         decay = np.exp(-((n * np.pi) ** 2) * diffusion_time)
         total += (-1) ** n * 2 / (n * np.pi) * np.sin(n * np.pi * eta) * decay
     return total
@@ -126,14 +91,14 @@ def _series_velocity(eta, diffusion_time):
 def _image_velocity(eta, diffusion_time):
     width = 2 * np.sqrt(diffusion_time)
     total = np.zeros_like(eta)
-    for distance in _image_terms(diffusion_time):
+    for distance in image_distances(diffusion_time):
         total += erfc((distance - eta) / width) - erfc((distance + eta) / width)
     return total
 
 
 def _series_gradient(eta, diffusion_time):
     total = np.ones_like(eta)
-    for n in _series_terms(diffusion_time):
+    for n in series_terms(diffusion_time):
         total += (-1) ** n * 2 * np.cos(n * np.pi * eta) * np.exp(-((n * np.pi) ** 2) * diffusion_time)
     return total
 
@@ -141,7 +106,7 @@ def _series_gradient(eta, diffusion_time):
 def _image_gradient(eta, diffusion_time):
     width = 2 * np.sqrt(diffusion_time)
     total = np.zeros_like(eta)
-    for distance in _image_terms(diffusion_time):
+    for distance in image_distances(diffusion_time):
         total += np.exp(-(((distance - eta) / width) ** 2)) + np.exp(-(((distance + eta) / width) ** 2))
     return 2 / np.sqrt(np.pi) / width * total
 

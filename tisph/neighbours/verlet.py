@@ -6,7 +6,8 @@ between) with the largest slope s. A pair that is now within the cutoff was then
 stretch (cutoff + 2 max|e|) apart, stretch = (st + sqrt((st)^2 + 4)) / 2 being the norm of a shear by st. As
 long as that is within the reach no pair is missing: shear flow alone, however fast, hardly wears a list out.
 The mirror image of a particle keeps its x, and |y_i - y_j| <= |y_i + y_j|, so the bound holds for images too;
-wall particles move with the walls, where w is the wall velocity.
+wall particles move with the walls, where w is the wall velocity. (A mirror point of a dummy particle moves with the
+wall too, although w is another one there: who looks inside must do with three quarters of the cutoff.)
 """
 
 import math
@@ -30,13 +31,15 @@ class VerletLists:
     """Neighbours ``table[i, k]``, k < ``count[i]`` (a multiple of LANES), of fluid and dummy particles.
 
     ``crosses[i]`` tells whether a neighbour lies across the period, so that only few particles pay for it.
+    Dummy particles list the fluid around them, with ``looks_inside`` that around their mirror points.
     """
 
-    def __init__(self, cells, cutoff, spacing, serial):
+    def __init__(self, cells, cutoff, spacing, serial, looks_inside=False):
         self.cells = cells
         self.particles = cells.particles
         self.domain = cells.domain
         self.serial = serial
+        self.looks_inside = looks_inside
         self.cutoff = cutoff
         self.spacing = spacing
         self.reach = reach(cutoff, spacing)
@@ -119,9 +122,9 @@ class VerletLists:
     @ti.func
     def gather(self, now, i):
         """Fill row ``i`` of the table from the 3 x 3 cells around it and return how many it needed."""
-        place = self.particles.mid_position[now, i]
+        place = self.centre(now, i)
         column = self.cells.column_of(place.x)
-        row = self.cells.row_of(place.y, i)
+        row = self.cells.row_of(place.y, 0 if ti.static(self.looks_inside) else i)
         lowest = ti.max(row - 1, 0)
         highest = ti.min(row + 1, self.cells.rows + 1)
         if i >= self.particles.fluid:
@@ -146,9 +149,18 @@ class VerletLists:
         return found
 
     @ti.func
+    def centre(self, now, i):
+        """Return the point whose neighbours particle ``i`` lists: its own place, or its mirror point."""
+        place = self.particles.mid_position[now, i]
+        if ti.static(self.looks_inside):  # noqa: SIM102 (Taichi would not see the static one)
+            if i >= self.particles.fluid:
+                place.y = ti.select(place.y < 0.0, -place.y, 2.0 * self.domain.gap[None] - place.y)
+        return place
+
+    @ti.func
     def append(self, now, i, begin, end, found, periodic: ti.template()):
         """Append the slots begin .. end-1 that lie within reach, without a branch, and return the new count."""
-        place = self.particles.mid_position[now, i]
+        place = self.centre(now, i)
         limit = self.reach_squared[None]
         for j in range(begin, end):
             apart = self.particles.mid_position[now, j] - place

@@ -6,7 +6,8 @@ import numpy as np
 from tisph.observers._schedule import Schedule, even_times
 from tisph.observers._storage import read_snapshot, write_snapshot
 
-FIELDS = ("x", "y", "u", "v")
+FIELDS = ("x", "y", "u", "v", "stress_xy")
+"""What a movie may show; the stress is there only with polymer."""
 
 
 class Frames:

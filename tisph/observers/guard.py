@@ -3,6 +3,7 @@
 import numpy as np
 
 from tisph.errors import DivergedError
+from tisph.observers._storage import STRESSES
 
 INTERVAL = 50
 """Steps between two looks: a run that goes wrong is stopped within twice as many."""
@@ -20,7 +21,8 @@ class Guard:
 
     def check(self, snapshot):
         """Raise DivergedError naming field, particle, step and time; else keep ``snapshot`` as good."""
-        for field in ("x", "y", "u", "v", "density"):
+        stresses = STRESSES if snapshot.stress_xx is not None else ()
+        for field in ("x", "y", "u", "v", "density", *stresses):
             self._refuse(snapshot, field, ~np.isfinite(getattr(snapshot, field)), "is not a finite number")
         off = np.abs(snapshot.density / self.channel.density - 1.0) > DENSITY_LIMIT
         limit = f"is off the reference density {self.channel.density:.6g} by more than {DENSITY_LIMIT:.0%}"

@@ -9,9 +9,9 @@ from tisph.observers._storage import read_snapshot, write_snapshot
 class Samples:
     """Writes a group ``sample_000``, ... at each of ``times`` and keeps the snapshots in ``snapshots``.
 
-    A group has the attributes ``t`` and ``step`` and the datasets x, y, u, v, density, pressure of shape
-    (particles_fluid,), in the units of the config and the order of creation. ``resumed_at`` is the time up to
-    which samples of an interrupted run are kept, None for a new file.
+    A group has the attributes ``t`` and ``step`` and the datasets x, y, u, v, density, pressure, with polymer also
+    stress_xx, stress_xy, stress_yy, of shape (particles_fluid,), in the units of the config and the order of
+    creation. ``resumed_at`` is the time up to which samples of an interrupted run are kept, None for a new file.
     """
 
     def __init__(self, path, times, resumed_at=None):

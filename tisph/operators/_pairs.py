@@ -1,5 +1,6 @@
 """What both sets of operators share: the pair weight, the separation and linear artificial viscosity."""
 
+from tisph.neighbours.verlet import LANES
 from tisph.operators._weights import WeightTable
 from tisph.runtime import real, scalar, ti
 
@@ -8,9 +9,9 @@ from tisph.runtime import real, scalar, ti
 class PairOperators:
     """Access to particles and lists, and the rates that an evaluation returns.
 
-    ``Rates``: ``acceleration``, rate of ``compression``, and ``transport``, the velocity of the particle
-    relative to the liquid. ``pair_weight`` turns kernel slopes into V_j (-W'(r)/r) with the volume
-    V = spacing^2 that every particle keeps to within the weak compression.
+    ``Rates``: ``acceleration``, rate of ``compression``, ``transport``, the velocity of the particle relative to
+    the liquid, and where particles carry stress, the rate of ``stress``. ``pair_weight`` turns kernel slopes into
+    V_j (-W'(r)/r) with the volume V = spacing^2 that every particle keeps to within the weak compression.
     """
 
     def __init__(self, particles, lists, liquid, kernel, artificial_viscosity):
@@ -26,7 +27,8 @@ class PairOperators:
         self.pair_weight = scalar(lists.spacing**2 / length**4)
         self.vector = ti.types.vector(2, real())
         self.matrix = ti.types.matrix(2, 2, real())
-        self.Rates = ti.types.struct(acceleration=self.vector, compression=real(), transport=self.vector)
+        stress_rate = {"stress": ti.types.vector(3, real())} if liquid.carries_stress else {}
+        self.Rates = ti.types.struct(acceleration=self.vector, compression=real(), transport=self.vector, **stress_rate)
 
     @ti.func
     def sums(self, now, i):
@@ -55,3 +57,28 @@ class PairOperators:
         ``approach`` is the difference of velocities.
         """
         return ti.min(0.0, approach.dot(apart)) / apart.dot(apart) * weight * apart
+
+    @ti.func
+    def wall_pull(self, now, i):
+        """Return the acceleration along x that particle ``i`` gets from the wall particles below and above.
+
+        A sum over pairs that straddle a wall is the flux of momentum through it; operators give ``pair_pull``, and
+        ``pull_norm`` for the trace of their second moment.
+        """
+        trace = 0.0
+        pull = ti.Vector([0.0, 0.0])
+        push = ti.Vector([0.0, 0.0])
+        for block in range(self.lists.count[i] // LANES):
+            for lane in range(LANES):
+                j = self.lists.table[i, block * LANES + lane]
+                apart = self.separation(now, i, j, True)
+                weight = self.weights.at(apart.dot(apart))
+                trace += weight * apart.dot(apart)
+                if j >= self.particles.fluid:
+                    above = ti.cast(self.particles.mid_position[now, j].y > 0.0, ti.i32)
+                    pull[above] += self.pair_pull(now, i, j, weight, apart)
+                    if ti.static(self.has_artificial_viscosity):
+                        faster = self.particles.mid_velocity[now, j] - self.particles.mid_velocity[now, i]
+                        push[above] += self.artificial_push(weight, apart, faster).x
+        strength = self.artificial_viscosity[None] * self.liquid.sound_speed[None] * self.smoothing_length[None]
+        return self.pull_norm(trace) * pull + strength * self.pair_weight[None] * push

@@ -34,6 +34,7 @@ class Operators(PairOperators):
 
     def __init__(self, particles, lists, liquid, kernel, artificial_viscosity):
         super().__init__(particles, lists, liquid, kernel, artificial_viscosity)
+        stress_sums = {"stress_gradient": ti.types.matrix(3, 2, real())} if liquid.carries_stress else {}
         self.Sums = ti.types.struct(
             moment_xx=real(),
             moment_xy=real(),
@@ -44,6 +45,7 @@ class Operators(PairOperators):
             velocity_laplacian=self.vector,
             pressure_laplacian=real(),
             push=self.vector,
+            **stress_sums,
         )
 
     @ti.func
@@ -77,7 +79,33 @@ class Operators(PairOperators):
             + rates.transport.dot(pressure_gradient) / stiffness
             + DIFFUSION * length * self.liquid.sound_speed[None] * pressure_laplacian / stiffness
         )
+        if ti.static(self.liquid.carries_stress):
+            gradient = sums.stress_gradient @ correction
+            rates.acceleration += (
+                ti.Vector([gradient[0, 0] + gradient[1, 1], gradient[1, 0] + gradient[2, 1]]) / density
+            )
+            own = self.particles.mid_stress[now, i]
+            rates.stress = self.liquid.stress.rate(own, velocity_gradient) + gradient @ rates.transport
         return rates
+
+    @ti.func
+    def pair_pull(self, now, i, j, weight, apart):
+        """Return a pair's share in the acceleration along x by viscosity and polymer stress, times tr M.
+
+        Only what two particles exchange: without the linear correction, and with the sum of their stresses, which
+        on an even arrangement gives the same force as the difference.
+        """
+        faster = self.particles.mid_velocity[now, j].x - self.particles.mid_velocity[now, i].x
+        pull = 4.0 * self.liquid.kinematic_viscosity[None] * faster
+        if ti.static(self.liquid.carries_stress):
+            stress = self.particles.mid_stress[now, i] + self.particles.mid_stress[now, j]
+            pull += 2.0 * (stress[0] * apart.x + stress[1] * apart.y)
+        return weight * pull
+
+    @ti.func
+    def pull_norm(self, trace):
+        """Return what the sum of ``pair_pull`` is multiplied by."""
+        return 1.0 / trace
 
     @ti.func
     def pair_sums(self, now, i, periodic: ti.template()):
@@ -103,4 +131,7 @@ class Operators(PairOperators):
                 sums.pressure_laplacian += weight * higher
                 if ti.static(self.has_artificial_viscosity):
                     sums.push += self.artificial_push(weight, apart, faster)
+                if ti.static(self.liquid.carries_stress):
+                    tighter = self.particles.mid_stress[now, j] - self.particles.mid_stress[now, i]
+                    sums.stress_gradient += tighter.outer_product(weighted)
         return sums

@@ -37,6 +37,21 @@ class Operators(PairOperators):
         return rates
 
     @ti.func
+    def pair_pull(self, now, i, j, weight, apart):
+        """Return a pair's share in the acceleration along x by viscosity and pressure, without the volume."""
+        length = self.smoothing_length[None]
+        squared = apart.dot(apart)
+        faster = self.particles.mid_velocity[now, j].x - self.particles.mid_velocity[now, i].x
+        viscous = 2.0 * self.liquid.kinematic_viscosity[None] * squared / (squared + 0.01 * length * length) * faster
+        pressure = self.particles.mid_pressure[now, i] + self.particles.mid_pressure[now, j]
+        return weight * (viscous - pressure * apart.x / (1.0 + self.particles.mid_compression[now, i]))
+
+    @ti.func
+    def pull_norm(self, trace):
+        """Return what the sum of ``pair_pull`` is multiplied by."""
+        return self.pair_weight[None]
+
+    @ti.func
     def pair_sums(self, now, i, periodic: ti.template()):
         """Return the sums over the neighbours of particle ``i``."""
         velocity = self.particles.mid_velocity[now, i]

@@ -9,7 +9,10 @@ from tisph.report import style
 from tisph.report.labels import axis_exponent, axis_label, number, tick_text, velocity_unit
 
 _MARKERS = 40  # a tracer
+_MARKERS_A_PERIOD = 12  # at least, where a wall oscillates: with fewer the eye sees another oscillation
 _CURVE_POINTS = 300
+_CURVE_POINTS_A_PERIOD = 40
+_MOST_CURVE_POINTS = 4000
 _LEGEND_ENTRIES = 12
 
 
@@ -22,14 +25,15 @@ def plot_history(path: Path | str, channel, times: np.ndarray, tracer_y: np.ndar
     with style.plot_style():
         figure = style.plot_figure()
         axes = figure.subplots()
-        shown = style.evenly_chosen(len(times), _MARKERS)
+        periods = _periods(channel, times[-1] - times[0])
+        shown = style.evenly_chosen(len(times), max(_MARKERS, round(_MARKERS_A_PERIOD * periods)))
         named = style.evenly_chosen(len(tracer_y), _LEGEND_ENTRIES)
         colours = style.colours(len(tracer_y), 0.9)
-        # More points early on, where a start from rest changes fastest.
-        exact_times = times[0] + (times[-1] - times[0]) * np.linspace(0.0, 1.0, _CURVE_POINTS) ** 2
+        size = 5 if len(shown) <= 2 * _MARKERS else 3
+        exact_times = _curve_times(times[0], times[-1], periods)
         for index in reversed(range(len(tracer_y))):  # the legend from top to bottom, as in the channel
             height, colour = tracer_y[index], colours[index]
-            markers = axes.plot(times[shown], tracer_u[shown, index], "o", color=colour, markersize=5)[0]
+            markers = axes.plot(times[shown], tracer_u[shown, index], "o", color=colour, markersize=size)[0]
             exact = channel.exact_velocity(height, exact_times)
             axes.plot(exact_times, exact, "-", color=style.TEXT, linewidth=0.9)
             if index in named:
@@ -38,6 +42,18 @@ def plot_history(path: Path | str, channel, times: np.ndarray, tracer_y: np.ndar
         _label_axes(axes, channel, float(np.max(np.abs(times))))
         figure.legend(loc="outside right center", frameon=False, fontsize=10)
         figure.savefig(path, format="png")
+
+
+def _periods(channel, duration: float) -> float:
+    """Return how many periods of the faster wall ``duration`` has; 0 where none oscillates."""
+    return max(wall.angular_frequency for wall in (channel.bottom, channel.top)) * duration / (2.0 * np.pi)
+
+
+def _curve_times(first: float, last: float, periods: float) -> np.ndarray:
+    """Return times for the exact curve: more early on, where a start changes fastest, and enough in every period."""
+    early = first + (last - first) * np.linspace(0.0, 1.0, _CURVE_POINTS) ** 2
+    even = np.linspace(first, last, min(round(_CURVE_POINTS_A_PERIOD * periods), _MOST_CURVE_POINTS))
+    return np.union1d(early, even)
 
 
 def _label_axes(axes, channel, latest: float) -> None:

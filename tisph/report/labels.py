@@ -61,17 +61,43 @@ def velocity_unit(units) -> str:
     return f"{units.length}/{units.time}"
 
 
+def stress_unit(units) -> str:
+    """Return the label of a stress: ``Pa`` where the units are m, kg and s, else mass/(length time²)."""
+    if (units.length, units.mass, units.time) == ("m", "kg", "s"):
+        return "Pa"
+    return f"{units.mass}/({units.length} {units.time}²)"
+
+
+def acceleration_unit(units) -> str:
+    """Return the label of an acceleration, for example ``m/s²``."""
+    return f"{units.length}/{units.time}²"
+
+
+def fixed_point(largest: float, digits: int, smallest_plain: float = 1e-3) -> Callable[[float], str]:
+    """Return a function value -> text with as many decimals as give ``largest`` that many significant ``digits``.
+
+    Values follow each other without moving about: the power of ten, where there is one, is that of ``largest``,
+    as in ``axis_exponent``, and zero is written with all its decimals.
+    """
+    exponent = axis_exponent(largest, smallest_plain)
+    decimals = max(0, digits - 1 - math.floor(math.log10(largest) - exponent))
+    suffix = f"{TIMES}{power_text(exponent)}" if exponent else ""
+
+    def text(value: float) -> str:
+        rounded = round(value / 10.0**exponent, decimals) + 0.0  # no negative zero
+        return f"{rounded:.{decimals}f}{suffix}".replace("-", MINUS)
+
+    return text
+
+
 def time_label(viscous_time: float, unit: str) -> Callable[[float], str]:
     """Return a function t -> ``t = 1.80 s   t* = νt/H² = 0.0180`` with a fixed number of decimals.
 
     The steps of t and of t* = t / ``viscous_time`` are about a ten-thousandth of the viscous time H²/ν.
     """
-    exponent = axis_exponent(viscous_time, smallest_plain=1.0)
-    decimals = max(0, 4 - math.floor(math.log10(viscous_time) - exponent))
-    suffix = f"{TIMES}{power_text(exponent)}" if exponent else ""
+    clock = fixed_point(viscous_time, 5, smallest_plain=1.0)
 
     def label(t: float) -> str:
-        clock = f"t = {t / 10.0**exponent:.{decimals}f}{suffix} {unit}"
-        return f"{clock}     t* = {_VISCOSITY}t/H² = {t / viscous_time:.4f}"
+        return f"t = {clock(t)} {unit}     t* = {_VISCOSITY}t/H² = {t / viscous_time:.4f}"
 
     return label

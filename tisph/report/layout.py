@@ -36,12 +36,14 @@ class Layout:
 
     ``scale`` is the size of text and lines relative to a frame of 1280 x 640; ``shown_length`` (length) is
     the part of the channel along x that is drawn, ``pixels_per_length`` the same along x and y.
-    ``channel``, ``profile``, ``time_label`` and ``error_label`` are all that changes from frame to frame.
+    ``channel``, ``profile``, ``time_label``, ``error_label`` and the velocities on walls that oscillate are all that
+    changes from frame to frame. The columns left of ``split`` belong to the channel, those right of it to the profile.
     """
 
     width: int
     height: int
     scale: float
+    split: int
     shown_length: float
     pixels_per_length: float
     channel: Rect
@@ -50,6 +52,19 @@ class Layout:
     time_label: Rect
     error_label: Rect
     wall_thickness: int
+
+    @property
+    def top_wall(self) -> Rect:
+        """The bar of the upper wall."""
+        return self._wall(self.channel.top - self.wall_thickness)
+
+    @property
+    def bottom_wall(self) -> Rect:
+        """The bar of the lower wall."""
+        return self._wall(self.channel.bottom)
+
+    def _wall(self, top: int) -> Rect:
+        return Rect(self.channel.left, top, self.channel.width, self.wall_thickness)
 
     def pixels(self, size: float) -> int:
         """Return ``size``, given in pixels of a frame of 1280 x 640, in pixels of this frame."""
@@ -73,7 +88,7 @@ def arrange(length: float, gap: float, width: int, height: int) -> Layout:
     profile = _centred(split + px(88), width - px(26), (top + bottom) // 2, width, profile_height)
     half = profile.width // 2
     return Layout(
-        width, height, scale, shown, pixels_per_length, channel, profile,
+        width, height, scale, split, shown, pixels_per_length, channel, profile,
         colour_bar=_centred(left, right, height - px(57), max(channel.width, px(360)), px(12)),
         time_label=Rect(px(24), px(47), split - px(24), px(26)),
         error_label=Rect(profile.right - half, profile.top - px(31), half, px(24)),

@@ -15,16 +15,17 @@ from tisph.snapshot import Snapshot
 class Movie:
     """A movie of ``channel`` at ``path``, drawn and encoded a frame at a time.
 
-    ``video`` is the config's ``output.video`` (fps, width, height), ``title`` the name of the run. The file
-    is opened by the first frame, so a Movie that only serves ``frame`` or ``save_frame`` writes none. As a
-    context manager it closes the file whatever happens: what was added by then can be played.
+    ``video`` is the config's ``output.video`` (fps, width, height, color_by), ``title`` the name of the run and
+    ``end`` the time at which it ends, to which axes and colours are fitted. The file is opened by the first
+    frame, so a Movie that only serves ``frame`` or ``save_frame`` writes none. As a context manager it closes the
+    file whatever happens: what was added by then can be played.
     Raises TisphError if ffmpeg cannot start or stops early.
     """
 
-    def __init__(self, path: Path | str, channel, video, title: str = ""):
+    def __init__(self, path: Path | str, channel, video, title: str, end: float):
         self.path = Path(path)
         self._video = video
-        self._painter = FramePainter(channel, video.width, video.height, title)
+        self._painter = FramePainter(channel, video, title, end)
         self._encoder: Encoder | None = None
 
     def frame(self, snapshot: Snapshot) -> np.ndarray:

@@ -1,36 +1,47 @@
 """One movie frame from one snapshot: discs, live profile and labels over a background drawn once."""
 
 import numpy as np
-from PIL import Image, ImageDraw
 
 from tisph.report import style
-from tisph.report.error_label import error_label
+from tisph.report.driving import DriveLabel, wall_labels
+from tisph.report.error_label import shear_stress_error_label, velocity_error_label
 from tisph.report.labels import time_label
-from tisph.report.layout import Rect, arrange
+from tisph.report.layout import arrange
+from tisph.report.quantities import quantity
 from tisph.report.raster import blend, cover, dense_line, paint_discs
 from tisph.report.stage import draw_background
+from tisph.report.text import paint_text
 from tisph.snapshot import Snapshot
 
 _SMALLEST_DIAMETER = 1.5  # pixels: below it discs would fade away
 _CURVE_POINTS = 600  # about two a pixel row at the usual size
 _BAND = 32  # pixel rows coloured at a time: work arrays that stay in the cache, about four times faster
-_PROFILE_MARGIN = 0.08  # of the velocity range, at both ends: overshoot stays in sight
+_ERROR_LABELS = {"speed": velocity_error_label, "shear_stress": shear_stress_error_label}
 
 
 class FramePainter:
     """Draws the frames of one run, each uint8 of shape (height, width, 3).
 
-    ``channel`` is the scene (``tisph.scenes.channel.Channel``), ``title`` the name of the run.
+    ``channel`` is the scene (``tisph.scenes.channel.Channel``), ``video`` the config's ``output.video`` (width,
+    height, color_by), ``title`` the name of the run. All axes and colours fit what the exact solution does until
+    ``end``, the time at which the run ends.
     """
 
-    def __init__(self, channel, width: int, height: int, title: str = ""):
+    def __init__(self, channel, video, title: str, end: float):
         self.channel = channel
-        self.layout = arrange(channel.length, channel.gap, width, height)
-        self.velocity_range = _velocity_range(channel)
-        self._background = draw_background(channel, self.layout, self.velocity_range, title)
+        self.layout = arrange(channel.length, channel.gap, video.width, video.height)
+        self.quantity = quantity(video.color_by, channel, end)
+        labels = wall_labels(channel, self.layout)
+        self._background = draw_background(channel, self.layout, self.quantity, title)
+        DriveLabel(channel, self.layout).paint(self._background)
+        for label in labels:
+            if not label.changes:
+                label.paint(self._background, channel.start_time)
+        self._changing_labels = [label for label in labels if label.changes]
         self._frame = np.empty_like(self._background)
-        self._table = _colour_table()
+        self._table = _colour_table(self.quantity.colour_map)
         self._time_label = time_label(channel.viscous_time, channel.units.time)
+        self._error_label = _ERROR_LABELS[video.color_by](channel)
         self._heights = np.linspace(0.0, channel.gap, _CURVE_POINTS)
 
     @property
@@ -44,19 +55,22 @@ class FramePainter:
         np.copyto(frame, self._background)
         self._paint_channel(frame, snapshot)
         self._paint_profile(frame, snapshot)
-        time, error = self._time_label(snapshot.t), error_label(self.channel, snapshot)
-        _paint_text(frame, self.layout.time_label, time, self.layout.pixels(18), "left")
-        _paint_text(frame, self.layout.error_label, error, self.layout.pixels(14), "right")
+        for label in self._changing_labels:
+            label.paint(frame, snapshot.t)
+        time, error = self._time_label(snapshot.t), self._error_label(snapshot)
+        paint_text(frame, self.layout.time_label, time, self.layout.pixels(18), "left")
+        paint_text(frame, self.layout.error_label, error, self.layout.pixels(14), "right")
         return frame
 
     def _paint_channel(self, frame: np.ndarray, snapshot: Snapshot) -> None:
         rect, scale = self.layout.channel, self.layout.pixels_per_length
         points = snapshot.x * scale, (self.channel.gap - snapshot.y) * scale
-        speed = np.hypot(snapshot.u, snapshot.v) / self.channel.reference_velocity
-        speed = np.nan_to_num(speed, nan=1.0, posinf=1.0)  # a run that went wrong still gets its picture
-        coverage, mean_speed = paint_discs(
+        lowest, highest = self.quantity.colour_range
+        share = (self.quantity.of_discs(snapshot) - lowest) / (highest - lowest)
+        share = np.clip(np.nan_to_num(share, nan=1.0), 0.0, 1.0)  # a run that went wrong still gets its picture
+        coverage, mean_share = paint_discs(
             points,
-            speed,
+            share,
             radius=self.disc_radius,
             shape=(rect.height, rect.width),
             periodic=self.layout.shown_length == self.channel.length,
@@ -64,7 +78,7 @@ class FramePainter:
         panel = frame[rect.slices]
         for top in range(0, rect.height, _BAND):
             band = slice(top, top + _BAND)
-            colour = np.minimum(mean_speed[band] * 255.0 + 0.5, 255.0).astype(np.uint16)
+            colour = np.minimum(mean_share[band] * 255.0 + 0.5, 255.0).astype(np.uint16)
             entry = (coverage[band] * 255.0 + 0.5).astype(np.uint16) * 256 + colour
             panel[band] = np.take(self._table, entry, axis=0)
 
@@ -72,35 +86,21 @@ class FramePainter:
         rect = self.layout.profile
         panel = frame[rect.slices][1:-1, 1:-1]  # the axes' lines are on the border
         shape = panel.shape[:2]
-        dots = self._profile_pixels(snapshot.u, snapshot.y)
+        dots = self._profile_pixels(self.quantity.of_profile(snapshot), snapshot.y)
         blend(panel, cover(dots, self.layout.scale * 3.0, shape), style.rgb(style.PARTICLES))
-        exact = self.channel.exact_velocity(self._heights, snapshot.t)
+        exact = self.quantity.exact(self._heights, snapshot.t)
         line = dense_line(self._profile_pixels(exact, self._heights))
         blend(panel, cover(line, max(0.5, self.layout.scale * 0.9), shape), style.rgb(style.EXACT))
 
-    def _profile_pixels(self, u: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _profile_pixels(self, values: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return columns and rows inside the profile panel, whose first pixel is on the axes' lines."""
-        rect, (lowest, highest) = self.layout.profile, self.velocity_range
-        column = (u - lowest) / (highest - lowest) * rect.width - 1.0
+        rect, (lowest, highest) = self.layout.profile, self.quantity.profile_range
+        column = (values - lowest) / (highest - lowest) * rect.width - 1.0
         return column, (1.0 - y / self.channel.gap) * rect.height - 1.0
 
 
-def _velocity_range(channel) -> tuple[float, float]:
-    ends = (0.0, channel.bottom_velocity, channel.top_velocity)
-    margin = _PROFILE_MARGIN * (max(ends) - min(ends))
-    return min(ends) - margin, max(ends) + margin
-
-
-def _colour_table() -> np.ndarray:
-    """Return RGB for every coverage (of white) and speed, shape (65536, 3): a look-up instead of blending."""
+def _colour_table(colour_map: str) -> np.ndarray:
+    """Return RGB for every coverage (of white) and value, shape (65536, 3): a look-up instead of blending."""
     coverage = np.linspace(0.0, 1.0, 256)[:, None, None]
-    table = 255.0 * (1.0 - coverage * (1.0 - style.colours(256)[None, :, :]))
+    table = 255.0 * (1.0 - coverage * (1.0 - style.colours(256, colour_map=colour_map)[None, :, :]))
     return (table + 0.5).astype(np.uint8).reshape(-1, 3)
-
-
-def _paint_text(frame: np.ndarray, box: Rect, text: str, size: int, side: str) -> None:
-    """Write one line into ``box``, at its left or right side, over what is there."""
-    image = Image.fromarray(frame[box.slices])
-    place, anchor = ((0, box.height / 2), "lm") if side == "left" else ((box.width, box.height / 2), "rm")
-    ImageDraw.Draw(image).text(place, text, fill=style.TEXT, font=style.text_font(size), anchor=anchor)
-    frame[box.slices] = np.asarray(image)

@@ -4,37 +4,39 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.patches import FancyArrow, Rectangle
+from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from tisph.report import style
+from tisph.report.error_label import loses_its_scale
 from tisph.report.labels import TIMES, axis_exponent, axis_label, number, tick_text, velocity_unit
 from tisph.report.layout import Layout, Rect
+from tisph.report.quantities import Quantity
 
 _PIXELS_PER_INCH = 72  # then matplotlib's points are pixels, and every size below is in pixels
 
 
-def draw_background(channel, layout: Layout, velocity_range: tuple[float, float], title: str) -> np.ndarray:
-    """Return the frame without particles, uint8 of shape (height, width, 3).
+def draw_background(channel, layout: Layout, quantity: Quantity, title: str) -> np.ndarray:
+    """Return the frame without particles and without labels on walls, uint8 of shape (height, width, 3).
 
-    ``velocity_range`` (lowest, highest) is the velocity axis of the profile panel.
+    ``quantity`` is what colours the particles and fills the profile panel.
     """
     with style.plot_style():
-        figure = build_figure(channel, layout, velocity_range, title)
+        figure = build_figure(channel, layout, quantity, title)
         figure.canvas.draw()
         return np.ascontiguousarray(np.asarray(figure.canvas.buffer_rgba())[:, :, :3])
 
 
-def build_figure(channel, layout: Layout, velocity_range: tuple[float, float], title: str) -> Figure:
+def build_figure(channel, layout: Layout, quantity: Quantity, title: str) -> Figure:
     """Return the background as a matplotlib figure, not drawn yet; arguments as for ``draw_background``."""
     figure = Figure((layout.width / _PIXELS_PER_INCH, layout.height / _PIXELS_PER_INCH), dpi=_PIXELS_PER_INCH)
     FigureCanvasAgg(figure)
     stage = _Stage(figure, channel, layout)
     stage.channel_axes()
     stage.walls()
-    stage.colour_bar()
-    stage.profile_axes(velocity_range)
+    stage.colour_bar(quantity)
+    stage.profile_axes(quantity)
     stage.legend()
     stage.titles(title)
     return figure
@@ -48,7 +50,6 @@ class _Stage:
         self.overlay = figure.add_axes((0, 0, 1, 1), xlim=(0, layout.width), ylim=(layout.height, 0))
         self.overlay.set_axis_off()
         self.length_exponent = axis_exponent(max(layout.shown_length, channel.gap))
-        self.speed_exponent = axis_exponent(channel.reference_velocity)
 
     def channel_axes(self) -> None:
         """Axes of the channel: x below the lower wall, y at the left."""
@@ -68,38 +69,32 @@ class _Stage:
         self._label(axes, label, axis_label("y", unit, self.length_exponent))
 
     def walls(self) -> None:
-        """Bars above and below the channel: hatched at rest, dark with arrows when moving."""
-        channel, thickness = self.layout.channel, self.layout.wall_thickness
-        for velocity, top in (
-            (self.channel.top_velocity, channel.top - thickness),
-            (self.channel.bottom_velocity, channel.bottom),
-        ):
-            bar = Rect(channel.left, top, channel.width, thickness)
-            if velocity == 0.0:
-                self._bar(bar, facecolor=style.WALL_RESTING, edgecolor=style.MUTED, hatch="///", linewidth=0)
-            else:
+        """Bars above and below the channel: hatched at rest, dark where they move."""
+        for bar, motion in ((self.layout.top_wall, self.channel.top), (self.layout.bottom_wall, self.channel.bottom)):
+            if motion.cosine or motion.sine:
                 self._bar(bar, facecolor=style.WALL_MOVING, linewidth=0)
-                self._wall_velocity(bar, velocity)
+            else:
+                self._bar(bar, facecolor=style.WALL_RESTING, edgecolor=style.MUTED, hatch="///", linewidth=0)
 
-    def colour_bar(self) -> None:
-        """Horizontal bar from 0 to the reference velocity, with its unit."""
-        fastest = self.channel.reference_velocity
-        axes = self._axes(self.layout.colour_bar, (0.0, fastest), (0.0, 1.0))
-        colours = style.colours(256)[None, :, :]
-        axes.imshow(colours, extent=(0.0, fastest, 0.0, 1.0), aspect="auto", interpolation="nearest")
-        self._ticks(axes, self.layout.colour_bar, self.speed_exponent, None)
-        self._label(axes, axis_label("speed", velocity_unit(self.channel.units), self.speed_exponent), None)
+    def colour_bar(self, quantity: Quantity) -> None:
+        """Horizontal bar over the range of colours, with its unit."""
+        exponent = axis_exponent(quantity.colour_range[1])
+        axes = self._axes(self.layout.colour_bar, quantity.colour_range, (0.0, 1.0))
+        colours = style.colours(256, colour_map=quantity.colour_map)[None, :, :]
+        axes.imshow(colours, extent=(*quantity.colour_range, 0.0, 1.0), aspect="auto", interpolation="nearest")
+        self._ticks(axes, self.layout.colour_bar, exponent, None)
+        self._label(axes, axis_label(quantity.colour_name, quantity.unit, exponent), None)
 
-    def profile_axes(self, velocity_range: tuple[float, float]) -> None:
-        """Axes of the live profile: velocity along, height across, as in the channel beside it."""
-        axes = self._axes(self.layout.profile, velocity_range, (0.0, self.channel.gap))
+    def profile_axes(self, quantity: Quantity) -> None:
+        """Axes of the live profile: the quantity along, height across, as in the channel beside it."""
+        exponent = axis_exponent(quantity.colour_range[1])
+        axes = self._axes(self.layout.profile, quantity.profile_range, (0.0, self.channel.gap))
         axes.grid(True, linewidth=self.layout.pixels(1))
-        self._ticks(axes, self.layout.profile, self.speed_exponent, self.length_exponent)
-        units = self.channel.units
+        self._ticks(axes, self.layout.profile, exponent, self.length_exponent)
         self._label(
             axes,
-            axis_label("u", velocity_unit(units), self.speed_exponent),
-            axis_label("y", units.length, self.length_exponent),
+            axis_label(quantity.profile_name, quantity.unit, exponent),
+            axis_label("y", self.channel.units.length, self.length_exponent),
         )
 
     def legend(self) -> None:
@@ -114,14 +109,23 @@ class _Stage:
 
     def titles(self, title: str) -> None:
         """Name of the run at the left, what it is at the right."""
-        px, layout, channel = self.layout.pixels, self.layout, self.channel
-        facts = f"Re = {number(channel.reynolds)}     {channel.columns} {TIMES} {channel.rows} particles"
+        px, layout = self.layout.pixels, self.layout
+        facts = "     ".join(self._facts())
         right = self._text(layout.width - px(26), px(36), facts, size=14, ha="right", color=style.MUTED)
         name = self._text(px(24), px(36), title, size=20, weight="bold")
         limit = right.get_window_extent().x0 - px(30)
         while self._right_end(name) > limit and len(title) > 1:
             title = title[:-1]
             name.set_text(title + "…")
+
+    def _facts(self) -> list[str]:
+        channel = self.channel
+        facts = [f"Re = {number(channel.reynolds)}", f"{channel.columns} {TIMES} {channel.rows} particles"]
+        if channel.polymer:
+            facts.insert(1, f"Wi = {number(channel.weissenberg)}")
+        if loses_its_scale(channel):  # then errors are given as multiples of it
+            facts.insert(0, f"U = {number(channel.reference_velocity)} {velocity_unit(channel.units)}")
+        return facts
 
     def _axes(self, rect: Rect, x_range: tuple[float, float], y_range: tuple[float, float]) -> Axes:
         width, height = self.layout.width, self.layout.height
@@ -146,8 +150,12 @@ class _Stage:
             axis.set_major_formatter(FuncFormatter(lambda value, _, e=exponent: tick_text(value, e)))
 
     def _label(self, axes: Axes, x_text: str, y_text: str | None) -> None:
+        """Name the axes; a name along x that is longer than its axis and two margins is written smaller."""
         size, pad = self.layout.pixels(14), self.layout.pixels(4)
-        axes.set_xlabel(x_text, fontsize=size, labelpad=pad, parse_math=False)
+        label = axes.set_xlabel(x_text, fontsize=size, labelpad=pad, parse_math=False)
+        room = axes.get_window_extent().width + self.layout.pixels(40)
+        while label.get_window_extent().width > room:
+            label.set_fontsize(0.95 * label.get_fontsize())
         if y_text is not None:
             axes.set_ylabel(y_text, fontsize=size, labelpad=pad, parse_math=False)
 
@@ -159,33 +167,3 @@ class _Stage:
 
     def _bar(self, bar: Rect, **settings) -> None:
         self.overlay.add_patch(Rectangle((bar.left, bar.top), bar.width, bar.height, **settings))
-
-    def _wall_velocity(self, bar: Rect, velocity: float) -> None:
-        """Write the velocity in the middle of a wall, with arrows at both sides; beside it if it is short."""
-        px = self.layout.pixels
-        middle, row = bar.left + bar.width / 2, bar.top + bar.height / 2
-        words = f"{number(velocity)} {velocity_unit(self.channel.units)}"
-        text = self._text(middle, row, words, size=14, color="white", ha="center", va="center_baseline")
-        half_text = text.get_window_extent().width / 2 + px(14)
-        arrow, pitch = px(34), px(120)
-        room = bar.width / 2 - half_text - px(8)
-        if room < arrow:
-            text.set(x=bar.right + px(8), ha="left", color=style.TEXT)
-            space = 0.62 * self.layout.width - bar.right - px(16)
-            text.set_fontsize(text.get_fontsize() * min(1.0, space / text.get_window_extent().width))
-            self._arrow(middle, row, velocity, arrow)
-            return
-        for number_out in range(1 + int((room - arrow) // pitch)):
-            offset = half_text + arrow / 2 + number_out * pitch
-            self._arrow(middle + offset, row, velocity, arrow)
-            self._arrow(middle - offset, row, velocity, arrow)
-
-    def _arrow(self, middle: float, row: float, velocity: float, length: int) -> None:
-        px, along = self.layout.pixels, float(np.copysign(length, velocity))
-        head = px(11)
-        self.overlay.add_patch(
-            FancyArrow(
-                middle - along / 2, row, along, 0.0, width=px(3), head_width=head, head_length=head,
-                length_includes_head=True, color="white", linewidth=0,
-            )
-        )  # fmt: skip

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from PIL import ImageFont
 
 COLOUR_MAP = "viridis"  # perceptually uniform, readable in grey and by colour-blind eyes
+DIVERGING_MAP = "coolwarm"  # blue to red through grey, readable by colour-blind eyes; its middle shows on white
 TEXT = "#22262e"
 MUTED = "#6b7280"
 GRID = "#e3e6ea"
@@ -41,9 +42,12 @@ def plot_style() -> AbstractContextManager:
     return matplotlib.style.context(["default", _SETTINGS])
 
 
-def plot_figure() -> Figure:
-    """Return an empty figure for a plot, 1320 x 720 pixels, with room for labels and outside legends."""
-    figure = Figure((11.0, 6.0), dpi=120, layout="constrained")
+def plot_figure(rows: int = 1) -> Figure:
+    """Return an empty figure for a plot, 1320 pixels wide, with room for labels and outside legends.
+
+    It is 720 pixels high for one row of axes, and 540 more for each further one.
+    """
+    figure = Figure((11.0, 1.5 + 4.5 * rows), dpi=120, layout="constrained")
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.12)
     FigureCanvasAgg(figure)
     return figure
@@ -54,12 +58,12 @@ def rgb(colour: str) -> np.ndarray:
     return np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)], dtype=np.float32)
 
 
-def colours(count: int, brightest: float = 1.0) -> np.ndarray:
-    """Return ``count`` RGB colours along the colour map, shape (count, 3), from 0 to 1.
+def colours(count: int, brightest: float = 1.0, colour_map: str = COLOUR_MAP) -> np.ndarray:
+    """Return ``count`` RGB colours along a colour map of matplotlib, shape (count, 3), from 0 to 1.
 
     ``brightest`` below 1 leaves out the pale end, which a thin line on white would lose.
     """
-    return matplotlib.colormaps[COLOUR_MAP](np.linspace(0.0, brightest, count))[:, :3]
+    return matplotlib.colormaps[colour_map](np.linspace(0.0, brightest, count))[:, :3]
 
 
 def evenly_chosen(count: int, most: int) -> np.ndarray:

@@ -1,7 +1,8 @@
-"""Plane channel 0 <= y <= gap, periodic in x over length: plane Couette flow between walls that move along x.
+"""Plane channel 0 <= y <= gap, periodic in x: flow driven by its walls (steady or oscillating) and an acceleration.
 
-The walls are the planes y = 0 and y = gap; fluid particles start at cell centres, (i + 1/2) spacing. The
-run's clock starts at ``start_time``: at the initial time of the config for the state ``exact``, else at 0.
+The walls are the planes y = 0 and y = gap; fluid particles start at cell centres, (i + 1/2) spacing. Motion
+starts, or changes, at t = 0. The run's clock starts at ``start_time``: at the initial time of the config for the
+state ``exact``, else at 0.
 """
 
 from dataclasses import dataclass
@@ -9,25 +10,29 @@ from typing import Any
 
 import numpy as np
 
-from tisph.exact import couette
+from tisph.scenes._flow import NewtonianFlow, OldroydFlow
+from tisph.scenes._motion import Polymer, WallMotion
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Channel:
-    """Geometry, wall motion, liquid and exact solution; every number in the config's units.
+    """Geometry, wall motion, drive, liquid and exact solution; every number in the config's units.
 
-    ``initial_state`` is ``rest`` (the liquid starts from rest at t = 0), ``developed`` (it has the steady
-    linear profile) or ``exact`` (start-up from rest at t = 0, taken up at ``start_time``). ``rows`` and
-    ``columns`` count the fluid particles across and along the channel, ``units`` holds the labels for plots
-    and tables.
+    ``kinematic_viscosity`` is the total one, of solvent and ``polymer`` (None without); ``acceleration`` acts
+    on the liquid along x. ``initial_state`` is ``rest`` (the liquid starts from rest at t = 0), ``developed`` (the
+    flow has developed before t = 0, under the walls' velocities before) or ``exact`` (the flow that started at
+    t = 0, taken up at ``start_time``). ``rows`` and ``columns`` count the fluid particles across and along the
+    channel, ``units`` holds the labels for plots and tables.
     """
 
     gap: float
     length: float
     density: float
     kinematic_viscosity: float
-    bottom_velocity: float
-    top_velocity: float
+    bottom: WallMotion
+    top: WallMotion
+    acceleration: float = 0.0
+    polymer: Polymer | None = None
     initial_state: str
     start_time: float
     spacing: float
@@ -38,16 +43,18 @@ class Channel:
     @classmethod
     def from_config(cls, config):
         """The scene that a validated config describes."""
-        exact_start = config.initial.state == "exact"
+        rheology = config.fluid.rheology
         return cls(
             gap=config.geometry.gap,
             length=config.geometry.length,
             density=config.fluid.density,
             kinematic_viscosity=config.kinematic_viscosity,
-            bottom_velocity=config.walls.bottom.velocity,
-            top_velocity=config.walls.top.velocity,
+            bottom=WallMotion.from_config(config.walls.bottom),
+            top=WallMotion.from_config(config.walls.top),
+            acceleration=config.drive.acceleration,
+            polymer=Polymer(rheology.relaxation_time, rheology.solvent_fraction) if rheology.carries_stress else None,
             initial_state=config.initial.state,
-            start_time=config.initial.time if exact_start else 0.0,
+            start_time=config.start_time,
             spacing=config.spacing,
             columns=config.columns,
             rows=config.particles_across,
@@ -56,13 +63,28 @@ class Channel:
 
     @property
     def reference_velocity(self):
-        """The larger of the two wall speeds."""
-        return max(abs(self.bottom_velocity), abs(self.top_velocity))
+        """The largest of the wall speeds and of |acceleration| gap^2 / (12 nu), the mean speed of the driven flow."""
+        return max(self._wall_speed, abs(self.acceleration) * self.gap**2 / (12 * self.kinematic_viscosity))
+
+    @property
+    def peak_velocity(self):
+        """Bound of the developed flow's speed: the largest wall speed + |acceleration| gap^2 / (8 nu)."""
+        return self._wall_speed + abs(self.acceleration) * self.gap**2 / (8 * self.kinematic_viscosity)
 
     @property
     def reynolds(self):
         """Reynolds number, reference velocity * gap / kinematic viscosity."""
         return self.reference_velocity * self.gap / self.kinematic_viscosity
+
+    @property
+    def weissenberg(self):
+        """Weissenberg number, relaxation time * reference velocity / gap; 0 without polymer."""
+        return self.polymer.relaxation_time * self.reference_velocity / self.gap if self.polymer else 0.0
+
+    @property
+    def elasticity(self):
+        """Elasticity number, relaxation time * kinematic viscosity / gap^2; 0 without polymer."""
+        return self.polymer.relaxation_time / self.viscous_time if self.polymer else 0.0
 
     @property
     def viscous_time(self):
@@ -71,30 +93,68 @@ class Channel:
 
     @property
     def dynamic_viscosity(self):
-        """Density * kinematic viscosity."""
+        """Density * kinematic viscosity, in total."""
         return self.density * self.kinematic_viscosity
+
+    @property
+    def solvent_viscosity(self):
+        """Kinematic viscosity of the solvent alone."""
+        return self.kinematic_viscosity * (self.polymer.solvent_fraction if self.polymer else 1.0)
+
+    @property
+    def polymer_viscosity(self):
+        """Kinematic viscosity that the polymer adds; 0 without polymer."""
+        return self.kinematic_viscosity * (1.0 - self.polymer.solvent_fraction) if self.polymer else 0.0
+
+    @property
+    def elastic_speed(self):
+        """Speed sqrt(polymer viscosity / relaxation time) of shear waves in the polymer; 0 without polymer."""
+        return float(np.sqrt(self.polymer_viscosity / self.polymer.relaxation_time)) if self.polymer else 0.0
+
+    @property
+    def settled(self):
+        """Whether the flow before t = 0 is a developed one, not rest."""
+        given = self.bottom.before is not None or self.top.before is not None
+        return self.initial_state == "developed" or (self.initial_state == "exact" and given)
+
+    @property
+    def wall_jumps(self):
+        """By how much the velocities of the (bottom, top) wall jump when the run starts, from those of the liquid."""
+        if self.start_time > 0:
+            return 0.0, 0.0
+        return tuple(wall.velocity(0.0) - self._velocity_before(wall) for wall in (self.bottom, self.top))
+
+    def _velocity_before(self, wall):
+        if wall.before is not None:
+            return wall.before
+        return wall.velocity(0.0) if self.settled else 0.0
 
     def exact_velocity(self, y, t):
         """Exact velocity along x at heights ``y`` and times ``t`` (they broadcast), on the run's clock."""
-        if self.initial_state == "developed":
-            linear = self.bottom_velocity + self._developed_shear_rate * np.asarray(y, dtype=float)
-            return (linear + np.zeros_like(t, dtype=float))[()]
-        return couette.velocity(y, t, **self._start_up)
+        return self._flow.velocity(y, t)
 
     def exact_wall_shear(self, t):
-        """Exact shear stress, dynamic viscosity * du/dy, at (bottom, top) wall at time(s) ``t``.
+        """Exact shear stress, of solvent and polymer together, at (bottom, top) wall at time(s) ``t``.
 
-        Infinite at t = 0 on a wall that moves in a liquid still at rest.
+        Infinite at t = 0 on a wall whose velocity jumps then.
         """
-        if self.initial_state == "developed":
-            rates = (np.full(np.shape(t), self._developed_shear_rate)[()],) * 2
-        else:
-            rates = (couette.shear_rate(wall, t, **self._start_up) for wall in (0.0, self.gap))
-        return tuple(self.dynamic_viscosity * rate for rate in rates)
+        return tuple(self._flow.shear_stress(wall, t) for wall in (0.0, self.gap))
+
+    def exact_polymer_stress(self, y, t):
+        """Exact polymer stresses (S_xx, S_xy) [mass/(length time^2)], shaped as ``exact_velocity``; S_yy is 0."""
+        return self._flow.polymer_stress(y, t)
+
+    def exact_polymer_shear_stress(self, y, t):
+        """Exact polymer stress S_xy alone, of a liquid with polymer: cheap enough for every frame of a movie."""
+        return self._flow.polymer_shear_stress(y, t)
 
     def initial_velocity(self, y):
         """Velocity along x at heights ``y`` when the run starts."""
         return self.exact_velocity(y, self.start_time)
+
+    def initial_polymer_stress(self, y):
+        """Polymer stresses (S_xx, S_xy) at heights ``y`` when the run starts."""
+        return self.exact_polymer_stress(y, self.start_time)
 
     def lattice(self):
         """Cell centres as arrays (x, y) of shape (rows * columns,), row by row from the bottom wall."""
@@ -122,17 +182,12 @@ class Channel:
         return np.full(count, float(position)), (np.arange(count) + 0.5) * self.gap / count
 
     @property
-    def _developed_shear_rate(self):
-        return (self.top_velocity - self.bottom_velocity) / self.gap
+    def _wall_speed(self):
+        return max(self.bottom.largest_speed, self.top.largest_speed)
 
     @property
-    def _start_up(self):
-        return {
-            "gap": self.gap,
-            "kinematic_viscosity": self.kinematic_viscosity,
-            "bottom": self.bottom_velocity,
-            "top": self.top_velocity,
-        }
+    def _flow(self):
+        return OldroydFlow(self) if self.polymer else NewtonianFlow(self)
 
 
 Scene = Channel

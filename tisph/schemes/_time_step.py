@@ -4,6 +4,7 @@ import math
 from typing import Literal
 
 AUTO_CFL = 0.25
+RELAXATION_NUMBER = 0.25
 VISCOUS_NUMBER = 0.125
 """Step over h^2/nu; J. P. Morris, P. J. Fox and Y. Zhu, J. Comput. Phys. 136 (1997) 214-226."""
 
@@ -25,15 +26,20 @@ def time_step_limits(
     reference_velocity: float,
     kinematic_viscosity: float,
     acceleration: float = 0.0,
+    elastic_speed: float = 0.0,
+    relaxation_time: float = math.inf,
 ) -> dict[str, float]:
     """Largest stable steps [time] by the name of what limits them; a run takes the smallest.
 
-    ``acoustic``: cfl h / (c + U), with cfl 0.25 for ``auto``. ``viscous``: 0.125 h^2 / nu. ``acceleration``:
-    0.25 sqrt(h / a), no limit without acceleration. All in the units of the config.
+    ``acoustic``: cfl h / (sqrt(c^2 + c_e^2) + U), with cfl 0.25 for ``auto`` and the ``elastic_speed`` c_e of
+    shear waves in the polymer. ``viscous``: 0.125 h^2 / nu, nu that of the solvent. ``acceleration``: 0.25
+    sqrt(h / a), no limit without acceleration. ``relaxation``: 0.25 ``relaxation_time``, so that an explicit step
+    follows the decay of the polymer stress; no limit without elastic speed. All in the units of the config.
     """
     number = AUTO_CFL if cfl == "auto" else cfl
     return {
-        "acoustic": number * smoothing_length / (sound_speed + reference_velocity),
+        "acoustic": number * smoothing_length / (math.hypot(sound_speed, elastic_speed) + reference_velocity),
         "viscous": VISCOUS_NUMBER * smoothing_length**2 / kinematic_viscosity,
         "acceleration": 0.25 * math.sqrt(smoothing_length / acceleration) if acceleration > 0 else math.inf,
+        "relaxation": RELAXATION_NUMBER * relaxation_time if elastic_speed > 0 else math.inf,
     }

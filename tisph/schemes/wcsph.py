@@ -3,7 +3,7 @@
 Second-order midpoint steps with one evaluation of the rates f each: from the state y^n a predictor with the
 previous rates, y^(n+1/2) = y^n + dt/2 f^(n-1/2) (positions with the new velocity), then
 y^(n+1) = y^n + dt f(y^(n+1/2)). One loop over the particles evaluates, corrects and predicts the next middle,
-reading one buffer and writing the other.
+reading one buffer and writing the other (``_stepper.py``).
 """
 
 import math
@@ -22,8 +22,10 @@ from tisph.liquid import Liquid
 from tisph.neighbours.cells import Cells
 from tisph.neighbours.verlet import VerletLists, reach
 from tisph.particles import Particles
-from tisph.runtime import scalar, ti
+from tisph.schemes._impulse import ImpulsiveStart
+from tisph.schemes._momentum import MomentumBalance, WallForces
 from tisph.schemes._plan import StepPlan
+from tisph.schemes._stepper import Stepper
 from tisph.schemes._time_step import effective_viscosity, time_step_limits
 from tisph.snapshot import Snapshot
 
@@ -42,6 +44,8 @@ HOST_STATE = (
     "limit",
     "shortest",
     "longest",
+    "wall_drift",
+    "built_wall_velocity",
 )
 """Attributes of a Scheme that change while it runs."""
 
@@ -59,7 +63,13 @@ class Parameters(Model):
     artificial_viscosity: float = Field(default=0.0, ge=0, le=10)
 
 
-@ti.data_oriented
+def problems(config):
+    """Yield dotted key and text of everything in a config that this scheme cannot serve."""
+    if config.fluid.rheology.carries_stress and config.scheme.operators != "consistent":
+        text = f"{config.fluid.rheology.type} needs the velocity gradient of the consistent operators"
+        yield "scheme.operators", f"{text}: give consistent, or fluid.rheology {{type: newtonian}}"
+
+
 class Scheme:
     """Particles in a channel, advanced step by step; ``time`` and ``steps`` tell how far.
 
@@ -70,15 +80,18 @@ class Scheme:
         kernel = families.load("kernels", config.discretisation.kernel)
         walls = families.load("walls", config.walls.treatment.type).Treatment
         operators = families.load("operators", config.scheme.operators).Operators
+        rheology = config.fluid.rheology
+        stress = families.load("rheology", rheology.type).Stress(channel) if rheology.carries_stress else None
         self.channel = channel
         self.serial = serial
         self.equation_of_state = config.scheme.equation_of_state
         self.sound_speed = sound_speed(
             self.equation_of_state,
-            reference_velocity=channel.reference_velocity,
+            reference_velocity=channel.peak_velocity,
             kinematic_viscosity=channel.kinematic_viscosity,
             gap=channel.gap,
             density=channel.density,
+            elastic_speed=channel.elastic_speed,
         )
         self.cfl = config.time.cfl
         self.artificial_viscosity = config.scheme.artificial_viscosity
@@ -87,27 +100,38 @@ class Scheme:
         radius = reach(cutoff, channel.spacing)
 
         self.domain = Domain(channel)
-        self.liquid = Liquid(channel, self.equation_of_state, self.sound_speed)
-        self.particles = Particles(channel.rows * channel.columns, *walls.wall_slots(channel, radius))
+        self.liquid = Liquid(channel, self.equation_of_state, self.sound_speed, stress)
+        slots = walls.wall_slots(channel, radius)
+        self.particles = Particles(channel.rows * channel.columns, *slots, rheology.carries_stress)
         self.cells = Cells(self.particles, self.domain, channel, radius)
-        self.lists = VerletLists(self.cells, cutoff, channel.spacing, serial)
-        self.walls = walls(self.particles, self.cells, self.lists, kernel)
+        self.lists = VerletLists(self.cells, cutoff, channel.spacing, serial, walls.looks_inside)
+        self.walls = walls(self.lists, kernel, self.liquid, config.walls.treatment)
         self.operators = operators(self.particles, self.lists, self.liquid, kernel, self.artificial_viscosity)
-        self.drift_squared = scalar(0.0)
-        self.speed_squared = scalar(0.0)
-        self.acceleration_squared = scalar(0.0)
+        self.stepper = Stepper(self.operators, self.walls, serial)
+        self.wall_forces = WallForces(self.lists, self.operators)
+        self.momentum = MomentumBalance(channel.start_time)
         self.plan = StepPlan(channel.start_time, targets)
         self.time = self.middle = self.end = self.built = channel.start_time
         self.steps = self.rebuilds = self.now = 0
         self.length, self.limit = 0.0, math.inf
         self.shortest, self.longest = math.inf, 0.0
+        self.wall_drift = [0.0, 0.0]
 
-    def start(self, position, velocity):
-        """Place the particles, (particles, 2) arrays, and evaluate their first rates."""
+    def start(self, position, velocity, stress=None):
+        """Place the particles, (particles, 2) arrays, and evaluate their first rates.
+
+        ``stress``: polymer stress xx, xy, yy, (particles, 3), where particles carry it.
+        """
         self.limit = self.time_step_limit()
-        self.particles.load(position, velocity, 1e3 * (self.channel.gap + self.channel.length))
+        scaled = stress / self.channel.density if self.particles.carries_stress else None
+        self.particles.load(position, velocity, scaled, 1e3 * (self.channel.gap + self.channel.length))
         self.walls.load(self.channel)
+        self.momentum.initial = float(velocity[:, 0].sum())
         self.rebuild()
+        if self.walls.obeys_momentum and any(self.channel.wall_jumps):
+            impulse = ImpulsiveStart(self.operators, self.domain)
+            self.momentum.impulse = impulse.apply(self.now, self.channel.wall_jumps)
+            self.walls.lay_out(self.now)
         self.proceed()
         self.limit = self.time_step_limit()
 
@@ -127,30 +151,47 @@ class Scheme:
 
     def proceed(self):
         """Evaluate the rates in the middle of the pending step, finish it, and predict the next middle."""
-        if self.lists.outdated(self.drift_squared[None], self.middle - self.built):
+        drift_squared = max(self.stepper.drift_squared[None], *(drift * drift for drift in self.wall_drift))
+        if self.lists.outdated(drift_squared, self.middle - self.built):
             self.rebuild()
+        if self.length > 0.0 and self.momentum.due(self.steps):
+            self.momentum.add(self.middle, self.wall_forces(self.now))
         length, time = self.length, self.end
         self.length = self.plan.next(self.limit)
         self.end = self.plan.time
         middle = time + 0.5 * self.length
-        self.step(self.now, length, self.length, middle - self.built, middle - self.middle)
+        self.domain.move_on(middle)
+        self.stepper.step(self.now, length, self.length, middle - self.built, middle - self.middle)
+        self.drift_walls(middle)
         self.now = 1 - self.now
         self.time, self.middle = time, middle
 
+    def drift_walls(self, middle):
+        """Add to how far dummy particles on oscillating walls are from where the lists expect them."""
+        if not (self.domain.oscillates and self.walls.gathers):
+            return
+        motions = zip(self.wall_drift, self.domain.motions, self.built_wall_velocity, strict=True)
+        elapsed = middle - self.middle
+        self.wall_drift = [drift + elapsed * (wall.velocity(middle) - built) for drift, wall, built in motions]
+
     def time_step_limit(self):
-        """Return the longest step that the present speeds and accelerations allow.
+        """Return the longest step that the present speeds, accelerations and stresses allow.
 
         Where they are not finite the step stays as it is: the guard, which looks as often, names the fault.
         """
+        channel, stepper = self.channel, self.stepper
+        tension = max(0.0, stepper.stress_trace[None]) if self.particles.carries_stress else 0.0
         limits = time_step_limits(
             self.cfl,
             smoothing_length=self.smoothing_length,
             sound_speed=self.sound_speed,
-            reference_velocity=max(self.channel.reference_velocity, math.sqrt(self.speed_squared[None])),
+            reference_velocity=max(channel.peak_velocity, math.sqrt(stepper.speed_squared[None])),
             kinematic_viscosity=effective_viscosity(
-                self.channel.kinematic_viscosity, self.artificial_viscosity, self.smoothing_length, self.sound_speed
+                channel.solvent_viscosity, self.artificial_viscosity, self.smoothing_length, self.sound_speed
             ),
-            acceleration=math.sqrt(self.acceleration_squared[None]),
+            acceleration=math.sqrt(stepper.acceleration_squared[None]),
+            elastic_speed=math.sqrt(channel.elastic_speed**2 + tension),
+            relaxation_time=channel.polymer.relaxation_time if channel.polymer else math.inf,
         )
         limit = min(limits.values())
         return limit if limit > 0.0 else self.limit
@@ -166,6 +207,8 @@ class Scheme:
         self.require_room("neighbours of a particle", self.lists.overflow())
         self.walls.refresh(self.now)
         self.built = self.middle
+        self.built_wall_velocity = [wall.velocity(self.middle) for wall in self.domain.motions]
+        self.wall_drift = [0.0, 0.0]
         self.rebuilds += 1
 
     def require_room(self, what, needed):
@@ -183,8 +226,12 @@ class Scheme:
 
     def snapshot(self):
         """Return the state at ``time`` as a Snapshot."""
-        position, velocity, compression = self.particles.state(self.now)
+        position, velocity, compression, stress = self.particles.state(self.now)
         compression = compression.astype(float)
+        stresses = {}
+        if stress is not None:
+            parts = zip(("stress_xx", "stress_xy", "stress_yy"), stress.T, strict=True)
+            stresses = {name: self.channel.density * values.astype(float) for name, values in parts}
         return Snapshot(
             t=self.time,
             step=self.steps,
@@ -199,67 +246,38 @@ class Scheme:
                 density=self.channel.density,
                 sound_speed=self.sound_speed,
             ),
+            **stresses,
         )
+
+    def momentum_balance(self):
+        """Return the balance of momentum along x up to ``time``, see ``MomentumBalance.report``."""
+        velocity = self.particles.velocity.to_numpy()[self.now, :, 0].astype(float)
+        return self.momentum.report(self.channel, self.time, float(velocity.sum()))
 
     def parts(self):
         """Return everything that holds fields, by name: what a checkpoint saves."""
         return {
-            "scheme": self,
+            "stepper": self.stepper,
+            "domain": self.domain,
             "particles": self.particles,
             "cells": self.cells,
             "lists": self.lists,
             "walls": self.walls,
+            **self.walls.parts(),
         }
 
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
-        return {**{name: getattr(self, name) for name in HOST_STATE}, "plan": vars(self.plan)}
+        state = {name: getattr(self, name) for name in HOST_STATE}
+        return {**state, "plan": vars(self.plan), "momentum": vars(self.momentum)}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
         for name in HOST_STATE:
             setattr(self, name, state[name])
         vars(self.plan).update(state["plan"])
+        vars(self.momentum).update(state["momentum"])
 
     def wall_particles(self):
         """Return the number of wall particles, images or dummies, at present."""
         return self.particles.mobile - self.particles.fluid + self.walls.present_images()
-
-    @ti.kernel
-    def step(self, now: ti.i32, length: float, next_length: float, elapsed: float, between: float):
-        """Finish the pending step of ``length`` and predict the middle of the one after it.
-
-        ``elapsed``: time from the build of the lists to the new middle; ``between``: from middle to middle.
-        """
-        self.drift_squared[None] = 0.0
-        self.speed_squared[None] = 0.0
-        self.acceleration_squared[None] = 0.0
-        ti.loop_config(serialize=self.serial)
-        for i in range(self.particles.fluid):
-            rates = self.operators.rates(now, i)
-            middle_velocity = self.particles.mid_velocity[now, i]
-            position = self.particles.position[now, i] + length * (middle_velocity + rates.transport)
-            velocity = self.particles.velocity[now, i] + length * rates.acceleration
-            compression = self.particles.compression[now, i] + length * rates.compression
-            self.particles.position[1 - now, i] = position
-            self.particles.velocity[1 - now, i] = velocity
-            self.particles.compression[1 - now, i] = compression
-            self.particles.identity[1 - now, i] = self.particles.identity[now, i]
-
-            half = 0.5 * next_length
-            position += half * (velocity + rates.transport)
-            compression += half * rates.compression
-            self.particles.mid_compression[1 - now, i] = compression
-            self.walls.publish(
-                1 - now, i, position, velocity + half * rates.acceleration, self.liquid.pressure(compression)
-            )
-            drift = position - self.lists.built_position[i]
-            drift.x -= self.lists.reference_velocity[i] * elapsed
-            ti.atomic_max(self.drift_squared[None], drift.dot(drift))
-            ti.atomic_max(self.speed_squared[None], velocity.dot(velocity))
-            ti.atomic_max(self.acceleration_squared[None], rates.acceleration.dot(rates.acceleration))
-        if ti.static(self.walls.gathers):
-            ti.loop_config(serialize=self.serial)
-            for k in range(self.particles.fluid, self.particles.mobile):
-                self.walls.advance(now, k, between)
-                self.walls.extrapolate(1 - now, k)

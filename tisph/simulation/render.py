@@ -22,7 +22,7 @@ def render(run_dir):
     try:
         drawn = pictures(folder, settings, channel)
         if settings.output.video and folder.frames.exists():
-            with Movie(folder.movie, channel, settings.output.video, settings.name) as movie:
+            with Movie(folder.movie, channel, settings.output.video, settings.name, settings.time.end) as movie:
                 for snapshot in read_frames(folder.frames):
                     movie.add(snapshot)
             drawn.append(folder.movie)

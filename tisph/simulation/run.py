@@ -99,9 +99,7 @@ class Run:
     def _step_on(self, resume):
         if not resume:
             with self._timed("compile"):
-                x, y = self.channel.jittered(self.config.initial.seed, self.config.initial.jitter)
-                u = self.channel.initial_velocity(y)
-                self.scheme.start(np.stack([x, y], 1), np.stack([u, np.zeros_like(u)], 1))
+                self.scheme.start(*start_values(self.channel, self.config.initial))
         with RunProgress(
             self.scheme.time, self.config.time.end, self.scheme.particles.fluid, self.channel.units.time
         ) as progress:
@@ -126,7 +124,7 @@ class Run:
         self.observers = [self.samples, self.history]
         settings = self.config.output.video
         if video and settings:
-            movie = Movie(self.folder.movie, self.channel, settings, self.config.name)
+            movie = Movie(self.folder.movie, self.channel, settings, self.config.name, end)
             times = frame_times(self.channel, end, settings.frames)
             kept = resumed_at if self.folder.frames.exists() else None
             self.observers.append(Frames(self.folder.frames, movie, times, kept))
@@ -205,6 +203,17 @@ def threads(config, channel):
         return config.runtime.threads
     useful = math.ceil(channel.rows * channel.columns / PARTICLES_PER_THREAD)
     return min(runtime.available_threads(), useful)
+
+
+def start_values(channel, initial):
+    """Return positions and velocities (particles, 2) and polymer stresses (particles, 3) or None at the start."""
+    x, y = channel.jittered(initial.seed, initial.jitter)
+    u = channel.initial_velocity(y)
+    stress = None
+    if channel.polymer:
+        xx, xy = channel.initial_polymer_stress(y)
+        stress = np.stack([xx, xy, np.zeros_like(xx)], 1)
+    return np.stack([x, y], 1), np.stack([u, np.zeros_like(u)], 1), stress
 
 
 @contextmanager

@@ -1,5 +1,6 @@
 """``summary.json`` and the last good state of a run."""
 
+import math
 import time
 
 import h5py
@@ -21,6 +22,7 @@ def summarise(job):
             sample_metrics(job.channel, snapshot, job.history.tracers(snapshot)) for snapshot in job.samples.snapshots
         ],
         "numbers": _numbers(job),
+        "momentum": _momentum(job),
         "cost": cost(job),
         "provenance": provenance(job.config, job.threads),
     }
@@ -30,7 +32,7 @@ def _numbers(job):
     channel, scheme = job.channel, job.scheme
     return {
         "reynolds": channel.reynolds,
-        "mach": channel.reference_velocity / scheme.sound_speed,
+        "mach": channel.peak_velocity / scheme.sound_speed,
         "sound_speed": scheme.sound_speed,
         "spacing": channel.spacing,
         "particles_fluid": scheme.particles.fluid,
@@ -39,6 +41,12 @@ def _numbers(job):
         "dt_min": scheme.shortest if scheme.steps else None,
         "dt_max": scheme.longest if scheme.steps else None,
     }
+
+
+def _momentum(job):
+    """The balance of momentum along x [mass * velocity per length out of the plane]; None for what is no number."""
+    balance = job.scheme.momentum_balance()
+    return {key: value if value is not None and math.isfinite(value) else None for key, value in balance.items()}
 
 
 def cost(job):
@@ -60,4 +68,5 @@ def write_last_good(folder, channel, config, snapshot):
     with h5py.File(folder.last_good, "w") as file:
         write_snapshot(file, snapshot)
     video = config.output.video or type(config.output).model_fields["video"].default
-    Movie(folder.movie, channel, video, config.name).save_frame(folder.last_good_picture, snapshot)
+    movie = Movie(folder.movie, channel, video, config.name, config.time.end)
+    movie.save_frame(folder.last_good_picture, snapshot)

@@ -3,19 +3,16 @@
 Each case is a fresh process, one at a time, so that no run can touch another and each costs what a user pays.
 """
 
-import json
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
 from rich.console import Console
-from ruamel.yaml import YAML
 
 from tisph.errors import ConfigError
+from tisph.study.processes import run_config
+from tisph.study.store import config_text
 from tisph.verification import page as page_case
 from tisph.verification import suite
-from tisph.verification.criteria import Result
 from tisph.verification.table import format_header, format_row
 
 HEADER = ("case", "quantity", "value", "bound", "verdict")
@@ -49,8 +46,7 @@ class Runner:
         """``Result`` of a case. Where the run stopped early, ``failures[name]`` has its message."""
         if name not in self._results:
             config_path = self._folder / f"{name}.yaml"
-            with config_path.open("w", encoding="utf-8") as file:
-                YAML(typ="safe", pure=True).dump({"name": name, **self._configs[name]}, file)
+            config_path.write_text(config_text(name, self._configs[name]), encoding="utf-8")
             self._results[name], message = run_config(config_path, self._folder / name)
             if message:
                 self.failures[name] = message
@@ -59,17 +55,6 @@ class Runner:
     def judge(self, criterion):
         """``Check`` of a criterion, after running what it needs."""
         return criterion.judge(*(self.result(name) for name in criterion.runs))
-
-
-def run_config(config_path, folder):
-    """Run one config in a process of its own: its ``Result``, and its error message, empty if it is done."""
-    command = [sys.executable, "-m", "tisph", "run", str(config_path), "--out", str(folder), "--no-video"]
-    process = subprocess.run(command, capture_output=True, text=True, check=False)
-    message = "" if process.returncode == 0 else process.stderr.strip() or f"exit status {process.returncode}"
-    summary_path = folder / "summary.json"
-    if not summary_path.is_file():
-        return Result(folder, {"status": "failed", "samples": []}), message
-    return Result(folder, json.loads(summary_path.read_text(encoding="utf-8"))), message
 
 
 def _verify_suite(runner, criteria):

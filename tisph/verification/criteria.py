@@ -1,5 +1,5 @@
-"""What runs are held to: a bound on an error, nearness to another run, an order of convergence, equal
-results.
+"""What runs are held to: a bound on an error, nearness to another run or a share of its error, an order of
+convergence, equal results, a momentum balance that closes.
 
 A criterion names the runs that it needs and judges their results as a ``Check``. A run that stopped early
 lacks samples: its checks fail, with the value NaN.
@@ -14,6 +14,7 @@ import h5py
 import numpy as np
 
 from tisph.verification.metrics import fit_line
+from tisph.verification.wall_shear import wall_shear_error
 
 
 @dataclass(frozen=True)
@@ -37,18 +38,26 @@ class Result:
     def measure(self, t_star, quantity):
         """Number ``quantity`` of the sample at dimensionless time ``t_star``; NaN where there is none.
 
-        ``transverse`` is ``max_transverse_velocity`` over the reference velocity.
+        ``transverse`` is ``max_transverse_velocity`` over the reference velocity, ``wall_shear`` the error of
+        ``wall_shear_error``.
         """
         for sample in self.summary.get("samples", []):
             if math.isclose(sample["t_star"], t_star, rel_tol=1e-9):
                 if quantity == "transverse":
                     return sample["max_transverse_velocity"] / self.reference_velocity
-                return math.nan if sample[quantity] is None else sample[quantity]
+                value = wall_shear_error(sample) if quantity == "wall_shear" else sample[quantity]
+                return math.nan if value is None else value
         return math.nan
 
     @property
+    def closure(self):
+        """What the momentum balance of the run leaves open, as a fraction; NaN where there is no balance."""
+        closure = self.summary.get("momentum", {}).get("closure")
+        return math.nan if closure is None else closure
+
+    @property
     def reference_velocity(self):
-        """Largest wall speed of the run."""
+        """Velocity by which the run's errors are divided."""
         numbers = self.summary["numbers"]
         return numbers["mach"] * numbers["sound_speed"]
 
@@ -90,50 +99,76 @@ def at_most(case, t_star, quantity, bound):
     )
 
 
-def near(case, reference, t_star, tolerance):
-    """The l2 error is that of the run ``reference`` at the same t*, within a relative ``tolerance``."""
+def closes(case, bound):
+    """The momentum balance of the whole run closes within the fraction ``bound``."""
     return Criterion(
         case,
-        f"l2 off {reference} at t* = {t_star:g}",
+        "momentum closure",
+        f"<= {bound:g}",
+        runs=(case,),
+        value=lambda result: result.closure,
+        accepts=lambda value: value <= bound,
+    )
+
+
+def near(case, reference, t_star, tolerance, quantity="l2"):
+    """The error is that of the run ``reference`` at the same t*, within a relative ``tolerance``."""
+    return Criterion(
+        case,
+        f"{quantity} off {reference} at t* = {t_star:g}",
         f"<= {tolerance:g}",
         runs=(case, reference),
-        value=lambda ours, other: abs(ours.measure(t_star, "l2") / other.measure(t_star, "l2") - 1),
+        value=lambda ours, other: abs(ours.measure(t_star, quantity) / other.measure(t_star, quantity) - 1),
         accepts=lambda value: value <= tolerance,
     )
 
 
-def order(case, resolutions, t_star, bound):
-    """The l2 error falls with at least the power ``bound`` of the spacing: a fit over all resolutions.
+def share(case, reference, t_star, bound, quantity="l2"):
+    """The error over that of the run ``reference`` at the same t* is at most ``bound``."""
+    return Criterion(
+        case,
+        f"{quantity} over {reference}'s at t* = {t_star:g}",
+        f"<= {bound:g}",
+        runs=(case, reference),
+        value=lambda ours, other: ours.measure(t_star, quantity) / other.measure(t_star, quantity),
+        accepts=lambda value: value <= bound,
+    )
+
+
+def order(case, resolutions, t_star, bound, quantity="l2"):
+    """The error falls with at least the power ``bound`` of the spacing: a fit over all resolutions.
 
     ``resolutions`` maps run names to particles across the gap.
     """
-    logarithms = -np.log(list(resolutions.values()))
-
-    def fitted(*results):
-        return fit_line(logarithms, np.log([result.measure(t_star, "l2") for result in results]))[0]
-
     return Criterion(
         case,
-        f"order at t* = {t_star:g}",
+        f"{quantity} order at t* = {t_star:g}",
         f">= {bound:g}",
         runs=tuple(resolutions),
-        value=fitted,
+        value=lambda *results: fitted_order(
+            resolutions.values(), [result.measure(t_star, quantity) for result in results]
+        ),
         accepts=lambda value: value >= bound,
     )
+
+
+def fitted_order(resolutions, errors):
+    """Power of the spacing with which ``errors`` at ``resolutions`` (particles across) fall, by least squares."""
+    return float(fit_line(-np.log(list(resolutions)), np.log(errors))[0])
 
 
 def same_velocities(case, reference, bound):
     """Every particle has the velocity (u, v)/U of the run ``reference`` at every sample, within ``bound``."""
 
+    def velocities(result):
+        arrays = result.arrays().items()
+        return {key: array / result.reference_velocity for key, array in arrays if key.endswith(("/u", "/v"))}
+
     def largest_difference(ours, other):
-        arrays, others = ours.arrays(), other.arrays()
+        arrays, others = velocities(ours), velocities(other)
         if not arrays or arrays.keys() != others.keys():
             return math.nan
-        return max(
-            np.max(np.abs(arrays[key] / ours.reference_velocity - others[key] / other.reference_velocity))
-            for key in arrays
-            if key.endswith(("/u", "/v"))
-        )
+        return max(np.max(np.abs(arrays[key] - others[key])) for key in arrays)
 
     return Criterion(
         case,

@@ -20,18 +20,24 @@ def sample_metrics(channel, snapshot, tracers):
     floats, None where a number does not exist (a relative error of a liquid at rest, a wall shear that is
     infinite):
 
-    ``t``, ``t_star`` = nu t/gap^2; ``l2`` = sqrt(sum (u-u_exact)^2 / sum u_exact^2) and ``linf`` = max
-    |u-u_exact| / (largest wall speed) over the particles at their own positions; ``slope`` (1/time),
-    ``intercept`` (velocity) of the least-squares line u(y) through the tracers; ``centreline``: u at
-    mid-gap, averaged along the channel; ``wall_shear_bottom``, ``wall_shear_top``: shear stress mu du/dy;
-    each also ``_exact``, the lines being fitted to exact velocities at the same tracers;
-    ``density_variation`` = max |density/density_0 - 1|; ``max_transverse_velocity`` = max |v|.
+    ``t``, ``t_star`` = nu t/gap^2 with the total viscosity; over the particles at their own positions ``l2`` =
+    sqrt(sum (u-u_exact)^2 / sum u_exact^2), ``rms`` = sqrt(mean (u-u_exact)^2) / U and ``linf`` = max |u-u_exact| /
+    U, U the channel's reference velocity (``l2`` says little where u crosses zero, ``rms`` always does); with
+    polymer ``shear_stress_l2`` = sqrt(sum (S-S_exact)^2 / sum S_exact^2) of S = S_xy, and ``normal_stress_l2``,
+    that of the first normal stress difference S_xx - S_yy;
+    ``slope`` (1/time), ``intercept`` (velocity) of the least-squares line u(y) through the tracers; ``centreline``: u
+    at mid-gap, averaged along the channel; ``wall_shear_bottom``, ``wall_shear_top``: total shear stress on the
+    liquid's side of the walls, see ``wall_shear.py``; each also ``_exact``, the lines being fitted to exact
+    velocities at the same tracers; ``density_variation`` = max |density/density_0 - 1|;
+    ``max_transverse_velocity`` = max |v|.
     """
     measures = {
         "t": snapshot.t,
         "t_star": snapshot.t / channel.viscous_time,
         "l2": relative_error(channel, snapshot),
+        "rms": rms_error(channel, snapshot),
         "linf": _largest_error(channel, snapshot),
+        **_stress_errors(channel, snapshot),
         **_line_fits(channel, snapshot.t, *tracers),
         **_centreline(channel, snapshot),
         **_wall_shears(channel, snapshot),
@@ -47,9 +53,28 @@ def _number(value):
 
 def relative_error(channel, snapshot):
     """L2 error sqrt(sum (u - u_exact)^2 / sum u_exact^2) over the particles; None if all should be at rest."""
-    exact = channel.exact_velocity(snapshot.y, snapshot.t)
+    return _relative_difference(snapshot.u, channel.exact_velocity(snapshot.y, snapshot.t))
+
+
+def rms_error(channel, snapshot):
+    """Root mean square error sqrt(mean (u - u_exact)^2) over the particles, over the reference velocity."""
+    error = snapshot.u - channel.exact_velocity(snapshot.y, snapshot.t)
+    return float(np.sqrt(np.mean(error**2))) / channel.reference_velocity
+
+
+def _relative_difference(values, exact):
     norm = float(np.linalg.norm(exact))
-    return float(np.linalg.norm(snapshot.u - exact)) / norm if norm > 0 else None
+    return float(np.linalg.norm(values - exact)) / norm if norm > 0 else None
+
+
+def _stress_errors(channel, snapshot):
+    if channel.polymer is None:
+        return {}
+    normal, shear = channel.exact_polymer_stress(snapshot.y, snapshot.t)
+    return {
+        "shear_stress_l2": _relative_difference(snapshot.stress_xy, shear),
+        "normal_stress_l2": _relative_difference(snapshot.stress_xx - snapshot.stress_yy, normal),
+    }
 
 
 def _largest_error(channel, snapshot):

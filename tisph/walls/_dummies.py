@@ -14,10 +14,6 @@ class DummyWalls(WallTreatment):
 
     gathers = True
 
-    def __init__(self, particles, cells, lists, kernel):
-        super().__init__(particles, cells, lists, kernel)
-        self.value = ti.func(kernel.value)
-
     @staticmethod
     def wall_slots(channel, reach):
         """Return (dummy particles, room for images): layers as deep as the kernel reaches, on both walls."""
@@ -41,6 +37,8 @@ class DummyWalls(WallTreatment):
             self.particles.mid_position[0, k] = place
             self.particles.mid_velocity[0, k] = ti.Vector([self.wall_velocity(place.y), 0.0])
             self.particles.mid_pressure[0, k] = 0.0
+            if ti.static(self.particles.carries_stress):
+                self.particles.mid_stress[0, k] = ti.Vector([0.0, 0.0, 0.0])
 
     @ti.kernel
     def refresh(self, now: ti.i32):
@@ -50,9 +48,9 @@ class DummyWalls(WallTreatment):
             self.extrapolate(now, k)
 
     @ti.func
-    def publish(self, buffer, i, position, velocity, pressure):
+    def publish(self, buffer, i, position, velocity, pressure, stress):
         """Write the mid-step values of fluid particle ``i``."""
-        self.write(buffer, i, position, velocity, pressure)
+        self.write(buffer, i, position, velocity, pressure, stress)
 
     @ti.func
     def advance(self, now, k, elapsed):
@@ -60,6 +58,25 @@ class DummyWalls(WallTreatment):
         position = self.particles.mid_position[now, k]
         position.x += self.wall_velocity(position.y) * elapsed
         self.particles.mid_position[1 - now, k] = position
+
+    @ti.func
+    def give(self, buffer, k, velocity, pressure, stress):
+        """Set what dummy particle ``k`` carries."""
+        self.write(buffer, k, self.particles.mid_position[buffer, k], velocity, pressure, stress)
+
+    @ti.func
+    def give_wall_values(self, buffer, k):
+        """Let dummy particle ``k``, which has no fluid in reach, move with its wall."""
+        velocity = ti.Vector([self.wall_velocity(self.particles.mid_position[buffer, k].y), 0.0])
+        if ti.static(self.particles.carries_stress):
+            self.give(buffer, k, velocity, 0.0, ti.Vector([0.0, 0.0, 0.0]))
+        else:
+            self.give(buffer, k, velocity, 0.0, 0.0)
+
+    @ti.func
+    def depth(self, y):
+        """Return the distance of a dummy particle at height ``y`` from its wall."""
+        return ti.select(y < 0.0, -y, y - self.domain.gap[None])
 
     @ti.func
     def wall_velocity(self, y):

@@ -16,10 +16,10 @@ ROOM = 1.5
 
 @ti.data_oriented
 class ImageWalls(WallTreatment):
-    """Mirror geometry shared by image treatments; ``image_velocity`` and the rest come from the treatment."""
+    """Mirror geometry; what the images carry can be replaced by the treatment."""
 
-    def __init__(self, particles, cells, lists, kernel):
-        super().__init__(particles, cells, lists, kernel)
+    def __init__(self, lists, kernel, liquid, parameters):
+        super().__init__(lists, kernel, liquid, parameters)
         self.images = ti.field(ti.i32, shape=2)
         self.first_top = ti.field(ti.i32, shape=())
 
@@ -38,9 +38,13 @@ class ImageWalls(WallTreatment):
         needed = self.present_images()
         return needed if needed > self.particles.slots - self.particles.mobile else 0
 
+    def lay_out(self, now):
+        """Lay out the images after a sort, before the lists are built."""
+        self.lay_out_images(now)
+
     @ti.kernel
-    def lay_out(self, now: ti.i32):
-        """Lay out the images after a sort: their cells, then their mid-step values."""
+    def lay_out_images(self, now: ti.i32):
+        """Find the cells of the images, then their mid-step values."""
         rows = ti.static(self.cells.rows)
         last = ti.static(self.cells.columns)
         ti.loop_config(serialize=True)
@@ -57,30 +61,46 @@ class ImageWalls(WallTreatment):
                 )
         ti.loop_config(serialize=True)
         for i in range(self.particles.fluid):
-            self.publish_images(
-                now,
-                i,
-                self.particles.mid_position[now, i],
-                self.particles.mid_velocity[now, i],
-                self.particles.mid_pressure[now, i],
-            )
+            position = self.particles.mid_position[now, i]
+            velocity = self.particles.mid_velocity[now, i]
+            pressure = self.particles.mid_pressure[now, i]
+            if ti.static(self.particles.carries_stress):
+                self.publish_images(now, i, position, velocity, pressure, self.particles.mid_stress[now, i])
+            else:
+                self.publish_images(now, i, position, velocity, pressure, 0.0)
 
     @ti.func
-    def publish(self, buffer, i, position, velocity, pressure):
+    def publish(self, buffer, i, position, velocity, pressure, stress):
         """Write the mid-step values of fluid particle ``i`` and of its images."""
-        self.write(buffer, i, position, velocity, pressure)
-        self.publish_images(buffer, i, position, velocity, pressure)
+        self.write(buffer, i, position, velocity, pressure, stress)
+        self.publish_images(buffer, i, position, velocity, pressure, stress)
 
     @ti.func
-    def publish_images(self, buffer, i, position, velocity, pressure):
+    def publish_images(self, buffer, i, position, velocity, pressure, stress):
         """Write the mid-step values of the images of fluid particle ``i``, if it has any, where there is room."""
         slot = self.particles.mobile + i
         if i < self.images[0] and slot < self.particles.slots:
-            mirrored = ti.Vector([position.x, -position.y])
-            wall_velocity = self.domain.bottom_velocity[None]
-            self.write(buffer, slot, mirrored, self.image_velocity(velocity, wall_velocity), pressure)
+            self.publish_image(buffer, slot, position, velocity, pressure, stress, 0)
         slot += self.images[0] - self.first_top[None]
         if i >= self.first_top[None] and slot < self.particles.slots:
-            mirrored = ti.Vector([position.x, 2.0 * self.domain.gap[None] - position.y])
-            wall_velocity = self.domain.top_velocity[None]
-            self.write(buffer, slot, mirrored, self.image_velocity(velocity, wall_velocity), pressure)
+            self.publish_image(buffer, slot, position, velocity, pressure, stress, 1)
+
+    @ti.func
+    def publish_image(self, buffer, slot, position, velocity, pressure, stress, top: ti.template()):
+        """Write the mid-step values of the image of a particle in the bottom (``top`` 0) or top wall (1)."""
+        mirrored = self.domain.mirrored(top, position)
+        image = self.image_velocity(top, position, velocity)
+        if ti.static(self.particles.carries_stress):
+            self.write(buffer, slot, mirrored, image, pressure, self.image_stress(top, position, stress))
+        else:
+            self.write(buffer, slot, mirrored, image, pressure, 0.0)
+
+    @ti.func
+    def image_velocity(self, top: ti.template(), position, velocity):
+        """Return the velocity of the image of a particle: reflected about that of the wall."""
+        return ti.Vector([2.0 * self.domain.wall_velocity(top) - velocity.x, -velocity.y])
+
+    @ti.func
+    def image_stress(self, top: ti.template(), position, stress):
+        """Return the polymer stress of the image of a particle: the same, as follows from reflected velocities."""
+        return stress

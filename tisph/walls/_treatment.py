@@ -7,15 +7,21 @@ from tisph.runtime import ti
 class WallTreatment:
     """Wall particles around a channel; a treatment replaces the methods that it needs.
 
-    ``gathers`` tells whether a loop over the wall particles follows the one over the fluid.
+    ``gathers`` tells whether a loop over the wall particles follows the one over the fluid, ``tracks_walls``
+    whether one over points of the walls comes before it. ``looks_inside``: the lists of wall particles are those of
+    their mirror points. ``obeys_momentum``: image velocities follow from the momentum equation at the wall. ``liquid``
+    is the ``Liquid``, ``parameters`` the treatment's own from the config.
     """
 
     gathers = False
+    tracks_walls = False
+    looks_inside = False
+    obeys_momentum = False
 
-    def __init__(self, particles, cells, lists, kernel):
-        self.particles = particles
-        self.cells = cells
-        self.domain = cells.domain
+    def __init__(self, lists, kernel, liquid, parameters):
+        self.particles = lists.particles
+        self.cells = lists.cells
+        self.domain = lists.domain
         self.lists = lists
 
     def load(self, channel):
@@ -35,9 +41,15 @@ class WallTreatment:
         """Return the number of images if there was no room for them, else 0."""
         return 0
 
+    def parts(self):
+        """Return what else holds fields, by name, for checkpoints."""
+        return {}
+
     @ti.func
-    def write(self, buffer, slot, position, velocity, pressure):
-        """Write the mid-step values of one slot."""
+    def write(self, buffer, slot, position, velocity, pressure, stress):
+        """Write the mid-step values of one slot; ``stress`` is read only where particles carry it."""
         self.particles.mid_position[buffer, slot] = position
         self.particles.mid_velocity[buffer, slot] = velocity
         self.particles.mid_pressure[buffer, slot] = pressure
+        if ti.static(self.particles.carries_stress):
+            self.particles.mid_stress[buffer, slot] = stress

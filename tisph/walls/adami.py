@@ -1,15 +1,16 @@
 """Adami dummy particles: fixed wall layers whose velocity and pressure are kernel averages of the fluid.
 
-u_w = 2 U_W - sum_f u_f W_wf / sum_f W_wf and p_w = sum_f p_f W_wf / sum_f W_wf, without body and wall
-acceleration (Adami, Hu & Adams 2012, J. Comput. Phys. 231, eqs. 22, 23 and 27). The extrapolated velocity
-serves all operators here, also the divergence, where they take the velocity of the wall.
+u_w = 2 U_W - sum_f u_f W_wf / sum_f W_wf and p_w = sum_f p_f W_wf / sum_f W_wf (Adami, Hu & Adams 2012, J. Comput.
+Phys. 231, eqs. 22, 23 and 27; the term of body and wall acceleration in eq. 27 is along the walls here, where no
+pressure difference balances it, and is left out). The extrapolated velocity serves all operators, also the divergence,
+where they take the velocity of the wall. Polymer stress is averaged like the pressure.
 """
 
 from typing import Literal
 
 from tisph.config.base import Model
 from tisph.neighbours.verlet import LANES
-from tisph.runtime import scalar, ti
+from tisph.runtime import real, scalar, ti
 from tisph.walls._dummies import DummyWalls
 
 
@@ -23,18 +24,21 @@ class Parameters(Model):
 class Treatment(DummyWalls):
     """Kernel averages (Shepard) of the fluid at every dummy particle."""
 
-    def __init__(self, particles, cells, lists, kernel):
-        super().__init__(particles, cells, lists, kernel)
+    def __init__(self, lists, kernel, liquid, parameters):
+        super().__init__(lists, kernel, liquid, parameters)
+        self.value = ti.func(kernel.value)
         self.smoothing_length = scalar(lists.cutoff / kernel.SUPPORT)
+        self.tensor = ti.types.vector(3, real())
 
     @ti.func
     def extrapolate(self, buffer, k):
-        """Set velocity and pressure of dummy particle ``k``; without fluid in reach, those of the wall."""
+        """Set what dummy particle ``k`` carries; without fluid in reach, the velocity of the wall."""
         position = self.particles.mid_position[buffer, k]
         inverse_length = 1.0 / self.smoothing_length[None]
         weights = 0.0
         pressure = 0.0
         velocity = ti.Vector([0.0, 0.0])
+        stress = self.tensor(0.0)
         for block in range(self.lists.count[k] // LANES):
             for lane in ti.static(range(LANES)):
                 j = self.lists.table[k, block * LANES + lane]
@@ -44,9 +48,10 @@ class Treatment(DummyWalls):
                 weights += weight
                 pressure += weight * self.particles.mid_pressure[buffer, j]
                 velocity += weight * self.particles.mid_velocity[buffer, j]
-        wall = ti.Vector([self.wall_velocity(position.y), 0.0])
-        self.particles.mid_velocity[buffer, k] = wall
-        self.particles.mid_pressure[buffer, k] = 0.0
+                if ti.static(self.particles.carries_stress):
+                    stress += weight * self.particles.mid_stress[buffer, j]
         if weights > 0.0:
-            self.particles.mid_velocity[buffer, k] = 2.0 * wall - velocity / weights
-            self.particles.mid_pressure[buffer, k] = pressure / weights
+            wall = ti.Vector([self.wall_velocity(position.y), 0.0])
+            self.give(buffer, k, 2.0 * wall - velocity / weights, pressure / weights, stress / weights)
+        else:
+            self.give_wall_values(buffer, k)

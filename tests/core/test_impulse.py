@@ -1,0 +1,61 @@
+"""Walls that jump: the impulse that consistent images give, and what it is good for."""
+
+import numpy as np
+import pytest
+
+CONSISTENT = "walls.treatment.type=consistent_image"
+
+
+def at_start(make, *overrides, **options):
+    """Return heights and velocities right after the start, row by row, and the scheme."""
+    scheme = make(*overrides, "walls.bottom.velocity=0.0", **options)
+    position, velocity, *_ = scheme.particles.state(scheme.now)
+    return position[:, 1], velocity[:, 0], scheme
+
+
+def test_only_rows_at_the_wall_that_jumps_are_set_in_motion(make):
+    _, u, scheme = at_start(make, CONSISTENT)
+    assert scheme.steps == 0
+    rows = u.reshape(12, 12)
+    assert np.ptp(rows, axis=1).max() < 1e-13
+    assert np.abs(rows[:9]).max() < 1e-15  # out of reach of the upper wall's images
+    assert 0.2 * 0.5 < rows[11, 0] < 0.3 * 0.5  # 1/4 with three points across, a little else with a wider kernel
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        (CONSISTENT, "initial.state=developed"),
+        (CONSISTENT, "initial={state: exact, time: 0.5}"),
+        ("walls.treatment.type=comoving_image",),
+    ],
+)
+def test_no_impulse_where_nothing_jumps_or_images_do_not_obey_momentum(make, overrides):
+    y, u, scheme = at_start(make, *overrides)
+    assert np.array_equal(u, scheme.channel.initial_velocity(y))
+
+
+def test_the_impulse_counts_as_the_walls(make):
+    _, _, scheme = at_start(make, CONSISTENT, jitter=0.2)
+    balance = scheme.momentum_balance()
+    assert balance["top_wall"] == pytest.approx(balance["change"], rel=1e-12)
+    assert balance["change"] > 0
+
+
+def test_a_stopped_wall_gives_the_opposite_impulse(make):
+    _, started, _ = at_start(make, CONSISTENT)
+    stop = ("walls.top={velocity: 0.0, velocity_before: 0.5}", "initial.state=developed")
+    y, stopped, _ = at_start(make, CONSISTENT, *stop)
+    assert np.allclose(stopped - 0.5 * y, -started, atol=1e-14)
+
+
+def test_the_impulse_halves_the_error_of_start_up_flow(make):
+    # what it is for: the error after the jump, with the mode sums of the scheme corrected
+    errors = []
+    for treatment in ("comoving_image", "consistent_image"):
+        scheme = make(f"walls.treatment.type={treatment}", "discretisation.particles_across=25", "time.end=2.7")
+        while not scheme.finished:
+            scheme.advance()
+        snapshot = scheme.snapshot()
+        errors.append(np.linalg.norm(snapshot.u - scheme.channel.exact_velocity(snapshot.y, snapshot.t)))
+    assert errors[1] < 0.6 * errors[0]

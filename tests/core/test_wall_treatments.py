@@ -1,0 +1,124 @@
+"""What each wall treatment gives its wall particles, against the formula that defines it."""
+
+import numpy as np
+import pytest
+from rates import LINEAR_EOS, impose
+
+DRIVEN = "drive.acceleration=0.02"
+TREATMENTS = ("adami", "comoving_image", "consistent_image", "fixed_image", "virtual_image")
+
+
+def walls_of(scheme):
+    """Return mid-step position, velocity and pressure of the wall particles."""
+    particles, now = scheme.particles, scheme.now
+    used = slice(particles.fluid, particles.fluid + scheme.wall_particles())
+    fields = (particles.mid_position, particles.mid_velocity, particles.mid_pressure)
+    return [field.to_numpy()[now][used] for field in fields]
+
+
+def first_layers(places):
+    """Tell which wall particles are near enough to the fluid that all treatments have fluid in reach."""
+    return np.abs(places[:, 1] - 0.5) < 0.5 + 1.6 / 12
+
+
+def test_consistent_images_bend_as_the_momentum_equation_says(make):
+    # u_I = 2 u_W - u_F + d^2 (dU/dt - g)/nu, here with both terms
+    oscillation = "walls.top={amplitude: 0.5, angular_frequency: 3.0, phase: sin}"
+    scheme = make(
+        "walls.treatment.type=consistent_image", DRIVEN, oscillation, "walls.bottom.velocity=-0.2", jitter=0.3
+    )
+    for _ in range(30):
+        scheme.advance()
+    particles, t = scheme.particles, scheme.middle
+    places = particles.mid_position.to_numpy()[scheme.now]
+    velocities = particles.mid_velocity.to_numpy()[scheme.now]
+    images, image_velocities, _ = walls_of(scheme)
+    for wall, speed, acceleration in ((0.0, -0.2, 0.0), (1.0, 0.5 * np.sin(3.0 * t), 1.5 * np.cos(3.0 * t))):
+        distance = np.abs(places[: particles.fluid, 1] - wall)
+        for i in np.flatnonzero(distance < scheme.lists.cutoff):
+            k = int(np.argmin(np.hypot(*(images - [places[i, 0], 2 * wall - places[i, 1]]).T)))
+            bend = distance[i] ** 2 * (acceleration - 0.02) / 0.01
+            expected = [2 * speed - velocities[i, 0] + bend, -velocities[i, 1]]
+            assert np.allclose(image_velocities[k], expected, atol=1e-13)  # rounding of numbers below 1
+
+
+def test_consistent_images_are_comoving_ones_where_nothing_bends_the_flow(make):
+    ends = []
+    for treatment in ("comoving_image", "consistent_image"):
+        scheme = make(
+            f"walls.treatment.type={treatment}", "initial={state: exact, time: 0.5}", "time.end=0.8", jitter=0.3
+        )
+        while not scheme.finished:
+            scheme.advance()
+        ends.append(scheme.snapshot())
+    assert np.array_equal(ends[0].u, ends[1].u)
+    assert np.array_equal(ends[0].y, ends[1].y)
+
+
+@pytest.mark.parametrize("treatment", ["fixed_image", "virtual_image"])
+def test_extrapolation_continues_a_linear_profile(make, treatment):
+    # on any arrangement (no particle nearer to the wall than the cap): U_W + a d is linear along every line through it
+    scheme = make(LINEAR_EOS, f"walls.treatment.type={treatment}", "walls.bottom.velocity=-0.1", jitter=0.2)
+    impose(scheme, lambda x, y: (-0.1 + 0.6 * y, 0 * y), lambda x, y: 0 * y)
+    scheme.walls.refresh(scheme.now)
+    places, velocities, _ = walls_of(scheme)
+    near = first_layers(places)
+    assert near.sum() == 2 * 2 * 12
+    assert np.allclose(velocities[near, 0], -0.1 + 0.6 * places[near, 1], atol=1e-12)
+    assert np.allclose(velocities[near, 1], 0.0, atol=1e-14)
+
+
+def test_virtual_images_read_the_pressure_at_their_mirror_point(make):
+    scheme = make(LINEAR_EOS, "walls.treatment.type=virtual_image", jitter=0.3)
+    impose(scheme, lambda x, y: (0 * y, 0 * y), lambda x, y: 0.01 * y)
+    scheme.walls.refresh(scheme.now)
+    places, _, pressures = walls_of(scheme)
+    near = first_layers(places)
+    mirrored = np.where(places[:, 1] < 0, -places[:, 1], 2.0 - places[:, 1])
+    assert np.allclose(pressures[near], 25.0 * 0.01 * mirrored[near], atol=1e-12)
+
+
+def test_fixed_images_take_the_nearest_particle_and_cap_its_distance(make):
+    # with least_distance 1 every particle nearer than a spacing counts as one spacing away
+    scheme = make("walls.treatment={type: fixed_image, least_distance: 1.0}", jitter=0.3)
+    velocity = lambda x, y: (np.sin(2 * np.pi * x) + y, 0.1 * y)  # noqa: E731 (different at every particle)
+    x, y = impose(scheme, velocity, lambda x, y: 0 * y)
+    scheme.walls.refresh(scheme.now)
+    places, velocities, _ = walls_of(scheme)
+    own = np.stack(velocity(x, y), 1)
+    for place, found in zip(places[first_layers(places)], velocities[first_layers(places)], strict=True):
+        apart = x - place[0] - np.round(x - place[0])
+        i = int(np.argmin(np.hypot(apart, y - place[1])))
+        wall, speed = (0.0, 0.0) if place[1] < 0 else (1.0, 0.5)
+        ratio = 1.0 + abs(place[1] - wall) / max(abs(y[i] - wall), 1 / 12)
+        assert np.allclose(found, own[i] + ratio * (np.array([speed, 0.0]) - own[i]), atol=1e-12)
+
+
+def test_virtual_points_list_the_fluid_around_them(make):
+    scheme = make("walls.treatment.type=virtual_image", jitter=0.3)
+    particles = scheme.particles
+    places = particles.mid_position.to_numpy()[scheme.now]
+    fluid = scheme.lists.built_position.to_numpy()
+    table, count = scheme.lists.table.to_numpy(), scheme.lists.count.to_numpy()
+    for k in range(particles.fluid, particles.mobile):
+        if places[k, 1] > 0:  # the upper wall has moved since the lists were built
+            continue
+        apart = fluid - [places[k, 0], -places[k, 1]]
+        apart[:, 0] -= np.round(apart[:, 0])
+        expected = np.flatnonzero(np.hypot(*apart.T) < scheme.lists.reach)
+        listed = table[k, : count[k]]
+        assert sorted(listed[listed != particles.sentinel]) == list(expected)
+
+
+@pytest.mark.parametrize("treatment", TREATMENTS)
+def test_walls_and_drive_balance_the_momentum_of_the_liquid(make, treatment):
+    # closure counts what is not exchanged in pairs; on a lattice only the shear of its rows disturbs the symmetry
+    scheme = make(f"walls.treatment.type={treatment}", DRIVEN, "walls.bottom.velocity=-0.2", "time.end=2.0")
+    while not scheme.finished:
+        scheme.advance()
+    balance = scheme.momentum_balance()
+    assert balance["drive"] == pytest.approx(0.02 * 2.0, rel=1e-12)
+    snapshot = scheme.snapshot()
+    assert balance["change"] == pytest.approx(snapshot.u.sum() / 144, rel=1e-12)
+    assert balance["bottom_wall"] < 0 < balance["top_wall"]
+    assert balance["closure"] < 2e-3

@@ -1,0 +1,128 @@
+"""``tisph check`` of all flows: numbers of drive, oscillation and polymer, limits of the time step, warnings."""
+
+import math
+
+import pytest
+from typer.testing import CliRunner
+
+from tisph import cli
+from tisph.cli.check import estimates
+from tisph.config import load
+from tisph.equation_of_state import Tait, sound_speed
+from tisph.schemes._time_step import time_step_limits
+
+CONFIG = """\
+scene: channel
+units: {length: cm, mass: g, time: s}
+fluid: {density: 1.0, kinematic_viscosity: 0.01}
+geometry: {gap: 1.0, length: 2.0}
+walls: {top: {velocity: 0.5}}
+time: {end: 2.0}
+"""
+AT_REST = "walls.top.velocity=0"
+DRIVE = "drive.acceleration=-0.02"
+POLYMER = "fluid={density: 1.0, kinematic_viscosity: 1.0, rheology: {type: oldroyd_b, relaxation_time: %s, %s}}"
+
+
+@pytest.fixture
+def case(tmp_path):
+    path = tmp_path / "case.yaml"
+    path.write_text(CONFIG)
+    return path
+
+
+@pytest.fixture
+def checked(case):
+    """Return the lines that ``tisph check`` prints for CONFIG with overrides."""
+
+    def run(*overrides):
+        options = [part for override in overrides for part in ("--set", override)]
+        result = CliRunner().invoke(cli.app, ["check", str(case), *options])
+        assert result.exit_code == 0, result.output
+        return [" ".join(line.split()) for line in result.stdout.splitlines()]
+
+    return run
+
+
+def starting(lines, *wanted):
+    return [line for line in lines if line.startswith(wanted)]
+
+
+def test_couette_flow_has_no_lines_of_other_flows(checked):
+    lines = checked()
+    assert "wall speed U 0.5 cm/s" in lines
+    assert not starting(lines, "drive", "penetration", "Weissenberg", "elasticity", "warning")
+
+
+def test_driven_flow(checked):
+    lines = checked(AT_REST, DRIVE)
+    # by hand: g H^2 / (12 nu) = 1/6, times H / nu
+    assert "mean speed U 0.166667 cm/s" in lines
+    assert "Reynolds number 16.6667 (U H / nu)" in lines
+    drive = "drive -0.02 cm/s^2 along x, of which the developed flow has the mean speed -0.166667 cm/s"
+    assert drive in lines
+    # the walls are faster than the mean speed, but the peak counts for the sound speed
+    assert {"wall speed U 0.5 cm/s", "sound speed c 7.5 cm/s", drive} <= set(checked(DRIVE))
+
+
+# sqrt(2 * 0.01 / w) over the spacing 0.02: 5 spacings for w = 2, 3.9 for w = 3.3
+@pytest.mark.parametrize(("frequency", "depth", "spacings"), [(2.0, "0.1 cm", "5"), (3.3, "0.07785 cm", "3.89")])
+def test_penetration_depth(checked, frequency, depth, spacings):
+    lines = checked(f"walls.bottom={{amplitude: 0.1, angular_frequency: {frequency}}}")
+    assert f"penetration depth {depth}, {spacings} spacings (sqrt(2 nu / w), bottom wall)" in lines
+    too_thin = "warning: the bottom wall's penetration depth is 3.9 spacings; below 4 the layer"
+    assert len(starting(lines, too_thin)) == len(starting(lines, "warning")) == (frequency == 3.3)
+
+
+@pytest.mark.parametrize(("fraction", "warned"), [(0.1, False), (0.09, True)])
+def test_polymer(checked, fraction, warned):
+    lines = checked(POLYMER % (2.0, f"solvent_fraction: {fraction}"))
+    assert "Weissenberg number 1 (relaxation time * U / H)" in lines
+    assert "elasticity number 2 (relaxation time * nu / H^2)" in lines
+    assert bool(starting(lines, "warning: fluid.rheology.solvent_fraction is below 0.1")) == warned
+
+
+def test_polymer_stress_is_counted_in_the_memory(case):
+    plain, polymer = (estimates(load(case, text)) for text in ([], [POLYMER % (2.0, "solvent_fraction: 0.1")]))
+    assert polymer["memory"] - plain["memory"] == pytest.approx(5000 * 96)
+
+
+# Sound speed by hand, gap 1: ten times the largest of peak speed, sqrt(nu * peak speed) and sqrt(nu_p / relaxation
+# time). h = 0.02; acoustic step 0.25 h / (sqrt(c^2 + c_e^2) + peak), viscous 0.125 h^2 / nu_s, relaxation time / 4
+@pytest.mark.parametrize(
+    ("overrides", "sound", "limit", "step"),
+    [
+        ([AT_REST, DRIVE], 2.5, "acoustic", 0.005 / 2.75),
+        ([DRIVE], 7.5, "acoustic", 0.005 / 8.25),
+        (["walls.top={velocity: 0, velocity_before: 0.6}", "initial.state=developed"], 6.0, "acoustic", 0.005 / 6.6),
+        (["walls.top={amplitude: -0.6, angular_frequency: 1}"], 6.0, "acoustic", 0.005 / 6.6),
+        ([POLYMER % (0.01, "solvent_fraction: 0.19")], 90.0, "acoustic", 0.005 / (math.hypot(90, 9) + 0.5)),
+        ([POLYMER % (1.0, "solvent_fraction: 0.5")], 7.0710678118654755, "viscous", 5e-5 / 0.5),
+        ([POLYMER % (1e-5, "solvent_fraction: 0.9")], 1000.0, "relaxation", 2.5e-6),
+        ([POLYMER % (1e-5, "solvent_fraction: 1.0")], 7.0710678118654755, "viscous", 5e-5),
+    ],
+)
+def test_sound_speed_and_time_step(case, overrides, sound, limit, step):
+    numbers = estimates(load(case, overrides))
+    assert numbers["sound_speed"] == pytest.approx(sound, rel=1e-14)  # a few roundings
+    assert numbers["binding_limit"] == limit
+    assert numbers["time_step"] == pytest.approx(step, rel=1e-14)
+
+
+def test_the_mach_number_is_that_of_the_peak_speed(case, checked):
+    stiff = "scheme={type: wcsph, equation_of_state: {sound_speed: 2.4}}"
+    assert estimates(load(case, [AT_REST, DRIVE, stiff]))["mach"] == pytest.approx(0.25 / 2.4, rel=1e-14)
+    assert starting(checked(AT_REST, DRIVE, stiff), "warning: the Mach number is above 0.1")
+
+
+def test_a_given_sound_speed_knows_no_elastic_waves():
+    numbers = {"reference_velocity": 1.0, "kinematic_viscosity": 1.0, "gap": 1.0, "density": 1.0}
+    assert sound_speed(Tait(sound_speed=3.0), elastic_speed=50.0, **numbers) == 3.0
+
+
+def test_limits_without_acceleration_and_polymer_are_none():
+    limits = time_step_limits(
+        "auto", smoothing_length=0.02, sound_speed=5.0, reference_velocity=0.5, kinematic_viscosity=0.01
+    )
+    assert (limits["acceleration"], limits["relaxation"]) == (math.inf, math.inf)
+    assert limits["acoustic"] == 0.25 * 0.02 / 5.5

@@ -1,0 +1,165 @@
+"""What a config says of the flow: wall motion, drive, rheology, start; and the conditions between these keys."""
+
+import types
+
+import pytest
+
+from tisph import families
+from tisph.config import load
+from tisph.config.memory import STRESS_BYTES, estimated_bytes
+from tisph.errors import ConfigError
+
+GOOD = """\
+scene: channel
+fluid: {density: 1.0, kinematic_viscosity: 0.01}
+geometry: {gap: 1.0, length: 1.0}
+walls: {top: {velocity: 0.5}}
+time: {end: 2.0}
+"""
+
+POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 2.0, solvent_fraction: 0.1}"
+SWINGING = "walls.top={amplitude: -0.5, angular_frequency: 3.0, phase: sin}"
+STOPPED = "walls.top={velocity: 0.0, velocity_before: 0.5}"
+
+
+@pytest.fixture
+def case(tmp_path):
+    """Load GOOD with overrides."""
+
+    def load_case(*overrides):
+        path = tmp_path / "case.yaml"
+        path.write_text(GOOD)
+        return load(path, overrides)
+
+    return load_case
+
+
+@pytest.fixture
+def message(case):
+    """Message of the error that GOOD with overrides must raise."""
+
+    def load_bad(*overrides):
+        with pytest.raises(ConfigError) as caught:
+            case(*overrides)
+        return str(caught.value)
+
+    return load_bad
+
+
+def test_a_wall_has_a_constant_velocity_or_swings(case):
+    config = case(SWINGING)
+    top, bottom = config.walls.top, config.walls.bottom
+    assert (top.velocity, top.amplitude, top.angular_frequency, top.phase) == (None, -0.5, 3.0, "sin")
+    assert (bottom.velocity, bottom.velocity_before, bottom.amplitude, bottom.phase) == (0.0, None, None, None)
+    assert case("walls.top={amplitude: 1, angular_frequency: 1}").walls.top.phase == "cos"
+
+
+def test_null_takes_a_wall_from_one_form_to_the_other(case):
+    swing = ("walls.top.amplitude=1.0", "walls.top.angular_frequency=2.0")
+    assert case("walls.top.velocity=null", *swing).walls.top.amplitude == 1.0
+    assert case("walls.top.velocity=null", "walls.bottom.velocity=1.0").walls.top.velocity == 0.0
+
+
+@pytest.mark.parametrize("overrides", [(SWINGING,), (STOPPED, "initial.state=developed"), (POLYMER,)])
+def test_resolved_config_has_the_keys_of_the_form_in_use_only(case, tmp_path, overrides):
+    config = case(*overrides)
+    text = config.resolved_yaml()
+    assert ("amplitude" in text, "velocity_before" in text) == (overrides[0] == SWINGING, overrides[0] == STOPPED)
+    resolved = tmp_path / "resolved.yaml"
+    resolved.write_text(text)
+    assert load(resolved, ["name=case"]) == config
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_drive_alone_moves_the_liquid(case, sign):
+    config = case("walls.top.velocity=0", f"drive.acceleration={sign * 0.02}")
+    assert config.drive.acceleration == sign * 0.02
+
+
+def test_polymer(case):
+    rheology = case(POLYMER, "output.video={color_by: shear_stress}").fluid.rheology
+    assert (rheology.type, rheology.relaxation_time, rheology.solvent_fraction) == ("oldroyd_b", 2.0, 0.1)
+    assert rheology.carries_stress
+    assert case(POLYMER.replace("0.1", "1")).fluid.rheology.solvent_fraction == 1.0
+    assert not case().fluid.rheology.carries_stress
+
+
+def test_a_flow_before_may_be_the_start_of_a_developed_or_exact_run(case):
+    for start in ("initial.state=developed", "initial={state: exact, time: 1.0}"):
+        assert case(STOPPED, start).walls.top.velocity_before == 0.5
+
+
+def test_polymer_stress_needs_memory():
+    # three stresses of 8 bytes in four buffers
+    assert estimated_bytes(10, 3.0, True) - estimated_bytes(10, 3.0, False) == 10 * STRESS_BYTES == 10 * 3 * 4 * 8
+
+
+ONLY_STEADY = "is only for a wall of constant velocity; this one oscillates"
+ONLY_SWINGING = "is only for a wall that oscillates, which has an amplitude"
+EXACTLY_ONE = "give exactly one of velocity, amplitude: "
+SOLVENT = "must be greater than 0 and at most 1: at 0 (upper-convected Maxwell) the velocity has no viscous term"
+
+# overrides that are wrong together, the key that is blamed with its value, part of the reason
+BAD = [
+    (["walls.top={velocity: 1, amplitude: 2}"], "walls.top.amplitude = 2.0", EXACTLY_ONE + "velocity and amplitude"),
+    (["walls.top={angular_frequency: 2}"], "walls.top", EXACTLY_ONE + "none"),
+    (["walls.top={phase: sin}"], "walls.top", EXACTLY_ONE + "none"),
+    (["walls.top={amplitude: 2}"], "walls.top.angular_frequency", "is missing: a wall with an amplitude oscillates"),
+    (["walls.top={velocity: 1, phase: sin}"], 'walls.top.phase = "sin"', ONLY_SWINGING),
+    (["walls.top={velocity: 1, angular_frequency: 2}"], "walls.top.angular_frequency = 2.0", ONLY_SWINGING),
+    ([SWINGING, "walls.top.velocity_before=1"], "walls.top.velocity_before = 1.0", ONLY_STEADY),
+    ([SWINGING, "walls.top.phase=tan"], 'walls.top.phase = "tan"', "must be 'cos' or 'sin'"),
+    ([SWINGING, "walls.top.amplitude=0"], "walls.top.amplitude = 0", "must not be 0: for a wall at rest"),
+    ([SWINGING, "walls.top.angular_frequency=0"], "walls.top.angular_frequency = 0", "must be greater than 0"),
+    ([SWINGING, "walls.top.angular_frequency=-1"], "walls.top.angular_frequency = -1", "must be greater than 0"),
+    (["walls.top={amplitud: 2}"], "walls.top.amplitud = 2", "unknown key; nearest: amplitude; allowed: velocity,"),
+    (["walls.top={angular_freqency: 2}"], "walls.top.angular_freqency = 2", "nearest: angular_frequency"),
+    (["walls.top={amplitude: fast}"], 'walls.top.amplitude = "fast"', "must be a number"),
+    (["walls.top.velocity=0"], "walls", "nothing moves"),
+    (["walls.top={velocity: 0, velocity_before: 0}", "initial.state=developed"], "walls", "or drive.acceleration"),
+    ([STOPPED], "walls.top.velocity_before = 0.5", "is not allowed with initial.state rest"),
+    (["walls.bottom={velocity_before: 0}"], "walls.bottom.velocity_before = 0.0", "state developed, or exact"),
+    (["drive.acceleration=.nan"], "drive.acceleration = NaN", "must be a finite number"),
+    (["drive.acceleration=fast"], 'drive.acceleration = "fast"', "must be a number"),
+    (
+        ["output.video={color_by: shear_stress}"],
+        'output.video.color_by = "shear_stress"',
+        "such as oldroyd_b; newtonian has none",
+    ),
+    (["output.video={color_by: pressure}"], 'output.video.color_by = "pressure"', "must be 'speed' or 'shear_stress'"),
+    (["fluid.rheology={type: oldroyd_b, solvent_fraction: 0.1}"], "fluid.rheology.relaxation_time", "is missing"),
+    (["fluid.rheology={type: oldroyd_b, relaxation_time: 1}"], "fluid.rheology.solvent_fraction", "is missing"),
+    ([POLYMER, "fluid.rheology.relaxation_time=0"], "fluid.rheology.relaxation_time = 0", "must be greater than 0"),
+    ([POLYMER, "fluid.rheology.solvent_fraction=0"], "fluid.rheology.solvent_fraction = 0", SOLVENT),
+    ([POLYMER, "fluid.rheology.solvent_fraction=1.1"], "fluid.rheology.solvent_fraction = 1.1", SOLVENT),
+    ([POLYMER, "fluid.rheology.solvent_fraction=.nan"], "fluid.rheology.solvent_fraction = NaN", "finite number"),
+    ([POLYMER, "fluid.rheology.lambda=1"], "fluid.rheology.lambda = 1", "unknown key"),
+    (["fluid.rheology={type: newtonian, relaxation_time: 1}"], "fluid.rheology.relaxation_time = 1", "unknown key"),
+    (["fluid.rheology={type: oldroydb}"], 'fluid.rheology.type = "oldroydb"', "nearest: oldroyd_b"),
+    ([POLYMER, "scheme.operators=standard"], 'scheme.operators = "standard"', "oldroyd_b needs the velocity gradient"),
+    ([POLYMER, SWINGING], "walls.top.amplitude = -0.5", "no exact solution is built in for walls that oscillate"),
+]
+
+
+@pytest.mark.parametrize(("overrides", "blamed", "reason"), BAD, ids=[" ".join(case[0])[:70] for case in BAD])
+def test_what_cannot_be_is_refused(message, overrides, blamed, reason):
+    text = message(*overrides)
+    assert f": {blamed}: " in text
+    assert reason in text
+    assert "\n" not in text
+
+
+@pytest.mark.parametrize(
+    ("family", "member", "key"),
+    [("walls", "consistent_image", "walls.treatment.type"), ("rheology", "newtonian", "fluid.rheology.type")],
+)
+def test_a_chosen_member_may_refuse_a_config(message, monkeypatch, family, member, key):
+    """A module with a function ``problems`` is asked when it is chosen, and the message is its own."""
+
+    def problems(config):
+        yield key, f"serves no viscosity {config.kinematic_viscosity:g}"
+
+    real = families.load
+    picked = types.SimpleNamespace(Parameters=real(family, member).Parameters, problems=problems)
+    monkeypatch.setattr(families, "load", lambda f, name: picked if (f, name) == (family, member) else real(f, name))
+    assert message().endswith(f': {key} = "{member}": serves no viscosity 0.01')

@@ -1,0 +1,142 @@
+"""Wall shear from the particles near a wall: exact where the profile is one that the fit has, and its orders."""
+
+import numpy as np
+import pytest
+
+from tisph.config import load
+from tisph.scenes._motion import Polymer, WallMotion
+from tisph.scenes.channel import Channel
+from tisph.snapshot import Snapshot
+from tisph.study.store import config_text
+from tisph.verification import flows
+from tisph.verification.wall_shear import wall_shear, wall_shear_error
+
+FLOWS = {name: flow for name, flow in vars(flows).items() if isinstance(flow, flows.Flow)}
+
+
+def make_channel(rows=12, **changes):
+    numbers = {
+        "gap": 1.0,
+        "length": 2.0,
+        "density": 2.0,
+        "kinematic_viscosity": 0.01,
+        "bottom": WallMotion(0.0),
+        "top": WallMotion(0.5),
+        "initial_state": "rest",
+        "start_time": 0.0,
+        "spacing": 1.0 / rows,
+        "columns": 2 * rows,
+        "rows": rows,
+        "units": None,
+    }
+    return Channel(**{**numbers, **changes})
+
+
+def snapshot_of(channel, velocity, stress=None, t=1.8, jitter=0.2):
+    """Jittered particles with ``velocity(y)`` and, where given, S_xy = ``stress(y)``."""
+    x, y = channel.jittered(3, jitter)
+    at_rest = np.zeros_like(x)
+    stresses = {"stress_xx": at_rest, "stress_xy": stress(y), "stress_yy": at_rest} if stress else {}
+    return Snapshot(t, 10, x, y, velocity(y), at_rest, at_rest + channel.density, at_rest, **stresses)
+
+
+def exact_snapshot(channel, t, jitter):
+    if channel.polymer is None:
+        return snapshot_of(channel, lambda y: channel.exact_velocity(y, t), None, t, jitter)
+    return snapshot_of(
+        channel,
+        lambda y: channel.exact_velocity(y, t),
+        lambda y: channel.exact_polymer_stress(y, t)[1],
+        t,
+        jitter,
+    )
+
+
+@pytest.mark.parametrize("walls", [(0.0, 0.5), (0.3, -0.2)])
+def test_quartic_profiles_have_their_slopes(walls):
+    """Any curvature at the walls, as a body acceleration or an accelerating wall gives."""
+    bottom, top = walls
+    channel = make_channel(bottom=WallMotion(bottom), top=WallMotion(top))
+
+    def profile(y):
+        return bottom + (top - bottom) * y + 0.7 * y * (1 - y) * (1 + y + 3 * y * y)
+
+    slopes = (top - bottom + 0.7, top - bottom - 0.7 * 5)
+    # viscosity 0.02 * slope; rounding 1e-16 times the condition number of the four columns, some 1e3
+    expected = [0.02 * slope for slope in slopes]
+    assert wall_shear(channel, snapshot_of(channel, profile)) == pytest.approx(expected, abs=1e-13)
+
+
+def test_the_slip_is_relative_to_the_wall_at_that_time():
+    """Liquid that moves as one with an oscillating wall has no shear there, at any phase."""
+    motion = WallMotion(0.4, -0.3, angular_frequency=2.0)
+    channel = make_channel(bottom=motion, top=motion)
+    for t in (0.3, 1.7):
+        velocity = float(motion.velocity(t))
+        snapshot = snapshot_of(channel, lambda y, u=velocity: np.full_like(y, u), t=t)
+        assert wall_shear(channel, snapshot) == pytest.approx([0.0, 0.0], abs=1e-14)
+
+
+def test_solvent_and_polymer_add_up():
+    """mu_s du/dy with the solvent's share of the viscosity, plus S_xy at the wall, where no particle is."""
+    channel = make_channel(polymer=Polymer(1.0, 0.25))
+    snapshot = snapshot_of(channel, lambda y: 0.5 * y, lambda y: 0.3 - 0.8 * y + 0.4 * y**2 + y**3)
+    solvent = 2.0 * 0.01 * 0.25 * 0.5
+    # rounding times the condition number of four columns
+    assert wall_shear(channel, snapshot) == pytest.approx([solvent + 0.3, solvent + 0.9], abs=1e-12)
+
+
+def shear_errors(name, t_star, jitter, folder):
+    errors = []
+    for rows in (25, 50, 100):
+        path = folder / "flow.yaml"
+        path.write_text(config_text("flow", FLOWS[name].at(flows.across(rows))), encoding="utf-8")
+        channel = Channel.from_config(load(path))
+        t = t_star * channel.viscous_time
+        keys = ("wall_shear_bottom", "wall_shear_top")
+        measured = wall_shear(channel, exact_snapshot(channel, t, jitter))
+        exact = channel.exact_wall_shear(t)
+        sample = {
+            **dict(zip(keys, measured, strict=True)),
+            **{f"{key}_exact": float(value) for key, value in zip(keys, exact, strict=True)},
+        }
+        errors.append(wall_shear_error(sample))
+    return errors
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.2])
+@pytest.mark.parametrize(("name", "t_star"), [(name, t_star) for name in FLOWS for t_star in FLOWS[name].samples])
+def test_exact_fields_give_the_exact_stress_in_every_flow(name, t_star, jitter, tmp_path):
+    """What the fit adds at 50 across is a tenth of the 1 % to which the flows are held, and of fourth order."""
+    errors = shear_errors(name, t_star, jitter, tmp_path)
+    assert errors[1] <= 1e-3
+    assert errors[2] <= 1e-3 / 16
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.2])
+@pytest.mark.parametrize("name", ["COUETTE", "POISEUILLE", "BACKFLOW", "OSCILLATING_SLOW", "OLDROYD_B_COUETTE"])
+def test_the_error_of_the_fit_falls_with_the_fourth_power_of_the_spacing(name, jitter, tmp_path):
+    """Where 25 across resolve the layer at the wall: solvent and polymer, with and without curvature at the wall."""
+    errors = shear_errors(name, FLOWS[name].samples[-1], jitter, tmp_path)
+    assert np.log2(errors[0] / errors[2]) / 2 > 3.7  # 4, less what higher orders take at 25 rows
+
+
+def test_the_error_is_relative_to_the_larger_stress():
+    """The flow has not reached the bottom wall: half of its stress is missing, and nothing is lost by that."""
+    sample = {
+        "wall_shear_bottom": 1e-6,
+        "wall_shear_bottom_exact": 2e-6,
+        "wall_shear_top": -0.0198,
+        "wall_shear_top_exact": -0.02,
+    }
+    assert wall_shear_error(sample) == pytest.approx(0.01, rel=1e-12)
+    assert wall_shear_error({**sample, "wall_shear_bottom": 0.001}) == pytest.approx(0.0499, rel=1e-12)
+
+
+@pytest.mark.parametrize("missing", ["wall_shear_top", "wall_shear_bottom_exact"])
+def test_without_a_number_there_is_no_error(missing):
+    """A wall that jumps has an infinite stress at that moment, a flow that went wrong has none at all."""
+    sample = dict.fromkeys(
+        ("wall_shear_bottom", "wall_shear_bottom_exact", "wall_shear_top", "wall_shear_top_exact"), 1.0
+    )
+    assert wall_shear_error({**sample, missing: None}) is None

@@ -1,0 +1,175 @@
+"""The comparison of wall treatments: its runs, its rows, its recommendation and its text. Nothing is simulated."""
+
+import json
+import math
+
+import pytest
+from fake_runs import make_result
+
+from tisph import families
+from tisph.config import load
+from tisph.study.store import config_text
+from tisph.verification import walls
+from tisph.verification.criteria import Result
+from tisph.verification.walls import Case, Row
+from tisph.verification.walls_table import Columns, recommendation, standings_table, stopped_lines
+
+TREATMENTS = ("comoving_image", "consistent_image")
+
+
+def make_row(treatment, error, cost=1.0, flow="poiseuille", arrangement="lattice", stopped=()):
+    errors = {25: 4 * error, 50: error, 100: error / 4}
+    return Row(
+        case=Case(flow, treatment, arrangement),
+        errors=errors,
+        order=2.0,
+        wall_shear=0.0012,
+        stress_error=None,
+        step_seconds=1e-3 * cost,
+        cost=cost,
+        stopped=dict(stopped),
+    )
+
+
+def best(*rows):
+    return walls.recommended(walls.standings(rows, 50))
+
+
+@pytest.mark.parametrize("flow", walls.FLOWS)
+def test_every_run_is_a_valid_config_of_that_treatment_on_one_thread(flow, tmp_path):
+    path = tmp_path / "run.yaml"
+    for case in walls.cases(flow, families.names("walls")):
+        runs = {case.name(number): case.config(number) for number in walls.FULL.resolutions}
+        for name, config in {**runs, **case.timing(walls.FULL)}.items():
+            path.write_text(config_text(name, config), encoding="utf-8")
+            loaded = load(path)
+            assert loaded.walls.treatment.type == case.treatment
+            assert loaded.runtime.threads == 1
+            assert loaded.initial.jitter == walls.ARRANGEMENTS[case.arrangement]
+            assert loaded.time.samples[-1] == loaded.time.end
+
+
+def test_a_flow_has_every_arrangement_of_every_treatment():
+    cases = walls.cases("couette", TREATMENTS)
+    assert {(case.treatment, case.arrangement) for case in cases} == {
+        (name, arrangement) for name in TREATMENTS for arrangement in ("lattice", "jitter 0.2")
+    }
+
+
+def test_where_the_velocity_crosses_zero_the_error_is_the_rms():
+    measures = {flow: Case(flow, "adami", "lattice").measure for flow in walls.FLOWS}
+    assert {flow for flow, measure in measures.items() if measure == "rms"} == {"backflow", "oscillating"}
+
+
+def run_result(error, seconds=2.0, steps=1000, status="done"):
+    """Result of a run of the driven flow with the given l2 error at t* = 0.1."""
+    result = make_result(t100=error)
+    shears = {
+        "wall_shear_bottom": 1.01,
+        "wall_shear_bottom_exact": 1.0,
+        "wall_shear_top": -1,
+        "wall_shear_top_exact": -1,
+    }
+    result.summary["samples"][0] |= shears
+    return Result(None, {**result.summary, "status": status, "cost": {"wall_loop_s": seconds, "steps": steps}})
+
+
+def test_a_row_is_read_from_its_runs():
+    case = Case("poiseuille", "adami", "lattice")
+    results = {number: (run_result(number**-1.5), "") for number in (25, 50, 100)}
+    timed = {"first": (run_result(1.0, seconds=2.6), ""), "second": (run_result(1.0, seconds=2.4), "")}
+    row = walls.row(case, results, timed, 50, reference_seconds=2e-3)
+    assert row.errors[50] == 50**-1.5
+    assert row.order == pytest.approx(1.5, rel=1e-12)
+    assert row.wall_shear == pytest.approx(0.01, rel=1e-12)
+    assert row.stress_error is None
+    assert row.cost == pytest.approx(1.2, rel=1e-12)  # the quicker one, per step, over the reference
+    assert row.stopped == {}
+
+
+def test_a_row_with_a_run_that_stopped_has_no_order_but_the_other_errors():
+    case = Case("poiseuille", "adami", "lattice")
+    nothing = Result(None, {"status": "failed", "samples": []})
+    results = {25: (run_result(0.1), ""), 50: (run_result(0.02), ""), 100: (nothing, "diverged: u of particle 7")}
+    row = walls.row(case, results, {"timed": (nothing, "diverged too")}, 50, reference_seconds=2e-3)
+    assert (row.errors[25], row.errors[50]) == (0.1, 0.02)
+    assert math.isnan(row.errors[100])
+    assert math.isnan(row.order)
+    assert row.stopped == {"poiseuille-adami-lattice-100": "diverged: u of particle 7", "timed": "diverged too"}
+
+
+def test_the_smallest_geometric_mean_is_recommended():
+    """Half the error in one flow outweighs a third more in another, however small the errors there."""
+    first = [make_row("a", 1e-2), make_row("a", 4e-6, flow="couette")]
+    second = [make_row("b", 2e-2), make_row("b", 1e-6, flow="couette")]
+    assert best(*first, *second) == "b"
+    assert walls.standings([*first, *second], 50)[0].error == pytest.approx(2e-4, rel=1e-12)
+
+
+def test_a_treatment_that_stops_somewhere_is_not_recommended():
+    stopped = make_row("a", 1e-6, stopped={"poiseuille-a-lattice-100": "diverged"})
+    assert best(stopped, make_row("b", 1e-2)) == "b"
+    assert best(make_row("a", math.nan), make_row("b", 1e-2)) == "b"
+    assert best(stopped) is None
+
+
+@pytest.mark.parametrize(("cost", "chosen"), [(1.3, "a"), (1.31, "b"), (math.nan, "b")])
+def test_a_treatment_that_costs_too_much_is_not_recommended(cost, chosen):
+    assert best(make_row("a", 1e-6, cost=cost), make_row("b", 1e-2)) == chosen
+
+
+def test_the_mean_cost_counts_and_rows_that_were_not_timed_do_not():
+    rows = [make_row("a", 1e-6, cost=1.6), make_row("a", 1e-6, cost=1.0), make_row("a", 1e-6, cost=math.nan)]
+    assert walls.standings(rows, 50)[0].cost == pytest.approx(math.sqrt(1.6), rel=1e-12)
+    assert best(*rows) == "a"
+
+
+def cells(row, columns):
+    return dict(zip(columns.header, columns.cells(row), strict=True))
+
+
+def test_the_table_says_what_is_compared():
+    columns = Columns((25, 50, 100), 50, TREATMENTS)
+    line = cells(make_row("adami", 1.234e-3, cost=1.25, flow="backflow"), columns)
+    assert line["flow"] == "Couette-Poiseuille, backflow"
+    assert line["error"] == "rms"
+    assert (line["25 across"], line["50 across"]) == ("4.9e-03", "1.2e-03")
+    assert (line["order"], line["wall shear"], line["S_xy"], line["cost"]) == ("2.00", "0.12 %", "", "1.25")
+    assert len(columns.widths) == len(columns.header)
+
+
+def test_every_cell_fits_its_column():
+    columns = Columns((25, 50, 100), 50, TREATMENTS)
+    for flow in walls.FLOWS:
+        for case in walls.cases(flow, TREATMENTS):
+            row = make_row(case.treatment, 1e-3, flow=flow, arrangement=case.arrangement)
+            assert all(len(cell) <= width for cell, width in zip(columns.cells(row), columns.widths, strict=True))
+
+
+def test_a_run_that_stopped_shows_in_the_table_and_below_it():
+    stopped = {"poiseuille-adami-lattice-50": "diverged: u of particle 7"}
+    row = make_row("adami", math.nan, cost=math.nan, stopped=stopped)
+    line = cells(row, Columns((25, 50, 100), 50, TREATMENTS))
+    assert line["50 across"] == "stopped"
+    assert line["cost"] == "-"
+    assert stopped_lines([row]) == ["poiseuille-adami-lattice-50 stopped: diverged: u of particle 7"]
+    means = standings_table(walls.standings([row], 50)).splitlines()[-1]
+    assert [cell.strip() for cell in means.split("|")[1:-1]] == ["adami", "-", "-", "1"]
+
+
+def test_the_recommendation_names_treatment_and_rule():
+    text = recommendation("consistent_image", 50)
+    assert text.startswith("recommended: consistent_image")
+    assert "geometric mean of the errors at 50 across" in text
+    assert "1.3 x comoving_image" in text
+    assert recommendation(None, 50).startswith("recommended: none")
+
+
+def test_the_numbers_are_json_with_null_for_what_is_missing():
+    rows = [make_row("a", 1e-3), make_row("b", math.nan, cost=math.nan)]
+    data = json.loads(json.dumps(walls.as_data(rows, 50), allow_nan=False))
+    assert data["recommended"] == "a"
+    assert data["rows"][0]["errors"]["50"] == 1e-3
+    assert data["rows"][0]["case"]["treatment"] == "a"
+    assert data["rows"][1]["errors"]["50"] is None
+    assert data["treatments"][1]["cost"] is None

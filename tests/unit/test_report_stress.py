@@ -1,0 +1,106 @@
+"""Movies coloured by polymer shear stress, and the error labels of all kinds of flow."""
+
+from dataclasses import replace
+
+import matplotlib
+import numpy as np
+import pytest
+from report_scene import END, make_channel, make_polymer_channel, make_snapshot, make_video, particles
+
+from tisph.report import style
+from tisph.report.error_label import loses_its_scale, shear_stress_error_label, velocity_error_label
+from tisph.report.painter import FramePainter
+from tisph.scenes._motion import WallMotion
+
+VIDEO = make_video(960, 480, color_by="shear_stress")
+LARGEST = 4e-4  # of the exact stress over the run
+TIMES = "\N{MULTIPLICATION SIGN}"
+DEVELOPED = {"initial_state": "developed"}
+
+
+@pytest.fixture(scope="module")
+def painter():
+    return FramePainter(make_polymer_channel(), VIDEO, "test", END)
+
+
+def with_stress(channel, stress):
+    return replace(particles(channel, 5.0, [0.004], [0.006], [0.0]), stress_xy=np.array([stress]))
+
+
+def colour_under_the_particle(painter, snapshot):
+    rect, scale = painter.layout.channel, painter.layout.pixels_per_length
+    gap = painter.channel.gap
+    row, column = rect.top + int((gap - snapshot.y[0]) * scale), rect.left + int(snapshot.x[0] * scale)
+    return painter.paint(snapshot)[row, column].astype(float)
+
+
+@pytest.mark.parametrize("share", [-1.5, -1.0, -0.3, 0.0, 0.7, 1.0])
+def test_disc_has_the_colour_of_its_stress(painter, share):
+    colour = colour_under_the_particle(painter, with_stress(painter.channel, share * LARGEST))
+    expected = 255 * np.array(matplotlib.colormaps[style.DIVERGING_MAP](0.5 + 0.5 * np.clip(share, -1, 1))[:3])
+    # The look-up table has 256 stresses and 256 coverages: neighbouring entries differ by at most 3 levels.
+    assert np.abs(colour - expected).max() <= 3
+
+
+def test_both_signs_and_none_can_be_told_apart_and_from_the_background(painter):
+    minus, none, plus = (
+        colour_under_the_particle(painter, with_stress(painter.channel, share * LARGEST)) for share in (-1, 0, 1)
+    )
+    assert minus[2] - minus[0] > 100  # blue, ...
+    assert plus[0] - plus[2] > 100  # ... red: the two colours that all kinds of colour-blind eyes tell apart
+    assert np.ptp(none) < 5  # grey
+    assert none.max() < 230  # not the white of the background
+
+
+def test_profile_panel_shows_the_stress_of_particles_and_the_exact_one(painter):
+    channel, rect = painter.channel, painter.layout.profile
+    lowest, highest = painter.quantity.profile_range
+    shift = 0.5 * LARGEST
+    snapshot = make_snapshot(channel, 5.0)
+    frame = painter.paint(replace(snapshot, stress_xy=snapshot.stress_xy + shift)).astype(float)
+    row = rect.top + int((1 - 3.5 / channel.rows) * rect.height)  # through the fourth row of particles
+    exact = channel.exact_polymer_stress(channel.gap * 3.5 / channel.rows, 5.0)[1]
+    for colour, stress in ((style.EXACT, exact), (style.PARTICLES, exact + shift)):
+        distance = np.abs(frame[row, rect.left + 1 : rect.right - 1] - style.rgb(colour)).max(axis=1)
+        columns = np.flatnonzero(distance < 40)  # the core of line or dot, not its soft rim
+        expected = (stress - lowest) / (highest - lowest) * rect.width
+        assert columns.mean() + 1.5 == pytest.approx(expected, abs=1.0)  # a pixel
+
+
+def test_error_of_the_stress_is_named(painter):
+    channel = painter.channel
+    snapshot = make_snapshot(channel, 5.0)
+    label = shear_stress_error_label(channel)
+    assert label(replace(snapshot, stress_xy=1.02 * snapshot.stress_xy)) == f"L2 error of Sxy 2.0{TIMES}10⁻²"
+    assert label(make_snapshot(channel, 0.0)) == "L2 error of Sxy: none yet"
+
+
+def test_particles_with_wrong_stress_do_not_stop_the_picture(painter):
+    colour = colour_under_the_particle(painter, with_stress(painter.channel, np.nan))
+    assert colour[0] - colour[2] > 100  # the colour of the largest
+
+
+@pytest.mark.parametrize(
+    ("flow", "expected"),
+    [
+        ({}, False),
+        ({**DEVELOPED}, False),
+        ({"top": WallMotion(0.0), "acceleration": 2e-3}, False),
+        ({"acceleration": 2e-3}, False),
+        ({"acceleration": -2e-3}, True),  # backflow: g H^2/(2 nu U) = -20
+        ({"acceleration": -0.5e-4, **DEVELOPED}, False),  # -1/2: the drive does not turn the liquid round ...
+        ({"acceleration": -0.5e-4}, True),  # ... except early on, where it does not feel the wall yet
+        ({"bottom": WallMotion(-0.002)}, True),
+        ({"bottom": WallMotion(0.002)}, False),
+        ({"top": WallMotion(0.0, 0.005, 3.0)}, True),
+        ({"top": WallMotion(0.0, before=0.005), **DEVELOPED}, True),
+        ({"top": WallMotion(0.002, before=0.005), **DEVELOPED}, False),
+    ],
+)
+def test_flows_that_cross_zero_or_die_away_are_known(flow, expected):
+    assert loses_its_scale(make_channel(**flow)) == expected
+
+
+def test_error_is_a_multiple_of_the_reference_velocity_where_u_crosses_zero():
+    channel = make_channel(bottom=WallMotion(-0.002))
+    assert velocity_error_label(channel)(make_snapshot(channel, 1.0, slip=3e-3)) == f"rms error 3.0{TIMES}10⁻³ U"

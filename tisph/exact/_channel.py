@@ -1,0 +1,54 @@
+"""What the start-up solutions of a plane channel share: dimensionless variables, and one form early, one late.
+
+Early forms sum images, that is, half-space solutions reflected in the walls; late forms sum Fourier series. Both
+converge at every time, each fast on its side of ``SWITCH_TIME``.
+"""
+
+import numpy as np
+
+SWITCH_TIME = 0.1
+"""t* = nu t/gap^2 up to which images are summed, and from which the series: at this time 3 pairs of images or
+7 terms of the series reach rounding error."""
+
+# exp(-EXPONENT) = 2e-17 and erfc(sqrt(EXPONENT)) is smaller still: what is left out is below double rounding.
+EXPONENT = 38.5
+
+
+def dimensionless(y, t, gap, kinematic_viscosity):
+    """Broadcast pair (y/gap, nu t/gap^2) as float arrays. Raises ValueError for a negative time."""
+    eta = np.asarray(y, dtype=float) / gap
+    diffusion_time = kinematic_viscosity * np.asarray(t, dtype=float) / gap**2
+    if np.any(diffusion_time < 0):
+        raise ValueError("this flow starts at t = 0: it is defined for t >= 0 only")
+    return np.broadcast_arrays(eta, diffusion_time)
+
+
+def select(forms, eta, diffusion_time):
+    """Evaluate (start, early, late) = ``forms`` each where it holds; a scalar for scalar arguments.
+
+    ``start`` is called at t* = 0, ``early`` up to ``SWITCH_TIME``, ``late`` after it, each with the pairs
+    (eta, t*) that are its own as arrays of shape (pairs,).
+    """
+    at_start = diffusion_time == 0
+    early = ~at_start & (diffusion_time <= SWITCH_TIME)
+    late = diffusion_time > SWITCH_TIME
+    result = np.empty(eta.shape)
+    for form, where in zip(forms, (at_start, early, late), strict=True):
+        if where.any():
+            result[where] = form(eta[where], diffusion_time[where])
+    return result[()]
+
+
+def series_terms(diffusion_time):
+    """Numbers n of the terms sin(n pi eta) exp(-n^2 pi^2 t*) that matter at any of the times."""
+    return range(1, 1 + int(np.ceil(np.sqrt(EXPONENT / diffusion_time.min()) / np.pi)))
+
+
+def image_reach(diffusion_time):
+    """Distance, in gaps, at which an image adds less than rounding error at any of the times."""
+    return int(np.ceil(2 * np.sqrt(EXPONENT * diffusion_time.max())))
+
+
+def image_distances(diffusion_time):
+    """Odd distances 2k+1: the next image, at least 2k+2 from any eta <= 1, adds less than rounding error."""
+    return range(1, 2 + 2 * int(np.ceil(np.sqrt(EXPONENT * diffusion_time.max()))), 2)

@@ -1,0 +1,56 @@
+"""Text and arrows that change from frame to frame, laid over an RGB picture (rows, columns, 3) of uint8."""
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from tisph.report import style
+from tisph.report.layout import Rect
+from tisph.report.raster import blend
+
+_SAMPLES = 4  # a pixel and direction, of the coverage of an arrow
+_SMALLEST = 6  # pixels: the smallest font that a text may shrink to
+
+
+def text_width(text: str, size: int) -> float:
+    """Return the width of ``text`` in pixels at font ``size`` in pixels."""
+    return style.text_font(size).getlength(text)
+
+
+def fitting_size(text: str, size: int, width: float) -> int:
+    """Return the largest font size up to ``size`` at which ``text`` is at most ``width`` pixels wide."""
+    while size > _SMALLEST and text_width(text, size) > width:
+        size -= 1
+    return size
+
+
+def paint_text(frame: np.ndarray, box: Rect, text: str, size: int, side: str, colour: str = style.TEXT) -> None:
+    """Write one line into ``box``, at its ``left`` or ``right`` side or its ``middle``, over what is there."""
+    image = Image.fromarray(frame[box.slices])
+    place, anchor = {"left": (0, "lm"), "right": (box.width, "rm"), "middle": (box.width / 2, "mm")}[side]
+    draw = ImageDraw.Draw(image)
+    draw.text((place, box.height / 2), text, fill=colour, font=style.text_font(size), anchor=anchor)
+    frame[box.slices] = np.asarray(image)
+
+
+def paint_arrow(frame: np.ndarray, box: Rect, share: float, colour: str) -> None:
+    """Draw a horizontal arrow in the middle of ``box``, over |share| <= 1 of its width, to the left if negative.
+
+    Its head is as high as ``box``, its shaft a quarter of that. Below a tenth of the width there is none: a
+    few pixels of a head show no direction.
+    """
+    if abs(share) < 0.1:
+        return
+    coverage = _arrow_coverage(box, abs(share) * box.width)
+    blend(frame[box.slices], coverage if share > 0 else coverage[:, ::-1], style.rgb(colour))
+
+
+def _arrow_coverage(box: Rect, length: float) -> np.ndarray:
+    """Return the share of every pixel of ``box`` that an arrow of ``length`` pixels to the right covers."""
+    down, along = (np.arange(_SAMPLES * size) + 0.5 for size in (box.height, box.width))
+    down = np.abs(down / _SAMPLES - box.height / 2)[:, None]
+    to_tip = ((box.width + length) / 2 - along / _SAMPLES)[None, :]
+    head = min(float(box.height), length)  # as long as it is high
+    in_head = (to_tip >= 0) & (to_tip <= head) & (down <= to_tip / 2)
+    in_shaft = (to_tip > head) & (to_tip <= length) & (down <= box.height / 8)
+    inside = (in_head | in_shaft).reshape(box.height, _SAMPLES, box.width, _SAMPLES)
+    return inside.mean(axis=(1, 3), dtype=np.float32)

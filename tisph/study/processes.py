@@ -1,0 +1,89 @@
+"""Runs as processes of their own: none can touch another, and each costs what a user pays."""
+
+import json
+import subprocess
+import sys
+import tempfile
+import time
+
+from tisph.verification.criteria import Result
+
+POLL_SECONDS = 0.02
+
+
+class Process:
+    """``tisph run`` of the config ``config_path`` into ``folder``, replacing what an earlier run left there."""
+
+    def __init__(self, config_path, folder):
+        self.folder = folder
+        # a file, since a pipe could fill up; stop() closes it
+        self._messages = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")  # noqa: SIM115
+        command = [sys.executable, "-m", "tisph", "run", str(config_path), "--out", str(folder)]
+        self._process = subprocess.Popen(
+            [*command, "--no-video", "--overwrite"], stdout=subprocess.DEVNULL, stderr=self._messages
+        )
+
+    @property
+    def finished(self):
+        """Whether it has ended."""
+        return self._process.poll() is not None
+
+    def outcome(self):
+        """``Result`` of the run and its error message, empty if it is done. Waits for the end."""
+        status = self._process.wait()
+        result = read_result(self.folder)
+        message = result.summary.get("message") or self._error() or f"exit status {status}"
+        return result, message if status else ""
+
+    def stop(self):
+        """End it after its present step, if it still runs."""
+        if not self.finished:
+            self._process.terminate()
+            self._process.wait()
+        self._messages.close()
+
+    def _error(self):
+        """What it has written to standard error, without the lines of its progress."""
+        self._messages.seek(0)
+        text = self._messages.read()
+        return text[max(text.rfind("error: "), 0) :].removeprefix("error: ").strip()
+
+
+def read_result(folder):
+    """``Result`` of the finished run in ``folder``; of status ``failed`` where it left no summary."""
+    path = folder / "summary.json"
+    if not path.is_file():
+        return Result(folder, {"status": "failed", "samples": []})
+    return Result(folder, json.loads(path.read_text(encoding="utf-8")))
+
+
+def run_config(config_path, folder):
+    """Run one config: its ``Result``, and its error message, empty if it is done."""
+    process = Process(config_path, folder)
+    try:
+        return process.outcome()
+    finally:
+        process.stop()
+
+
+def run_side_by_side(names, launch, most):
+    """Run ``launch(name)``, which returns a ``Process``, for each of ``names``, at most ``most`` at once.
+
+    Yields (name, ``Result``, message) as they end. Those that still run when the caller gives up are stopped.
+    """
+    waiting = list(names)
+    running = {}
+    try:
+        while waiting or running:
+            while waiting and len(running) < most:
+                name = waiting.pop(0)
+                running[name] = launch(name)
+            for name in [name for name, process in running.items() if process.finished]:
+                process = running.pop(name)
+                outcome = process.outcome()
+                process.stop()
+                yield (name, *outcome)
+            time.sleep(POLL_SECONDS)
+    finally:
+        for process in running.values():
+            process.stop()

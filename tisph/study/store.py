@@ -1,0 +1,61 @@
+"""Runs that outlive the command that asked for them: what has ended once is not run again."""
+
+import hashlib
+from io import StringIO
+from pathlib import Path
+
+from ruamel.yaml import YAML
+
+import tisph
+from tisph.study.processes import Process, read_result
+
+WITHOUT_EFFECT = ("cli", "report", "study")
+"""Parts of the package on which no number of a run depends."""
+
+
+def config_text(name, config):
+    """A config, a plain dict, as YAML under the name ``name``."""
+    stream = StringIO()
+    YAML(typ="safe", pure=True).dump({"name": name, **config}, stream)
+    return stream.getvalue()
+
+
+class Store:
+    """Runs kept in ``folder``: NAME.yaml is the config of the run in NAME, with a mark of the code that it ran."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self._code = fingerprint()
+        folder.mkdir(exist_ok=True)
+
+    def kept(self, name, config):
+        """``Result`` and message of a run that ended, with this config and this code; None without one."""
+        path = self._path(name)
+        if not path.is_file() or path.read_text(encoding="utf-8") != self._text(name, config):
+            return None
+        result = read_result(self.folder / name)
+        if result.summary["status"] not in ("done", "diverged"):
+            return None
+        return result, result.summary.get("message", "")
+
+    def launch(self, name, config):
+        """Start the run as a ``Process``, in place of one that may be there."""
+        (self.folder / name / "summary.json").unlink(missing_ok=True)
+        self._path(name).write_text(self._text(name, config), encoding="utf-8")
+        return Process(self._path(name), self.folder / name)
+
+    def _path(self, name):
+        return self.folder / f"{name}.yaml"
+
+    def _text(self, name, config):
+        return f"# code {self._code}\n{config_text(name, config)}"
+
+
+def fingerprint():
+    """Hash of the source files on which the numbers of a run depend."""
+    root = Path(tisph.__file__).parent
+    paths = [path for path in root.rglob("*.py") if path.relative_to(root).parts[0] not in WITHOUT_EFFECT]
+    digest = hashlib.sha256()
+    for path in sorted(paths):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]

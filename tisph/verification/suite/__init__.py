@@ -1,0 +1,15 @@
+"""The verification suite as data: which runs, and what each is held to; a module for each kind of flow."""
+
+from tisph.verification.suite import channel, couette, viscoelastic
+
+PARTS = (couette, channel, viscoelastic)
+
+
+def runs(quick):
+    """Configs by run name, as plain dicts: the suite of minutes, or the quick one."""
+    return {name: config for part in PARTS for name, config in part.runs(quick).items()}
+
+
+def criteria(quick):
+    """What the runs are held to, in the order of the table."""
+    return [criterion for part in PARTS for criterion in part.criteria(quick)]

@@ -1,4 +1,7 @@
-"""Make the pictures and movies that README.md shows: ``make media``."""
+"""Make the pictures and movies that README.md and docs/ show: ``make media``, or some of them by name.
+
+``python media/make.py poiseuille`` makes that one alone; without names, all, and the drawing of the walls.
+"""
 
 import shutil
 import subprocess
@@ -17,17 +20,28 @@ MEDIA = ROOT / "media"
 
 MOVIES = {
     "couette": 0.06,  # the profile is then curved across the whole gap
+    "poiseuille": 0.1,
+    "couette_poiseuille_favourable": 0.1,
+    "couette_poiseuille_backflow": 0.2,
+    "oscillating_wall_slow": 0.7,
+    "oscillating_wall_fast": 0.04,
+    "stopped_wall": 0.03,
+    "oldroyd_b_couette": 0.7,  # the shear wave has just crossed the gap
+    "oldroyd_b_poiseuille": 0.3,  # at the overshoot
 }
 """Configs, and the t* of each preview: the first frame after it."""
 
+LARGE = "couette"
+SMALL = ["--set", "output.video.width=640", "--set", "output.video.height=320"]
+
 
 def make(name, preview_t_star):
-    """Run ``configs/NAME.yaml`` and leave its movie, its profiles and a preview frame in media/."""
+    """Run ``configs/NAME.yaml`` and leave its movie and a preview frame in media/."""
     folder = ROOT / "runs" / "media" / name
     command = [sys.executable, "-m", "tisph", "run", str(ROOT / "configs" / f"{name}.yaml")]
-    subprocess.run([*command, "--out", str(folder), "--overwrite"], check=True)
+    size = [] if name == LARGE else SMALL
+    subprocess.run([*command, *size, "--out", str(folder), "--overwrite"], check=True)
     shutil.copyfile(folder / "movie.mp4", MEDIA / f"{name}.mp4")
-    shutil.copyfile(folder / "profiles.png", MEDIA / f"{name}_profiles.png")
     settings = config.load(folder / "config.resolved.yaml")
     channel = Channel.from_config(settings)
     frames = read_frames(folder / "frames.h5")
@@ -37,6 +51,8 @@ def make(name, preview_t_star):
 
 
 if __name__ == "__main__":
-    walls.draw(MEDIA / "walls.png")
-    for name, preview_t_star in MOVIES.items():
-        make(name, preview_t_star)
+    chosen = sys.argv[1:] or list(MOVIES)
+    if not sys.argv[1:]:
+        walls.draw(MEDIA / "walls.png")
+    for name in chosen:
+        make(name, MOVIES[name])

@@ -15,8 +15,8 @@ from tisph.study.walls_picture import plot_walls
 from tisph.verification.walls import FULL, Case, Extent, Row
 
 TREATMENTS = ["comoving_image", "consistent_image"]
-SMALL = Extent((25, 50), 50, {"lattice": 2, "jitter 0.2": 1})
-RUNS_OF_A_FLOW = 2 * (2 * 2 + 3)
+SMALL = Extent((25, 50), 50, ("lattice", "jitter 0.2"), repeats=2)
+RUNS_OF_A_FLOW = 2 * 2 * (2 + 2)
 
 
 @pytest.fixture
@@ -73,7 +73,7 @@ def test_timed_runs_are_alone_and_others_two_at_a_time(runs, tmp_path, monkeypat
 
     monkeypatch.setattr(FakeRuns, "__call__", watched)
     walls.run(tmp_path)
-    assert len(alone) == 2 * 2 * 3
+    assert len(alone) == 2 * 2 * 2 * 2
     assert all(alone)
     assert runs.most_at_once == 2
 
@@ -96,13 +96,14 @@ def test_finished_runs_are_used_again(runs, tmp_path, capsys):
 
 
 def test_an_interrupted_comparison_goes_on_where_it_was(runs, tmp_path, monkeypatch, capsys):
+    stop = RUNS_OF_A_FLOW - 3
     start, count = FakeRuns.__call__, itertools.count(1)
     started = []
 
     def interrupted(self, command, **options):
         process = start(self, command, **options)
         started.append(process)
-        if next(count) == 9:
+        if next(count) == stop:
             raise KeyboardInterrupt
         return process
 
@@ -112,7 +113,7 @@ def test_an_interrupted_comparison_goes_on_where_it_was(runs, tmp_path, monkeypa
     assert "the same command goes on" in capsys.readouterr().out
     assert not [process for process in started[:-1] if process.returncode is None]  # none is left behind
     done = sum((tmp_path / "runs" / config["name"] / "summary.json").is_file() for config in runs.configs)
-    assert 0 < done < 9
+    assert 0 < done < stop
     begun = len(runs.configs)
     assert walls.run(tmp_path) is True
     assert len(runs.configs) - begun == 2 * RUNS_OF_A_FLOW - done

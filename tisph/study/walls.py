@@ -57,7 +57,7 @@ def _compare(folder, extent):
     rows = []
     with Progress(walls.FLOWS, treatments, extent) as progress:
         for flow in walls.FLOWS:
-            for row in _flow_rows(walls.cases(flow, treatments), extent, store, progress):
+            for row in _flow_rows(walls.cases(flow, treatments, extent), extent, store, progress):
                 progress.say(format_row(columns.cells(row), columns.widths))
                 rows.append(row)
     return _conclude(folder, rows, columns, extent)
@@ -138,8 +138,8 @@ class Progress:
     """A status line on standard error, where that is a terminal: runs done and left, and those that run now."""
 
     def __init__(self, flows, treatments, extent):
-        cases = [case for flow in flows for case in walls.cases(flow, treatments)]
-        self.total = sum(len(extent.resolutions) + extent.repeats[case.arrangement] for case in cases)
+        rows = sum(len(walls.cases(flow, treatments, extent)) for flow in flows)
+        self.total = rows * (len(extent.resolutions) + extent.repeats)
         self.done = 0
         self._running = []
         self._status = Console(stderr=True).status("")

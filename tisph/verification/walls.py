@@ -45,16 +45,16 @@ TIMING_SHARE = 0.25
 
 @dataclass(frozen=True)
 class Extent:
-    """How much is compared: particles across the gap, which of them is measured closely, timed runs of a row."""
+    """How much is compared: particles across the gap, which of them counts, arrangements, timed runs of a row."""
 
     resolutions: tuple[int, ...]
     measured_at: int
-    repeats: dict[str, int]
+    arrangements: tuple[str, ...]
+    repeats: int
 
 
-FULL = Extent((25, 50, 100), 50, {"lattice": 2, "jitter 0.2": 2})
-QUICK = Extent((25, 50), 50, {"lattice": 1, "jitter 0.2": 0})
-"""Costs of the disordered arrangement are left out."""
+FULL = Extent((25, 50, 100), 50, tuple(ARRANGEMENTS), repeats=2)
+QUICK = Extent((25, 50), 50, ("lattice",), repeats=1)
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ class Case:
         """Configs of the runs that only serve to be timed, by name."""
         number = extent.measured_at
         config = self._flow.at(*self._changes(number), TIMING, samples=(TIMING_SHARE * self.t_star,))
-        return {f"{self.name(number)}-timed-{count + 1}": config for count in range(extent.repeats[self.arrangement])}
+        return {f"{self.name(number)}-timed-{count + 1}": config for count in range(extent.repeats)}
 
     @property
     def _flow(self) -> Flow:
@@ -121,9 +121,9 @@ class Row:
     stopped: dict[str, str]
 
 
-def cases(flow, treatments):
+def cases(flow, treatments, extent):
     """Rows of a flow: every arrangement of each of ``treatments``."""
-    return [Case(flow, name, arrangement) for name in treatments for arrangement in ARRANGEMENTS]
+    return [Case(flow, name, arrangement) for name in treatments for arrangement in extent.arrangements]
 
 
 def step_seconds(timed):
@@ -182,7 +182,7 @@ def standings(rows, measured_at):
         Standing(
             treatment=name,
             error=_geometric_mean([entry.errors[measured_at] for entry in own]),
-            cost=_geometric_mean([entry.cost for entry in own if not math.isnan(entry.cost)]),
+            cost=_geometric_mean([entry.cost for entry in own]),
             stopped=sum(len(entry.stopped) for entry in own),
         )
         for name, own in by_treatment.items()

@@ -10,6 +10,14 @@ from tisph.verification.flows import across, jitter, treatment
 WALL_SHEAR = 0.01
 CLOSURE = 0.01
 
+FLOOR = 1e-4
+"""Bound of an error that no longer falls with the spacing.
+
+Rows that slide past each other change the weights in the Laplacian, and on average the viscosity by 4e-5, at any
+resolution. A parabola next to consistent images has no larger error than that, and a flow that has nearly come to
+rest approaches it too: an order is asked for where the error is above.
+"""
+
 POISEUILLE = {"poiseuille": flows.POISEUILLE, "poiseuille_steady": flows.POISEUILLE_STEADY}
 
 OTHERS = {
@@ -43,22 +51,20 @@ def _full_runs():
 
 
 def _full_criteria():
-    found = []
-    for name, flow in POISEUILLE.items():
-        (t_star,) = flow.samples
-        found += [
-            share(name, f"{name}_comoving", t_star, 0.5),
-            order(name, _resolutions(name), t_star, 1.9),
-            near(f"{name}_jitter_0.2", name, t_star, 0.15),
-            *_walls(name, flow),
-        ]
+    start_up, steady = flows.POISEUILLE.samples[0], flows.POISEUILLE_STEADY.samples[0]
+    at_floor = ("poiseuille_steady_25", "poiseuille_steady", "poiseuille_steady_100", "poiseuille_steady_jitter_0.2")
+    found = [
+        share("poiseuille", "poiseuille_comoving", start_up, 0.5),
+        order("poiseuille", _resolutions("poiseuille"), start_up, 1.9),
+        near("poiseuille_jitter_0.2", "poiseuille", start_up, 0.15),
+        *_walls("poiseuille", flows.POISEUILLE),
+        share("poiseuille_steady", "poiseuille_steady_comoving", steady, 0.5),
+        *(at_most(name, steady, "l2", FLOOR) for name in at_floor),
+        *_walls("poiseuille_steady", flows.POISEUILLE_STEADY),
+    ]
     for name, flow in OTHERS.items():
-        for t_star in flow.samples:
-            found += [
-                at_most(name, t_star, "rms", 2e-3),
-                order(name, _resolutions(name), t_star, 1.8, "rms"),
-            ]
-        found += _walls(name, flow)
+        found += [at_most(name, t_star, "rms", 2e-3) for t_star in flow.samples]
+        found += [order(name, _resolutions(name), flow.samples[0], 1.8, "rms"), *_walls(name, flow)]
     return found
 
 

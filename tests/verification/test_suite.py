@@ -1,4 +1,4 @@
-"""Start-up Couette flow against its exact solution: the bounds of the verification suite, one test each.
+"""Runs against exact solutions: the bounds of the verification suite, one test each.
 
 The bounds and where they come from stand in ``tisph.verification.suite``. A run is simulated once, in a
 process of its own, when the first test asks for it.

@@ -31,7 +31,8 @@ def plot_walls(path, rows):
             _draw(panel, title, [row for row in rows if row.case.title == title], looks, styles)
         for panel in panels[len(titles) :]:
             panel.axis("off")
-        figure.supxlabel("particles across the gap")
+        for panel in panels[-COLUMNS:]:
+            panel.set_xlabel("particles across the gap")
         figure.legend(handles=_legend(looks, styles), loc="outside lower center", ncols=4, frameon=False)
         figure.savefig(path)
 

@@ -21,10 +21,12 @@ def plot_walls(path, rows):
     titles = list(dict.fromkeys(row.case.title for row in rows))
     treatments = list(dict.fromkeys(row.case.treatment for row in rows))
     looks = {name: LOOKS[place % len(LOOKS)] for place, name in enumerate(treatments)}
-    styles = dict(zip(ARRANGEMENTS, STYLES, strict=False))
+    arrangements = dict.fromkeys(row.case.arrangement for row in rows)
+    styles = {name: style for name, style in zip(ARRANGEMENTS, STYLES, strict=False) if name in arrangements}
     with plot_style():
         lines = -(-len(titles) // COLUMNS)
         figure = Figure((12.0, 3.9 * lines + 0.9), dpi=120, layout="constrained")
+        figure.get_layout_engine().set(w_pad=0.1, h_pad=0.1)
         FigureCanvasAgg(figure)
         panels = figure.subplots(lines, COLUMNS, squeeze=False).ravel()
         for panel, title in zip(panels, titles, strict=False):

@@ -10,7 +10,7 @@ from tisph.neighbours.verlet import VerletLists
 
 def middle_positions(scheme):
     """Fluid and wall positions that the lists refer to, with images where there are any."""
-    used = scheme.particles.fluid + scheme.wall_particles()
+    used = scheme.particles.fluid + scheme.numbers()["particles_wall"]
     return scheme.particles.mid_position.to_numpy()[scheme.now][:used]
 
 

@@ -11,7 +11,7 @@ TREATMENTS = ("adami", "comoving_image", "consistent_image", "fixed_image", "vir
 def walls_of(scheme):
     """Return mid-step position, velocity and pressure of the wall particles."""
     particles, now = scheme.particles, scheme.now
-    used = slice(particles.fluid, particles.fluid + scheme.wall_particles())
+    used = slice(particles.fluid, particles.fluid + scheme.numbers()["particles_wall"])
     fields = (particles.mid_position, particles.mid_velocity, particles.mid_pressure)
     return [field.to_numpy()[now][used] for field in fields]
 

@@ -7,7 +7,7 @@ import pytest
 def middle(scheme):
     """Return mid-step position, velocity and pressure of fluid and of wall particles."""
     particles, now = scheme.particles, scheme.now
-    fluid, used = particles.fluid, particles.fluid + scheme.wall_particles()
+    fluid, used = particles.fluid, particles.fluid + scheme.numbers()["particles_wall"]
     fields = (particles.mid_position, particles.mid_velocity, particles.mid_pressure)
     arrays = [field.to_numpy()[now] for field in fields]
     return [array[:fluid] for array in arrays], [array[fluid:used] for array in arrays]

@@ -138,7 +138,7 @@ OVERRIDE_CASES = [
     ("walls.treatment={type: adamy}", ['walls.treatment.type = "adamy"', "nearest: adami"]),
     ("walls.treatment={type: _images}", ["must be one of adami, comoving_image, consistent_image"]),
     ("walls.treatment={type: adami, layers: 3}", ["walls.treatment.layers = 3: unknown key; allowed: type"]),
-    ("scheme={type: implicit}", ["scheme.type", "wcsph"]),
+    ("scheme={type: spectral}", ["scheme.type", "wcsph"]),
     ("scheme={type: wcsph, equation_of_state: {gamma: 0}}", ["equation_of_state.gamma = 0: must be at least 1"]),
     ("scheme={type: wcsph, equation_of_state: {sound_speed: 0}}", ["must be greater than 0", "or auto"]),
     ("scheme={type: wcsph, equation_of_state: {sound_speed: fast}}", ["must be a number, or auto"]),

@@ -22,7 +22,7 @@ LEVELS = [
     ["runtime"],
     ["domain", "liquid", "particles"],
     ["neighbours"],
-    ["operators", "kernels"],
+    ["operators", "kernels", "least_squares"],
     ["walls", "rheology"],
     ["schemes"],
     ["observers"],

@@ -157,11 +157,16 @@ class Discretisation(Model):
 
 
 class Time(Model):
-    """End of the run, times at which samples are written [time], and the Courant number."""
+    """End of the run, times at which samples are written [time], and what sets the steps.
+
+    ``tolerance``: of the error of a step over the reference velocity, for schemes that estimate it. ``cfl``: Courant
+    number of the explicit scheme; a number for the implicit one means steps of cfl * spacing / reference velocity.
+    """
 
     end: Positive
     samples: Annotated[tuple[float, ...], Field(strict=False, min_length=1, max_length=1000)] = ()
     cfl: number_or(Annotated[float, Field(gt=0, le=1)], "auto") = "auto"
+    tolerance: number_or(Annotated[float, Field(ge=1e-10, le=1e-1)], "auto") = "auto"
 
     @model_validator(mode="before")
     @classmethod

@@ -14,6 +14,10 @@ class Schedule:
         """Tell whether a time not yet marked has been reached."""
         return self.passed < len(self.times) and time >= self.times[self.passed]
 
+    def pending(self, time):
+        """Return the times up to ``time`` that are not yet marked."""
+        return self.times[self.passed : bisect_right(self.times, time)]
+
     def mark(self, time):
         """Count all times up to ``time`` as done."""
         self.passed = bisect_right(self.times, time)

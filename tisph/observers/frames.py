@@ -26,10 +26,6 @@ class Frames:
             self.schedule.mark(resumed_at)
             self._take_up(resumed_at)
 
-    def due(self, time):
-        """Tell whether a frame is due."""
-        return self.schedule.due(time)
-
     def observe(self, snapshot):
         """Store and draw one frame."""
         self.schedule.mark(snapshot.t)

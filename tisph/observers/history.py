@@ -30,10 +30,6 @@ class History:
         self.path.write_text(f"t,{heights}\n", encoding="utf-8")
         self._append(kept)
 
-    def due(self, time):
-        """Tell whether a line is due."""
-        return self.schedule.due(time)
-
     def observe(self, snapshot):
         """Append one line."""
         self.schedule.mark(snapshot.t)

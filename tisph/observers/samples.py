@@ -24,10 +24,6 @@ class Samples:
             self.snapshots = [snapshot for snapshot in read_samples(path) if snapshot.t <= resumed_at]
             self.schedule.mark(resumed_at)
 
-    def due(self, time):
-        """Tell whether a sample is due."""
-        return self.schedule.due(time)
-
     def observe(self, snapshot):
         """Write one sample; the file is closed again, so that an interrupt cannot spoil it."""
         self.schedule.mark(snapshot.t)

@@ -46,6 +46,10 @@ class WallMotion:
         angle = self.angular_frequency * np.asarray(t, dtype=float)
         return self.angular_frequency * (self.sine * np.cos(angle) - self.cosine * np.sin(angle))
 
+    def jerk(self, t):
+        """Second time derivative of the velocity [length/time^3] at time(s) ``t``, of the shape of ``t``."""
+        return -(self.angular_frequency**2) * self.velocity(t)
+
     def penetration_depth(self, kinematic_viscosity):
         """Depth sqrt(2 nu / w) [length] in which the oscillation falls by a factor e; infinite without one.
 

@@ -61,6 +61,10 @@ class MomentumBalance:
         ]
         self.time, self.force = time, [float(one) for one in force]
 
+    def add_impulse(self, impulse):
+        """Take the impulses of the walls in a step as they are."""
+        self.impulse = [float(total + more) for total, more in zip(self.impulse, impulse, strict=True)]
+
     def report(self, channel, time, velocity_sum):
         """Return the balance at ``time`` in the units of the config, per unit length out of the plane.
 

@@ -224,8 +224,12 @@ class Scheme:
         count = self.lists.count.to_numpy()[: self.particles.fluid]
         return int(self.particles.identity.to_numpy()[self.now, np.argmax(count)])
 
-    def snapshot(self):
-        """Return the state at ``time`` as a Snapshot."""
+    def output_times(self, due):
+        """Return the times at which there is a snapshot for those that are ``due``: the end of the last step."""
+        return [self.time] if due else []
+
+    def snapshot(self, time=None):
+        """Return the state at the end of the last step as a Snapshot; ``time`` can be no other."""
         position, velocity, compression, stress = self.particles.state(self.now)
         compression = compression.astype(float)
         stresses = {}
@@ -278,6 +282,12 @@ class Scheme:
         vars(self.plan).update(state["plan"])
         vars(self.momentum).update(state["momentum"])
 
-    def wall_particles(self):
-        """Return the number of wall particles, images or dummies, at present."""
-        return self.particles.mobile - self.particles.fluid + self.walls.present_images()
+    def numbers(self):
+        """Return what ``summary.json`` says about this scheme."""
+        return {
+            "mach": self.channel.peak_velocity / self.sound_speed,
+            "sound_speed": self.sound_speed,
+            "particles_wall": self.particles.mobile - self.particles.fluid + self.walls.present_images(),
+            "neighbours_mean": self.lists.mean_length(),
+            "neighbour_rebuilds": self.rebuilds,
+        }

@@ -53,6 +53,7 @@ class Run:
         self.config = config
         self.folder = folder
         self.channel = families.load("scenes", config.scene).Scene.from_config(config)
+        self.particles = self.channel.rows * self.channel.columns
         self.fingerprint = fingerprint(config)
         self.threads = threads(config, self.channel)
         self.costs = {
@@ -94,15 +95,13 @@ class Run:
         if resume:
             checkpoint.restore(self.folder.checkpoint, self.scheme, self.fingerprint)
         self.first_step = self.scheme.steps
-        log.info("%s: %d particles, %d threads", self.config.name, self.scheme.particles.fluid, self.threads)
+        log.info("%s: %d particles, %d threads", self.config.name, self.particles, self.threads)
 
     def _step_on(self, resume):
         if not resume:
             with self._timed("compile"):
                 self.scheme.start(*start_values(self.channel, self.config.initial))
-        with RunProgress(
-            self.scheme.time, self.config.time.end, self.scheme.particles.fluid, self.channel.units.time
-        ) as progress:
+        with RunProgress(self.scheme.time, self.config.time.end, self.particles, self.channel.units.time) as progress:
             self._loop(progress)
 
     def _open_or_refuse(self, video, resumed_at):
@@ -137,7 +136,7 @@ class Run:
         self._observe()
         while not scheme.finished and not self.interrupted:
             self._advance()
-            if scheme.steps % INTERVAL == 0 or any(observer.due(scheme.time) for observer in self.observers):
+            if scheme.steps % INTERVAL == 0 or any(observer.schedule.due(scheme.time) for observer in self.observers):
                 self._observe()
             if scheme.time >= self.next_checkpoint:
                 self.next_checkpoint += self.config.output.checkpoint_every
@@ -153,12 +152,15 @@ class Run:
             raise
 
     def _observe(self):
+        """Give every observer the states that it waits for, up to now; let the guard see them, or the present one."""
         with self._timed("output"):
-            snapshot = self.scheme.snapshot()
-            self.guard.check(snapshot)
-            for observer in self.observers:
-                if observer.due(snapshot.t):
-                    observer.observe(snapshot)
+            due = sorted({time for observer in self.observers for time in observer.schedule.pending(self.scheme.time)})
+            for time_ in self.scheme.output_times(due) or [self.scheme.time]:
+                snapshot = self.scheme.snapshot(time_)
+                self.guard.check(snapshot)
+                for observer in self.observers:
+                    if observer.schedule.due(snapshot.t):
+                        observer.observe(snapshot)
 
     def _save(self):
         with self._timed("output"):

@@ -32,12 +32,10 @@ def _numbers(job):
     channel, scheme = job.channel, job.scheme
     return {
         "reynolds": channel.reynolds,
-        "mach": channel.peak_velocity / scheme.sound_speed,
-        "sound_speed": scheme.sound_speed,
+        "reference_velocity": channel.reference_velocity,
         "spacing": channel.spacing,
-        "particles_fluid": scheme.particles.fluid,
-        "particles_wall": scheme.wall_particles(),
-        "neighbours_mean": scheme.lists.mean_length(),
+        "particles_fluid": job.particles,
+        **scheme.numbers(),
         "dt_min": scheme.shortest if scheme.steps else None,
         "dt_max": scheme.longest if scheme.steps else None,
     }
@@ -57,8 +55,7 @@ def cost(job):
         "steps": job.scheme.steps,
         "wall_total_s": time.perf_counter() - PROCESS_START,
         **{f"wall_{kind}_s": seconds for kind, seconds in job.costs.items()},
-        "particle_steps_per_s": steps * job.scheme.particles.fluid / loop if loop > 0 else None,
-        "neighbour_rebuilds": job.scheme.rebuilds,
+        "particle_steps_per_s": steps * job.particles / loop if loop > 0 else None,
         "peak_memory_mb": peak_memory_mb(),
     }
 

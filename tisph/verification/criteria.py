@@ -58,8 +58,7 @@ class Result:
     @property
     def reference_velocity(self):
         """Velocity by which the run's errors are divided."""
-        numbers = self.summary["numbers"]
-        return numbers["mach"] * numbers["sound_speed"]
+        return self.summary["numbers"]["reference_velocity"]
 
     def arrays(self):
         """Contents of ``samples.h5`` as {"sample/dataset": array}; empty where there is no such file."""

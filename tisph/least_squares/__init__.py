@@ -1,0 +1,1 @@
+"""Least-squares operators: derivatives that are exact for polynomials on any arrangement of particles."""

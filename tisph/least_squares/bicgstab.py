@@ -1,0 +1,134 @@
+"""BiCGStab for (1 - c A) x = b, A being least-squares rows closed by ghosts beyond the walls.
+
+H. A. van der Vorst, SIAM J. Sci. Stat. Comput. 13 (1992) 631-644, with the diagonal as preconditioner. Sums run in a
+fixed order, so that the result does not depend on the number of threads.
+"""
+
+from tisph.least_squares.rows import LANES
+from tisph.runtime import real, scalar, ti
+
+MOST_ITERATIONS = 200
+
+
+@ti.data_oriented
+class BiCGStab:
+    """Solver with its vectors; ``x`` (slots + 1) holds the guess and then the solution, ``b`` (padded) the right side.
+
+    ``parity``: what a ghost has of its source's value, -1 for velocities and 1 for pressure.
+    """
+
+    def __init__(self, rows, ghosts, parity):
+        self.rows, self.ghosts, self.points = rows, ghosts, rows.points
+        self.parity = parity
+        self.serial = rows.serial
+        self.fluid = rows.count
+        self.groups = -(-self.fluid // LANES)
+        padded, slots = self.groups * LANES, self.points.slots + 1
+        self.x, self.search, self.half = (ti.field(real(), slots) for _ in range(3))
+        self.b, self.residual, self.shadow, self.along, self.across = (ti.field(real(), padded) for _ in range(5))
+        self.direction, self.inverse = (ti.field(real(), padded) for _ in range(2))
+        self.coefficient, self.own = scalar(0.0), scalar(1.0)
+        self.rho, self.alpha, self.omega, self.beta = (scalar(0.0) for _ in range(4))
+        self.norm = scalar(0.0)
+        self.iterations = 0
+
+    def solve(self, coefficient, tolerance, own=1.0, most=MOST_ITERATIONS):
+        """Solve (``own`` - ``coefficient`` A) x = b to a residual of ``tolerance`` |b|; return whether it did."""
+        self.coefficient[None], self.own[None] = coefficient, own
+        limit = tolerance * self.start()
+        for _ in range(most):
+            if self.norm[None] <= limit:
+                return True
+            self.iterate()
+            self.iterations += 1
+        return self.norm[None] <= limit
+
+    def start(self):
+        """Set up the residual of the guess; return |b|."""
+        self.set_up()
+        return self.rho[None]
+
+    @ti.func
+    def product(self, values, i):
+        """Return row ``i`` of (own - coefficient A) times ``values``."""
+        return self.own[None] * values[i] - self.coefficient[None] * self.rows.apply(self.rows.laplacian, values, i)
+
+    @ti.func
+    def reflect(self, values, k):
+        """Give ghost ``k`` its value."""
+        values[self.fluid + k] = self.parity * self.ghosts.value(values, k)
+
+    @ti.func
+    def dot(self, left: ti.template(), right: ti.template()):
+        """Return the sum of products, in a fixed order."""
+        part = ti.Vector([0.0] * LANES)
+        for group in range(self.groups):
+            for lane in ti.static(range(LANES)):
+                part[lane] += left[group * LANES + lane] * right[group * LANES + lane]
+        return part.sum()
+
+    @ti.kernel
+    def set_up(self):
+        """Residual of the guess, inverse diagonal, and |b| in ``rho`` for the caller."""
+        ti.loop_config(serialize=self.serial)
+        for k in range(self.ghosts.count[None]):
+            self.reflect(self.x, k)
+        ti.loop_config(serialize=self.serial)
+        for i in range(self.fluid):
+            total = 0.0
+            for k in range(self.points.count[i]):
+                total += self.rows.laplacian[i, k]
+            self.inverse[i] = 1.0 / (self.own[None] + self.coefficient[None] * total)
+            residual = self.b[i] - self.product(self.x, i)
+            self.residual[i] = residual
+            self.shadow[i] = residual
+            self.direction[i] = 0.0
+            self.along[i] = 0.0
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            self.rho[None] = ti.sqrt(self.dot(self.b, self.b))
+            self.norm[None] = ti.sqrt(self.dot(self.residual, self.residual))
+            self.beta[None] = 0.0
+            self.omega[None] = 0.0
+            self.alpha[None] = 1.0
+
+    @ti.kernel
+    def iterate(self):
+        """One iteration: two products, five sums."""
+        ti.loop_config(serialize=self.serial)
+        for i in range(self.fluid):
+            direction = self.residual[i] + self.beta[None] * (self.direction[i] - self.omega[None] * self.along[i])
+            self.direction[i] = direction
+            self.search[i] = self.inverse[i] * direction
+        ti.loop_config(serialize=self.serial)
+        for k in range(self.ghosts.count[None]):
+            self.reflect(self.search, k)
+        ti.loop_config(serialize=self.serial)
+        for i in range(self.fluid):
+            self.along[i] = self.product(self.search, i)
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            self.rho[None] = self.dot(self.shadow, self.residual)
+            self.alpha[None] = self.rho[None] / self.dot(self.shadow, self.along)
+        ti.loop_config(serialize=self.serial)
+        for i in range(self.fluid):
+            self.residual[i] -= self.alpha[None] * self.along[i]
+            self.half[i] = self.inverse[i] * self.residual[i]
+        ti.loop_config(serialize=self.serial)
+        for k in range(self.ghosts.count[None]):
+            self.reflect(self.half, k)
+        ti.loop_config(serialize=self.serial)
+        for i in range(self.fluid):
+            self.across[i] = self.product(self.half, i)
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            self.omega[None] = self.dot(self.across, self.residual) / self.dot(self.across, self.across)
+        ti.loop_config(serialize=self.serial)
+        for i in range(self.fluid):
+            self.x[i] += self.alpha[None] * self.search[i] + self.omega[None] * self.half[i]
+            self.residual[i] -= self.omega[None] * self.across[i]
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            self.norm[None] = ti.sqrt(self.dot(self.residual, self.residual))
+            rho = self.dot(self.shadow, self.residual)
+            self.beta[None] = rho / self.rho[None] * self.alpha[None] / self.omega[None]

@@ -1,0 +1,233 @@
+"""Steps of the implicit scheme: predict the middle, assemble the operators there, solve, measure, move."""
+
+import math
+
+import numpy as np
+
+from tisph.domain import Domain
+from tisph.errors import DivergedError
+from tisph.least_squares.bicgstab import BiCGStab
+from tisph.least_squares.rows import SUPPORT, LeastSquaresRows
+from tisph.neighbours.points import Points
+from tisph.schemes._momentum import MomentumBalance
+from tisph.schemes.implicit._control import FIRST, StepControl
+from tisph.schemes.implicit._dense import DenseOutput
+from tisph.schemes.implicit._field import VelocityField
+from tisph.schemes.implicit._ghosts import MirrorGhosts
+from tisph.schemes.implicit._kick import Kick
+from tisph.schemes.implicit._motion import Motion
+from tisph.schemes.implicit._pressure import Projection
+from tisph.schemes.implicit._shift import Shift
+from tisph.schemes.implicit._viscous import ViscousStep
+from tisph.schemes.implicit._walls import WallSeries
+from tisph.snapshot import Snapshot
+
+SKIN = 0.1
+"""Room, in particle spacings, for the pairs that shifting brings together after they were listed."""
+
+SOLVER_TOLERANCE = 1e-3
+"""Residual of a linear system, as a part of the tolerance of a step."""
+
+LARGEST_DIVERGENCE = 5e-3
+"""Of the velocities over their gradient, as root mean squares, that needs no pressure. Truncation errors of disordered
+shear flow are below 1e-3 once the layers are resolved; a flow that needs a pressure soon has 1e-1."""
+
+MOST_ATTEMPTS = 20
+
+HOST_STATE = ("time", "steps", "rejected", "shortest", "longest", "reduced", "dropped", "projections", "transverse")
+"""Attributes of a Scheme that change while it runs."""
+
+
+class Scheme:
+    """Particles in a channel, advanced step by step; ``time`` and ``steps`` tell how far.
+
+    ``targets`` are times that steps end on exactly. ``serial`` compiles loops without threads.
+    """
+
+    def __init__(self, config, channel, targets, serial):
+        order = config.scheme.operators.order
+        reach = (SUPPORT[order] + SKIN) * channel.spacing
+        threads = 1 if serial else 2
+        self.channel = channel
+        self.domain = Domain(channel)
+        self.points = Points(channel, self.domain, reach, MirrorGhosts.room(channel, reach), serial)
+        self.ghosts = MirrorGhosts(self.points, self.domain, reach)
+        self.rows = LeastSquaresRows(self.points, SUPPORT[order] * channel.spacing, order, threads)
+        self.solver = BiCGStab(self.rows, self.ghosts, -1.0)
+        self.walls = WallSeries(channel, config.walls.treatment.type != "comoving_image")
+        self.viscous = ViscousStep(self.solver, channel, self.walls)
+        self.field = VelocityField(self.viscous)
+        self.shift = Shift(self.points, self.ghosts, channel.spacing, serial)
+        self.projection = Projection(self.viscous, self.field, channel.gap)
+        self.motion = Motion(self.field, self.shift)
+        self.dense = DenseOutput(self.viscous, self.motion)
+        self.control = control(config, channel, targets)
+        self.reset()
+
+    def reset(self):
+        """Go back to before the first step."""
+        self.time = self.channel.start_time
+        self.steps = self.rejected = self.reduced = self.dropped = self.projections = 0
+        self.shortest, self.longest = math.inf, 0.0
+        self.momentum = MomentumBalance(self.time)
+        self.field.volume.fill(0.0)
+        self.projection.pressure.fill(0.0)
+        self.viscous.push = None
+
+    def start(self, position, velocity, stress=None):
+        """Place the particles, (particles, 2) arrays, and take a first step in order to compile its kernels."""
+        self.place(position, velocity)
+        control = dict(vars(self.control), targets=list(self.control.targets))
+        self.advance()
+        vars(self.control).update(control)
+        self.reset()
+        self.place(position, velocity)
+
+    def place(self, position, velocity):
+        """Set positions and velocities; let walls that start at once give their impulse."""
+        self.motion.position.from_numpy(position)
+        self.viscous.velocity.from_numpy(np.ascontiguousarray(velocity.T))
+        self.momentum.initial = float(velocity[:, 0].sum())
+        self.transverse = bool(np.any(velocity[:, 1] != 0.0))
+        if self.walls.obeys_momentum and any(any(jumps) for jumps in self.walls.jumps):
+            self.assemble(0.0)
+            self.momentum.impulse = Kick(self.viscous).apply(*self.walls.jumps)
+
+    @property
+    def finished(self):
+        """Whether the last target is reached."""
+        return self.control.finished
+
+    def advance(self):
+        """Take one step, in as many attempts as its error asks for; raise DivergedError where none succeeds."""
+        for attempt in range(MOST_ATTEMPTS):
+            length = self.control.length(self.time)
+            self.assemble(length, shift=self.steps > 0 and self.smooth and attempt == 0)
+            error = self.solve(length)
+            if not math.isfinite(error):
+                raise DivergedError(
+                    f"u, v: the linear systems cannot be solved at step {self.steps + 1}, t = {self.time:.6g}"
+                )
+            if self.control.accepts(error / self.control.tolerance, length):
+                break
+            self.rejected += 1
+        self.conclude(length)
+
+    def assemble(self, length, shift=False):
+        """Put the points where they are in the middle of a step, push them apart, and compute the operators there."""
+        self.motion.predict(0.5 * length)
+        self.ghosts.find()
+        self.points.find_neighbours()
+        if shift and self.shift.spread():
+            self.motion.take_along(0.5 * length)
+        self.rows.assemble()
+        if self.projections:
+            self.projection.lay()
+
+    @property
+    def smooth(self):
+        """Whether derivatives of the velocities mean anything: not before the layers of a jump are resolved."""
+        jumped = any(any(jumps) for jumps in self.walls.jumps)
+        return not jumped or self.channel.kinematic_viscosity * self.time >= self.channel.spacing**2
+
+    def solve(self, length):
+        """Compute the velocities at the end of a step; return the estimated error over the reference velocity."""
+        tolerance = SOLVER_TOLERANCE * self.control.tolerance
+        errors = [
+            self.viscous.advance(component, self.time, length, tolerance) for component in range(1 + self.transverse)
+        ]
+        return math.hypot(*errors) / self.channel.reference_velocity
+
+    def conclude(self, length):
+        """Measure the new velocities and move the particles."""
+        self.momentum.add_impulse(self.viscous.wall_pull(self.time, length))
+        end = self.control.end(self.time, length)
+        self.field.measure(end, self.transverse)
+        if self.smooth and (self.projections or self.field.residual > LARGEST_DIVERGENCE):
+            self.project(end, length)
+        self.field.stretch(length)
+        self.dense.keep(self.time, length)
+        self.motion.move(length)
+        self.time = end
+        self.control.step_taken(end, self.field.steepest[None])
+        self.steps += 1
+        self.shortest, self.longest = min(self.shortest, length), max(self.longest, length)
+        self.reduced += self.rows.reduced[None]
+        self.dropped += self.rows.dropped[None]
+
+    def project(self, end, length):
+        """Project the velocities at the end of a step, at time ``end``; from then on there is a pressure."""
+        self.transverse = True
+        if not self.projection.project(length):
+            raise DivergedError(f"pressure: cannot be solved for at step {self.steps + 1}, t = {self.time:.6g}")
+        self.field.measure(end, self.transverse)
+        self.projections += 1
+        self.viscous.push = self.projection.push
+
+    def output_times(self, due):
+        """Return the times at which there is a snapshot, of those that are ``due``: all, since steps are dense."""
+        return due
+
+    def snapshot(self, time=None):
+        """Return the state at ``time``, within the last step, or now, as a Snapshot."""
+        if time is None or time == self.time:
+            time = self.time
+            position, velocity = self.motion.position.to_numpy(), self.viscous.velocity.to_numpy()
+        else:
+            position, velocity = self.dense.at(time)
+        return Snapshot(
+            t=time,
+            step=self.steps,
+            x=position[:, 0] % self.channel.length,
+            y=position[:, 1],
+            u=velocity[0],
+            v=velocity[1],
+            density=self.channel.density * np.exp(-self.field.volume.to_numpy().astype(float)),
+            pressure=self.channel.density * self.projection.pressure.to_numpy().astype(float),
+        )
+
+    def momentum_balance(self):
+        """Return the balance of momentum along x up to ``time``, see ``MomentumBalance.report``."""
+        velocity = self.viscous.velocity.to_numpy()[0].astype(float)
+        return self.momentum.report(self.channel, self.time, float(velocity.sum()))
+
+    def numbers(self):
+        """Return what ``summary.json`` says about this scheme."""
+        return {
+            "mach": 0.0,
+            "sound_speed": None,
+            "particles_wall": self.ghosts.count[None],
+            "neighbours_mean": self.points.mean_length(),
+            "projections": self.projections,
+            "steps_rejected": self.rejected,
+            "order_reduced": self.reduced,
+            "neighbourhoods_dropped": self.dropped,
+        }
+
+    def parts(self):
+        """Return everything whose fields a resumed run needs, by name."""
+        return {"motion": self.motion, "viscous": self.viscous, "field": self.field, "projection": self.projection}
+
+    def host_state(self):
+        """Return the numbers outside the fields that a resumed run needs."""
+        state = {name: getattr(self, name) for name in HOST_STATE}
+        return {**state, "control": vars(self.control), "momentum": vars(self.momentum)}
+
+    def restore_host_state(self, state):
+        """Take up the numbers of ``host_state``."""
+        for name in HOST_STATE:
+            setattr(self, name, state[name])
+        vars(self.control).update(state["control"])
+        vars(self.momentum).update(state["momentum"])
+        if self.projections:
+            self.viscous.push = self.projection.push
+
+
+def control(config, channel, targets):
+    """Return the control of the steps that a config asks for."""
+    first = FIRST * channel.spacing**2 / channel.kinematic_viscosity
+    fixed = None
+    if config.time.cfl != "auto":
+        fixed = config.time.cfl * channel.spacing / channel.reference_velocity
+    tolerance = 1e-4 if config.time.tolerance == "auto" else config.time.tolerance
+    return StepControl(channel.start_time, targets, first, tolerance, config.scheme.largest_strain, fixed)

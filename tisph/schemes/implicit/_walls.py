@@ -1,0 +1,38 @@
+"""What the walls prescribe at a time, as series of the ghosts' values: see ``_ghosts.py``."""
+
+
+class WallSeries:
+    """Series c0 + c1 d^2 + c2 d^4 of both walls: 2 U, w_2 and w_4/12 by the momentum equation at the wall.
+
+    Without ``obeys_momentum`` (co-moving images) only 2 U.
+    """
+
+    def __init__(self, channel, obeys_momentum):
+        self.channel = channel
+        self.walls = (channel.bottom, channel.top)
+        self.obeys_momentum = obeys_momentum
+        self.steady = not any(wall.oscillates for wall in self.walls)
+
+    def __call__(self, time):
+        """Return the series of the (bottom, top) wall at ``time``."""
+        return [self._series(wall, time) for wall in self.walls]
+
+    def _series(self, wall, time):
+        if not self.obeys_momentum:
+            return [2.0 * wall.velocity(time), 0.0, 0.0]
+        nu = self.channel.kinematic_viscosity
+        second = (wall.acceleration(time) - self.channel.acceleration) / nu
+        fourth = wall.jerk(time) / nu**2
+        return [2.0 * wall.velocity(time), second, fourth / 12.0]
+
+    @property
+    def jumps(self):
+        """Jumps at the start of the (bottom, top) wall's velocity, and of its acceleration relative to the drive."""
+        channel = self.channel
+        from_rest = channel.start_time == 0.0 and not channel.settled
+        if channel.start_time > 0.0:
+            return [0.0, 0.0], [0.0, 0.0]
+        drive = channel.acceleration if from_rest else 0.0
+        before = [0.0 if from_rest or wall.before is not None else wall.acceleration(0.0) for wall in self.walls]
+        rates = [wall.acceleration(0.0) - old - drive for wall, old in zip(self.walls, before, strict=True)]
+        return list(channel.wall_jumps), rates

@@ -20,10 +20,11 @@ ROOM = 1.6
 class Points:
     """Places (slots + 1) of all points; neighbours ``table[i, k]``, k < ``count[i]``, of the fluid within ``reach``.
 
-    ``ghosts`` is the number of points beyond the walls at present. ``far``: where the sentinel is, beyond any reach.
+    ``ghosts`` is the number of points beyond the walls at present. With ``mirrors`` the table goes on with a row for
+    each ghost: the fluid particles around its mirror point ``mirror[k]``.
     """
 
-    def __init__(self, channel, domain, reach, room, serial):
+    def __init__(self, channel, domain, reach, room, serial, mirrors=False):
         self.domain = domain
         self.serial = serial
         self.fluid = channel.rows * channel.columns
@@ -39,8 +40,12 @@ class Points:
         self.capacity = math.ceil((ROOM * mean + LANES) / LANES) * LANES
         self.place = ti.field(ti.types.vector(2, real()), shape=self.slots + 1)
         self.ghosts = ti.field(ti.i32, shape=())
-        self.table = ti.field(ti.i32, shape=(self.fluid, self.capacity))
-        self.count = ti.field(ti.i32, shape=self.fluid)
+        self.mirrors = mirrors
+        listed = self.slots if mirrors else self.fluid
+        self.table = ti.field(ti.i32, shape=(listed, self.capacity))
+        self.count = ti.field(ti.i32, shape=listed)
+        if mirrors:
+            self.mirror = ti.field(ti.types.vector(2, real()), shape=room)
         self.longest = ti.field(ti.i32, shape=())
         self.start = ti.field(ti.i32, shape=(self.rows + 2) * self.columns + 1)
         self.cell = ti.field(ti.i32, shape=self.slots)
@@ -57,7 +62,11 @@ class Points:
             self.sort()
         ti.loop_config(serialize=self.serial)
         for i in range(self.fluid):
-            ti.atomic_max(self.longest[None], self.gather(i))
+            ti.atomic_max(self.longest[None], self.gather(i, self.place[i], self.slots))
+        if ti.static(self.mirrors):
+            ti.loop_config(serialize=self.serial)
+            for k in range(self.ghosts[None]):
+                ti.atomic_max(self.longest[None], self.gather(self.fluid + k, self.mirror[k], self.fluid))
 
     @ti.func
     def sort(self):
@@ -101,19 +110,21 @@ class Points:
         return row
 
     @ti.func
-    def gather(self, i):
-        """Fill row ``i`` of the table from the 3 x 3 cells around it and return how many it needed."""
-        place = self.place[i]
-        column, row = self.column_of(place.x), self.row_of(place.y, i)
+    def gather(self, i, place, end):
+        """Fill row ``i`` of the table with the points before ``end`` around ``place``; return how many it needed.
+
+        They come from the 3 x 3 cells around it.
+        """
+        column, row = self.column_of(place.x), self.row_of(place.y, 0)
         found = 0
         for near in range(row - 1, row + 2):
             cells = near * self.columns
-            begin = self.first(cells + ti.max(column - 1, 0))
-            end = self.first(cells + ti.min(column + 2, self.columns))
-            found = self.append(i, begin, end, found)
+            first = self.first(cells + ti.max(column - 1, 0))
+            last = self.first(cells + ti.min(column + 2, self.columns))
+            found = self.append(i, place, end, first, last, found)
             if column == 0 or column == self.columns - 1:
                 other = cells + ti.select(column == 0, self.columns - 1, 0)
-                found = self.append(i, self.first(other), self.first(other + 1), found)
+                found = self.append(i, place, end, self.first(other), self.first(other + 1), found)
         filled = ti.min(found, self.capacity)
         padded = (filled + LANES - 1) // LANES * LANES
         for k in range(filled, padded):
@@ -122,14 +133,16 @@ class Points:
         return found
 
     @ti.func
-    def append(self, i, begin, end, found):
-        """Append the points begin .. end-1 of ``order`` within reach, without a branch; return the new count."""
+    def append(self, i, place, end, first, last, found):
+        """Append what is within reach of ``order[first .. last-1]``, without a branch; return the new count."""
         limit = self.reach_squared[None]
-        for s in range(begin, end):
+        for s in range(first, last):
             j = self.order[s]
-            apart = self.separation(i, j)
+            apart = self.place[j] - place
+            apart.x = self.domain.nearest(apart.x)
             self.table[i, ti.min(found, self.capacity - 1)] = j
-            found += ti.cast(apart.dot(apart) < limit, ti.i32) * ti.cast(j != i, ti.i32)
+            near = ti.cast(apart.dot(apart) < limit, ti.i32) * ti.cast(j != i, ti.i32)
+            found += near * ti.cast(j < end, ti.i32)
         return found
 
     @ti.func
@@ -141,7 +154,7 @@ class Points:
 
     def mean_length(self):
         """Return the mean number of neighbours within reach of a fluid particle, padding not counted."""
-        count, table = self.count.to_numpy(), self.table.to_numpy()
+        count, table = self.count.to_numpy()[: self.fluid], self.table.to_numpy()[: self.fluid]
         listed = sum((table[:, k] != self.sentinel)[count > k].sum() for k in range(self.capacity))
         return float(listed) / self.fluid
 

@@ -12,6 +12,7 @@ from pydantic import Field
 
 from tisph.config.base import Model
 from tisph.schemes.implicit._scheme import Scheme
+from tisph.schemes.implicit._walls import OBEY_MOMENTUM
 
 __all__ = ["Parameters", "Scheme", "problems"]
 
@@ -38,6 +39,5 @@ def problems(config):
     if config.fluid.rheology.carries_stress:
         text = "has no polymer stress: give {type: wcsph}, or fluid.rheology {type: newtonian}"
         yield "scheme.type", f"implicit {text}"
-    served = ("comoving_image", "consistent_image")
-    if config.walls.treatment.type not in served:
-        yield "walls.treatment.type", f"is not one that scheme implicit serves: take {' or '.join(served)}"
+    if config.walls.treatment.type not in OBEY_MOMENTUM:
+        yield "walls.treatment.type", f"is not one that scheme implicit serves: take {' or '.join(OBEY_MOMENTUM)}"

@@ -18,6 +18,7 @@ from tisph.schemes.implicit._kick import Kick
 from tisph.schemes.implicit._motion import Motion
 from tisph.schemes.implicit._pressure import Projection
 from tisph.schemes.implicit._shift import Shift
+from tisph.schemes.implicit._virtual import VirtualGhosts
 from tisph.schemes.implicit._viscous import ViscousStep
 from tisph.schemes.implicit._walls import WallSeries
 from tisph.snapshot import Snapshot
@@ -50,11 +51,13 @@ class Scheme:
         threads = 1 if serial else 2
         self.channel = channel
         self.domain = Domain(channel)
-        self.points = Points(channel, self.domain, reach, MirrorGhosts.room(channel, reach), serial)
-        self.ghosts = MirrorGhosts(self.points, self.domain, reach)
+        treatment = config.walls.treatment.type
+        kind = VirtualGhosts if treatment == "virtual_image" else MirrorGhosts
+        self.points = Points(channel, self.domain, reach, kind.room(channel, reach), serial, kind.mirrors)
+        self.ghosts = kind(self.points, self.domain, reach, channel)
         self.rows = LeastSquaresRows(self.points, SUPPORT[order] * channel.spacing, order, threads)
         self.solver = BiCGStab(self.rows, self.ghosts, -1.0)
-        self.walls = WallSeries(channel, config.walls.treatment.type != "comoving_image")
+        self.walls = WallSeries(channel, treatment)
         self.viscous = ViscousStep(self.solver, channel, self.walls)
         self.field = VelocityField(self.viscous)
         self.shift = Shift(self.points, self.ghosts, channel.spacing, serial)
@@ -120,6 +123,7 @@ class Scheme:
         self.points.find_neighbours()
         if shift and self.shift.spread():
             self.motion.take_along(0.5 * length)
+        self.ghosts.weigh()
         self.rows.assemble()
         if self.projections:
             self.projection.lay()

@@ -63,4 +63,4 @@ class Shift:
             self.moved[i] += self.move[i]
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
-            self.ghosts.mirror(k)
+            self.ghosts.follow(k)

@@ -1,16 +1,19 @@
 """What the walls prescribe at a time, as series of the ghosts' values: see ``_ghosts.py``."""
 
+OBEY_MOMENTUM = {"comoving_image": False, "consistent_image": True, "virtual_image": False}
+"""Treatments that the implicit scheme serves, and whether their series follow from the momentum equation."""
+
 
 class WallSeries:
     """Series c0 + c1 d^2 + c2 d^4 of both walls: 2 U, w_2 and w_4/12 by the momentum equation at the wall.
 
-    Without ``obeys_momentum`` (co-moving images) only 2 U.
+    Without ``obeys_momentum`` only 2 U.
     """
 
-    def __init__(self, channel, obeys_momentum):
+    def __init__(self, channel, treatment):
         self.channel = channel
         self.walls = (channel.bottom, channel.top)
-        self.obeys_momentum = obeys_momentum
+        self.obeys_momentum = OBEY_MOMENTUM[treatment]
         self.steady = not any(wall.oscillates for wall in self.walls)
 
     def __call__(self, time):

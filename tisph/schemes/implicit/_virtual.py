@@ -1,0 +1,106 @@
+"""Virtual ghosts: layers that continue the lattice beyond the walls, mirroring what the fluid has at their mirror points.
+
+The value there is a least-squares fit of c0 + c1 x + c2 y + c3 x^2 + c4 x y + c5 y^2 to the fluid particles around it
+(F. Bierbrauer, "No-Slip Boundary Conditions in Smoothed Particle Hydrodynamics", slides 4 and 6, second way, whose fit
+is linear: the Laplacian of a fourth-order row needs the curvature right).
+"""
+
+import math
+
+import numpy as np
+
+from tisph.runtime import real, ti
+from tisph.schemes.implicit._ghosts import Ghosts
+
+UNKNOWNS = 6
+
+SMALLEST_PIVOT = 1e-8
+"""Of the moments, scaled to the sum of the weights: below, the unknown is left out."""
+
+
+@ti.data_oriented
+class VirtualGhosts(Ghosts):
+    """Fixed ghosts; ``share[k, n]`` is what neighbour n of the mirror point of ghost k contributes."""
+
+    mirrors = True
+
+    def __init__(self, points, domain, reach, channel):
+        super().__init__(points, domain, reach)
+        self.share = ti.field(real(), shape=(self.side.shape[0], points.capacity))
+        self.vector, self.matrix = ti.types.vector(UNKNOWNS, real()), ti.types.matrix(UNKNOWNS, UNKNOWNS, real())
+        self.pairs = [(row, column) for row in range(UNKNOWNS) for column in range(row)]
+        self.settle(channel)
+
+    @staticmethod
+    def room(channel, reach):
+        """Return the number of ghosts: all layers within reach."""
+        return 2 * min(math.ceil(reach / channel.spacing), channel.rows) * channel.columns
+
+    def settle(self, channel):
+        """Lay out the layers; they stay where they are."""
+        layers = self.side.shape[0] // (2 * channel.columns)
+        layer, column = np.divmod(np.arange(layers * channel.columns), channel.columns)
+        x, depth = (column + 0.5) * channel.spacing, (layer + 0.5) * channel.spacing
+        place = self.points.place.to_numpy()
+        heights, mirrored = np.concatenate([-depth, channel.gap + depth]), np.concatenate([depth, channel.gap - depth])
+        place[self.points.fluid : self.points.slots] = np.stack([np.tile(x, 2), heights], 1)
+        self.points.place.from_numpy(place)
+        self.points.mirror.from_numpy(np.stack([np.tile(x, 2), mirrored], 1))
+        self.depth.from_numpy(np.tile(depth, 2))
+        self.side.from_numpy(np.repeat(np.array([0, 1], dtype=np.int32), depth.size))
+        self.count[None] = 2 * depth.size
+
+    @ti.kernel
+    def weigh(self):
+        """Fit at all mirror points."""
+        ti.loop_config(serialize=self.points.serial)
+        for k in range(self.count[None]):
+            row = self.points.fluid + k
+            moments = self.matrix(0.0)
+            for n in range(self.points.count[row]):
+                basis, weight = self.weighted_basis(k, self.points.table[row, n])
+                moments += weight * basis.outer_product(basis)
+            coefficients = self.solved(moments)
+            for n in range(self.points.count[row]):
+                basis, weight = self.weighted_basis(k, self.points.table[row, n])
+                self.share[k, n] = weight * coefficients.dot(basis)
+
+    @ti.func
+    def weighted_basis(self, k, j):
+        """Return basis and weight of point ``j`` around mirror point ``k``; the sentinel has the weight 0."""
+        apart = self.points.place[j] - self.points.mirror[k]
+        x, y = self.domain.nearest(apart.x) / self.reach, apart.y / self.reach
+        nearness = ti.max(0.0, 1.0 - x * x - y * y)
+        inside = ti.cast(nearness > 0.0, self.share.dtype)
+        x, y = x * inside, y * inside
+        return self.vector(1.0, x, y, x * x, x * y, y * y), nearness * nearness
+
+    @ti.func
+    def solved(self, moments):
+        """Return the first row of the inverse of ``moments``, by L D L^T; undetermined unknowns are left out."""
+        lower, first = moments, self.vector(0.0)
+        first[0] = 1.0
+        for k in ti.static(range(UNKNOWNS)):
+            usable = ti.cast(lower[k, k] > SMALLEST_PIVOT * moments[0, 0], self.share.dtype)
+            inverse = usable / ti.select(usable > 0.0, lower[k, k], 1.0)
+            for i in ti.static(range(k + 1, UNKNOWNS)):
+                factor = lower[i, k] * inverse
+                for j in ti.static(range(k + 1, UNKNOWNS)):
+                    lower[i, j] -= factor * lower[k, j]
+                first[i] -= factor * first[k]
+        for back in ti.static(range(UNKNOWNS)):
+            k = ti.static(UNKNOWNS - 1 - back)
+            usable = ti.cast(lower[k, k] > SMALLEST_PIVOT * moments[0, 0], self.share.dtype)
+            for j in ti.static(range(k + 1, UNKNOWNS)):
+                first[k] -= lower[k, j] * first[j]
+            first[k] *= usable / ti.select(usable > 0.0, lower[k, k], 1.0)
+        return first
+
+    @ti.func
+    def value(self, values: ti.template(), k):
+        """Return the value at the mirror point of ghost ``k``."""
+        row = self.points.fluid + k
+        total = 0.0
+        for n in range(self.points.count[row]):
+            total += self.share[k, n] * values[self.points.table[row, n]]
+        return total

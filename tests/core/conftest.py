@@ -13,6 +13,7 @@ fluid: {density: 1.0, kinematic_viscosity: 0.01}
 geometry: {gap: 1.0, length: 1.0}
 walls: {top: {velocity: 0.5}}
 discretisation: {particles_across: 12}
+scheme: {type: wcsph}
 time: {end: 1.0}
 """
 

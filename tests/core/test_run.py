@@ -18,6 +18,7 @@ geometry: {gap: 1.0, length: 1.0}
 walls: {top: {velocity: 0.5}}
 discretisation: {particles_across: 12}
 initial: {jitter: 0.2}
+scheme: {type: wcsph}
 time: {end: 1.0, samples: [0.4, 1.0]}
 output: {video: {frames: 5, width: 480, height: 240}}
 """
@@ -91,10 +92,13 @@ def test_the_resolved_config_reproduces_the_run(tisph, tmp_path):
     same_bits(samples(tmp_path / "one"), samples(tmp_path / "two"))
 
 
-@pytest.mark.parametrize("treatment", ["comoving_image", "adami"])
-def test_the_same_bits_whatever_is_observed_and_on_one_thread_or_two(tisph, tmp_path, treatment):
+@pytest.mark.parametrize(
+    "choice",
+    ["walls.treatment.type=comoving_image", "walls.treatment.type=adami", "scheme={type: implicit}"],
+)
+def test_the_same_bits_whatever_is_observed_and_on_one_thread_or_two(tisph, tmp_path, choice):
     # 25 across: 625 particles, which two threads share; each particle is summed by one thread in list order
-    case = ["--set", "discretisation.particles_across=25", "--set", f"walls.treatment.type={treatment}"]
+    case = ["--set", "discretisation.particles_across=25", "--set", choice]
     tisph("run", "small.yaml", "--out", "one", *case, "--set", "runtime.threads=1")
     tisph("run", "small.yaml", "--out", "two", *case, "--set", "runtime.threads=2", "--no-video")
     same_bits(samples(tmp_path / "one"), samples(tmp_path / "two"))

@@ -74,5 +74,5 @@ def make_result(folder=None, speed=0.5, **errors):
         }
         for key, value in errors.items()
     ]
-    numbers = {"mach": 0.1, "sound_speed": 10 * speed}
+    numbers = {"mach": 0.1, "sound_speed": 10 * speed, "reference_velocity": speed}
     return Result(folder, {"status": "done", "samples": samples, "numbers": numbers})

@@ -10,10 +10,11 @@ from typer.testing import CliRunner
 
 import tisph
 from tisph import cli
-from tisph.cli.check import estimates, step_count
+from tisph.cli.check import estimates
 from tisph.cli.output_folder import RESULTS
 from tisph.config import load
 from tisph.errors import DivergedError, TisphError
+from tisph.schemes._estimate import step_count
 
 ROOT = Path(tisph.__file__).parents[1]
 
@@ -22,6 +23,7 @@ scene: channel
 fluid: {density: 1.0, kinematic_viscosity: 0.01}
 geometry: {gap: 1.0, length: 2.0}
 walls: {top: {velocity: 0.5}}
+scheme: {type: wcsph}
 time: {end: 2.7}
 """
 
@@ -79,7 +81,7 @@ def test_bad_config_is_one_message_and_nothing_is_written(case, simulation, comm
     result = tisph_command(command, "bad.yaml")
     assert result.exit_code == 2
     assert result.stdout == ""
-    assert result.stderr == "error: bad.yaml:5: time.end = -1: must be greater than 0 (at least 1e-30)\n"
+    assert result.stderr == "error: bad.yaml:6: time.end = -1: must be greater than 0 (at least 1e-30)\n"
     assert sorted(path.name for path in case.iterdir()) == ["bad.yaml", "case.yaml"]
     assert simulation.calls == []
 

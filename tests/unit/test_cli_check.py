@@ -17,6 +17,7 @@ units: {length: cm, mass: g, time: s}
 fluid: {density: 1.0, kinematic_viscosity: 0.01}
 geometry: {gap: 1.0, length: 2.0}
 walls: {top: {velocity: 0.5}}
+scheme: {type: wcsph}
 time: {end: 2.0}
 """
 AT_REST = "walls.top.velocity=0"

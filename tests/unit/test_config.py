@@ -40,7 +40,7 @@ def test_defaults_of_the_shortest_config(tmp_path):
     assert config.walls.treatment.type == "consistent_image"
     assert config.walls.bottom.velocity == 0.0
     assert config.fluid.rheology.type == "newtonian"
-    assert config.scheme.equation_of_state.sound_speed == "auto"
+    assert (config.scheme.type, config.scheme.accuracy) == ("auto", "balanced")
     assert config.particles_across == 50
     assert config.time.samples == (2.7,)
     assert config.start_time == 0.0

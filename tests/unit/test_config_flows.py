@@ -91,7 +91,11 @@ def test_a_flow_before_may_be_the_start_of_a_developed_or_exact_run(case):
 
 def test_polymer_stress_needs_memory():
     # three stresses of 8 bytes in four buffers
-    assert estimated_bytes(10, 3.0, True) - estimated_bytes(10, 3.0, False) == 10 * STRESS_BYTES == 10 * 3 * 4 * 8
+    assert (
+        estimated_bytes(10, 3.0, True, False) - estimated_bytes(10, 3.0, False, False)
+        == 10 * STRESS_BYTES
+        == 10 * 3 * 4 * 8
+    )
 
 
 ONLY_STEADY = "is only for a wall of constant velocity; this one oscillates"

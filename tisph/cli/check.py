@@ -1,16 +1,11 @@
 """``tisph check``: validate a config and say what its run would be, without running it."""
 
-import itertools
-import math
 from collections.abc import Iterator
 from typing import Any
 
 import typer
 
 from tisph.cli.options import ConfigFile, Overrides
-
-SECONDS_PER_PARTICLE_STEP = 150e-9
-"""Rough cost of one particle and step on two threads; only for the estimate that is printed."""
 
 HIGHEST_MACH = 0.1
 """Density varies by about Mach^2: above this the liquid is no longer nearly incompressible."""
@@ -49,25 +44,22 @@ def check(config: ConfigFile, overrides: Overrides = None) -> None:
 
 def estimates(config: Any) -> dict[str, Any]:
     """Numbers of a run before it runs, in the config's units; memory in bytes, run time in seconds."""
+    from tisph import families, schemes
     from tisph.config import memory
 
     channel = _scene(config)
-    sound, limits = _sound_speed_and_limits(config, channel)
-    binding = min(limits, key=lambda name: limits[name])
-    steps = step_count(config.start_time, [*config.time.samples, config.time.end], limits[binding])
     particles = channel.rows * channel.columns
+    resolved, reason = schemes.resolve(config)
     return {
         "reynolds": channel.reynolds,
-        "mach": channel.peak_velocity / sound,
         "cell_reynolds": channel.reference_velocity * channel.spacing / channel.kinematic_viscosity,
-        "sound_speed": sound,
         "viscous_time": channel.viscous_time,
         "particles": particles,
-        "time_step": limits[binding],
-        "binding_limit": binding,
-        "steps": steps,
-        "memory": memory.estimated_bytes(particles, config.support, channel.polymer is not None),
-        "run_time": particles * steps * SECONDS_PER_PARTICLE_STEP,
+        "memory": memory.estimated_bytes(
+            particles, config.support, channel.polymer is not None, resolved.scheme.type == "implicit"
+        ),
+        "scheme": reason,
+        **families.load("schemes", resolved.scheme.type).estimates(resolved, channel),
     }
 
 
@@ -75,41 +67,6 @@ def _scene(config: Any) -> Any:
     from tisph import families
 
     return families.load("scenes", config.scene).Scene.from_config(config)
-
-
-def _sound_speed_and_limits(config: Any, channel: Any) -> tuple[float, dict[str, float]]:
-    """Sound speed, and the limits of the time step while nothing is faster than the peak velocity."""
-    from tisph.equation_of_state import sound_speed
-    from tisph.schemes._time_step import effective_viscosity, time_step_limits
-
-    length = config.discretisation.smoothing_ratio * channel.spacing
-    sound = sound_speed(
-        config.scheme.equation_of_state,
-        reference_velocity=channel.peak_velocity,
-        kinematic_viscosity=channel.kinematic_viscosity,
-        gap=channel.gap,
-        density=channel.density,
-        elastic_speed=channel.elastic_speed,
-    )
-    artificial = config.scheme.artificial_viscosity
-    return sound, time_step_limits(
-        config.time.cfl,
-        smoothing_length=length,
-        sound_speed=sound,
-        reference_velocity=channel.peak_velocity,
-        kinematic_viscosity=effective_viscosity(channel.solvent_viscosity, artificial, length, sound),
-        acceleration=abs(channel.acceleration),
-        elastic_speed=channel.elastic_speed,
-        relaxation_time=channel.polymer.relaxation_time if channel.polymer else math.inf,
-    )
-
-
-def step_count(start: float, targets: list[float], longest: float) -> int:
-    """Steps no longer than ``longest`` from ``start`` through every target (ascending), each hit exactly."""
-    from tisph.schemes._plan import steps_between
-
-    pairs = itertools.pairwise([start, *targets])
-    return sum(steps_between(before, after, longest) for before, after in pairs if after > before)
 
 
 def _flow_lines(channel: Any) -> list[tuple[str, str]]:
@@ -141,11 +98,14 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
     from tisph.config.memory import format_bytes
 
     length, time = config.units.length, config.units.time
-    step = f"{numbers['time_step']:.4g} {time}, set by the {numbers['binding_limit']} limit"
+    largest = "" if numbers["sound_speed"] else "at most "
+    step = f"{largest}{numbers['time_step']:.4g} {time}, set by the {numbers['binding_limit']} limit"
     spacing = f"{config.spacing:.6g} {length} ({config.particles_across} across, {config.columns} along)"
-    return [
-        ("Mach number", f"{numbers['mach']:.4g}  (peak speed / c)"),
-        ("sound speed c", f"{numbers['sound_speed']:.6g} {length}/{time}"),
+    lines = [("scheme", numbers["scheme"])]
+    if numbers["sound_speed"]:
+        lines.append(("Mach number", f"{numbers['mach']:.4g}  (peak speed / c)"))
+        lines.append(("sound speed c", f"{numbers['sound_speed']:.6g} {length}/{time}"))
+    lines += [
         ("particle spacing", spacing),
         ("fluid particles", str(numbers["particles"])),
         ("time step", step),
@@ -153,6 +113,9 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
         ("memory", f"about {format_bytes(numbers['memory'])}"),
         ("run time", f"about {_duration(numbers['run_time'])} (estimate, without compiling and video)"),
     ]
+    if numbers["error"]:
+        lines.append(("L2 error", f"about {numbers['error']:.0e} at t = {config.time.samples[-1]:g} {time} (estimate)"))
+    return lines
 
 
 def _warnings(channel: Any, numbers: dict[str, Any]) -> Iterator[str]:

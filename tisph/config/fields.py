@@ -51,11 +51,13 @@ def member_name(family: str) -> Any:
 class Member:
     """Marks a map ``{type: NAME, ...}`` whose other keys are the ``Parameters`` of a family's member.
 
-    ``usual`` is the member meant where the map, or its ``type``, is left out.
+    ``usual`` is the member meant where the map, or its ``type``, is left out; ``untyped``, if given, the one meant by a
+    map without ``type``.
     """
 
     family: str
     usual: str
+    untyped: str | None = None
 
     def default(self) -> Model:
         """The parameters of the usual member, all at their defaults."""
@@ -63,7 +65,7 @@ class Member:
 
     def model(self, value: object) -> type[Model] | None:
         """Parameter model that the raw map ``value`` names by its ``type``, None where it names none."""
-        name = value.get("type", self.usual) if isinstance(value, dict) else None
+        name = value.get("type", self.untyped or self.usual) if isinstance(value, dict) else None
         if name not in families.names(self.family):
             return None
         return families.load(self.family, name).Parameters

@@ -15,11 +15,18 @@ NEIGHBOUR_BYTES = 4 * 1.6
 MOST_PARTICLES = 20_000_000
 
 
-def estimated_bytes(particles: float, support: float, carries_stress: bool) -> float:
+IMPLICIT_BYTES = 2200
+"""A particle of the implicit scheme: three rows of 44 entries and their table, moments, coefficients, 40 vectors."""
+
+
+def estimated_bytes(particles: float, support: float, carries_stress: bool, implicit: bool) -> float:
     """Estimated memory of the fields of a run in bytes, for a kernel ``support`` radius in particle spacings.
 
-    ``carries_stress`` tells whether every particle has a stress of its own.
+    ``carries_stress`` tells whether every particle has a stress of its own, ``implicit`` whether the scheme stores
+    rows of operators.
     """
+    if implicit:
+        return particles * IMPLICIT_BYTES
     fields = FIELD_BYTES + (STRESS_BYTES if carries_stress else 0)
     return particles * (fields + NEIGHBOUR_BYTES * math.pi * support**2)
 

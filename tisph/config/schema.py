@@ -19,7 +19,7 @@ Count = Annotated[int, Field(ge=1, le=10**12)]
 
 WallTreatment = Member("walls", usual="consistent_image")
 Rheology = Member("rheology", usual="newtonian")
-Scheme = Member("schemes", usual="wcsph")
+Scheme = Member("schemes", usual="auto", untyped="wcsph")
 
 
 def _text(pattern: str, allowed: str) -> Any:

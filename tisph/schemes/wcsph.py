@@ -22,6 +22,7 @@ from tisph.liquid import Liquid
 from tisph.neighbours.cells import Cells
 from tisph.neighbours.verlet import VerletLists, reach
 from tisph.particles import Particles
+from tisph.schemes._estimate import explicit
 from tisph.schemes._impulse import ImpulsiveStart
 from tisph.schemes._momentum import MomentumBalance, WallForces
 from tisph.schemes._plan import StepPlan
@@ -65,9 +66,16 @@ class Parameters(Model):
 
 def problems(config):
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
+    if config.time.tolerance != "auto":
+        yield "time.tolerance", "is for scheme implicit, which estimates the error of its steps; wcsph has time.cfl"
     if config.fluid.rheology.carries_stress and config.scheme.operators != "consistent":
         text = f"{config.fluid.rheology.type} needs the velocity gradient of the consistent operators"
         yield "scheme.operators", f"{text}: give consistent, or fluid.rheology {{type: newtonian}}"
+
+
+def estimates(config, channel):
+    """Return what ``tisph check`` says of a run of this scheme."""
+    return explicit(config, channel)
 
 
 class Scheme:

@@ -8,7 +8,7 @@ from contextlib import ExitStack, contextmanager
 
 import numpy as np
 
-from tisph import PROCESS_START, families, runtime
+from tisph import PROCESS_START, families, runtime, schemes
 from tisph.errors import ConfigError, DivergedError, TisphError
 from tisph.folder import Folder
 from tisph.observers.frames import Frames, frame_times
@@ -89,9 +89,11 @@ class Run:
 
     def _build(self, resume):
         runtime.start(self.config.discretisation.precision, self.threads)
-        scheme = families.load("schemes", self.config.scheme.type).Scheme
-        targets = sorted({*self.config.time.samples, self.config.time.end})
-        self.scheme = scheme(self.config, self.channel, targets, serial=self.threads == 1)
+        config, reason = schemes.resolve(self.config)
+        scheme = families.load("schemes", config.scheme.type).Scheme
+        targets = sorted({*config.time.samples, config.time.end})
+        self.scheme = scheme(config, self.channel, targets, serial=self.threads == 1)
+        log.info("scheme %s", reason)
         if resume:
             checkpoint.restore(self.folder.checkpoint, self.scheme, self.fingerprint)
         self.first_step = self.scheme.steps

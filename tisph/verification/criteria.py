@@ -110,6 +110,18 @@ def closes(case, bound):
     )
 
 
+def steps_at_most(case, bound, t_star):
+    """The sample at dimensionless time ``t_star`` comes after at most ``bound`` steps."""
+    return Criterion(
+        case,
+        f"steps to t* = {t_star:g}",
+        f"<= {bound}",
+        runs=(case,),
+        value=lambda result: result.measure(t_star, "step"),
+        accepts=lambda value: value <= bound,
+    )
+
+
 def near(case, reference, t_star, tolerance, quantity="l2"):
     """The error is that of the run ``reference`` at the same t*, within a relative ``tolerance``."""
     return Criterion(

@@ -13,6 +13,7 @@ NEWTONIAN = {
     "geometry": {"gap": 1.0, "length": 0.4},
     "walls": {"treatment": {"type": "consistent_image"}},
     "discretisation": {"particles_across": 50},
+    "scheme": {"type": "wcsph"},
 }
 
 
@@ -45,6 +46,11 @@ def treatment(name):
 def drive(acceleration):
     """Change of the body acceleration."""
     return {"drive": {"acceleration": acceleration}}
+
+
+def implicit(order=4):
+    """Change to the implicit scheme with operators of an order."""
+    return {"scheme": {"type": "implicit", "operators": {"order": order}}}
 
 
 def state(name):

@@ -20,9 +20,10 @@ def sample_metrics(channel, snapshot, tracers):
     floats, None where a number does not exist (a relative error of a liquid at rest, a wall shear that is
     infinite):
 
-    ``t``, ``t_star`` = nu t/gap^2 with the total viscosity; over the particles at their own positions ``l2`` =
-    sqrt(sum (u-u_exact)^2 / sum u_exact^2), ``rms`` = sqrt(mean (u-u_exact)^2) / U and ``linf`` = max |u-u_exact| /
-    U, U the channel's reference velocity (``l2`` says little where u crosses zero, ``rms`` always does); with
+    ``t``, ``step`` (how many there have been), ``t_star`` = nu t/gap^2 with the total viscosity; over the particles at
+    their own positions ``l2`` = sqrt(sum (u-u_exact)^2 / sum u_exact^2), ``rms`` = sqrt(mean (u-u_exact)^2) / U and
+    ``linf`` = max |u-u_exact| / U, U the channel's reference velocity (``l2`` says little where u crosses zero, ``rms``
+    always does); with
     polymer ``shear_stress_l2`` = sqrt(sum (S-S_exact)^2 / sum S_exact^2) of S = S_xy, and ``normal_stress_l2``,
     that of the first normal stress difference S_xx - S_yy;
     ``slope`` (1/time), ``intercept`` (velocity) of the least-squares line u(y) through the tracers; ``centreline``: u
@@ -33,6 +34,7 @@ def sample_metrics(channel, snapshot, tracers):
     """
     measures = {
         "t": snapshot.t,
+        "step": snapshot.step,
         "t_star": snapshot.t / channel.viscous_time,
         "l2": relative_error(channel, snapshot),
         "rms": rms_error(channel, snapshot),

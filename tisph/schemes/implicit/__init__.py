@@ -11,10 +11,11 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from tisph.config.base import Model
-from tisph.schemes.implicit._scheme import Scheme
+from tisph.schemes._estimate import implicit
+from tisph.schemes.implicit._scheme import Scheme, control
 from tisph.schemes.implicit._walls import OBEY_MOMENTUM
 
-__all__ = ["Parameters", "Scheme", "problems"]
+__all__ = ["Parameters", "Scheme", "estimates", "problems"]
 
 
 class LeastSquares(Model):
@@ -31,13 +32,19 @@ class Parameters(Model):
 
     type: Literal["implicit"] = "implicit"
     operators: LeastSquares = LeastSquares()
-    largest_strain: Annotated[float, Field(gt=0, le=2)] = 1.0
+    largest_strain: Annotated[float, Field(gt=0, le=2)] = 0.5
 
 
 def problems(config):
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
     if config.fluid.rheology.carries_stress:
-        text = "has no polymer stress: give {type: wcsph}, or fluid.rheology {type: newtonian}"
-        yield "scheme.type", f"implicit {text}"
+        yield "scheme.type", f"implicit has no polymer stress, which {config.fluid.rheology.type} needs: take wcsph"
     if config.walls.treatment.type not in OBEY_MOMENTUM:
-        yield "walls.treatment.type", f"is not one that scheme implicit serves: take {' or '.join(OBEY_MOMENTUM)}"
+        text = f"implicit has no {config.walls.treatment.type} walls"
+        yield "walls.treatment.type", f"{text}: take {' or '.join(OBEY_MOMENTUM)}, or scheme wcsph"
+
+
+def estimates(config, channel):
+    """Return what ``tisph check`` says of a run of this scheme."""
+    steps = control(config, channel, config.time.samples)
+    return implicit(config, channel, steps.wish, steps.tolerance, steps.largest_strain)

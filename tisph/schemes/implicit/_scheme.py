@@ -29,9 +29,15 @@ SKIN = 0.1
 SOLVER_TOLERANCE = 1e-3
 """Residual of a linear system, as a part of the tolerance of a step."""
 
-LARGEST_DIVERGENCE = 5e-3
+LARGEST_DIVERGENCE = 2e-2
 """Of the velocities over their gradient, as root mean squares, that needs no pressure. Truncation errors of disordered
-shear flow are below 1e-3 once the layers are resolved; a flow that needs a pressure soon has 1e-1."""
+shear flow are below 5e-3 once the layers are resolved; a flow that needs a pressure soon has 1e-1."""
+
+RESOLVED = 2.0
+"""Depth sqrt(nu t) of a layer, in particle spacings, from which on derivatives of the velocities mean something."""
+
+TOLERANCE = 3e-7
+"""Of a step, where the config leaves it open."""
 
 MOST_ATTEMPTS = 20
 
@@ -130,9 +136,15 @@ class Scheme:
 
     @property
     def smooth(self):
-        """Whether derivatives of the velocities mean anything: not before the layers of a jump are resolved."""
-        jumped = any(any(jumps) for jumps in self.walls.jumps)
-        return not jumped or self.channel.kinematic_viscosity * self.time >= self.channel.spacing**2
+        """Whether a Taylor series describes the velocities: not before layers of a jump are as deep as a spacing."""
+        return self.depth >= 1.0
+
+    @property
+    def depth(self):
+        """Depth sqrt(nu t) of the layers that walls have made by jumping, in particle spacings; infinite without."""
+        if not any(any(jumps) for jumps in self.walls.jumps):
+            return math.inf
+        return math.sqrt(self.channel.kinematic_viscosity * self.time) / self.channel.spacing
 
     def solve(self, length):
         """Compute the velocities at the end of a step; return the estimated error over the reference velocity."""
@@ -147,9 +159,10 @@ class Scheme:
         self.momentum.add_impulse(self.viscous.wall_pull(self.time, length))
         end = self.control.end(self.time, length)
         self.field.measure(end, self.transverse)
-        if self.smooth and (self.projections or self.field.residual > LARGEST_DIVERGENCE):
-            self.project(end, length)
-        self.field.stretch(length)
+        if self.depth >= RESOLVED:
+            if self.projections or self.field.residual > LARGEST_DIVERGENCE:
+                self.project(end, length)
+            self.field.stretch(length)
         self.dense.keep(self.time, length)
         self.motion.move(length)
         self.time = end
@@ -233,5 +246,5 @@ def control(config, channel, targets):
     fixed = None
     if config.time.cfl != "auto":
         fixed = config.time.cfl * channel.spacing / channel.reference_velocity
-    tolerance = 1e-4 if config.time.tolerance == "auto" else config.time.tolerance
+    tolerance = TOLERANCE if config.time.tolerance == "auto" else config.time.tolerance
     return StepControl(channel.start_time, targets, first, tolerance, config.scheme.largest_strain, fixed)

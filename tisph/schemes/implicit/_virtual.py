@@ -1,4 +1,4 @@
-"""Virtual ghosts: layers that continue the lattice beyond the walls, mirroring what the fluid has at their mirror points.
+"""Virtual ghosts: layers that continue the lattice beyond the walls, mirroring the fluid at their mirror points.
 
 The value there is a least-squares fit of c0 + c1 x + c2 y + c3 x^2 + c4 x y + c5 y^2 to the fluid particles around it
 (F. Bierbrauer, "No-Slip Boundary Conditions in Smoothed Particle Hydrodynamics", slides 4 and 6, second way, whose fit

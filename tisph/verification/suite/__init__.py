@@ -1,8 +1,8 @@
 """The verification suite as data: which runs, and what each is held to; a module for each kind of flow."""
 
-from tisph.verification.suite import channel, couette, viscoelastic
+from tisph.verification.suite import channel, couette, implicit, viscoelastic
 
-PARTS = (couette, channel, viscoelastic)
+PARTS = (couette, channel, viscoelastic, implicit)
 
 
 def runs(quick):

@@ -21,6 +21,7 @@ BASE = {
     },
     "initial": {"state": "rest"},
     "discretisation": {"particles_across": 50},
+    "scheme": {"type": "wcsph"},
 }
 
 SI = {

@@ -1,0 +1,78 @@
+"""The Runge-Kutta method of the implicit scheme: order, stiff accuracy and stability from its coefficients."""
+
+import numpy as np
+import pytest
+
+from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, TIMES, WEIGHTS
+
+A, B, C, EMBEDDED_B = (np.array(numbers) for numbers in (STAGES, WEIGHTS, TIMES, EMBEDDED))
+
+ROUNDING = 1e-14  # fractions of 13 digits each carry about 25; what is left is the rounding of sums of four terms
+
+
+def growth(z):
+    """Return R(z), the factor by which one step of y' = z y grows: 1 + z b (1 - z A)^-1 (1, 1, 1, 1)."""
+    return 1 + z * B @ np.linalg.solve(np.eye(4) - z * A, np.ones(4))
+
+
+def test_stages_are_evaluated_at_the_times_that_their_weights_add_up_to():
+    assert np.allclose(A.sum(axis=1), C, rtol=0, atol=ROUNDING)
+
+
+def test_one_explicit_stage_and_three_implicit_ones_with_one_matrix():
+    assert np.array_equal(np.diag(A), [0.0, GAMMA, GAMMA, GAMMA])
+    assert np.array_equal(np.triu(A, 1), np.zeros((4, 4)))
+
+
+# (sum of weights times ..., what it must be for the order)
+CONDITIONS = [
+    (1, np.ones(4), 1),
+    (2, C, 1 / 2),
+    (3, C**2, 1 / 3),
+    (3, A @ C, 1 / 6),
+]
+
+
+@pytest.mark.parametrize(("order", "vector", "value"), CONDITIONS, ids=["1", "c", "c^2", "A c"])
+def test_order_conditions_up_to_three(order, vector, value):
+    assert pytest.approx(value, rel=0, abs=ROUNDING) == B @ vector
+
+
+@pytest.mark.parametrize(("order", "vector", "value"), CONDITIONS[:2], ids=["1", "c"])
+def test_order_conditions_of_the_embedded_result_up_to_two(order, vector, value):
+    assert pytest.approx(value, rel=0, abs=ROUNDING) == EMBEDDED_B @ vector
+
+
+@pytest.mark.parametrize(("order", "vector", "value"), CONDITIONS[2:], ids=["c^2", "A c"])
+def test_the_embedded_result_misses_third_order(order, vector, value):
+    # or the difference of the two results would not estimate the error
+    assert abs(EMBEDDED_B @ vector - value) > 1e-3
+
+
+def test_the_last_stage_is_the_result():
+    assert np.array_equal(A[3], B)
+    assert C[3] == 1.0
+
+
+def test_every_stage_is_of_second_order():
+    # walls that accelerate act through stiff terms, whose errors follow the order of the stages
+    assert np.allclose(A @ C, C**2 / 2, rtol=0, atol=ROUNDING)
+
+
+def test_the_stiffest_modes_vanish_in_one_step():
+    # the limit of R for z to minus infinity: that of the implicit stages alone, driven by the explicit one
+    limit = -np.linalg.solve(A[1:, 1:], A[1:, 0])[-1]
+    assert abs(limit) < 10 * ROUNDING  # the solution of a system with entries up to 1/gamma^3 = 12
+    assert abs(growth(-1e6)) < 1e-5  # R falls off as 1/z
+
+
+def test_no_oscillation_or_decay_grows():
+    axis = 1j * np.concatenate([np.linspace(0, 20, 400), np.logspace(1.3, 6, 200)])
+    # along the imaginary axis, and by the maximum principle in the whole left half-plane
+    assert max(abs(growth(z)) for z in axis) <= 1 + ROUNDING
+
+
+def test_growth_follows_the_exponential_to_third_order():
+    errors = [abs(growth(z) - np.exp(z)) for z in (-0.1, -0.05)]
+    # the error of a step is of order z^4: a ratio of 16, less what the next term takes at z = 0.1
+    assert errors[0] / errors[1] == pytest.approx(16, rel=0.1)

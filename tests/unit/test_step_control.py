@@ -1,0 +1,187 @@
+"""Lengths of the implicit scheme's steps: targets, remainders, errors and strain."""
+
+import itertools
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tisph.schemes.implicit._control import (
+    LARGEST_FACTOR,
+    REJECTED,
+    SAFETY,
+    SMALLEST_FACTOR,
+    StepControl,
+)
+
+
+def make(start=0.0, targets=(10.0,), first=1.0, tolerance=1e-4, largest_strain=1.0, fixed=None):
+    return StepControl(start, list(targets), first, tolerance, largest_strain, fixed)
+
+
+def walk(control, time=0.0, natural=1e9, steepest=0.0):
+    """Take steps to the last target; return the ends and lengths of those accepted.
+
+    ``natural``: length of the step that has the error asked for; the error grows as the cube of the length.
+    """
+    times, lengths = [], []
+    while not control.finished:
+        length = control.length(time)
+        if control.accepts((length / natural) ** 3, length):
+            time = control.end(time, length)
+            control.step_taken(time, steepest)
+            times.append(time)
+            lengths.append(length)
+    return times, lengths
+
+
+TARGETS = st.lists(st.floats(0.01, 10.0), min_size=1, max_size=5, unique=True).map(sorted)
+
+
+@given(TARGETS, st.floats(0.01, 3.0), st.floats(0.01, 3.0), st.floats(0.1, 2.0))
+def test_hits_every_target_exactly(targets, first, natural, strain):
+    control = make(targets=targets, first=first, largest_strain=strain)
+    times, lengths = walk(control, natural=natural, steepest=2.0)
+    assert set(targets) <= set(times)
+    assert times[-1] == targets[-1]
+    assert times == sorted(set(times))  # no step of no length
+    assert min(lengths) > 0
+
+
+@given(TARGETS, st.floats(0.01, 3.0))
+def test_hits_every_target_exactly_with_fixed_steps(targets, fixed):
+    times, lengths = walk(make(targets=targets, fixed=fixed))
+    assert set(targets) <= set(times)
+    # at most a thousandth longer, which saves a step of the length of a thousandth
+    assert max(lengths) <= fixed / 0.999 * (1 + 1e-12)
+
+
+def test_targets_at_or_before_the_start_are_passed():
+    assert walk(make(start=1.0, targets=(0.5, 1.0, 1.25)), time=1.0)[0] == [1.25]
+
+
+@pytest.mark.parametrize(
+    ("wish", "expected"),
+    [
+        (2.5, 1.0),  # all: the wish reaches beyond the target
+        (1.0, 1.0),
+        (0.9995, 1.0),  # all: what would be left is no step worth taking
+        (0.99, 0.5),  # half: the wish would leave a small remainder
+        (0.51, 0.5),
+        (0.5, 0.5),
+        (0.3, 0.3),  # none of it: the target is more than two steps away
+    ],
+)
+def test_takes_all_half_or_none_of_what_is_left(wish, expected):
+    assert make(start=2.0, targets=(3.0,), first=wish).length(2.0) == expected
+
+
+def test_two_halves_meet_the_target_exactly():
+    control = make(start=0.1, targets=(0.7,), first=0.45)
+    times, lengths = walk(control, time=0.1)
+    assert times[-1] == 0.7
+    assert len(lengths) == 2
+    assert lengths[0] == pytest.approx(lengths[1], rel=1e-12)  # rounding of the times
+
+
+@pytest.mark.parametrize("error", [1.01 * REJECTED, 10.0, 1e9, float("inf")])
+def test_a_rejected_step_is_taken_again_shorter(error):
+    control = make()
+    assert not control.accepts(error, 1.0)
+    assert SMALLEST_FACTOR <= control.wish < 1.0
+    assert control.length(0.0) == control.wish
+
+
+def test_a_rejected_step_shrinks_the_more_the_larger_its_error():
+    wishes = []
+    for error in (2.0, 20.0, 60.0):
+        control = make()
+        control.accepts(error, 1.0)
+        wishes.append(control.wish)
+    assert wishes == sorted(wishes, reverse=True)
+    assert wishes[0] > wishes[-1]
+
+
+def test_a_rejected_step_that_was_cut_short_shrinks_from_its_own_length():
+    control = make(targets=(0.3,), first=1.0)
+    assert control.length(0.0) == 0.3
+    assert not control.accepts(2.0, 0.3)
+    assert control.wish < 0.3
+
+
+def test_repeated_rejections_go_on_shrinking():
+    control = make()
+    lengths = [1.0]
+    for _ in range(5):
+        assert not control.accepts(REJECTED * 1.1, lengths[-1])
+        lengths.append(control.length(0.0))
+    assert all(later < earlier for earlier, later in itertools.pairwise(lengths))
+
+
+@pytest.mark.parametrize("error", [0.0, 1e-30, 1e-9])
+def test_growth_is_bounded(error):
+    control = make()
+    assert control.accepts(error, 1.0)
+    assert control.wish == LARGEST_FACTOR
+
+
+def test_the_next_step_would_meet_the_tolerance_with_a_margin():
+    # the error of a step grows as the cube of its length
+    for error in (0.2, 0.5, 1.0, REJECTED):
+        control = make()
+        assert control.accepts(error, 1.0)
+        assert error * control.wish**3 == pytest.approx(SAFETY**3, rel=1e-12)  # rounding of a root
+
+
+@pytest.mark.parametrize("left", [0.3, 0.6])
+def test_a_step_cut_short_to_meet_a_target_does_not_shorten_the_next(left):
+    control = make(targets=(left, 5.0), first=1.0)
+    length = control.length(0.0)
+    assert length == left
+    assert control.accepts(1e-9, length)
+    control.step_taken(control.end(0.0, length), 0.0)
+    assert control.length(left) == 1.0
+
+
+def test_a_half_step_does_not_shorten_the_next():
+    control = make(targets=(1.5, 9.0), first=1.0)
+    walked = 0.0
+    for _ in range(2):
+        length = control.length(walked)
+        assert length == 0.75
+        assert control.accepts(1e-9, length)
+        walked = control.end(walked, length)
+        control.step_taken(walked, 0.0)
+    assert walked == 1.5
+    assert control.length(walked) >= 1.0
+
+
+def test_a_step_cut_short_that_was_too_long_all_the_same_shortens_the_next():
+    control = make(targets=(0.3, 5.0), first=1.0)
+    assert control.accepts(1.4, 0.3)
+    assert control.wish < 0.3
+
+
+def test_the_strain_of_a_step_is_limited():
+    control = make(largest_strain=0.5)
+    control.step_taken(1.0, steepest=10.0)
+    assert control.wish == 0.5 / 10.0
+    control.step_taken(2.0, steepest=1.0)
+    assert control.wish == 0.5 / 10.0  # a limit, not a wish
+
+
+def test_a_uniform_flow_has_no_strain_limit():
+    control = make(largest_strain=0.5)
+    control.step_taken(1.0, steepest=0.0)
+    assert control.wish == 1.0
+
+
+def test_fixed_steps_heed_neither_error_nor_strain():
+    control = make(fixed=0.25, targets=(1.0, 1.9, 2.4), largest_strain=1e-3)
+    times, lengths = walk(control, natural=1e-3, steepest=100.0)
+    assert times[:4] == [0.25, 0.5, 0.75, 1.0]
+    assert control.wish == 0.25
+    # on the way to a target they are as given, but for the last two: 0.9 is 3 steps and a remainder
+    assert lengths[4:6] == [0.25, 0.25]
+    assert lengths[6] == lengths[7] == pytest.approx(0.2, rel=1e-12)  # rounding of the times
+    assert lengths[8:] == pytest.approx([0.25, 0.25], rel=1e-12)

@@ -1,0 +1,132 @@
+"""What a run will be, before it runs: steps, time, error. Rough, and in plain numbers; for ``tisph check``.
+
+Errors are those of flow from rest at the last sample: with delta = min(sqrt(nu t), gap), the depth that the motion of
+a wall has reached, an operator of order p errs by a constant times (spacing/delta)^p, as measured in start-up Couette
+flow from 12 to 100 across (``tisph verify``); steps add theirs. Of other flows nothing is said (None).
+"""
+
+import itertools
+import math
+
+from tisph.equation_of_state import sound_speed
+from tisph.schemes._plan import steps_between
+from tisph.schemes._time_step import effective_viscosity, time_step_limits
+
+EXPLICIT_COST = 150e-9
+"""Rough cost of one particle and step of the explicit scheme on two threads [s]."""
+
+IMPLICIT_COST, IMPLICIT_OVERHEAD = 2.5e-6, 2e-3
+"""The same of the implicit scheme, order 4, and of a step whatever the number of particles [s]."""
+
+EXPLICIT_ERROR = {"consistent_image": 0.031}
+IMPLICIT_ERROR = {4: 5e-3, 2: 0.03}
+UNCORRECTED_ERROR = {"wcsph": 0.06, "implicit": 0.016}
+"""Errors over (spacing/delta)^order; the last for walls that do not give their impulse, of order 2 for any operator."""
+
+STEP_ERROR = 2.0
+"""Error over the tolerance of a step."""
+
+GROWTH = 0.5
+"""Step over the time since the start, at a tolerance of 1e-4; it goes with the cube root of the tolerance."""
+
+PHASE = 0.25
+"""Step times angular frequency of a wall, likewise."""
+
+
+def explicit(config, channel):
+    """Return the numbers of a run of scheme ``wcsph``."""
+    length = config.discretisation.smoothing_ratio * channel.spacing
+    sound = sound_speed(
+        config.scheme.equation_of_state,
+        reference_velocity=channel.peak_velocity,
+        kinematic_viscosity=channel.kinematic_viscosity,
+        gap=channel.gap,
+        density=channel.density,
+        elastic_speed=channel.elastic_speed,
+    )
+    artificial = config.scheme.artificial_viscosity
+    limits = time_step_limits(
+        config.time.cfl,
+        smoothing_length=length,
+        sound_speed=sound,
+        reference_velocity=channel.peak_velocity,
+        kinematic_viscosity=effective_viscosity(channel.solvent_viscosity, artificial, length, sound),
+        acceleration=abs(channel.acceleration),
+        elastic_speed=channel.elastic_speed,
+        relaxation_time=channel.polymer.relaxation_time if channel.polymer else math.inf,
+    )
+    binding = min(limits, key=lambda name: limits[name])
+    steps = step_count(config.start_time, [*config.time.samples, config.time.end], limits[binding])
+    coefficient = EXPLICIT_ERROR.get(config.walls.treatment.type, UNCORRECTED_ERROR["wcsph"])
+    return {
+        "mach": channel.peak_velocity / sound,
+        "sound_speed": sound,
+        "time_step": limits[binding],
+        "binding_limit": binding,
+        "steps": steps,
+        "run_time": channel.rows * channel.columns * steps * EXPLICIT_COST,
+        "error": coefficient * _resolution(config, channel) ** 2 if _from_rest(config, channel) else None,
+    }
+
+
+def implicit(config, channel, first, tolerance, strain):
+    """Return the numbers of a run of scheme ``implicit``, whose first step is ``first`` long."""
+    steps, longest, binding = _implicit_steps(config, channel, first, tolerance, strain)
+    order = config.scheme.operators.order
+    resolution = _resolution(config, channel)
+    error = IMPLICIT_ERROR[order] * resolution**order + STEP_ERROR * tolerance
+    if config.walls.treatment.type != "consistent_image":
+        error += UNCORRECTED_ERROR["implicit"] * resolution**2
+    return {
+        "mach": 0.0,
+        "sound_speed": None,
+        "time_step": longest,
+        "binding_limit": binding,
+        "steps": steps,
+        "run_time": steps * (IMPLICIT_OVERHEAD + channel.rows * channel.columns * IMPLICIT_COST),
+        "error": error if _from_rest(config, channel) else None,
+    }
+
+
+def step_count(start, targets, longest):
+    """Steps no longer than ``longest`` from ``start`` through every target (ascending), each hit exactly."""
+    pairs = itertools.pairwise([start, *targets])
+    return sum(steps_between(before, after, longest) for before, after in pairs if after > before)
+
+
+def _from_rest(config, channel):
+    return (
+        config.initial.state == "rest"
+        and channel.polymer is None
+        and not (config.scheme.type == "wcsph" and config.scheme.operators == "standard")
+    )
+
+
+def _resolution(config, channel):
+    """Spacing over the depth that the motion of a wall has reached at the last sample."""
+    return channel.spacing / _depth(channel, config.time.samples[-1])
+
+
+def _depth(channel, time):
+    return min(math.sqrt(channel.kinematic_viscosity * time), channel.gap)
+
+
+def _implicit_steps(config, channel, first, tolerance, strain):
+    """Return number, largest length and limit of the steps, by going through them."""
+    if config.time.cfl != "auto":
+        return step_count(config.start_time, [*config.time.samples, config.time.end], first), first, "cfl"
+    accuracy = (tolerance / 1e-4) ** (1 / 3)
+    frequency = max(channel.bottom.angular_frequency, channel.top.angular_frequency)
+    time, length, steps = config.start_time, first, 0
+    while time < config.time.end and steps < 10**7:
+        steepest = channel.reference_velocity / _depth(channel, max(time, first))
+        limits = {
+            "accuracy": GROWTH * accuracy * max(time - config.start_time, 2.0 * first),
+            "strain": strain / steepest,
+            "oscillation": PHASE * accuracy / frequency if frequency else math.inf,
+        }
+        binding = min(limits, key=lambda name: limits[name])
+        length = min(2.0 * length, limits[binding])
+        time += length
+        steps += 1
+    return steps + len(config.time.samples), length, binding

@@ -1,0 +1,36 @@
+"""Automatic choice: the scheme, its order and its step control that are soonest at the wanted accuracy.
+
+The implicit scheme of order 4 is the faster one at every error that both schemes reach, wherever it can serve the
+config (``benchmarks``); what is left to choose is how accurate its steps are.
+"""
+
+from typing import Literal
+
+from tisph import families
+from tisph.config.base import Model
+
+STEPS = {"fast": (3e-4, 1.5), "balanced": (1e-4, 1.0), "high": (3e-7, 0.5)}
+"""Tolerance of a step, and its largest strain, by accuracy."""
+
+
+class Parameters(Model):
+    """``accuracy``: of the steps; about 5e-4, 2e-4 and 1e-5 in start-up Couette flow, 50 particles across."""
+
+    type: Literal["auto"] = "auto"
+    accuracy: Literal["fast", "balanced", "high"] = "balanced"
+
+
+def resolve(config):
+    """Return the config with the scheme that this choice stands for, and the reason in words."""
+    implicit = families.load("schemes", "implicit")
+    tolerance, strain = STEPS[config.scheme.accuracy]
+    candidate = implicit.Parameters(largest_strain=strain)
+    refusals = [text for _, text in implicit.problems(config)]
+    if refusals:
+        chosen = families.load("schemes", "wcsph").Parameters()
+        return config.model_copy(update={"scheme": chosen}), f"wcsph, since {refusals[0]}"
+    given = config.time.tolerance
+    time = config.time.model_copy(update={"tolerance": tolerance if given == "auto" else given})
+    wanted = f"{config.scheme.accuracy} accuracy, tolerance {time.tolerance:g} and strain {strain:g} a step"
+    reason = f"implicit, order {candidate.operators.order}: {wanted}"
+    return config.model_copy(update={"scheme": candidate, "time": time}), reason

@@ -185,13 +185,22 @@ def test_render_draws_again_from_the_files(tisph, tmp_path):
         assert (tmp_path / "out" / name).stat().st_size > 0
 
 
-@pytest.mark.parametrize("treatment", ["comoving_image", "adami"])
+@pytest.mark.parametrize(
+    ("scheme", "treatment"),
+    [
+        ("wcsph", "comoving_image"),
+        ("wcsph", "adami"),
+        ("implicit", "consistent_image"),
+        ("implicit", "virtual_image"),
+    ],
+)
 @pytest.mark.parametrize("across", [6, 12])
-def test_no_kernel_reads_or_writes_out_of_bounds(tisph, treatment, across):
+def test_no_kernel_reads_or_writes_out_of_bounds(tisph, scheme, treatment, across):
     # Taichi checks every index in debug mode; without it a bad one passes silently
     case = ["--set", f"discretisation.particles_across={across}", "--set", "geometry.length=2.0"]
     walls = ["--set", f"walls.treatment.type={treatment}", "--set", "initial.jitter=0.3"]
-    tisph("run", "small.yaml", "--out", f"{treatment}{across}", "--no-video", *case, *walls, TI_DEBUG="1")
+    options = [*case, *walls, "--set", f"scheme={{type: {scheme}}}"]
+    tisph("run", "small.yaml", "--out", f"{scheme}_{treatment}{across}", "--no-video", *options, TI_DEBUG="1")
 
 
 @pytest.mark.skipif(os.name == "nt", reason="HOME decides on POSIX systems only")

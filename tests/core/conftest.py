@@ -29,7 +29,9 @@ def make(tmp_path):
         channel = Channel.from_config(settings)
         threads = 1 if settings.runtime.threads == "auto" else settings.runtime.threads
         runtime.start(settings.discretisation.precision, threads)
-        scheme = families.load("schemes", "wcsph").Scheme(settings, channel, settings.time.samples, serial=threads == 1)
+        scheme = families.load("schemes", settings.scheme.type).Scheme(
+            settings, channel, settings.time.samples, serial=threads == 1
+        )
         x, y = channel.jittered(0, jitter)
         field = np.stack([channel.initial_velocity(y), 0 * y], 1) if velocity is None else velocity(x, y)
         scheme.start(np.stack([x, y], 1), field, start_values(channel, settings.initial)[2])

@@ -82,42 +82,45 @@ def test_developed_couette_flow_is_kept_on_a_jittered_arrangement(make, order, t
 
 @pytest.mark.parametrize("treatment", ["comoving_image", "consistent_image"])
 def test_a_uniform_translation_is_kept_exactly(make, treatment):
-    scheme = make(
-        "initial={state: developed, jitter: 0.2}",
+    translation = (
         "walls={bottom: {velocity: 0.3}, top: {velocity: 0.3}}",
         f"walls.treatment.type={treatment}",
         "time.end=7.0",
     )
-    before = scheme.snapshot()
-    last = run(scheme)
+    last = run(make(*translation, "initial={state: developed, jitter: 0.2}"))
     # all differences that rows are applied to are 0, and what walls give cancels what images take, to the last bit
     assert np.all(last.u == 0.3)
     assert np.all(last.v == 0.0)
-    assert np.array_equal(last.y, before.y)
-    travelled = last.x - before.x - 0.3 * 7.0
-    assert np.allclose(travelled, np.round(travelled), rtol=0, atol=1e-14 * scheme.steps)  # rounding of x at each step
     assert np.all(last.density == 1.0)
 
 
-def test_what_the_walls_give_is_what_the_liquid_gains(make):
-    scheme = make("initial.jitter=0.2", "time.end=2.0", "drive.acceleration=0.02")
+def test_a_lattice_that_is_carried_along_stays_one(make):
+    scheme = make("initial.state=developed", "walls={bottom: {velocity: 0.3}, top: {velocity: 0.3}}", "time.end=7.0")
+    before, last = scheme.snapshot(), run(scheme)
+    assert np.array_equal(last.y, before.y)
+    behind = last.x - before.x - 0.3 * 7.0
+    assert np.allclose(behind, np.round(behind), rtol=0, atol=1e-14)  # rounding of x in a few steps
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.2])
+def test_what_the_walls_give_is_what_the_liquid_gains(make, jitter):
+    scheme = make(f"initial.jitter={jitter}", "walls.bottom.velocity=-0.1", "drive.acceleration=0.02", "time.end=2.0")
     run(scheme)
     balance = scheme.momentum_balance()
-    assert balance["change"] > 0.0
-    # what the two walls, the drive and the rows (which are not symmetric) add up to is not exact by construction:
-    # the walls' part is counted from the ghosts, and agrees with the exact shear to the order of the rows
-    bottom, top = scheme.channel.exact_wall_shear(2.0)
-    assert np.isfinite([bottom, top]).all()
-    assert balance["top_wall"] > abs(balance["bottom_wall"])
+    assert balance["top_wall"] > 0.0 > balance["bottom_wall"]
+    # on the lattice what one particle gives another takes, but for the residuals of the systems: 1e-8 of their right
+    # sides, three times in each of some 30 steps; the least-squares rows of a disordered arrangement are not
+    # symmetric, which leaves their truncation error
+    assert abs(balance["closure"]) < (1e-6 if jitter == 0.0 else 5e-2)
 
 
 # --- symmetries
 
 TIGHT = "time={end: 2.0, tolerance: 1.0e-7}"
 
-# systems are solved to 1e-3 of the tolerance, 1e-10 of their right sides, by iterations that take different roundings;
-# what that leaves is carried on, not amplified, over some 50 steps
-SOLVED = 1e-8
+# systems are solved to 1e-3 of the tolerance, 1e-10 of their right sides, whose norm is 6 at most (144 particles at
+# 0.5): three systems in each of 40 steps, in two runs that take different roundings, may differ by twice that in all
+SOLVED = 2e-7
 
 
 def jittered(channel):
@@ -204,29 +207,37 @@ def sine(channel):
     return np.stack([x, y], 1), SLOW * np.stack([np.sin(np.pi * y) + y, 0 * y], 1)
 
 
-def fixed(length, end):
-    """Overrides for steps of ``length`` where the reference velocity is SLOW and the spacing 1/12."""
-    return f"time={{end: {end}, cfl: {length * SLOW * 12!r}, tolerance: 1.0e-9}}"
+def slow(make, state, *overrides):
+    """A Scheme with accurately solved systems, a far target, and SLOW as reference velocity."""
+    return make(*overrides, "initial.state=developed", "time={end: 1.0e3, tolerance: 1.0e-9}", state=state)
+
+
+def in_steps_of(scheme, length, number, position, velocity):
+    """Start again and take ``number`` steps of a given length."""
+    scheme.reset()
+    scheme.control.fixed = scheme.control.wish = length
+    scheme.place(position, velocity)
+    for _ in range(number):
+        scheme.advance()
+    assert scheme.time == pytest.approx(number * length, rel=1e-12)  # rounding of a sum
 
 
 FLOWS = {
-    "decay": (sine, (f"walls.top.velocity={SLOW}", "initial.state=developed")),
-    # a period of 63 and a layer of 4.5 spacings, both well resolved
-    "swing": (
-        None,
-        (f"walls.top={{amplitude: {SLOW}, angular_frequency: 0.1, phase: sin}}", "initial.state=developed"),
-    ),
+    "decay": (sine, f"walls.top.velocity={SLOW}"),
+    # a period of 63 and a layer of 5 spacings, both well resolved
+    "swing": (None, f"walls.top={{amplitude: {SLOW}, angular_frequency: 0.1, phase: sin}}"),
 }
 
 
 @pytest.mark.parametrize("flow", FLOWS)
 def test_steps_are_of_third_order(make, flow):
-    state, overrides = FLOWS[flow]
+    state, walls = FLOWS[flow]
+    scheme = slow(make, state, walls)
+    start = scheme.motion.position.to_numpy(), scheme.viscous.velocity.to_numpy().T
     results = {}
     for length in (8.0, 4.0, 0.5):
-        scheme = make(*overrides, fixed(length, 24.0), state=state)
-        results[length] = run(scheme).u / SLOW
-        assert scheme.steps == 24.0 / length
+        in_steps_of(scheme, length, int(24.0 / length), *start)
+        results[length] = scheme.snapshot().u / SLOW
     errors = [np.linalg.norm(results[length] - results[0.5]) for length in (8.0, 4.0)]
     # 8, less what the next order takes with steps of 0.8 (nu pi^2 h, or w h)
     assert errors[0] / errors[1] > 5
@@ -288,24 +299,24 @@ def test_output_at_the_ends_of_a_step_is_the_state_there(make):
 
 
 def test_output_within_a_step_is_of_the_order_of_the_steps(make):
-    # a mode that decays as exp(-s t); its s on the lattice follows from tiny steps
-    overrides = (f"walls.top.velocity={SLOW}", "initial.state=developed")
-    scheme = make(*overrides, fixed(0.01, 0.1), state=sine)
-    start, end = scheme.snapshot(), run(scheme)
-    profile = start.u - SLOW * start.y
-    rate = -math.log(profile @ (end.u - SLOW * end.y) / (profile @ profile)) / 0.1
-    assert rate == pytest.approx(0.01 * np.pi**2, rel=1e-2)  # fourth-order rows with 24 spacings a wave
+    # a mode that decays as exp(-s t); its s on the lattice follows from a short step
+    scheme = slow(make, sine, f"walls.top.velocity={SLOW}")
+    start = scheme.motion.position.to_numpy(), scheme.viscous.velocity.to_numpy().T
+    linear = SLOW * start[0][:, 1]
+    profile = start[1][:, 0] - linear
+    in_steps_of(scheme, 0.1, 1, *start)
+    rate = -math.log(profile @ (scheme.snapshot().u - linear) / (profile @ profile)) / 0.1
+    assert rate == pytest.approx(0.01 * np.pi**2, rel=1e-3)  # fourth-order rows with 24 spacings a wave: (pi/12)^4/5
     errors = []
     for length in (8.0, 4.0):
-        scheme = make(*overrides, fixed(length, 24.0), state=sine)
-        scheme.advance()
+        in_steps_of(scheme, length, 1, *start)
         times = np.array([0.25, 0.5, 0.75]) * length
-        found = np.array([scheme.snapshot(time).u - SLOW * start.y for time in times])
-        errors.append(np.linalg.norm(found - np.exp(-rate * times)[:, None] * profile) / SLOW)
+        found = np.array([scheme.snapshot(time).u - linear for time in times])
+        errors.append(np.linalg.norm(found - np.exp(-rate * times)[:, None] * profile, axis=1).max())
     # the error of one step, and of a cubic through values and slopes, is of fourth order: 16, less the next order
     assert errors[0] / errors[1] > 10
-    # and far below what a straight line between the ends is off: (s h)^2 / 8 at s h = 0.4, over the mode's size
-    assert errors[1] < 0.1 * 0.4**2 / 8 * np.linalg.norm(profile) / SLOW
+    # and far below what a straight line between the ends is off, (s h)^2 / 8 of the mode at its middle
+    assert errors[1] < 0.05 * (4.0 * rate) ** 2 / 8 * np.linalg.norm(profile)
 
 
 def test_positions_within_a_step_follow_the_velocities(make):
@@ -385,14 +396,11 @@ def test_shear_flow_needs_no_pressure(make, overrides, jitter):
     assert np.all(last.pressure == 0.0)
 
 
-DECAY_RATES = {"wave": math.pi}
-
-
 def stokes_mode(amplitude, wave=math.pi):
     """A decaying Stokes flow between walls at rest, periodic in x, and its rate over nu.
 
     With psi = cos(l y)/cos(l/2) - cosh(k y)/cosh(k/2), y from mid-height, u = psi' cos kx, v = k psi sin kx obey the
-    unsteady Stokes equations with the rate nu (l^2 + k^2), where l tan(l/2) + k tanh(k/2) = 0 lets u vanish on the walls.
+    unsteady Stokes equations with the rate nu (l^2 + k^2), where l tan(l/2) + k tanh(k/2) = 0: u is 0 on the walls.
     """
     low, high = math.pi * (1 + 1e-12), 2 * math.pi
     for _ in range(100):
@@ -412,25 +420,105 @@ def stokes_mode(amplitude, wave=math.pi):
     return velocity, across**2 + wave**2
 
 
-def stokes_error(make, jitter, reference, tolerance=1e-3, extra=()):
-    """Error of a decaying Stokes mode at the end, over its size then; the scheme."""
-    velocity, rate = stokes_mode(1e-3)
+def linear(y):
+    """The developed flow under a Stokes mode, of walls that have to move for a velocity to refer to."""
+    return SLOW * np.stack([y, np.zeros_like(y)], 1)
+
+
+def stokes_scheme(make, jitter, started=True):
+    """A Scheme that starts with a Stokes mode on top of a linear profile."""
+    velocity, _ = stokes_mode(SLOW)
 
     def state(channel):
         x, y = channel.jittered(0, jitter)
-        return np.stack([x, y], 1), velocity(x, y)
+        return np.stack([x, y], 1), velocity(x, y) + linear(y)
 
-    # small velocities, which move particles little; steps by the error over that of the mode, not of the walls
-    scheme = make(
+    return make(
+        f"walls.top.velocity={SLOW}",
         "geometry.length=2.0",
-        "discretisation.particles_across=16",
-        f"walls.top.velocity={reference}",
         "initial.state=developed",
-        *extra,
-        f"time={{end: 2.0, tolerance: {tolerance}}}",
+        "time={end: 2.0, tolerance: 1.0e-3}",
         state=state,
+        started=started,
     )
+
+
+def stokes_error(make, jitter):
+    """Run a decaying Stokes mode; return its error over its size, and the number of projections."""
+    scheme = stokes_scheme(make, jitter)
     last = run(scheme)
+    velocity, rate = stokes_mode(SLOW)
     exact = velocity(last.x, last.y) * math.exp(-0.01 * rate * last.t)
-    found = np.stack([last.u, last.v], 1)
-    return np.linalg.norm(found - exact) / np.linalg.norm(exact), scheme
+    found = np.stack([last.u, last.v], 1) - linear(last.y)
+    return np.linalg.norm(found - exact) / np.linalg.norm(exact), scheme.projections
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.1])
+def test_a_stokes_flow_decays_as_it_should_under_the_projection(make, jitter, monkeypatch):
+    error, projections = stokes_error(make, jitter)
+    assert projections > 0
+    # the splitting is of first order in the steps, and the pressure that it starts without is missing in the first:
+    # of a decay by rate * nu * t = 0.75 in some 10 steps a few per cent are missing
+    assert error < 0.05
+    monkeypatch.setattr(_scheme, "LARGEST_DIVERGENCE", math.inf)
+    without, projections = stokes_error(make, jitter)
+    assert projections == 0
+    assert without > 4 * error
+
+
+def test_a_restart_keeps_the_pressure(make, tmp_path):
+    scheme = stokes_scheme(make, 0.1)
+    while scheme.projections < 2:
+        scheme.advance()
+    checkpoint.save(tmp_path / "state.h5", scheme, "fingerprint")
+    before = scheme.projections
+    whole = run(scheme)
+    assert scheme.projections > before
+    resumed = stokes_scheme(make, 0.1, started=False)
+    checkpoint.restore(tmp_path / "state.h5", resumed, "fingerprint")
+    last = run(resumed)
+    for name in ("t", "step", "x", "y", "u", "v", "density", "pressure"):
+        assert np.array_equal(getattr(last, name), getattr(whole, name)), name
+    assert resumed.projections == scheme.projections
+
+
+# --- what is refused
+
+
+def refusal(tmp_path, *overrides):
+    path = tmp_path / "case.yaml"
+    path.write_text(CASE)
+    with pytest.raises(ConfigError) as caught:
+        config.load(path, overrides)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("treatment", sorted(set(families.names("walls")) - set(OBEY_MOMENTUM)))
+def test_wall_treatments_without_ghosts_of_this_kind_are_refused(tmp_path, treatment):
+    text = refusal(tmp_path, f"walls.treatment={{type: {treatment}}}")
+    assert "walls.treatment.type" in text
+    assert treatment in text
+    assert all(served in text for served in OBEY_MOMENTUM)
+    assert "\n" not in text
+
+
+def test_polymer_stress_is_refused(tmp_path):
+    text = refusal(tmp_path, "fluid.rheology={type: oldroyd_b, relaxation_time: 2.0, solvent_fraction: 0.1}")
+    assert "scheme.type" in text
+    assert "implicit" in text
+    assert "wcsph" in text
+    assert "\n" not in text
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("scheme.equation_of_state", "{type: tait}"),
+        ("scheme.artificial_viscosity", "0.1"),
+        ("scheme.operators.order", "3"),
+        ("scheme.largest_strain", "0"),
+        ("time.tolerance", "0"),
+    ],
+)
+def test_keys_and_values_that_mean_nothing_here_are_refused_by_name(tmp_path, key, value):
+    assert key in refusal(tmp_path, f"{key}={value}")

@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from tisph import __version__
-from tisph.cli import check, list_families, render, run, verify
+from tisph.cli import bench, check, list_families, render, run, verify
 from tisph.cli.outcome import reported
 
 HELP = """Laminar, wall-bounded flow by smoothed particles: a YAML file describes a run, one command runs it.
@@ -49,6 +49,7 @@ for _name, _command in {
     "check": check.check,
     "list": list_families.list_families,
     "verify": verify.verify,
+    "bench": bench.bench,
     "render": render.render,
 }.items():
     app.command(_name)(reported(_command))

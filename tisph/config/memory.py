@@ -15,8 +15,8 @@ NEIGHBOUR_BYTES = 4 * 1.6
 MOST_PARTICLES = 20_000_000
 
 
-IMPLICIT_BYTES = 2200
-"""A particle of the implicit scheme: three rows of 44 entries and their table, moments, coefficients, 40 vectors."""
+IMPLICIT_BYTES = 2450
+"""A particle of the implicit scheme: three rows of 52 entries and their table, moments, coefficients, 40 vectors."""
 
 
 def estimated_bytes(particles: float, support: float, carries_stress: bool, implicit: bool) -> float:

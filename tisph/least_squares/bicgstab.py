@@ -9,6 +9,9 @@ from tisph.runtime import real, scalar, ti
 
 MOST_ITERATIONS = 200
 
+FEW = 20_000
+"""Numbers below which a loop over them is over before a second thread has begun."""
+
 
 @ti.data_oriented
 class BiCGStab:
@@ -21,6 +24,7 @@ class BiCGStab:
         self.rows, self.ghosts, self.points = rows, ghosts, rows.points
         self.parity = parity
         self.serial = rows.serial
+        self.calm = rows.serial or rows.count < FEW
         self.fluid = rows.count
         self.groups = -(-self.fluid // LANES)
         padded, slots = self.groups * LANES, self.points.slots + 1
@@ -70,7 +74,7 @@ class BiCGStab:
     @ti.kernel
     def set_up(self):
         """Residual of the guess, inverse diagonal, and |b| in ``rho`` for the caller."""
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
             self.reflect(self.x, k)
         ti.loop_config(serialize=self.serial)
@@ -95,12 +99,12 @@ class BiCGStab:
     @ti.kernel
     def iterate(self):
         """One iteration: two products, five sums."""
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.calm)
         for i in range(self.fluid):
             direction = self.residual[i] + self.beta[None] * (self.direction[i] - self.omega[None] * self.along[i])
             self.direction[i] = direction
             self.search[i] = self.inverse[i] * direction
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
             self.reflect(self.search, k)
         ti.loop_config(serialize=self.serial)
@@ -110,11 +114,11 @@ class BiCGStab:
         for _ in range(1):
             self.rho[None] = self.dot(self.shadow, self.residual)
             self.alpha[None] = self.rho[None] / self.dot(self.shadow, self.along)
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.calm)
         for i in range(self.fluid):
             self.residual[i] -= self.alpha[None] * self.along[i]
             self.half[i] = self.inverse[i] * self.residual[i]
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
             self.reflect(self.half, k)
         ti.loop_config(serialize=self.serial)
@@ -122,8 +126,10 @@ class BiCGStab:
             self.across[i] = self.product(self.half, i)
         ti.loop_config(serialize=True)
         for _ in range(1):
-            self.omega[None] = self.dot(self.across, self.residual) / self.dot(self.across, self.across)
-        ti.loop_config(serialize=self.serial)
+            size = self.dot(self.across, self.across)
+            # nothing is left where the first half of the iteration has met the solution
+            self.omega[None] = self.dot(self.across, self.residual) / size if size > 0.0 else 0.0
+        ti.loop_config(serialize=self.calm)
         for i in range(self.fluid):
             self.x[i] += self.alpha[None] * self.search[i] + self.omega[None] * self.half[i]
             self.residual[i] -= self.omega[None] * self.across[i]
@@ -131,4 +137,5 @@ class BiCGStab:
         for _ in range(1):
             self.norm[None] = ti.sqrt(self.dot(self.residual, self.residual))
             rho = self.dot(self.shadow, self.residual)
-            self.beta[None] = rho / self.rho[None] * self.alpha[None] / self.omega[None]
+            ratio = rho / self.rho[None] * self.alpha[None] / self.omega[None]
+            self.beta[None] = ratio if self.norm[None] > 0.0 else 0.0

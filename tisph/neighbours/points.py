@@ -12,7 +12,7 @@ from tisph.runtime import real, scalar, ti
 LANES = 4
 """Rows are padded to a multiple of this with the sentinel, so that loops over them can be unrolled."""
 
-ROOM = 1.4
+ROOM = 1.6
 """Capacity of a row over the mean number of neighbours within reach."""
 
 

@@ -6,16 +6,20 @@ are advanced by an implicit method of third order with an error estimate (``_esd
 moment on when the velocities have a divergence that truncation errors do not explain (``_pressure.py``).
 """
 
+import math
 from typing import Annotated, Literal
 
 from pydantic import Field
 
 from tisph.config.base import Model
+from tisph.least_squares.rows import SUPPORT
 from tisph.schemes._estimate import implicit
-from tisph.schemes.implicit._scheme import Scheme, control
+from tisph.schemes.implicit._scheme import SKIN, Scheme, control
 from tisph.schemes.implicit._walls import OBEY_MOMENTUM
 
 __all__ = ["Parameters", "Scheme", "estimates", "problems"]
+
+LEAST_COLUMNS = math.ceil(3 * (max(SUPPORT.values()) + SKIN))
 
 
 class LeastSquares(Model):
@@ -39,6 +43,9 @@ def problems(config):
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
     if config.fluid.rheology.carries_stress:
         yield "scheme.type", f"implicit has no polymer stress, which {config.fluid.rheology.type} needs: take wcsph"
+    if config.columns < LEAST_COLUMNS:
+        text = f"must be at least {LEAST_COLUMNS * config.spacing:.6g}, {LEAST_COLUMNS} particle spacings"
+        yield "geometry.length", f"{text}: the neighbour search of scheme implicit needs three cells along x"
     if config.walls.treatment.type not in OBEY_MOMENTUM:
         text = f"implicit has no {config.walls.treatment.type} walls"
         yield "walls.treatment.type", f"{text}: take {' or '.join(OBEY_MOMENTUM)}, or scheme wcsph"

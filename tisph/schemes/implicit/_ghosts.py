@@ -34,6 +34,7 @@ class Ghosts:
         self.side = ti.field(ti.i32, shape=room)
         self.depth = ti.field(real(), shape=room)
         self.series = ti.field(real(), shape=(2, 3))
+        self.given = None
 
     def find(self):
         """Place the ghosts for the present places of the particles, before neighbours are listed."""
@@ -51,7 +52,11 @@ class Ghosts:
 
     def lay(self, values, bottom, top):
         """Set ``values`` of the ghosts of each wall to c0 + c1 d^2 + c2 d^4, the three numbers of that wall."""
-        self.series.from_numpy(np.array([bottom, top]))
+        given = [[float(number) for number in series] for series in (bottom, top)]
+        if given != self.given:  # a write to a field costs as much as the loop
+            self.given = given
+            for side, power in np.ndindex(2, 3):
+                self.series[side, power] = given[side][power]
         self.evaluate_series(values)
 
     @ti.kernel

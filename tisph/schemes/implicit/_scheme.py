@@ -84,13 +84,20 @@ class Scheme:
         self.viscous.push = None
 
     def start(self, position, velocity, stress=None):
-        """Place the particles, (particles, 2) arrays, and take a first step in order to compile its kernels."""
+        """Place the particles, (particles, 2) arrays."""
         self.place(position, velocity)
+        self.rehearse()
+        self.place(position, velocity)
+
+    def rehearse(self):
+        """Take a step with all that later ones may need, in order to compile its kernels, and forget it."""
         control = dict(vars(self.control), targets=list(self.control.targets))
         self.advance()
+        self.shift.spread()
+        self.motion.take_along(0.0)
+        self.field.stretch(0.0)
         vars(self.control).update(control)
         self.reset()
-        self.place(position, velocity)
 
     def place(self, position, velocity):
         """Set positions and velocities; let walls that start at once give their impulse."""
@@ -126,13 +133,23 @@ class Scheme:
         """Put the points where they are in the middle of a step, push them apart, and compute the operators there."""
         self.motion.predict(0.5 * length)
         self.ghosts.find()
+        self.require_room("images of particles", self.ghosts.overflow())
         self.points.find_neighbours()
+        self.require_room("neighbours of a particle", self.points.overflow())
         if shift and self.shift.spread():
             self.motion.take_along(0.5 * length)
         self.ghosts.weigh()
         self.rows.assemble()
         if self.projections:
             self.projection.lay()
+
+    def require_room(self, what, needed):
+        """Raise DivergedError if ``needed`` (0 where all fits) tells of an overflow."""
+        if needed:
+            raise DivergedError(
+                f"x, y: too many {what} ({needed}), at step {self.steps + 1}, t = {self.time:.6g}: "
+                "the particles have clustered"
+            )
 
     @property
     def smooth(self):

@@ -72,10 +72,10 @@ class ViscousStep:
     @ti.kernel
     def begin(self, component: ti.i32):
         """The explicit stage: rates at the start of the step."""
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.solver.calm)
         for i in range(self.fluid):
             self.solver.x[i] = self.velocity[component, i]
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
             self.solver.reflect(self.solver.x, k)
         ti.loop_config(serialize=self.serial)
@@ -88,7 +88,7 @@ class ViscousStep:
     @ti.kernel
     def prepare(self, component: ti.i32, stage: ti.i32, length: float):
         """Right side of an implicit stage."""
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.solver.calm)
         for i in range(self.fluid):
             known = self.velocity[component, i]
             for before in range(stage):
@@ -99,7 +99,7 @@ class ViscousStep:
     @ti.kernel
     def finish(self, stage: ti.i32, length: float):
         """Rates of a stage from its solution."""
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.solver.calm)
         for i in range(self.fluid):
             self.rates[stage, i] = (self.solver.x[i] - self.known[i]) / (GAMMA * length)
             self.mean[i] += self.weights[stage] * self.solver.x[i]
@@ -107,7 +107,7 @@ class ViscousStep:
     @ti.kernel
     def conclude(self, component: ti.i32, length: float):
         """Keep the last stage, which is the end of the step; set up the filter of the error."""
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.solver.calm)
         for i in range(self.fluid):
             self.end[component, i] = self.solver.x[i]
             self.end_rate[component, i] = self.rates[3, i]
@@ -133,7 +133,7 @@ class ViscousStep:
         series = [weight * np.array(self.wall_series(time + part * length)) for part, weight in stages]
         self.ghosts.lay(self.data, *sum(series))
         self.sum_pull()
-        return self.pull.to_numpy() * self.viscosity[None] * length
+        return [self.pull[side] * self.viscosity[None] * length for side in range(2)]
 
     @ti.kernel
     def sum_pull(self):

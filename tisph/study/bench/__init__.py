@@ -1,0 +1,1 @@
+"""Benchmarks: run time against error, throughput, what parts cost, start-up. Ratios within one call on one machine."""

@@ -122,7 +122,7 @@ def _warnings(channel: Any, numbers: dict[str, Any]) -> Iterator[str]:
     """What may go wrong with a valid config."""
     if numbers["mach"] > HIGHEST_MACH * (1 + 1e-9):
         yield f"the Mach number is above {HIGHEST_MACH:g}; expect compressibility errors"
-    if numbers["cell_reynolds"] > HIGHEST_CELL_REYNOLDS:
+    if numbers["sound_speed"] and numbers["cell_reynolds"] > HIGHEST_CELL_REYNOLDS:
         yield (
             f"the cell Reynolds number U spacing / nu is {numbers['cell_reynolds']:.3g}; above "
             f"{HIGHEST_CELL_REYNOLDS:g} a disordered flow may push particles through a wall"

@@ -29,7 +29,7 @@ STEP_ERROR = 2.0
 GROWTH = 0.5
 """Step over the time since the start, at a tolerance of 1e-4; it goes with the cube root of the tolerance."""
 
-PHASE = 0.25
+PHASE = 0.5
 """Step times angular frequency of a wall, likewise."""
 
 
@@ -119,7 +119,7 @@ def _implicit_steps(config, channel, first, tolerance, strain):
     frequency = max(channel.bottom.angular_frequency, channel.top.angular_frequency)
     time, length, steps = config.start_time, first, 0
     while time < config.time.end and steps < 10**7:
-        steepest = channel.reference_velocity / _depth(channel, max(time, first))
+        steepest = channel.reference_velocity / _depth(channel, math.pi * max(time, first))
         limits = {
             "accuracy": GROWTH * accuracy * max(time - config.start_time, 2.0 * first),
             "strain": strain / steepest,

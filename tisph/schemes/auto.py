@@ -9,7 +9,7 @@ from typing import Literal
 from tisph import families
 from tisph.config.base import Model
 
-STEPS = {"fast": (3e-4, 1.5), "balanced": (1e-4, 1.0), "high": (3e-7, 0.5)}
+STEPS = {"fast": (3e-4, 1.5), "balanced": (3e-5, 0.7), "high": (3e-7, 0.5)}
 """Tolerance of a step, and its largest strain, by accuracy."""
 
 
@@ -20,15 +20,29 @@ class Parameters(Model):
     accuracy: Literal["fast", "balanced", "high"] = "balanced"
 
 
+def problems(config):
+    """Yield dotted key and text of what the scheme that is taken cannot serve."""
+    obstacle = _obstacle(config, families.load("schemes", "implicit"))
+    if obstacle and config.time.tolerance != "auto":
+        yield "time.tolerance", f"is for scheme implicit, which cannot be taken here: {obstacle}"
+
+
+def _obstacle(config, implicit):
+    """What speaks against the implicit scheme, in words; None for nothing."""
+    if config.time.cfl != "auto":
+        return "time.cfl gives a Courant number"
+    return next((text.partition(";")[0] for _, text in implicit.problems(config)), None)
+
+
 def resolve(config):
     """Return the config with the scheme that this choice stands for, and the reason in words."""
     implicit = families.load("schemes", "implicit")
     tolerance, strain = STEPS[config.scheme.accuracy]
     candidate = implicit.Parameters(largest_strain=strain)
-    refusals = [text for _, text in implicit.problems(config)]
-    if refusals:
+    obstacle = _obstacle(config, implicit)
+    if obstacle:
         chosen = families.load("schemes", "wcsph").Parameters()
-        return config.model_copy(update={"scheme": chosen}), f"wcsph, since {refusals[0]}"
+        return config.model_copy(update={"scheme": chosen}), f"wcsph, since {obstacle}"
     given = config.time.tolerance
     time = config.time.model_copy(update={"tolerance": tolerance if given == "auto" else given})
     wanted = f"{config.scheme.accuracy} accuracy, tolerance {time.tolerance:g} and strain {strain:g} a step"

@@ -46,7 +46,7 @@ def sample_metrics(channel, snapshot, tracers):
         "density_variation": np.max(np.abs(snapshot.density / channel.density - 1)),
         "max_transverse_velocity": np.max(np.abs(snapshot.v)),
     }
-    return {key: _number(value) for key, value in measures.items()}
+    return {key: value if key == "step" else _number(value) for key, value in measures.items()}
 
 
 def _number(value):

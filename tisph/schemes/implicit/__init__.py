@@ -42,13 +42,13 @@ class Parameters(Model):
 def problems(config):
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
     if config.fluid.rheology.carries_stress:
-        yield "scheme.type", f"implicit has no polymer stress, which {config.fluid.rheology.type} needs: take wcsph"
+        yield "scheme.type", f"implicit has no polymer stress, which {config.fluid.rheology.type} needs; take wcsph"
     if config.columns < LEAST_COLUMNS:
         text = f"must be at least {LEAST_COLUMNS * config.spacing:.6g}, {LEAST_COLUMNS} particle spacings"
         yield "geometry.length", f"{text}: the neighbour search of scheme implicit needs three cells along x"
     if config.walls.treatment.type not in OBEY_MOMENTUM:
         text = f"implicit has no {config.walls.treatment.type} walls"
-        yield "walls.treatment.type", f"{text}: take {' or '.join(OBEY_MOMENTUM)}, or scheme wcsph"
+        yield "walls.treatment.type", f"{text}; take {' or '.join(OBEY_MOMENTUM)}, or scheme wcsph"
 
 
 def estimates(config, channel):

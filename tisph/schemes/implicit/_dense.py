@@ -2,10 +2,13 @@
 
 
 class DenseOutput:
-    """Positions and velocities at any time of the step that was taken last (Hermite interpolation)."""
+    """Positions and velocities at any time of the step that was taken last (Hermite interpolation).
 
-    def __init__(self, viscous, motion):
-        self.viscous, self.motion = viscous, motion
+    What is read from the fields is kept until the next step: many outputs may fall into one.
+    """
+
+    def __init__(self, viscous, motion, others):
+        self.viscous, self.motion, self.others = viscous, motion, others
         self.began = self.length = 0.0
         self.state = None
 
@@ -15,19 +18,19 @@ class DenseOutput:
         self.state = None
 
     def at(self, time):
-        """Return positions (fluid, 2) and velocities (2, fluid) at ``time``."""
+        """Return positions (fluid, 2) and velocities (2, fluid) at ``time``, and the ``others`` (fluid) as they are."""
         if self.state is None:
             self.state = self._read()
-        start, end, start_rate, end_rate, position = self.state
+        start, end, start_rate, end_rate, position, *others = self.state
         h = self.length
         part = (time - self.began) / h
         late = part * part * (3.0 - 2.0 * part)
         velocity = (1.0 - late) * start + late * end
         velocity += h * part * (1.0 - part) * ((1.0 - part) * start_rate - part * end_rate)
         gone = part * start + 0.5 * part**2 * (end - start)
-        return position + h * gone.T, velocity
+        return position + h * gone.T, velocity, *others
 
     def _read(self):
         viscous, motion = self.viscous, self.motion
         fields = (motion.start_velocity, viscous.end, viscous.start_rate, viscous.end_rate)
-        return [field.to_numpy().astype(float) for field in (*fields, motion.start_position)]
+        return [field.to_numpy().astype(float) for field in (*fields, motion.start_position, *self.others)]

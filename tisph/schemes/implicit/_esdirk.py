@@ -5,6 +5,8 @@ stage and three implicit ones with the same matrix 1 - gamma h nu A. It damps th
 wall that starts at once needs no other method for its first steps, as Crank-Nicolson does.
 """
 
+import numpy as np
+
 GAMMA = 1767732205903 / 4055673282236
 
 STAGES = (
@@ -23,3 +25,13 @@ EMBEDDED = (
     2193209047091 / 5459859503100,
 )
 """Weights of the second-order result; the difference from ``WEIGHTS`` estimates the error."""
+
+
+def guesses():
+    """Weights (4, 4) of the rates before a stage in a guess of its velocities: their polynomial, integrated."""
+    weights = np.zeros((4, 4))
+    for stage in range(1, 4):
+        powers = np.arange(stage)
+        nodes = np.array(TIMES[:stage])[:, None] ** powers
+        weights[stage, :stage] = np.linalg.solve(nodes.T, TIMES[stage] ** (powers + 1) / (powers + 1))
+    return weights

@@ -20,6 +20,7 @@ from tisph.schemes.implicit._pressure import Projection
 from tisph.schemes.implicit._shift import Shift
 from tisph.schemes.implicit._virtual import VirtualGhosts
 from tisph.schemes.implicit._viscous import ViscousStep
+from tisph.schemes.implicit._wall_force import WallForce
 from tisph.schemes.implicit._walls import WallSeries
 from tisph.snapshot import Snapshot
 
@@ -65,11 +66,12 @@ class Scheme:
         self.solver = BiCGStab(self.rows, self.ghosts, -1.0)
         self.walls = WallSeries(channel, treatment)
         self.viscous = ViscousStep(self.solver, channel, self.walls)
+        self.wall_force = WallForce(self.viscous, channel)
         self.field = VelocityField(self.viscous)
         self.shift = Shift(self.points, self.ghosts, channel.spacing, serial)
         self.projection = Projection(self.viscous, self.field, channel.gap)
         self.motion = Motion(self.field, self.shift)
-        self.dense = DenseOutput(self.viscous, self.motion)
+        self.dense = DenseOutput(self.viscous, self.motion, (self.field.volume, self.projection.pressure))
         self.control = control(config, channel, targets)
         self.reset()
 
@@ -96,6 +98,7 @@ class Scheme:
         self.shift.spread()
         self.motion.take_along(0.0)
         self.field.stretch(0.0)
+        self.wall_force.impulse(self.time, 0.0, resolved=True)
         vars(self.control).update(control)
         self.reset()
 
@@ -173,7 +176,7 @@ class Scheme:
 
     def conclude(self, length):
         """Measure the new velocities and move the particles."""
-        self.momentum.add_impulse(self.viscous.wall_pull(self.time, length))
+        self.momentum.add_impulse(self.wall_force.impulse(self.time, length, self.depth >= RESOLVED))
         end = self.control.end(self.time, length)
         self.field.measure(end, self.transverse)
         if self.depth >= RESOLVED:
@@ -206,9 +209,10 @@ class Scheme:
         """Return the state at ``time``, within the last step, or now, as a Snapshot."""
         if time is None or time == self.time:
             time = self.time
-            position, velocity = self.motion.position.to_numpy(), self.viscous.velocity.to_numpy()
+            fields = (self.motion.position, self.viscous.velocity, self.field.volume, self.projection.pressure)
+            position, velocity, volume, pressure = (field.to_numpy().astype(float) for field in fields)
         else:
-            position, velocity = self.dense.at(time)
+            position, velocity, volume, pressure = self.dense.at(time)
         return Snapshot(
             t=time,
             step=self.steps,
@@ -216,8 +220,8 @@ class Scheme:
             y=position[:, 1],
             u=velocity[0],
             v=velocity[1],
-            density=self.channel.density * np.exp(-self.field.volume.to_numpy().astype(float)),
-            pressure=self.channel.density * self.projection.pressure.to_numpy().astype(float),
+            density=self.channel.density * np.exp(-volume),
+            pressure=self.channel.density * pressure,
         )
 
     def momentum_balance(self):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from tisph.runtime import real, scalar, ti
-from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, TIMES, WEIGHTS
+from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, TIMES, WEIGHTS, guesses
 
 
 @ti.data_oriented
@@ -12,8 +12,8 @@ class ViscousStep:
 
     ``velocity`` and ``end`` (2, fluid): at the start and at the end of the step, along and across the channel;
     ``start_rate``, ``end_rate`` their time derivatives there. ``wall_series(time)``: the ghosts' series of both walls.
-    ``pull``: what the ghosts of each wall do to the fluid, per step, summed over the particles. ``push``: what else
-    is to be added to the sources of a component, None for nothing.
+    ``mean`` (slots + 1): the component's velocities over the step, the integral over its length. ``push``: what else is
+    to be added to the sources of a component, None for nothing.
     """
 
     def __init__(self, solver, channel, wall_series):
@@ -29,12 +29,13 @@ class ViscousStep:
         self.data, self.mean = (ti.field(real(), self.points.slots + 1) for _ in range(2))
         self.stages, self.weights, self.defect = ti.field(real(), (4, 4)), ti.field(real(), 4), ti.field(real(), 4)
         self.stages.from_numpy(np.array(STAGES))
+        self.guesses = ti.field(real(), (4, 4))
+        self.guesses.from_numpy(guesses())
         self.weights.from_numpy(np.array(WEIGHTS))
         self.defect.from_numpy(np.array(WEIGHTS) - np.array(EMBEDDED))
         self.viscosity = scalar(channel.kinematic_viscosity)
         self.acceleration = channel.acceleration
         self.error = scalar(0.0)
-        self.pull = ti.field(real(), 2)
 
     def advance(self, component, time, length, tolerance):
         """Compute ``end`` of one component; return the estimated error (root mean square), NaN where none was found."""
@@ -87,14 +88,18 @@ class ViscousStep:
 
     @ti.kernel
     def prepare(self, component: ti.i32, stage: ti.i32, length: float):
-        """Right side of an implicit stage."""
+        """Right side of an implicit stage; the guess is what the rates so far lead to."""
         ti.loop_config(serialize=self.solver.calm)
         for i in range(self.fluid):
             known = self.velocity[component, i]
+            guess = known
             for before in range(stage):
-                known += length * self.stages[stage, before] * self.rates[before, i]
+                change = length * self.rates[before, i]
+                known += self.stages[stage, before] * change
+                guess += self.guesses[stage, before] * change
             self.known[i] = known
             self.solver.b[i] = known + GAMMA * length * self.source[i]
+            self.solver.x[i] = guess
 
     @ti.kernel
     def finish(self, stage: ti.i32, length: float):
@@ -126,29 +131,3 @@ class ViscousStep:
             for i in range(self.fluid):
                 total += self.solver.x[i] * self.solver.x[i]
             self.error[None] = ti.sqrt(total / self.fluid)
-
-    def wall_pull(self, time, length):
-        """Return the velocity that the (bottom, top) wall gives in the last step, summed over the particles."""
-        stages = zip(TIMES, WEIGHTS, strict=True)
-        series = [weight * np.array(self.wall_series(time + part * length)) for part, weight in stages]
-        self.ghosts.lay(self.data, *sum(series))
-        self.sum_pull()
-        return [self.pull[side] * self.viscosity[None] * length for side in range(2)]
-
-    @ti.kernel
-    def sum_pull(self):
-        """Sum what the ghosts of each wall do to the mean of the stages."""
-        ti.loop_config(serialize=True)
-        for k in range(self.ghosts.count[None]):
-            self.mean[self.fluid + k] = self.data[self.fluid + k] - self.ghosts.value(self.mean, k)
-        ti.loop_config(serialize=True)
-        for _ in range(1):
-            self.pull[0] = 0.0
-            self.pull[1] = 0.0
-            for i in range(self.fluid):
-                if self.ghosts.near(i):
-                    for k in range(self.points.count[i]):
-                        j = self.points.table[i, k]
-                        if self.fluid <= j < self.points.slots:
-                            part = self.rows.laplacian[i, k] * (self.mean[j] - self.mean[i])
-                            self.pull[self.ghosts.side[j - self.fluid]] += part

@@ -74,9 +74,9 @@ def test_developed_couette_flow_is_kept_on_a_jittered_arrangement(make, order, t
     )
     last = run(scheme)
     assert scheme.steps >= 8  # a strain of 4 at 0.5 a step: rows slide along one another
-    # a linear profile is exact for the rows and for the images, also where particles are shifted: rounding of 1e-16,
-    # times the entries of the rows (1e2 at most near disorder), in each of some steps
-    assert np.abs(last.u - 0.5 * last.y).max() < 1e-12
+    # a linear profile is exact for the rows and for the images, also where particles are shifted; rounding in the guess
+    # of a stage stays where it is below the residual that the solver leaves, 1e-3 of the tolerance 1e-5
+    assert np.abs(last.u - 0.5 * last.y).max() < 1e-8
     assert np.abs(last.v).max() < 1e-12
 
 

@@ -4,6 +4,9 @@ import math
 
 from tisph.runtime import real, scalar, ti
 
+EVENED = 0.5
+"""Part of the difference of a particle's volume from the mean around it that a step takes away."""
+
 
 @ti.data_oriented
 class VelocityField:
@@ -92,7 +95,21 @@ class VelocityField:
 
     @ti.kernel
     def stretch(self, length: float):
-        """Let the volumes follow the divergence for a step."""
+        """Let the volumes follow the divergence for a step, and even them out among neighbours.
+
+        The divergence of disordered particles has a truncation error that differs from one to the next. As the density
+        of the explicit scheme is diffused, so are the volumes here: what is larger than a neighbourhood stays.
+        """
         ti.loop_config(serialize=self.serial)
         for i in range(self.fluid):
-            self.volume[i] += length * (self.slope[0, i].x + self.slope[1, i].y)
+            self.values[i] = self.volume[i] + length * (self.slope[0, i].x + self.slope[1, i].y)
+        ti.loop_config(serialize=self.serial)
+        for i in range(self.fluid):
+            total, number = 0.0, 0
+            for k in range(self.viscous.points.count[i]):
+                j = self.viscous.points.table[i, k]
+                if j < self.fluid:
+                    total += self.values[j]
+                    number += 1
+            mean = total / ti.max(number, 1)
+            self.volume[i] = self.values[i] + EVENED * (mean - self.values[i])

@@ -97,7 +97,6 @@ class Scheme:
         self.advance()
         self.shift.spread()
         self.motion.take_along(0.0)
-        self.field.stretch(0.0)
         self.wall_force.impulse(self.time, 0.0, resolved=True)
         vars(self.control).update(control)
         self.reset()
@@ -179,10 +178,9 @@ class Scheme:
         self.momentum.add_impulse(self.wall_force.impulse(self.time, length, self.depth >= RESOLVED))
         end = self.control.end(self.time, length)
         self.field.measure(end, self.transverse)
-        if self.depth >= RESOLVED:
-            if self.projections or self.field.residual > LARGEST_DIVERGENCE:
-                self.project(end, length)
-            self.field.stretch(length)
+        if self.depth >= RESOLVED and (self.projections or self.field.residual > LARGEST_DIVERGENCE):
+            self.project(end, length)
+        self.field.stretch(length)
         self.dense.keep(self.time, length)
         self.motion.move(length)
         self.time = end

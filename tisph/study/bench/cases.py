@@ -32,15 +32,15 @@ def auto(accuracy):
 SECOND_ORDER = {"scheme": {"type": "implicit", "operators": {"order": 2}, "largest_strain": 1.0}}
 
 WAYS = {
-    "explicit": (EXPLICIT, (12, 25, 34, 50, 100)),
-    "explicit, CFL 0.4": (merged(EXPLICIT, {"time": {"cfl": 0.4}}), (25, 34, 50)),
-    "explicit, f32": (merged(EXPLICIT, SINGLE), (34, 50)),
-    "explicit, standard": (STANDARD, (25, 50, 100)),
-    "implicit 4, fast": (auto("fast"), (10, 12, 16, 25, 50)),
-    "implicit 4, balanced": (auto("balanced"), (12, 16, 25, 50, 100)),
-    "implicit 4, high": (auto("high"), (25, 50, 100, 200)),
-    "implicit 4, f32": (merged(auto("balanced"), SINGLE), (25, 50)),
-    "implicit 2": (merged(SECOND_ORDER, {"time": {"tolerance": 1e-4}}), (25, 50, 100)),
+    "explicit": (EXPLICIT, (25, 34, 50, 100)),
+    "explicit, CFL 0.4": (merged(EXPLICIT, {"time": {"cfl": 0.4}}), (34,)),
+    "explicit, f32": (merged(EXPLICIT, SINGLE), (50,)),
+    "explicit, standard": (STANDARD, (25, 50)),
+    "implicit 4, fast": (auto("fast"), (10, 12, 16, 25)),
+    "implicit 4, balanced": (auto("balanced"), (12, 25, 50, 100)),
+    "implicit 4, high": (auto("high"), (25, 50, 100)),
+    "implicit 4, f32": (merged(auto("balanced"), SINGLE), (50,)),
+    "implicit 2": (merged(SECOND_ORDER, {"time": {"tolerance": 1e-4}}), (50, 100)),
 }
 """Change of the config, and the numbers of particles across, by the name of a way."""
 
@@ -81,5 +81,5 @@ def points(quick):
         for flow in flows
         for way, (change, resolutions) in ways.items()
         for across in resolutions
-        if not (flow == "couette_20" and way.startswith("explicit") and across > 50)  # minutes each
+        if not (flow != "couette_2.7" and way.startswith("explicit") and across > 50)  # a minute each
     ]

@@ -1,0 +1,107 @@
+"""Scheme auto: what it takes, and why; what check says of the implicit scheme."""
+
+import pytest
+from typer.testing import CliRunner
+
+from tisph import cli, schemes
+from tisph.cli.check import estimates
+from tisph.config import load
+from tisph.errors import ConfigError
+
+CONFIG = """\
+scene: channel
+fluid: {density: 1.0, kinematic_viscosity: 0.01}
+geometry: {gap: 1.0, length: 2.0}
+walls: {top: {velocity: 0.5}}
+time: {end: 2.0}
+"""
+POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.5}"
+
+
+@pytest.fixture
+def resolved(tmp_path):
+    """Return config and reason that the scheme of CONFIG with overrides stands for."""
+
+    def run(*overrides):
+        path = tmp_path / "case.yaml"
+        path.write_text(CONFIG)
+        return schemes.resolve(load(path, overrides))
+
+    return run
+
+
+def test_a_config_without_a_scheme_gets_the_implicit_one_at_balanced_accuracy(resolved):
+    config, reason = resolved()
+    assert (config.scheme.type, config.scheme.operators.order) == ("implicit", 4)
+    assert reason.startswith("implicit, order 4: balanced accuracy")
+
+
+def test_accuracy_tightens_the_steps(resolved):
+    tolerances, strains = [], []
+    for accuracy in ("fast", "balanced", "high"):
+        config, _ = resolved(f"scheme={{type: auto, accuracy: {accuracy}}}")
+        tolerances.append(config.time.tolerance)
+        strains.append(config.scheme.largest_strain)
+    assert tolerances == sorted(tolerances, reverse=True)
+    assert strains == sorted(strains, reverse=True)
+
+
+def test_a_tolerance_of_the_config_goes_before(resolved):
+    assert resolved("time.tolerance=1e-3")[0].time.tolerance == 1e-3
+
+
+@pytest.mark.parametrize(
+    ("override", "reason"),
+    [
+        (POLYMER, "no polymer stress, which oldroyd_b needs"),
+        ("walls.treatment={type: adami}", "no adami walls"),
+        ("walls.treatment={type: fixed_image}", "no fixed_image walls"),
+        ("time.cfl=0.2", "time.cfl gives a Courant number"),
+    ],
+)
+def test_where_the_implicit_scheme_cannot_serve_the_explicit_one_is_taken(resolved, override, reason):
+    config, words = resolved(override)
+    assert config.scheme.type == "wcsph"
+    assert words.startswith("wcsph, since")
+    assert reason in words
+    with pytest.raises(
+        ConfigError, match=r"time\.tolerance = 1e-05: is for scheme implicit, which cannot be taken here"
+    ):
+        resolved(override, "time.tolerance=1e-5")
+
+
+def test_a_scheme_map_without_a_type_is_the_explicit_one(resolved):
+    assert resolved("scheme={operators: standard}")[0].scheme.operators == "standard"
+
+
+def test_a_given_scheme_is_kept(resolved):
+    config, reason = resolved("scheme={type: wcsph}")
+    assert (config.scheme.type, reason) == ("wcsph", "wcsph")
+    with pytest.raises(ConfigError, match=r"time\.tolerance = 1e-05: is for scheme implicit"):
+        resolved("scheme={type: wcsph}", "time.tolerance=1e-5")
+
+
+def test_check_names_the_scheme_and_estimates_error_and_time(tmp_path):
+    (tmp_path / "case.yaml").write_text(CONFIG)
+    result = CliRunner().invoke(cli.app, ["check", str(tmp_path / "case.yaml")])
+    assert result.exit_code == 0, result.output
+    lines = {line.split("  ")[1].strip(): line for line in result.stdout.splitlines()[1:]}
+    assert "implicit, order 4" in lines["scheme"]
+    assert {"run time", "L2 error", "steps"} <= lines.keys()
+    assert not {"Mach number", "sound speed c"} & lines.keys()
+
+
+def test_estimates_of_the_error_follow_order_and_scheme(tmp_path):
+    path = tmp_path / "case.yaml"
+    path.write_text(CONFIG)
+
+    def error(*overrides):
+        return estimates(load(path, overrides))["error"]
+
+    tight = ("scheme={type: implicit}", "time.tolerance=1e-10")
+    # the operators' part alone: order 4 and 2 in the spacing, at the time that the layer has the depth sqrt(nu t)
+    assert error(*tight, "discretisation.particles_across=25") == pytest.approx(16 * error(*tight), rel=1e-3)
+    explicit = "scheme={type: wcsph}"
+    assert error(explicit, "discretisation.particles_across=25") == pytest.approx(4 * error(explicit), rel=1e-12)
+    assert error("initial.state=developed") is None
+    assert error(POLYMER) is None

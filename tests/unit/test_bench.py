@@ -60,7 +60,7 @@ def test_quoted_peers_are_multiples_of_lammps_and_long_pysph_runs_of_short_ones(
     rows = {(found.flow, found.way): found for found in peers.merged([measured])}
     quoted = rows["couette_20", "SPHinXsys, quoted"]
     assert (quoted.loop, quoted.elsewhere) == (pytest.approx(5.7), True)
-    assert rows["couette_20", "PySPH TVF, 1 thread, scaled"].loop == pytest.approx(2.0 * 20 / 2.7)
+    assert rows["couette_20", "PySPH TVF, 1 thread"].loop == pytest.approx(2.0 * 20 / 2.7)
     assert peers.merged([]) == []
 
 

@@ -30,7 +30,7 @@ ROUNDS = 3
 class Measured:
     """A point's outcome: L2, steps, loop and whole-process seconds of every round; NaN where a run stopped.
 
-    ``elsewhere``: the time is quoted from another machine, scaled by what LAMMPS takes on both.
+    ``elsewhere``: the time is scaled, from a shorter run here or from another machine.
     """
 
     flow: str

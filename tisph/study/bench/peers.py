@@ -59,7 +59,7 @@ def merged(rounds):
         if label.startswith("PySPH"):
             long = tuple(PYSPH_LONG * loop for loop in loops)
             steps = round(PYSPH_LONG * ones[0]["steps"])
-            rows.append(Measured("couette_20", f"{label}, scaled", ACROSS, steps, PYSPH_L2_AT_20, long, ()))
+            rows.append(Measured("couette_20", label, ACROSS, steps, PYSPH_L2_AT_20, long, (), elsewhere=True))
     lammps = next((row for row in rows if row.flow == "couette_20" and row.way.startswith("LAMMPS")), None)
     if lammps:
         for label, (factor, l2, steps) in QUOTED.items():

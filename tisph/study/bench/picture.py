@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from tisph.report.style import plot_style
 from tisph.study.bench.cases import FLOWS
 
-MARKS = "osD^v<>pPX*hd8H"
+MARKS = "osD^v<>pPX*dH^s"
 
 
 def plot_frontier(path, rows, fronts):

@@ -31,6 +31,10 @@ def _cache_home():
 CACHE = _cache_home()
 """Compiled kernels. Taichi has a folder of its own too, and ends the process where it cannot be written."""
 
+CACHE_BYTES = 2**30
+"""Room for compiled kernels in each of the two folders: a config needs 1 to 5 MB, and Taichi's 100 MB made a study of
+some dozens compile everything again and again."""
+
 os.environ.update(
     ENABLE_TAICHI_HEADER_PRINT="0",  # no banner
     TI_SKIP_VERSION_CHECK="ON",  # no request to a server, which it sends once a day otherwise
@@ -76,6 +80,7 @@ def start(precision, threads):
         ti.init(
             offline_cache=True,
             offline_cache_file_path=str(CACHE / ("serial" if threads == 1 else "parallel")),
+            offline_cache_max_size_of_files=CACHE_BYTES,
             arch=ti.cpu,
             default_fp=ti.f64 if precision == "f64" else ti.f32,
             cpu_max_num_threads=threads,

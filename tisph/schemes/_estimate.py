@@ -23,8 +23,8 @@ IMPLICIT_ERROR = {4: 5e-3, 2: 0.03}
 UNCORRECTED_ERROR = {"wcsph": 0.06, "implicit": 0.016}
 """Errors over (spacing/delta)^order; the last for walls that do not give their impulse, of order 2 for any operator."""
 
-STEP_ERROR = 2.0
-"""Error over the tolerance of a step."""
+STEP_ERROR, EARLY, FORGETTING = 2.0, 0.018, 0.75
+"""Error of the steps over their tolerance up to t* = EARLY; from then on it falls with that power of the time."""
 
 GROWTH = 0.5
 """Step over the time since the start, at a tolerance of 1e-4; it goes with the cube root of the tolerance."""
@@ -74,7 +74,9 @@ def implicit(config, channel, first, tolerance, strain):
     steps, longest, binding = _implicit_steps(config, channel, first, tolerance, strain)
     order = config.scheme.operators.order
     resolution = _resolution(config, channel)
-    error = IMPLICIT_ERROR[order] * resolution**order + STEP_ERROR * tolerance
+    late = config.time.samples[-1] / channel.viscous_time / EARLY
+    steps_error = STEP_ERROR * tolerance * min(1.0, late**-FORGETTING)
+    error = IMPLICIT_ERROR[order] * resolution**order + steps_error
     if config.walls.treatment.type != "consistent_image":
         error += UNCORRECTED_ERROR["implicit"] * resolution**2
     return {

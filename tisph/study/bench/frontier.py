@@ -61,17 +61,17 @@ def run(folder, quick=False, peers_folder=None):
     others = []
     for turn in range(ROUNDS):
         for number, point in enumerate(wanted):
-            rounds[number].append(_outcome(store, f"{point.name}_round_{turn}", point.config))
+            rounds[number].append(outcome(store, f"{point.name}_round_{turn}", point.config))
         if peers_folder:
             others.append(peers.measure(peers_folder, folder / "peers", turn))
-    ours = [_measured(point, rounds[number]) for number, point in enumerate(wanted)]
+    ours = [measured(point, rounds[number]) for number, point in enumerate(wanted)]
     rows = [*ours, *peers.merged(others)]
     _show(folder, rows)
     return True
 
 
-def _outcome(store, name, config):
-    """Summary of a run, kept or new."""
+def outcome(store, name, config):
+    """Return the summary of a run, kept or new."""
     kept = store.kept(name, config)
     if kept:
         return kept[0].summary
@@ -80,7 +80,8 @@ def _outcome(store, name, config):
     return result.summary
 
 
-def _measured(point, summaries):
+def measured(point, summaries):
+    """Return what the rounds of a point gave, from their summaries."""
     costs = [summary["cost"] for summary in summaries]
     samples = summaries[0]["samples"]
     return Measured(

@@ -1,0 +1,21 @@
+"""Speed, as ratios within one call: what the implicit scheme must keep of its lead over the explicit one."""
+
+import pytest
+
+from tisph.study.bench import frontier
+from tisph.study.bench.cases import points
+from tisph.study.store import Store
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_the_implicit_scheme_reaches_an_error_ten_times_sooner(tmp_path):
+    store = Store(tmp_path)
+    rows = []
+    for point in points(quick=True):
+        summaries = [frontier.outcome(store, f"{point.name}_{turn}", point.config) for turn in range(frontier.ROUNDS)]
+        rows.append(frontier.measured(point, summaries))
+    explicit = frontier.fastest(rows, 1e-3, "explicit")
+    implicit = frontier.fastest(rows, 1e-3, "implicit")
+    # measured: 50 to 70; a machine that is busy for a while changes a median of three by less than the rest
+    assert explicit.loop / implicit.loop >= 10

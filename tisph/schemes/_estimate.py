@@ -26,6 +26,9 @@ UNCORRECTED_ERROR = {"wcsph": 0.06, "implicit": 0.016}
 STEP_ERROR, EARLY, FORGETTING = 2.0, 0.018, 0.75
 """Error of the steps over their tolerance up to t* = EARLY; from then on it falls with that power of the time."""
 
+STRAIN_ERROR = 7e-6
+"""Error of steps that their strain limits, over its third power."""
+
 GROWTH = 0.5
 """Step over the time since the start, at a tolerance of 1e-4; it goes with the cube root of the tolerance."""
 
@@ -75,7 +78,7 @@ def implicit(config, channel, first, tolerance, strain):
     order = config.scheme.operators.order
     resolution = _resolution(config, channel)
     late = config.time.samples[-1] / channel.viscous_time / EARLY
-    steps_error = STEP_ERROR * tolerance * min(1.0, late**-FORGETTING)
+    steps_error = STEP_ERROR * tolerance * min(1.0, late**-FORGETTING) + STRAIN_ERROR * strain**3
     error = IMPLICIT_ERROR[order] * resolution**order + steps_error
     if config.walls.treatment.type != "consistent_image":
         error += UNCORRECTED_ERROR["implicit"] * resolution**2

@@ -58,7 +58,7 @@ def _place(context, node):
 
 ASTTransformerContext.get_pos_info = _place
 
-__all__ = ["available_threads", "real", "scalar", "start", "ti"]
+__all__ = ["available_threads", "real", "scalar", "start", "stop", "ti"]
 
 
 def available_threads():
@@ -88,6 +88,14 @@ def start(precision, threads):
             log_level=ti.ERROR,
         )
     _share_processors(sorted(_thread_ids() - others), threads)
+
+
+def stop():
+    """Write the compiled kernels to the cache and give all fields back.
+
+    Taichi would do so when its last object dies, which a process that ends in a hurry does not wait for.
+    """
+    ti.reset()
 
 
 def _thread_ids():

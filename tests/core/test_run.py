@@ -238,3 +238,12 @@ def test_a_damaged_history_is_no_traceback_on_resume(tisph, tmp_path):
     refused = tisph("run", "small.yaml", "--out", "out", *every, "--resume", status=2)
     assert "cannot be read" in refused.stderr
     assert "Traceback" not in refused.stderr
+
+
+@pytest.mark.skipif(os.name == "nt", reason="HOME decides on POSIX systems only")
+def test_compiled_kernels_are_kept_for_the_next_run(tisph, tmp_path):
+    home = tmp_path / "home"
+    home.mkdir()
+    folders = {"HOME": str(home), "XDG_CACHE_HOME": str(home / ".cache")}
+    tisph("run", "small.yaml", "--out", "out", "--no-video", "--set", "time={end: 0.01}", **folders)
+    assert list((home / ".cache" / "tisph").rglob("*.tic"))

@@ -43,6 +43,8 @@ def run(config, out_dir, *, video=True, resume=False):
             Run(config, folder).execute(video, resume)
     except OSError as error:
         raise TisphError(f"{folder.root}: the results cannot be written: {error}") from error
+    finally:
+        runtime.stop()
     return folder.root
 
 

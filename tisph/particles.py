@@ -7,12 +7,12 @@ from tisph.runtime import real, ti
 
 @ti.data_oriented
 class Particles:
-    """Fluid particles 0 .. fluid-1, then wall particles, then one sentinel far away.
+    """Fluid particles 0 .. fluid-1, then wall particles.
 
     Each field has shape (2, ...): buffer ``now`` holds the present, buffer ``1 - now`` is written next.
     ``position``, ``velocity``, ``compression`` (density / reference density - 1, which keeps its digits in
     single precision) are the state at the end of a step, of fluid particles only. The ``mid_`` fields are
-    the state in the middle of the coming step, which the neighbours read: fluid, walls and sentinel.
+    the state in the middle of the coming step, which the neighbours read: fluid and walls.
     ``identity`` (fluid) is the number that a particle was created with; sorting permutes it along.
 
     With ``carries_stress`` there are also ``stress`` and ``mid_stress``: xx, xy, yy over the reference density.
@@ -25,27 +25,25 @@ class Particles:
         self.fluid = fluid
         self.mobile = fluid + dummies
         self.slots = self.mobile + images
-        self.sentinel = self.slots
         vector = ti.types.vector(2, real())
         self.position = ti.field(vector, shape=(2, fluid))
         self.velocity = ti.field(vector, shape=(2, fluid))
         self.compression = ti.field(real(), shape=(2, fluid))
-        self.mid_position = ti.field(vector, shape=(2, self.slots + 1))
-        self.mid_velocity = ti.field(vector, shape=(2, self.slots + 1))
-        self.mid_pressure = ti.field(real(), shape=(2, self.slots + 1))
+        self.mid_position = ti.field(vector, shape=(2, self.slots))
+        self.mid_velocity = ti.field(vector, shape=(2, self.slots))
+        self.mid_pressure = ti.field(real(), shape=(2, self.slots))
         self.mid_compression = ti.field(real(), shape=(2, fluid))
         self.identity = ti.field(ti.i32, shape=(2, fluid))
         self.carries_stress = carries_stress
         if carries_stress:
             tensor = ti.types.vector(3, real())
             self.stress = ti.field(tensor, shape=(2, fluid))
-            self.mid_stress = ti.field(tensor, shape=(2, self.slots + 1))
+            self.mid_stress = ti.field(tensor, shape=(2, self.slots))
 
-    def load(self, position, velocity, stress, far):
+    def load(self, position, velocity, stress):
         """Fill buffer 0: uncompressed fluid at ``position`` with ``velocity``, arrays of shape (fluid, 2).
 
-        ``stress`` (fluid, 3) is over the reference density, None where particles carry none. The sentinel is put at
-        distance ``far`` along both axes, where every kernel vanishes.
+        ``stress`` (fluid, 3) is over the reference density, None where particles carry none.
         """
         self._fill(self.position, self.mid_position, position)
         self._fill(self.velocity, self.mid_velocity, velocity)
@@ -55,12 +53,10 @@ class Particles:
         self.mid_compression.fill(0.0)
         self.mid_pressure.fill(0.0)
         self.identity.from_numpy(np.tile(np.arange(self.fluid, dtype=np.int32), (2, 1)))
-        for buffer in (0, 1):
-            self.mid_position[buffer, self.sentinel] = [far, far]
 
     def _fill(self, state, middle, values):
         state.from_numpy(np.stack([values, values]))
-        everywhere = np.zeros((2, self.slots + 1, values.shape[1]))
+        everywhere = np.zeros((2, self.slots, values.shape[1]))
         everywhere[0, : self.fluid] = values
         middle.from_numpy(everywhere)
 

@@ -92,15 +92,14 @@ def test_a_row_that_may_not_fit_is_told(make, capacity, told):
     assert lists.overflow() == told
 
 
-def test_rows_are_padded_with_the_sentinel_only(make):
+def test_a_row_names_each_neighbour_once_and_ends_with_its_own_particle(make):
     scheme = make(jitter=0.2)
     table, count = scheme.lists.table.to_numpy(), scheme.lists.count.to_numpy()
     for i in range(scheme.particles.fluid):
         row = table[i, : count[i]]
-        assert len(row) % 4 == 0
-        assert np.count_nonzero(row == scheme.particles.sentinel) < 4
-        real = row[row != scheme.particles.sentinel]
-        assert len(set(real)) == len(real)
+        assert i not in row
+        assert len(set(row)) == len(row)
+        assert table[i, count[i]] == i
 
 
 def test_the_config_leaves_room_for_the_skin():

@@ -1,5 +1,7 @@
 """The table of pair weights against the kernel that it is made from."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -31,7 +33,7 @@ def test_the_table_follows_the_kernel(name):
     assert np.abs(weights.to_numpy() - exact).max() < 1e-5 * kernel.slope_over_q(1e-3)
 
 
-def test_no_weight_beyond_the_support():
+def test_no_weight_beyond_the_support_and_none_that_is_no_number():
     runtime.start("f64", 1)
     kernel = families.load("kernels", "quintic_spline")
     table = WeightTable(kernel, 1.0)
@@ -40,5 +42,6 @@ def test_no_weight_beyond_the_support():
     def at(squared: float) -> float:
         return table.at(squared)
 
-    assert at(9.0) == 0.0
-    assert at(1e30) == 0.0
+    # up to sqrt(2) times the support: with the least one (test_neighbours.py) no pair of a list gets that far
+    assert at(9.0) == at(13.0) == at(17.999) == 0.0
+    assert math.isnan(at(math.nan))

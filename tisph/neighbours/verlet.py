@@ -12,14 +12,9 @@ wall too, although w is another one there: who looks inside must do with three q
 
 import math
 
-import numpy as np
-
 from tisph.runtime import real, scalar, ti
 
-LANES = 4
-"""Rows are padded to a multiple of this with the sentinel, so that pair loops can be unrolled."""
-
-SKIN = 0.1
+SKIN = 0.15
 """Reach beyond the kernel support, in particle spacings: measured best for the sum of pair loops and builds."""
 
 ROOM = 1.6
@@ -28,8 +23,9 @@ ROOM = 1.6
 
 @ti.data_oriented
 class VerletLists:
-    """Neighbours ``table[i, k]``, k < ``count[i]`` (a multiple of LANES), of fluid and dummy particles.
+    """Neighbours ``table[i, k]``, k < ``count[i]``, of fluid and dummy particles; after the last comes i itself.
 
+    Pair loops look one neighbour ahead, which is why a row goes on after its end.
     ``crosses[i]`` tells whether a neighbour lies across the period, so that only few particles pay for it.
     Dummy particles list the fluid around them, with ``looks_inside`` that around their mirror points.
     """
@@ -145,7 +141,8 @@ class VerletLists:
                 )
                 across += found - before
         self.crosses[i] = across
-        self.count[i] = self.pad(i, found)
+        self.count[i] = ti.min(found, self.capacity - 1)
+        self.table[i, self.count[i]] = i
         return found
 
     @ti.func
@@ -170,22 +167,9 @@ class VerletLists:
             found += ti.cast(apart.dot(apart) < limit, ti.i32) * ti.cast(j != i, ti.i32)
         return found
 
-    @ti.func
-    def pad(self, i, found):
-        """Fill row ``i`` up to a multiple of LANES with the sentinel and return the padded length."""
-        filled = ti.min(found, self.capacity)
-        padded = (filled + LANES - 1) // LANES * LANES
-        for k in range(filled, padded):
-            self.table[i, k] = self.particles.sentinel
-        return padded
-
     def mean_length(self):
-        """Return the mean number of neighbours within reach of a fluid particle, padding not counted."""
-        fluid = self.particles.fluid
-        count = self.count.to_numpy()[:fluid]
-        rows, table = np.arange(fluid), self.table.to_numpy()
-        padding = sum(np.count_nonzero(table[rows, count - k] == self.particles.sentinel) for k in range(1, LANES))
-        return float(count.sum() - padding) / fluid
+        """Return the mean number of neighbours within reach of a fluid particle."""
+        return float(self.count.to_numpy()[: self.particles.fluid].mean())
 
     def overflow(self):
         """Return the longest row if it may not have fitted into the table, else 0.
@@ -202,6 +186,5 @@ def reach(cutoff, spacing):
 
 
 def row_capacity(radius, spacing):
-    """Return the number of neighbours that a row has room for: a multiple of LANES."""
-    mean = math.pi * (radius / spacing) ** 2
-    return math.ceil((ROOM * mean + LANES) / LANES) * LANES
+    """Return the number of entries of a row."""
+    return math.ceil(ROOM * math.pi * (radius / spacing) ** 2) + 4

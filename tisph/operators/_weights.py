@@ -10,25 +10,32 @@ import numpy as np
 from tisph.runtime import real, scalar, ti
 
 INTERVALS = 2048
-"""Table size: the weights are within 1e-5 of the largest (tested); 32 kB stay in cache."""
+"""Intervals within the support, a power of two: the weights are within 1e-5 of the largest (tested)."""
+
+ENTRIES = 2 * INTERVALS
+"""Table size: zero from the support to sqrt(2) times its radius, farther than any pair of a list can be; 64 kB."""
 
 
 @ti.data_oriented
 class WeightTable:
-    """Weights -h^4 W'(r)/r of ``kernel`` for smoothing length ``length``, zero beyond its support."""
+    """Weights -h^4 W'(r)/r of ``kernel`` for smoothing length ``length``, zero beyond its support.
+
+    Entry k holds intercept and slope of the weight over the squared distance in interval k.
+    """
 
     def __init__(self, kernel, length):
-        squares = np.arange(INTERVALS + 2) * (kernel.SUPPORT**2 / INTERVALS)
+        squares = np.arange(INTERVALS + 1) * (kernel.SUPPORT**2 / INTERVALS)
         # the limit at zero distance, where no pair is, need not be exact
         values = np.array([kernel.slope_over_q(q) for q in np.sqrt(np.maximum(squares, 1e-6))])
-        self.entries = ti.Vector.field(2, real(), shape=INTERVALS + 1)
-        self.entries.from_numpy(np.stack([values[:-1], np.diff(values)], 1))
+        slopes = np.diff(values) / np.diff(squares)
+        lines = np.zeros((ENTRIES, 2))
+        lines[:INTERVALS] = np.stack([values[:-1] - slopes * squares[:-1], slopes / length**2], 1)
+        self.entries = ti.Vector.field(2, real(), shape=ENTRIES)
+        self.entries.from_numpy(lines)
         self.per_square = scalar(INTERVALS / (kernel.SUPPORT * length) ** 2)
 
     @ti.func
     def at(self, squared):
-        """Return the weight of a pair at a squared distance."""
-        place = ti.min(squared * self.per_square[None], float(INTERVALS))
-        entry = ti.cast(place, ti.i32)
-        value = self.entries[entry]
-        return value.x + (place - entry) * value.y
+        """Return the weight of a pair at a squared distance; whatever that is, even NaN, no entry outside is read."""
+        line = self.entries[ti.cast(squared * self.per_square[None], ti.i32) & (ENTRIES - 1)]
+        return line.x + squared * line.y

@@ -17,7 +17,6 @@ fields where they are (Oger et al. 2016). Density diffusion is that of Antuono e
 renormalised density gradient is the linear correction above.
 """
 
-from tisph.neighbours.verlet import LANES
 from tisph.operators._pairs import PairOperators
 from tisph.runtime import real, ti
 
@@ -53,10 +52,13 @@ class Operators(PairOperators):
         """Return the rates of fluid particle ``i`` from the mid-step values in buffer ``now``."""
         sums = self.sums(now, i)
         determinant = sums.moment_xx * sums.moment_yy - sums.moment_xy * sums.moment_xy
-        correction = self.matrix([[sums.moment_yy, -sums.moment_xy], [-sums.moment_xy, sums.moment_xx]]) / determinant
+        diagonal = ti.Vector([sums.moment_yy, sums.moment_xx]) / determinant
+        shear = sums.moment_xy / determinant
+        correction = self.matrix([[diagonal.x, -shear], [-shear, diagonal.y]])
         laplacian_norm = 4.0 / (sums.moment_xx + sums.moment_yy)
         velocity_gradient = sums.velocity_gradient @ correction
-        pressure_gradient = correction @ sums.pressure_gradient
+        swapped = ti.Vector([sums.pressure_gradient.y, sums.pressure_gradient.x])
+        pressure_gradient = diagonal * sums.pressure_gradient - shear * swapped
         velocity_laplacian = laplacian_norm * (sums.velocity_laplacian - velocity_gradient @ sums.first)
         pressure_laplacian = laplacian_norm * (sums.pressure_laplacian - pressure_gradient.dot(sums.first))
 
@@ -113,25 +115,28 @@ class Operators(PairOperators):
         velocity = self.particles.mid_velocity[now, i]
         pressure = self.particles.mid_pressure[now, i]
         sums = self.Sums()
-        for block in range(self.lists.count[i] // LANES):
-            for lane in ti.static(range(LANES)):
-                j = self.lists.table[i, block * LANES + lane]
-                apart = self.separation(now, i, j, periodic)
-                weight = self.weights.at(apart.dot(apart))
-                weighted = weight * apart
-                faster = self.particles.mid_velocity[now, j] - velocity
-                higher = self.particles.mid_pressure[now, j] - pressure
-                sums.moment_xx += weighted.x * apart.x
-                sums.moment_xy += weighted.x * apart.y
-                sums.moment_yy += weighted.y * apart.y
-                sums.first += weighted
-                sums.velocity_gradient += faster.outer_product(weighted)
-                sums.pressure_gradient += higher * weighted
-                sums.velocity_laplacian += weight * faster
-                sums.pressure_laplacian += weight * higher
-                if ti.static(self.has_artificial_viscosity):
-                    sums.push += self.artificial_push(weight, apart, faster)
-                if ti.static(self.liquid.carries_stress):
-                    tighter = self.particles.mid_stress[now, j] - self.particles.mid_stress[now, i]
-                    sums.stress_gradient += tighter.outer_product(weighted)
+        j = self.lists.table[i, 0]
+        apart, weight = self.pair(now, i, j, periodic)
+        for k in range(self.lists.count[i]):
+            following = self.lists.table[i, k + 1]
+            next_apart, next_weight = self.pair(now, i, following, periodic)
+            weighted = weight * apart
+            faster = self.particles.mid_velocity[now, j] - velocity
+            higher = self.particles.mid_pressure[now, j] - pressure
+            sums.moment_xx += weighted.x * apart.x
+            sums.moment_xy += weighted.x * apart.y
+            sums.moment_yy += weighted.y * apart.y
+            sums.first += weighted
+            sums.velocity_gradient += faster.outer_product(weighted)
+            sums.pressure_gradient += higher * weighted
+            sums.velocity_laplacian += weight * faster
+            sums.pressure_laplacian += weight * higher
+            if ti.static(self.has_artificial_viscosity):
+                sums.push += self.artificial_push(weight, apart, faster)
+            if ti.static(self.liquid.carries_stress):
+                tighter = self.particles.mid_stress[now, j] - self.particles.mid_stress[now, i]
+                sums.stress_gradient += tighter.outer_product(weighted)
+            j = following
+            apart = next_apart
+            weight = next_weight
         return sums

@@ -7,7 +7,6 @@ Symmetric pressure form (Monaghan 1992), Morris' viscosity with his 0.01 h^2 (Mo
 density by the continuity equation; no correction, shifting or diffusion.
 """
 
-from tisph.neighbours.verlet import LANES
 from tisph.operators._pairs import PairOperators
 from tisph.runtime import real, ti
 
@@ -39,10 +38,8 @@ class Operators(PairOperators):
     @ti.func
     def pair_pull(self, now, i, j, weight, apart):
         """Return a pair's share in the acceleration along x by viscosity and pressure, without the volume."""
-        length = self.smoothing_length[None]
-        squared = apart.dot(apart)
         faster = self.particles.mid_velocity[now, j].x - self.particles.mid_velocity[now, i].x
-        viscous = 2.0 * self.liquid.kinematic_viscosity[None] * squared / (squared + 0.01 * length * length) * faster
+        viscous = 2.0 * self.liquid.kinematic_viscosity[None] * self.softened(apart.dot(apart)) * faster
         pressure = self.particles.mid_pressure[now, i] + self.particles.mid_pressure[now, j]
         return weight * (viscous - pressure * apart.x / (1.0 + self.particles.mid_compression[now, i]))
 
@@ -56,19 +53,28 @@ class Operators(PairOperators):
         """Return the sums over the neighbours of particle ``i``."""
         velocity = self.particles.mid_velocity[now, i]
         pressure = self.particles.mid_pressure[now, i]
-        length = self.smoothing_length[None]
-        softening = 0.01 * length * length
         sums = self.Sums()
-        for block in range(self.lists.count[i] // LANES):
-            for lane in ti.static(range(LANES)):
-                j = self.lists.table[i, block * LANES + lane]
-                apart = self.separation(now, i, j, periodic)
-                squared = apart.dot(apart)
-                weight = self.weights.at(squared)
-                faster = self.particles.mid_velocity[now, j] - velocity
-                sums.pressure += (pressure + self.particles.mid_pressure[now, j]) * weight * apart
-                sums.viscosity += weight * squared / (squared + softening) * faster
-                sums.divergence += weight * faster.dot(apart)
-                if ti.static(self.has_artificial_viscosity):
-                    sums.push += self.artificial_push(weight, apart, faster)
+        j = self.lists.table[i, 0]
+        apart, weight = self.pair(now, i, j, periodic)
+        viscous = weight * self.softened(apart.dot(apart))
+        for k in range(self.lists.count[i]):
+            following = self.lists.table[i, k + 1]
+            next_apart, next_weight = self.pair(now, i, following, periodic)
+            next_viscous = next_weight * self.softened(next_apart.dot(next_apart))
+            faster = self.particles.mid_velocity[now, j] - velocity
+            sums.pressure += (pressure + self.particles.mid_pressure[now, j]) * weight * apart
+            sums.viscosity += viscous * faster
+            sums.divergence += weight * faster.dot(apart)
+            if ti.static(self.has_artificial_viscosity):
+                sums.push += self.artificial_push(weight, apart, faster)
+            j = following
+            apart = next_apart
+            weight = next_weight
+            viscous = next_viscous
         return sums
+
+    @ti.func
+    def softened(self, squared):
+        """Return r^2 / (r^2 + 0.01 h^2) of a squared distance."""
+        length = self.smoothing_length[None]
+        return squared / (squared + 0.01 * length * length)

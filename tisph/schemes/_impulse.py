@@ -52,12 +52,12 @@ class ImpulsiveStart:
     @ti.kernel
     def displace(self, now: ti.i32, top: ti.i32, jump: float):
         """Fill the other buffer with displacements of the images beyond one wall, and nothing else."""
-        for k in range(self.particles.slots + 1):
+        for k in range(self.particles.slots):
             place = self.particles.mid_position[now, k]
             self.particles.mid_position[1 - now, k] = place
             depth = ti.select(top == 1, place.y - self.domain.gap[None], -place.y)
             displaced = 0.0
-            if self.particles.fluid <= k < self.particles.slots and depth > 0.0:
+            if k >= self.particles.fluid and depth > 0.0:
                 displaced = depth * depth * jump / self.liquid.kinematic_viscosity[None]
             self.particles.mid_velocity[1 - now, k] = ti.Vector([displaced, 0.0])
             self.particles.mid_pressure[1 - now, k] = 0.0

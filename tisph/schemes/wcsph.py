@@ -132,7 +132,7 @@ class Scheme:
         """
         self.limit = self.time_step_limit()
         scaled = stress / self.channel.density if self.particles.carries_stress else None
-        self.particles.load(position, velocity, scaled, 1e3 * (self.channel.gap + self.channel.length))
+        self.particles.load(position, velocity, scaled)
         self.walls.load(self.channel)
         self.momentum.initial = float(velocity[:, 0].sum())
         self.rebuild()

@@ -9,7 +9,6 @@ where they take the velocity of the wall. Polymer stress is averaged like the pr
 from typing import Literal
 
 from tisph.config.base import Model
-from tisph.neighbours.verlet import LANES
 from tisph.runtime import real, scalar, ti
 from tisph.walls._dummies import DummyWalls
 
@@ -39,17 +38,16 @@ class Treatment(DummyWalls):
         pressure = 0.0
         velocity = ti.Vector([0.0, 0.0])
         stress = self.tensor(0.0)
-        for block in range(self.lists.count[k] // LANES):
-            for lane in ti.static(range(LANES)):
-                j = self.lists.table[k, block * LANES + lane]
-                apart = self.particles.mid_position[buffer, j] - position
-                apart.x = self.domain.nearest(apart.x)
-                weight = self.value(ti.sqrt(apart.dot(apart)) * inverse_length)
-                weights += weight
-                pressure += weight * self.particles.mid_pressure[buffer, j]
-                velocity += weight * self.particles.mid_velocity[buffer, j]
-                if ti.static(self.particles.carries_stress):
-                    stress += weight * self.particles.mid_stress[buffer, j]
+        for n in range(self.lists.count[k]):
+            j = self.lists.table[k, n]
+            apart = self.particles.mid_position[buffer, j] - position
+            apart.x = self.domain.nearest(apart.x)
+            weight = self.value(ti.sqrt(apart.dot(apart)) * inverse_length)
+            weights += weight
+            pressure += weight * self.particles.mid_pressure[buffer, j]
+            velocity += weight * self.particles.mid_velocity[buffer, j]
+            if ti.static(self.particles.carries_stress):
+                stress += weight * self.particles.mid_stress[buffer, j]
         if weights > 0.0:
             wall = ti.Vector([self.wall_velocity(position.y), 0.0])
             self.give(buffer, k, 2.0 * wall - velocity / weights, pressure / weights, stress / weights)

@@ -12,7 +12,6 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from tisph.config.base import Model
-from tisph.neighbours.verlet import LANES
 from tisph.runtime import scalar, ti
 from tisph.walls._dummies import DummyWalls
 
@@ -36,18 +35,17 @@ class Treatment(DummyWalls):
     def extrapolate(self, buffer, k):
         """Set what image ``k`` carries; without fluid in reach, the velocity of the wall."""
         position = self.particles.mid_position[buffer, k]
-        found = self.particles.sentinel
+        found = -1
         shortest = self.lists.reach_squared[None] * 4.0
-        for block in range(self.lists.count[k] // LANES):
-            for lane in ti.static(range(LANES)):
-                j = self.lists.table[k, block * LANES + lane]
-                apart = self.particles.mid_position[buffer, j] - position
-                apart.x = self.domain.nearest(apart.x)
-                squared = apart.dot(apart)
-                if squared < shortest:
-                    shortest = squared
-                    found = j
-        if found == self.particles.sentinel:
+        for n in range(self.lists.count[k]):
+            j = self.lists.table[k, n]
+            apart = self.particles.mid_position[buffer, j] - position
+            apart.x = self.domain.nearest(apart.x)
+            squared = apart.dot(apart)
+            if squared < shortest:
+                shortest = squared
+                found = j
+        if found < 0:
             self.give_wall_values(buffer, k)
         else:
             self.continue_through_wall(buffer, k, found)

@@ -96,6 +96,11 @@ def measure_pysph_tuned(run, folder):
     return measure_pysph(run, folder, ["--tuned"])
 
 
+def measure_pysph_edac(run, folder):
+    """PySPH with its other scheme for flow between walls."""
+    return measure_pysph(run, folder, ["--scheme", "edac"])
+
+
 def measure_lammps(run, folder):
     """Throughput and L2 of LAMMPS in ``THREADS`` processes of one thread."""
     program = [sys.executable, HERE / "lammps_couette.py", "--threads", str(THREADS)]

@@ -21,6 +21,15 @@ VISCOUS = 0.125
 """Step over smoothing length^2 / kinematic viscosity. Source of both limits, which both peers get here:
 J. P. Morris, P. J. Fox and Y. Zhu, J. Comput. Phys. 136 (1997) 214-226."""
 
+SUPPORT = 3
+"""Radius of the peers' kernels (quintic spline with smoothing length = spacing, Lucy's) over the spacing."""
+
+
+def lattice_neighbours():
+    """Number of particles of a square lattice within the kernel of one of them, itself and the rim not counted."""
+    offsets = range(-SUPPORT, SUPPORT + 1)
+    return sum(0 < x**2 + y**2 < SUPPORT**2 for x in offsets for y in offsets)
+
 
 def spacing(across):
     """Particle spacing [length] with ``across`` particles between the walls."""

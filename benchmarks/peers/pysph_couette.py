@@ -1,10 +1,11 @@
-"""PySPH, transport-velocity formulation, on the case of ``couette_case.py``; prints one line of JSON.
+"""PySPH on the case of ``couette_case.py``; prints one line of JSON.
 
 Run it with env-pysph's Python; OMP_NUM_THREADS sets the number of threads. The set-up is that of PySPH's own
-Couette example: quintic spline with h = spacing, walls of Adami dummy particles, PEC integrator (one
-evaluation of all forces a step), linked-list neighbours, options at their defaults. ``--tuned`` takes what
-makes it faster without changing the result: neighbours cached during a step, and no wall particles beyond the
-reach of the kernel.
+Couette example: transport velocity (TVF), quintic spline with h = spacing, walls of Adami dummy particles, PEC
+integrator (one evaluation of all forces a step), linked-list neighbours, options at their defaults. ``--scheme edac``
+evolves the pressure with artificial compressibility (EDAC) instead, set up as in PySPH's cavity example. ``--tuned``
+takes what makes it faster without changing the result: neighbours cached during a step, and no wall particles beyond
+the reach of the kernel.
 """
 
 import os
@@ -18,6 +19,7 @@ from pysph.base.nnps import DomainManager
 from pysph.base.utils import get_particle_array
 from pysph.solver.application import Application
 from pysph.sph.scheme import TVFScheme
+from pysph.sph.wc.edac import EDACScheme
 
 EXAMPLE_LAYERS = 5
 """Layers of wall particles in PySPH's example."""
@@ -34,6 +36,7 @@ class PlaneCouette(Application):
         self.layers = REACHED_LAYERS if arguments.tuned else EXAMPLE_LAYERS
         self.step = case.time_step(arguments)
         self.steps = arguments.steps
+        self.make_scheme = {"tvf": self.transport_velocity, "edac": self.evolved_pressure}[arguments.scheme]
         super().__init__(output_dir=output_dir)
 
     def create_domain(self):
@@ -41,21 +44,26 @@ class PlaneCouette(Application):
         return DomainManager(xmin=0.0, xmax=case.LENGTH, periodic_in_x=True)
 
     def create_scheme(self):
-        """Transport velocity with the background pressure of the example, density * sound speed^2."""
-        pressure = case.DENSITY * case.SOUND_SPEED**2
-        scheme = TVFScheme(
+        """The scheme of the command line, with the background pressure of the examples, density * sound speed^2."""
+        scheme = self.make_scheme(
             ["fluid"],
             ["walls"],
             dim=2,
             rho0=case.DENSITY,
             c0=case.SOUND_SPEED,
             nu=case.KINEMATIC_VISCOSITY,
-            p0=pressure,
-            pb=pressure,
-            h0=self.spacing,
+            pb=case.DENSITY * case.SOUND_SPEED**2,
         )
         scheme.configure_solver(dt=self.step, tf=self.steps * self.step)
         return scheme
+
+    def transport_velocity(self, *arrays, pb, **liquid):
+        """Pressure from the density."""
+        return TVFScheme(*arrays, p0=pb, pb=pb, h0=self.spacing, **liquid)
+
+    def evolved_pressure(self, *arrays, **liquid):
+        """Pressure with an equation of its own."""
+        return EDACScheme(*arrays, h=self.spacing, **liquid)
 
     def create_particles(self):
         """Square lattice, with the particles outside the gap as walls."""
@@ -78,6 +86,7 @@ class PlaneCouette(Application):
 def main():
     """Set up (compiling at the first time), run the time loop alone against the clock, and report."""
     parser = case.argument_parser(__doc__.splitlines()[0])
+    parser.add_argument("--scheme", choices=("tvf", "edac"), default="tvf")
     parser.add_argument("--tuned", action="store_true", help="cached neighbours, three wall layers")
     arguments = parser.parse_args()
     threads = int(os.environ.get("OMP_NUM_THREADS", os.cpu_count()))

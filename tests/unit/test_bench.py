@@ -1,19 +1,30 @@
-"""Benchmarks: which points, which of them make the front, what the peers' rows are made of."""
+"""Run time against error: which points, which of them make the front, how far the peers are behind."""
 
 import json
 import math
+from itertools import combinations
 
 import pytest
 from typer.testing import CliRunner
 
 from tisph.cli import app
 from tisph.config import load
-from tisph.study.bench import cases, frontier, peers
-from tisph.study.bench.frontier import Measured
+from tisph.report.style import plot_style
+from tisph.study.bench import cases, frontier
+from tisph.study.bench.comparison import BOUNDS, comparisons, leads, table
+from tisph.study.bench.measured import Measured, fastest, front
+from tisph.study.bench.peers import QUOTED, RUNS
+from tisph.study.bench.picture import ELSEWHERE, figure_of, looks_of
+
+FLOW = "couette_2.7"
 
 
-def row(way, l2, *loops, flow="couette_2.7"):
-    return Measured(flow, way, 50, 10, l2, loops, loops)
+def row(way, l2, *loops, code="tisph", flow=FLOW, elsewhere=False):
+    return Measured(flow, way, 50, 2, 10, l2, loops, loops, code, elsewhere)
+
+
+def lammps(l2, loop):
+    return row("LAMMPS SPH, 2 processes", l2, loop, code="LAMMPS")
 
 
 @pytest.mark.parametrize("quick", [False, True])
@@ -28,40 +39,94 @@ def test_every_point_is_a_valid_config_of_its_own(tmp_path, quick):
 
 def test_the_front_holds_what_nothing_beats_in_both_error_and_time():
     slow, fast, beaten, stopped = row("a", 1e-4, 2.0), row("b", 1e-3, 1.0), row("c", 2e-3, 3.0), row("d", math.nan, 0.1)
-    assert frontier.front([slow, fast, beaten, stopped]) == [slow, fast]
+    assert front([slow, fast, beaten, stopped]) == [slow, fast]
 
 
 def test_times_are_medians_of_the_rounds():
     assert row("explicit", 1e-3, 5.0, 1.0, 2.0).loop == 2.0
 
 
-def test_the_fastest_way_to_an_error_is_sought_among_the_wanted_ones():
-    rows = [row("explicit", 9e-4, 1.0), row("implicit 4", 1e-5, 0.5), row("implicit 4", 2e-3, 0.1)]
-    assert frontier.fastest(rows, 1e-3, "explicit", "implicit") == rows[1]
-    assert frontier.fastest(rows, 1e-3, "explicit") == rows[0]
-    assert frontier.fastest(rows, 1e-6, "explicit") is None
+def test_the_fastest_way_to_an_error_is_sought_among_the_wanted_ones_of_ours():
+    rows = [row("explicit", 9e-4, 1.0), row("implicit 4", 1e-5, 0.5), row("implicit 4", 2e-3, 0.1), lammps(1e-6, 0.01)]
+    assert fastest(rows, 1e-3) == rows[1]
+    assert fastest(rows, 1e-3, "explicit") == rows[0]
+    assert fastest(rows, 1e-6) is None
 
 
-def test_comparisons_are_ratios_of_medians():
-    rows = [row("explicit", 9e-4, 4.0), row("implicit 4, fast", 5e-4, 0.1), row("LAMMPS SPH", 5e-2, 1.5)]
-    lines = frontier.comparisons(rows)
-    assert "is 40 times faster than explicit, 50 across" in lines[0]
-    # at its own error, and at the error that is asked for
-    assert sum("is 15 times faster than LAMMPS SPH" in line for line in lines) == 2
+def test_the_lead_of_the_implicit_scheme_is_the_ratio_of_medians():
+    (line,) = leads([row("explicit", 9e-4, 4.0), row("implicit 4, fast", 5e-4, 0.1), row("implicit 4", 2e-3, 0.01)])
+    assert "is 40 times faster than explicit, 50 across" in line
 
 
-def test_quoted_peers_are_multiples_of_lammps_and_long_pysph_runs_of_short_ones():
-    one = {"steps": 2970, "l2": 5e-2, "loop_seconds": 2.0}
-    measured = {
-        (flow, label): {**one, "loop_seconds": 10.0} if flow == "couette_20" else one
-        for label, (_, _, flows) in peers.MEASURED.items()
-        for flow in flows
-    }
-    rows = {(found.flow, found.way): found for found in peers.merged([measured])}
-    quoted = rows["couette_20", "SPHinXsys, quoted"]
-    assert (quoted.loop, quoted.elsewhere) == (pytest.approx(5.7), True)
-    assert rows["couette_20", "PySPH TVF, 1 thread"].loop == pytest.approx(2.0 * 20 / 2.7)
-    assert peers.merged([]) == []
+def test_a_peer_is_compared_with_our_fastest_run_that_is_as_exact():
+    rows = [row("implicit 4", 2e-3, 0.1), row("implicit 4", 1e-1, 0.01), lammps(5e-2, 1.5)]
+    (found,) = comparisons(rows)
+    assert (found.ours, found.ratio) == (rows[0], pytest.approx(15.0))
+    assert found.passed
+
+
+def test_the_table_has_the_ratio_of_medians_and_its_spread_over_the_rounds():
+    rows = [row("implicit 4", 2e-3, 1.0, 1.0, 2.0), row("LAMMPS SPH", 5e-2, 15.0, 9.0, 16.0, code="LAMMPS")]
+    assert "| 15 (8..15) | >= 10 | PASS |" in table(comparisons(rows))
+
+
+@pytest.mark.parametrize("code", BOUNDS)
+def test_a_peer_that_comes_too_close_misses_the_bound(code):
+    ours = row("implicit 4", 1e-3, 1.0)
+    near, far = (row(code, 1e-2, factor * BOUNDS[code], code=code) for factor in (0.99, 1.01))
+    assert [found.passed for found in comparisons([ours, near, far])] == [False, True]
+
+
+def test_an_error_that_we_do_not_reach_misses_the_bound():
+    (found,) = comparisons([row("explicit", 1e-2, 0.1), lammps(1e-3, 100.0)])
+    assert not found.passed
+    assert "not reached" in table([found])
+
+
+def test_peers_that_failed_are_not_compared_and_quoted_ones_not_judged():
+    quoted = row("JAX-SPH, quoted", 1e-2, 0.1, code="JAX-SPH", elsewhere=True)
+    (found,) = comparisons([row("explicit", 1e-3, 1.0), lammps(math.nan, 1.0), quoted])
+    assert found.peer == quoted
+    assert found.passed
+
+
+def test_a_missed_bound_is_what_show_returns_and_the_files_hold(tmp_path):
+    ours = row("implicit 4", 1e-3, 1.0)
+    assert frontier.show(tmp_path, [ours, lammps(1e-2, 20.0)])
+    assert not frontier.show(tmp_path, [ours, lammps(1e-2, 5.0)])
+    numbers = json.loads((tmp_path / "frontier.json").read_text())
+    assert [(one["ratio"], one["passed"]) for one in numbers["comparisons"]] == [(5.0, False)]
+    assert numbers["machine"]["processor"]
+    assert (tmp_path / "frontier.png").is_file()
+
+
+def all_rows():
+    """A row of every way in every flow, and of every peer."""
+    ours = [row(way, 1e-4, 0.1, flow=flow) for flow in cases.FLOWS for way in cases.WAYS]
+    peers = [row(run.label, 1e-3, 1.0, code=run.label.split()[0], flow=run.flow) for run in RUNS]
+    quoted = [row(f"{name}, quoted", 1e-3, 2.0, code=name, flow="couette_20", elsewhere=True) for name in QUOTED]
+    return [*ours, *peers, *quoted]
+
+
+def test_every_way_looks_different_and_only_what_was_measured_elsewhere_is_hollow():
+    looks = looks_of(all_rows())
+    assert len({(look.colour, look.mark) for look in looks.values()}) == len(looks)
+    hollow = {way for way, look in looks.items() if look.options["markerfacecolor"] == "none"}
+    assert hollow == {way for way, look in looks.items() if look.group == ELSEWHERE} != set()
+
+
+@pytest.mark.parametrize("flows", [list(cases.FLOWS), ["couette_20"]])
+def test_no_legend_of_the_picture_covers_another_or_a_panel(flows):
+    rows = [one for one in all_rows() if one.flow in flows]
+    with plot_style():
+        figure = figure_of(rows, {flow: [] for flow in flows})
+        figure.draw_without_rendering()
+        boxes = [part.get_tightbbox() for part in (*figure.legends, *figure.axes)]
+    assert len(figure.legends) == 3
+    assert all(
+        first.xmax <= second.xmin or second.xmax <= first.xmin or first.ymax <= second.ymin or second.ymax <= first.ymin
+        for first, second in combinations(boxes, 2)
+    )
 
 
 def test_a_folder_without_the_peers_scripts_is_refused(tmp_path):

@@ -6,7 +6,7 @@ import pytest
 
 from tisph import families
 from tisph.config import load
-from tisph.config.memory import STRESS_BYTES, estimated_bytes
+from tisph.config.memory import REALS, estimated_bytes
 from tisph.errors import ConfigError
 
 GOOD = """\
@@ -89,13 +89,15 @@ def test_a_flow_before_may_be_the_start_of_a_developed_or_exact_run(case):
         assert case(STOPPED, start).walls.top.velocity_before == 0.5
 
 
-def test_polymer_stress_needs_memory():
+def test_polymer_stress_needs_memory(case):
     # three stresses of 8 bytes in four buffers
-    assert (
-        estimated_bytes(10, 3.0, True, False) - estimated_bytes(10, 3.0, False, False)
-        == 10 * STRESS_BYTES
-        == 10 * 3 * 4 * 8
-    )
+    assert estimated_bytes(10, case(POLYMER), False) - estimated_bytes(10, case(), False) == 10 * 3 * 4 * 8
+
+
+def test_single_precision_needs_half_the_memory_for_numbers(case):
+    both = (case(f"discretisation={{particles_across: 50, precision: {one}}}") for one in ("f64", "f32"))
+    whole, half = (estimated_bytes(10, one, False) for one in both)
+    assert whole - half == pytest.approx(10 * 4 * REALS[False])
 
 
 ONLY_STEADY = "is only for a wall of constant velocity; this one oscillates"

@@ -4,6 +4,7 @@ import pytest
 
 from tisph.study.bench import frontier
 from tisph.study.bench.cases import points
+from tisph.study.bench.measured import fastest
 from tisph.study.store import Store
 
 
@@ -15,7 +16,7 @@ def test_the_implicit_scheme_reaches_an_error_ten_times_sooner(tmp_path):
     for point in points(quick=True):
         summaries = [frontier.outcome(store, f"{point.name}_{turn}", point.config) for turn in range(frontier.ROUNDS)]
         rows.append(frontier.measured(point, summaries))
-    explicit = frontier.fastest(rows, 1e-3, "explicit")
-    implicit = frontier.fastest(rows, 1e-3, "implicit")
+    explicit = fastest(rows, 1e-3, "explicit")
+    implicit = fastest(rows, 1e-3, "implicit")
     # measured: 50 to 70; a machine that is busy for a while changes a median of three by less than the rest
     assert explicit.loop / implicit.loop >= 10

@@ -1,5 +1,6 @@
 """``tisph bench``: run time against error, and what parts of a run cost."""
 
+from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -11,35 +12,47 @@ FOLDER = Path("runs/bench")
 
 
 def bench(
-    name: Annotated[Literal["frontier", "startup"], typer.Argument(help="Which benchmark.")] = "frontier",
+    name: Annotated[
+        Literal["frontier", "throughput", "features", "startup"], typer.Argument(help="Which benchmark.")
+    ] = "frontier",
     quick: Annotated[bool, typer.Option("--quick", help="A small one, in two minutes.")] = False,
     peers: Annotated[
         Path | None,
-        typer.Option("--peers", metavar="DIR", help="Run the peers in DIR (benchmarks/peers) in the same call."),
+        typer.Option(
+            "--peers",
+            metavar="DIR",
+            help="With frontier or throughput: run the peers in DIR (benchmarks/peers) in the same call.",
+        ),
     ] = None,
-    configs: Annotated[Path, typer.Option("--configs", metavar="DIR", help="Configs of startup.")] = Path("configs"),
+    configs: Annotated[
+        Path, typer.Option("--configs", metavar="DIR", help="With startup: where the configs are.")
+    ] = Path("configs"),
     out: Annotated[Path | None, typer.Option("--out", metavar="DIR", help=f"Results [default: {FOLDER}/NAME].")] = None,
 ) -> None:
-    """Measure run time against error, or what it takes to start.
+    """Measure run time against error, or what parts of a run cost.
 
-    frontier: every flow in every way, three rounds, with a table, a picture and all numbers in DIR, where finished runs
-    are kept: an interrupted benchmark goes on with the same command. startup: import, compiling and first frames of
-    every config.
+    Tables, a picture where there is one, and all numbers are left in DIR, with finished measurements: an interrupted
+    benchmark goes on with the same command. Exit status 1 if a bound is missed.
+
+    \b
+    frontier: every flow in every way, three rounds: run time against error
+    throughput: what a particle and a step cost, part by part, and bytes a
+      particle, from 5 thousand to a million particles
+    features: what each part costs, and that a scene pays for none that it
+      does not use
+    startup: import, compiling and first frames of every config
 
     \b
     Examples:
       tisph bench frontier --quick
       tisph bench frontier --peers benchmarks/peers
+      tisph bench throughput --quick
+      tisph bench features
       tisph bench startup --quick
     """
-    folder = out or FOLDER / name
-    if name == "startup":
-        from tisph.study.bench import startup
-
-        startup.run(folder, sorted(configs.glob("*.yaml"))[: 3 if quick else None])
-        return
     if peers and not (peers / "measure.py").is_file():
         raise ConfigError(f"--peers {peers}: there is no measure.py; the peers' scripts are in benchmarks/peers")
-    from tisph.study.bench import frontier
-
-    frontier.run(folder, quick=quick, peers_folder=peers)
+    own = {"startup": {"configs": sorted(configs.glob("*.yaml"))}, "features": {}}
+    options = own.get(name, {"peers_folder": peers})
+    if not import_module(f"tisph.study.bench.{name}").run(out or FOLDER / name, quick=quick, **options):
+        raise typer.Exit(1)

@@ -55,9 +55,7 @@ def estimates(config: Any) -> dict[str, Any]:
         "cell_reynolds": channel.reference_velocity * channel.spacing / channel.kinematic_viscosity,
         "viscous_time": channel.viscous_time,
         "particles": particles,
-        "memory": memory.estimated_bytes(
-            particles, config.support, channel.polymer is not None, resolved.scheme.type == "implicit"
-        ),
+        "memory": memory.estimated_bytes(particles, config, resolved.scheme.type == "implicit"),
         "scheme": reason,
         **families.load("schemes", resolved.scheme.type).estimates(resolved, channel),
     }

@@ -121,7 +121,7 @@ def _size(config: Any) -> Iterator[Problem]:
     across = _across(config)
     particles = across * (across * config.geometry.length / config.geometry.gap)
     stress = config.fluid.rheology.carries_stress
-    needed = memory.estimated_bytes(particles, config.support, stress, config.scheme.type != "wcsph" and not stress)
+    needed = memory.estimated_bytes(particles, config, config.scheme.type != "wcsph" and not stress)
     available = memory.physical_bytes()
     text = f"makes {particles:.3g} particles, which would need about {memory.format_bytes(needed)} of memory"
     if particles > memory.MOST_PARTICLES:

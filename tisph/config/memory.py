@@ -2,33 +2,39 @@
 
 import math
 import os
+from typing import Any
 
-FIELD_BYTES = 350
-"""Estimate of a particle's fields: two copies of 14 numbers, and room for images of the particles at the walls."""
+REALS = {False: 25, True: 280}
+"""Numbers with fractions that a particle has in fields, by whether the scheme is implicit: the explicit one keeps two
+copies of 11 and where the lists were made, the implicit one three rows of operators with 52 entries and vectors."""
 
-STRESS_BYTES = 96
+STRESS_REALS = 12
 """A particle's polymer stress: three numbers in two copies, at full and at half steps."""
 
+INTEGER_BYTES = {False: 24, True: 240}
+"""A particle's places in lists and cells; those of its neighbours too in the implicit scheme."""
+
 NEIGHBOUR_BYTES = 4 * 1.6
-"""Bytes of the neighbour table for each particle within the kernel support: an index, and room for disorder."""
+"""Bytes of the explicit scheme's lists for each particle within reach: an index, and room for disorder."""
+
+REACH = 0.15
+"""What lists reach beyond the kernel support, in particle spacings."""
+
+HOST_BYTES = 165
+"""What a particle takes outside the fields while a run is set up or output is written."""
 
 MOST_PARTICLES = 20_000_000
 
 
-IMPLICIT_BYTES = 2450
-"""A particle of the implicit scheme: three rows of 52 entries and their table, moments, coefficients, 40 vectors."""
+def estimated_bytes(particles: float, config: Any, implicit: bool) -> float:
+    """Estimated growth of a run's memory with its particles in bytes; ``implicit``: with which scheme.
 
-
-def estimated_bytes(particles: float, support: float, carries_stress: bool, implicit: bool) -> float:
-    """Estimated memory of the fields of a run in bytes, for a kernel ``support`` radius in particle spacings.
-
-    ``carries_stress`` tells whether every particle has a stress of its own, ``implicit`` whether the scheme stores
-    rows of operators.
+    ``tisph bench throughput`` compares it with what a process takes.
     """
-    if implicit:
-        return particles * IMPLICIT_BYTES
-    fields = FIELD_BYTES + (STRESS_BYTES if carries_stress else 0)
-    return particles * (fields + NEIGHBOUR_BYTES * math.pi * support**2)
+    reals = REALS[implicit] + STRESS_REALS * config.fluid.rheology.carries_stress
+    fields = reals * (8 if config.discretisation.precision == "f64" else 4) + INTEGER_BYTES[implicit]
+    lists = 0.0 if implicit else NEIGHBOUR_BYTES * math.pi * (config.support + REACH) ** 2
+    return particles * (fields + lists + HOST_BYTES)
 
 
 def physical_bytes() -> int | None:

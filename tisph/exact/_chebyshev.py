@@ -5,7 +5,6 @@ Source: L. N. Trefethen, Approximation Theory and Approximation Practice, chapte
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebval
-from scipy.fft import dct
 
 
 def points(count):
@@ -15,6 +14,8 @@ def points(count):
 
 def coefficients(values):
     """Chebyshev coefficients of the polynomial through ``values`` (..., count) at ``points(count)``."""
+    from scipy.fft import dct
+
     scaled = dct(values[..., ::-1], type=1) / (values.shape[-1] - 1)
     scaled[..., [0, -1]] /= 2
     return scaled

@@ -26,7 +26,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from scipy.special import erfcx
 
 from tisph.exact._channel import dimensionless, image_distances, select, series_terms
 
@@ -139,11 +138,15 @@ def _image_gradient(wall, frequency, eta, diffusion_time):
 
 
 def _half_space(x, shift):
+    from scipy.special import erfcx
+
     return np.exp(-(x**2)) * (erfcx(x - shift) + erfcx(x + shift)) / 2
 
 
 def _half_space_slope(x, shift):
     """Derivative of ``_half_space`` with respect to x."""
+    from scipy.special import erfcx
+
     return np.exp(-(x**2)) * (shift * (erfcx(x + shift) - erfcx(x - shift)) - 2 / np.sqrt(np.pi))
 
 

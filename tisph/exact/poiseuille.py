@@ -15,9 +15,8 @@ self-consistent units, ``kinematic_viscosity`` in length^2/time, ``acceleration`
 """
 
 import numpy as np
-from scipy.special import erfc
 
-from tisph.exact._channel import dimensionless, image_reach, select, series_terms
+from tisph.exact._channel import dimensionless, erfc, image_reach, select, series_terms
 
 
 def velocity(y, t, *, gap, kinematic_viscosity, acceleration):

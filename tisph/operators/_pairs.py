@@ -25,13 +25,15 @@ class PairOperators:
         self.domain = lists.domain
         self.liquid = liquid
         self.has_artificial_viscosity = artificial_viscosity > 0
-        self.artificial_viscosity = scalar(artificial_viscosity)
+        if self.has_artificial_viscosity:
+            self.artificial_viscosity = scalar(artificial_viscosity)
         length = lists.cutoff / kernel.SUPPORT
         self.weights = WeightTable(kernel, length)
         self.smoothing_length = scalar(length)
         self.pair_weight = scalar(lists.spacing**2 / length**4)
         self.vector = ti.types.vector(2, real())
         self.matrix = ti.types.matrix(2, 2, real())
+        self.artificial_sums = {"push": self.vector} if self.has_artificial_viscosity else {}
         stress_rate = {"stress": ti.types.vector(3, real())} if liquid.carries_stress else {}
         self.Rates = ti.types.struct(acceleration=self.vector, compression=real(), transport=self.vector, **stress_rate)
 
@@ -70,6 +72,16 @@ class PairOperators:
         return ti.min(0.0, approach.dot(apart)) / apart.dot(apart) * weight * apart
 
     @ti.func
+    def artificial_strength(self):
+        """Return what the sum of ``artificial_push`` is multiplied by, V alpha c h."""
+        return (
+            self.artificial_viscosity[None]
+            * self.liquid.sound_speed[None]
+            * self.smoothing_length[None]
+            * self.pair_weight[None]
+        )
+
+    @ti.func
     def wall_pull(self, now, i):
         """Return the acceleration along x that particle ``i`` gets from the wall particles below and above.
 
@@ -89,5 +101,7 @@ class PairOperators:
                 if ti.static(self.has_artificial_viscosity):
                     faster = self.particles.mid_velocity[now, j] - self.particles.mid_velocity[now, i]
                     push[above] += self.artificial_push(weight, apart, faster).x
-        strength = self.artificial_viscosity[None] * self.liquid.sound_speed[None] * self.smoothing_length[None]
-        return self.pull_norm(trace) * pull + strength * self.pair_weight[None] * push
+        pull = self.pull_norm(trace) * pull
+        if ti.static(self.has_artificial_viscosity):
+            pull += self.artificial_strength() * push
+        return pull

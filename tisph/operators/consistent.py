@@ -43,7 +43,7 @@ class Operators(PairOperators):
             pressure_gradient=self.vector,
             velocity_laplacian=self.vector,
             pressure_laplacian=real(),
-            push=self.vector,
+            **self.artificial_sums,
             **stress_sums,
         )
 
@@ -74,8 +74,7 @@ class Operators(PairOperators):
             + velocity_gradient @ rates.transport
         )
         if ti.static(self.has_artificial_viscosity):
-            strength = self.artificial_viscosity[None] * self.liquid.sound_speed[None] * length
-            rates.acceleration += strength * self.pair_weight[None] * sums.push
+            rates.acceleration += self.artificial_strength() * sums.push
         rates.compression = (
             -density * (velocity_gradient[0, 0] + velocity_gradient[1, 1])
             + rates.transport.dot(pressure_gradient) / stiffness

@@ -17,7 +17,9 @@ class Operators(PairOperators):
 
     def __init__(self, particles, lists, liquid, kernel, artificial_viscosity):
         super().__init__(particles, lists, liquid, kernel, artificial_viscosity)
-        self.Sums = ti.types.struct(pressure=self.vector, viscosity=self.vector, divergence=real(), push=self.vector)
+        self.Sums = ti.types.struct(
+            pressure=self.vector, viscosity=self.vector, divergence=real(), **self.artificial_sums
+        )
 
     @ti.func
     def rates(self, now, i):
@@ -30,8 +32,7 @@ class Operators(PairOperators):
             - sums.pressure / (1.0 + self.particles.mid_compression[now, i])
         )
         if ti.static(self.has_artificial_viscosity):
-            strength = self.artificial_viscosity[None] * self.liquid.sound_speed[None] * self.smoothing_length[None]
-            rates.acceleration += strength * volume_weight * sums.push
+            rates.acceleration += self.artificial_strength() * sums.push
         rates.compression = -volume_weight * sums.divergence
         return rates
 

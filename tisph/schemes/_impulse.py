@@ -31,7 +31,9 @@ class ImpulsiveStart:
         lists and the images in buffer ``now``, and leaves the images behind.
         """
         gains = [0.0, 0.0]
-        others = (self.liquid.velocity_scale, self.operators.artificial_viscosity)
+        others = [self.liquid.velocity_scale]
+        if self.operators.has_artificial_viscosity:
+            others.append(self.operators.artificial_viscosity)
         values = [field[None] for field in others]
         for field in others:
             field[None] = 0.0  # no shift in no time, and nothing that is not linear

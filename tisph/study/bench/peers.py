@@ -1,68 +1,121 @@
 """The peers' points of the frontier: measured by the scripts in ``benchmarks/peers``, or quoted and scaled.
 
 Codes that the package index does not have are quoted from measurements of the same case on another machine of two
-cores, as multiples of what LAMMPS took there with two processes (``docs/performance.md``).
+cores, as multiples of what LAMMPS took there with two processes (``docs/performance.md``). pySPlisHSPlasH (2.19.0) is
+in the index, but knows no periodic boundary, so that it cannot run the case.
 """
 
 import json
 import subprocess
 import sys
+from dataclasses import dataclass
 
-MEASURED = {
-    "LAMMPS SPH, 2 processes": ("lammps", 2, ("couette_2.7", "couette_20")),
-    "PySPH TVF, 1 thread": ("pysph", 1, ("couette_2.7",)),
-    "PySPH TVF, 2 threads": ("pysph", 2, ("couette_2.7",)),
-}
-"""Code, threads and flows by label."""
+from rich.console import Console
+
+from tisph.errors import TisphError
+from tisph.study.bench.measured import Measured
+
+
+@dataclass(frozen=True)
+class PeerRun:
+    """One run of a peer: its label, what ``measure.py`` calls it, threads, flow, and particles across."""
+
+    label: str
+    code: str
+    threads: int
+    flow: str
+    across: int
+
+    @property
+    def words(self):
+        """Options for ``measure.py``."""
+        options = {"code": self.code, "threads": self.threads, "across": self.across, "until": ENDS[self.flow]}
+        return [str(word) for key, value in options.items() for word in (f"--{key}", value)]
+
 
 ENDS = {"couette_2.7": 2.7, "couette_20": 20.0}
-ACROSS = 50
 
-PYSPH_LONG = 20.0 / 2.7
-"""PySPH's steps are alike from the first to the last: its time to t = 20 is that to 2.7 by the ratio of steps."""
+LAMMPS = ("LAMMPS SPH, 2 processes", "lammps", 2)
+TVF_SERIAL = ("PySPH TVF, 1 thread", "pysph", 1)
+TVF = ("PySPH TVF, 2 threads", "pysph", 2)
+EDAC = ("PySPH EDAC, 2 threads", "pysph-edac", 2)
 
-PYSPH_L2_AT_20 = 1.8e-3
+SCALE = PeerRun(*LAMMPS, "couette_20", 50)
+"""The run that quoted times are multiples of."""
+
+RUNS = (
+    *(PeerRun(*LAMMPS, "couette_2.7", across) for across in (25, 50, 100)),
+    *(PeerRun(*peer, "couette_2.7", across) for peer in (TVF_SERIAL, TVF, EDAC) for across in (25, 50)),
+    SCALE,
+    *(PeerRun(*TVF, "couette_20", across) for across in (25, 50)),
+)
+"""A round of all takes five minutes on two quiet cores; half of that is the last one."""
+
+QUICK_RUNS = tuple(run for run in RUNS if run.flow == "couette_2.7" and run.across == 25)
 
 QUOTED = {
-    "SPHinXsys, quoted": (0.57, 2.3e-3, 7038),
-    "DualSPHysics mDBC, quoted": (5.3, 4.1e-3, 17738),
-    "JAX-SPH, quoted": (52.0, 3.0e-4, 22000),
+    "SPHinXsys": (0.57, 2.3e-3, 7038),
+    "DualSPHysics mDBC": (5.3, 4.1e-3, 17738),
+    "JAX-SPH": (52.0, 3.0e-4, 22000),
 }
-"""Loop time to t = 20 over that of LAMMPS, L2, and steps, by label."""
+"""Loop time over that of ``SCALE``, L2, and steps, by label."""
 
 
-def measure(scripts, folder, turn):
-    """Rows of one round, as {(flow, label): {steps, l2, loop_seconds}}; those of an earlier call are used again."""
+def measure(scripts, folder, turn, quick=False):
+    """One round: the dictionary that ``measure.py`` in ``scripts`` printed, by ``PeerRun``.
+
+    What an earlier call left in ``folder`` is used again unless a script is newer. Raises TisphError where one fails.
+    """
     folder.mkdir(parents=True, exist_ok=True)
+    changed = max(path.stat().st_mtime for path in scripts.iterdir() if path.is_file())
     found = {}
-    for label, (code, threads, flows) in MEASURED.items():
-        for flow in flows:
-            kept = folder / f"{code}_{threads}_{flow}_round_{turn}.json"
-            if not kept.is_file():
-                words = ["--code", code, "--threads", threads, "--across", ACROSS, "--until", ENDS[flow]]
-                command = [sys.executable, scripts / "measure.py", *words]
-                done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=True)
-                kept.write_text(done.stdout, encoding="utf-8")
-            found[flow, label] = json.loads(kept.read_text(encoding="utf-8"))
+    for run in QUICK_RUNS if quick else RUNS:
+        kept = folder / f"{run.code}_{run.threads}_{run.flow}_{run.across}_round_{turn}.json"
+        if not kept.is_file() or kept.stat().st_mtime < changed:
+            with Console(stderr=True).status(kept.stem):
+                kept.write_text(_call([sys.executable, scripts / "measure.py", *run.words]), encoding="utf-8")
+        found[run] = json.loads(kept.read_text(encoding="utf-8"))
     return found
 
 
-def merged(rounds):
-    """``Measured`` of every peer over all rounds, those scaled and quoted included."""
-    from tisph.study.bench.frontier import Measured
+def _call(command):
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise TisphError(f"{' '.join(map(str, command))}: {done.stderr.strip()[-500:]}")
+    return done.stdout
 
-    rows = []
-    for flow, label in rounds[0] if rounds else ():
-        ones = [one[flow, label] for one in rounds]
-        loops = tuple(one["loop_seconds"] for one in ones)
-        rows.append(Measured(flow, label, ACROSS, ones[0]["steps"], ones[0]["l2"], loops, ()))
-        if label.startswith("PySPH"):
-            long = tuple(PYSPH_LONG * loop for loop in loops)
-            steps = round(PYSPH_LONG * ones[0]["steps"])
-            rows.append(Measured("couette_20", label, ACROSS, steps, PYSPH_L2_AT_20, long, (), elsewhere=True))
-    lammps = next((row for row in rows if row.flow == "couette_20" and row.way.startswith("LAMMPS")), None)
-    if lammps:
-        for label, (factor, l2, steps) in QUOTED.items():
-            times = (factor * lammps.loop,)
-            rows.append(Measured("couette_20", label, ACROSS, steps, l2, times, (), elsewhere=True))
-    return rows
+
+def merged(rounds):
+    """``Measured`` of every peer over all rounds, and the quoted ones where the run is there that they scale with."""
+    rows = {}
+    for run in rounds[0] if rounds else ():
+        ones = [one[run] for one in rounds]
+        rows[run] = Measured(
+            flow=run.flow,
+            way=run.label,
+            across=run.across,
+            threads=run.threads,
+            steps=ones[0]["steps"],
+            l2=ones[0]["l2"],
+            loops=tuple(one["loop_seconds"] for one in ones),
+            code=run.label.split()[0],
+        )
+    return [*rows.values(), *(quoted(rows[SCALE]) if SCALE in rows else ())]
+
+
+def quoted(scale):
+    """``Measured`` of the codes that were measured elsewhere, from that of the run ``SCALE``."""
+    return [
+        Measured(
+            flow=SCALE.flow,
+            way=f"{label}, quoted",
+            across=SCALE.across,
+            threads=SCALE.threads,
+            steps=steps,
+            l2=l2,
+            loops=(factor * scale.loop,),
+            code=label.split()[0],
+            elsewhere=True,
+        )
+        for label, (factor, l2, steps) in QUOTED.items()
+    ]

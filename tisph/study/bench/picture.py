@@ -1,56 +1,96 @@
 """The picture of run time against error: one panel a flow, both axes logarithmic, the front as a line."""
 
+from dataclasses import dataclass
+
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
-from tisph.report.style import plot_style
+from tisph.report.style import MUTED, plot_style
 from tisph.study.bench.cases import FLOWS
+from tisph.study.bench.measured import OURS
 
-MARKS = "osD^v<>pPX*dH^s"
+# Okabe and Ito's colours, which colour-blind eyes tell apart too; the marks tell the same without colour.
+FAMILIES = {
+    "explicit": ("#0072b2", "os<^"),
+    "implicit": ("#d55e00", "v>DpP"),
+    "LAMMPS": ("#009e73", "X"),
+    "PySPH TVF": ("#cc79a7", "*d"),
+    "PySPH EDAC": ("#56b4e9", "h"),
+    "": ("#000000", "s^o"),
+}
+"""Colour and marks of the ways, by how their names begin: the first that fits."""
+
+PEERS, ELSEWHERE = "peers, same machine", "measured elsewhere, scaled"
+LEGENDS = {OURS: "outside lower left", PEERS: "outside lower center", ELSEWHERE: "outside lower right"}
+"""Place of the legend of each group of ways, by its title."""
+
+
+@dataclass(frozen=True)
+class Look:
+    """How the points of a way are drawn, and the title of the legend that names it."""
+
+    group: str
+    colour: str
+    mark: str
+
+    @property
+    def options(self):
+        """Options of a matplotlib line: joined thinly, large for a peer, hollow if measured elsewhere."""
+        face, edge = ("none", self.colour) if self.group == ELSEWHERE else (self.colour, "white")
+        return {
+            "color": self.colour,
+            "marker": self.mark,
+            "markersize": 7 if self.group == OURS else 11,
+            "markerfacecolor": face,
+            "markeredgecolor": edge,
+            "markeredgewidth": 1.4 if face == "none" else 0.6,
+            "linewidth": 0.6,
+        }
 
 
 def plot_frontier(path, rows, fronts):
     """Draw ``rows`` (``Measured``) and the front of each flow into ``path``."""
-    flows = [flow for flow in FLOWS if any(row.flow == flow for row in rows)]
-    ways = list(dict.fromkeys(row.way for row in rows))
-    marks = {way: MARKS[place % len(MARKS)] for place, way in enumerate(ways)}
     with plot_style():
-        figure = Figure((5.2 * len(flows) + 3.0, 5.4), dpi=120, layout="constrained")
-        FigureCanvasAgg(figure)
-        panels = figure.subplots(1, len(flows), squeeze=False)[0]
-        for panel, flow in zip(panels, flows, strict=True):
-            _draw(panel, flow, [row for row in rows if row.flow == flow], fronts[flow], marks)
-        handles = {}
-        for panel in panels:
-            drawn, labels = panel.get_legend_handles_labels()
-            handles |= dict(zip(labels, drawn, strict=True))
-        figure.legend(handles.values(), handles.keys(), loc="outside right center", fontsize="small")
-        figure.savefig(path)
+        figure_of(rows, fronts).savefig(path)
 
 
-def _draw(panel, flow, rows, front, marks):
+def figure_of(rows, fronts):
+    """Return the picture as a matplotlib figure."""
+    flows = [flow for flow in FLOWS if any(row.flow == flow for row in rows)]
+    looks = looks_of(rows)
+    figure = Figure((max(3.7 * len(flows), 10.0), 6.2), dpi=130, layout="constrained")
+    FigureCanvasAgg(figure)
+    panels = figure.subplots(1, len(flows), squeeze=False)[0]
+    for panel, flow in zip(panels, flows, strict=True):
+        _draw(panel, flow, [row for row in rows if row.flow == flow], fronts[flow], looks)
+    panels[0].set_ylabel("L2 error of u")
+    for title, place in LEGENDS.items():
+        handles = [Line2D([], [], label=way, **look.options) for way, look in looks.items() if look.group == title]
+        if title == OURS:
+            handles.append(Line2D([], [], color=MUTED, linewidth=3, alpha=0.4, label="front"))
+        if handles:
+            columns = 2 if len(handles) > 5 else 1
+            figure.legend(handles=handles, title=title, loc=place, ncols=columns, fontsize=9, frameon=False)
+    return figure
+
+
+def looks_of(rows):
+    """``Look`` of every way in ``rows``."""
+    looks = {}
+    for row in rows:
+        colour, marks = next(look for start, look in FAMILIES.items() if row.way.startswith(start))
+        group = OURS if row.ours else ELSEWHERE if row.elsewhere else PEERS
+        before = sum(look.colour == colour for way, look in looks.items() if way != row.way)
+        looks.setdefault(row.way, Look(group, colour, marks[before % len(marks)]))
+    return looks
+
+
+def _draw(panel, flow, rows, front, looks):
+    line = sorted(front, key=lambda row: row.loop)
+    panel.plot([row.loop for row in line], [row.l2 for row in line], color=MUTED, linewidth=3, alpha=0.4, zorder=0)
     for way in dict.fromkeys(row.way for row in rows):
         own = sorted((row for row in rows if row.way == way), key=lambda row: row.across)
-        ours = way.startswith(("explicit", "implicit"))
-        face = None if ours and not own[0].elsewhere else "none"
-        panel.plot(
-            [row.loop for row in own],
-            [row.l2 for row in own],
-            marks[way],
-            label=way,
-            color=_color(way),
-            markerfacecolor=face or _color(way),
-            markersize=6 if ours else 9,
-        )
-    line = sorted(front, key=lambda row: row.loop)
-    panel.plot([row.loop for row in line], [row.l2 for row in line], "-", color="0.6", zorder=0, label="front")
-    panel.set(xscale="log", yscale="log", title=FLOWS[flow][0], xlabel="time loop [s]", ylabel="L2 error")
-    panel.grid(True, which="major", alpha=0.3)
-
-
-def _color(way):
-    """One colour for each scheme, and one for all peers."""
-    for start, color in (("explicit", "tab:blue"), ("implicit", "tab:red")):
-        if way.startswith(start):
-            return color
-    return "0.25"
+        panel.plot([row.loop for row in own], [row.l2 for row in own], **looks[way].options)
+    panel.set(xscale="log", yscale="log", title=FLOWS[flow][0], xlabel="time loop [s]")
+    panel.grid(True, which="major")

@@ -1,0 +1,91 @@
+"""The peers' rows of the benchmark: how they are run, kept, and put together."""
+
+import os
+
+import pytest
+
+from tisph.errors import TisphError
+from tisph.study.bench import peers
+from tisph.study.bench.peers import QUICK_RUNS, RUNS, SCALE, TVF, PeerRun
+
+SCRIPT = """
+import json, pathlib, sys
+with open(pathlib.Path(__file__).parent.parent / "calls", "a") as stream:
+    print(*sys.argv[1:], file=stream)
+print(json.dumps({"steps": 3, "l2": 0.1, "loop_seconds": 2.0}))
+"""
+
+
+@pytest.fixture
+def scripts(tmp_path):
+    """A folder with a script in place of that which runs the peers; it lists its calls in ``calls`` beside it."""
+    folder = tmp_path / "scripts"
+    folder.mkdir()
+    (folder / "measure.py").write_text(SCRIPT)
+    return folder
+
+
+def calls(tmp_path):
+    return (tmp_path / "calls").read_text().splitlines()
+
+
+def round_of(loop_seconds):
+    return {run: {"steps": 2970, "l2": 5e-2, "loop_seconds": loop_seconds} for run in RUNS}
+
+
+def test_every_run_is_asked_for_once_and_kept(tmp_path, scripts):
+    first = peers.measure(scripts, tmp_path / "kept", 0, quick=True)
+    assert set(first) == set(QUICK_RUNS)
+    assert sorted(calls(tmp_path)) == sorted(" ".join(run.words) for run in QUICK_RUNS)
+    assert peers.measure(scripts, tmp_path / "kept", 0, quick=True) == first
+    assert len(calls(tmp_path)) == len(QUICK_RUNS)
+    peers.measure(scripts, tmp_path / "kept", 1, quick=True)
+    assert len(calls(tmp_path)) == 2 * len(QUICK_RUNS)
+
+
+def test_results_older_than_a_script_are_made_again(tmp_path, scripts):
+    peers.measure(scripts, tmp_path / "kept", 0, quick=True)
+    for path in (tmp_path / "kept").iterdir():
+        os.utime(path, (0, 0))
+    peers.measure(scripts, tmp_path / "kept", 0, quick=True)
+    assert len(calls(tmp_path)) == 2 * len(QUICK_RUNS)
+
+
+def test_a_peer_that_fails_is_named_with_its_message_and_leaves_nothing(tmp_path, scripts):
+    (scripts / "measure.py").write_text("import sys; sys.exit('Lost atoms')")
+    with pytest.raises(TisphError, match=r"--code lammps.*Lost atoms"):
+        peers.measure(scripts, tmp_path / "kept", 0, quick=True)
+    assert list((tmp_path / "kept").iterdir()) == []
+
+
+def test_options_name_code_threads_resolution_and_time():
+    assert PeerRun(*TVF, "couette_20", 25).words == [
+        "--code",
+        "pysph",
+        "--threads",
+        "2",
+        "--across",
+        "25",
+        "--until",
+        "20.0",
+    ]
+
+
+def test_rows_have_the_times_of_all_rounds_and_the_name_of_the_code():
+    rows = {(row.flow, row.way, row.across): row for row in peers.merged([round_of(2.0), round_of(5.0), round_of(3.0)])}
+    row = rows["couette_2.7", "PySPH EDAC, 2 threads", 25]
+    assert (row.loops, row.loop, row.code, row.ours) == ((2.0, 5.0, 3.0), 3.0, "PySPH", False)
+
+
+def test_quoted_peers_are_multiples_of_lammps():
+    rows = {
+        row.way: row for row in peers.merged([{**round_of(1.0), SCALE: {"steps": 9, "l2": 0.1, "loop_seconds": 10.0}}])
+    }
+    quoted = rows["SPHinXsys, quoted"]
+    assert (quoted.loop, quoted.elsewhere, quoted.flow) == (pytest.approx(5.7), True, "couette_20")
+
+
+def test_nothing_is_quoted_without_the_run_that_it_scales_with():
+    short = [{run: {"steps": 9, "l2": 0.1, "loop_seconds": 1.0} for run in QUICK_RUNS}]
+    assert not any(row.elsewhere for row in peers.merged(short))
+    assert peers.merged([]) == []

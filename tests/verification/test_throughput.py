@@ -1,0 +1,132 @@
+"""The C++ loop that throughput is compared with does the same as the program; and costs, as ratios within one call."""
+
+import math
+
+import numpy as np
+import pytest
+
+from tisph import families, runtime
+from tisph.config import load
+from tisph.exact import couette
+from tisph.kernels import wendland_c2
+from tisph.simulation.run import start_values
+from tisph.study.bench import _throughput_reference as reference
+from tisph.study.bench._throughput_cases import Case
+from tisph.study.bench.throughput import Bench
+from tisph.study.store import config_text
+from tisph.verification.flows import merged
+
+
+@pytest.fixture(scope="module")
+def program(tmp_path_factory):
+    path = reference.compiled(tmp_path_factory.mktemp("reference"))
+    if path is None:
+        pytest.skip("no C++ compiler")
+    return path
+
+
+def scene(folder, precision, across, **initial):
+    """Config and channel of a case with standard operators on one thread."""
+    path = folder / "case.yaml"
+    config = merged(Case("standard", precision, 1, across).config, {"initial": initial})
+    path.write_text(config_text("case", config))
+    config = load(path, ())
+    return config, families.load("scenes", config.scene).Scene.from_config(config)
+
+
+def run_reference(program, folder, case, start, **words):
+    """State (particles, 4) of x, y, u, v that the C++ loop reaches from the arrays ``start``."""
+    state, out = folder / "state.bin", folder / "out.bin"
+    reference.write_state(state, *start)
+    found = reference.run(program, *case, state=state, out=out, warm_up=0, **words)
+    return np.fromfile(out).reshape(-1, 4), found
+
+
+def lattice_viscosity():
+    """Part of the viscosity that the uncorrected sum with the kernel of the cases gives on a square lattice.
+
+    The sum V 2 (-W'/r) r^2 / (r^2 + 0.01 h^2) y^2 / 2 over the lattice is 1 in the limit of many neighbours.
+    """
+    ratio = 1.3
+    offsets = [(x, y) for x in range(-3, 4) for y in range(-3, 4) if (x, y) != (0, 0)]
+    total = 0.0
+    for x, y in offsets:
+        squared = x * x + y * y
+        weight = wendland_c2.slope_over_q(math.sqrt(squared) / ratio) / ratio**4
+        total += weight * squared / (squared + 0.01 * ratio**2) * y * y
+    return total
+
+
+@pytest.mark.verification
+def test_the_loop_converges_to_start_up_couette_flow(program, tmp_path):
+    part, end, errors = lattice_viscosity(), 2.7, []
+    assert part == pytest.approx(0.963, abs=1e-3)  # why the exact solution below is that of a thinner liquid
+    for across in (25, 50):
+        config, channel = scene(tmp_path, "f64", across, state="rest", jitter=0.0)
+        x, y = channel.lattice()
+        steps = math.ceil(end / reference.step_limit(config, channel)[0])
+        words = {"steps": steps, "time_step": end / steps}
+        state, _ = run_reference(program, tmp_path, (config, channel), (x, y, 0 * x, 0 * x), **words)
+        viscosity = part * channel.kinematic_viscosity
+        exact = couette.velocity(state[:, 1], end, gap=1.0, kinematic_viscosity=viscosity, bottom=0.0, top=0.5)
+        errors.append(np.linalg.norm(state[:, 2] - exact) / np.linalg.norm(exact))
+    # measured 3.7e-3 and 8.0e-4: second order, once the impulsive start is resolved
+    assert errors[1] < 1.5e-3
+    assert errors[0] / errors[1] > 3.5
+
+
+@pytest.mark.verification
+# double: the program's table of weights is within 1e-5 of the largest, measured 1.5e-6; single: velocities up to 0.5
+# are rounded to 3e-8 in each of 100 steps, which is 1e-4 of the velocities across the channel, measured 1.4e-4
+@pytest.mark.parametrize(("precision", "tolerance"), [("f64", 1e-5), ("f32", 1e-3)])
+def test_the_loop_moves_the_same_particles_to_the_same_places(program, tmp_path, precision, tolerance):
+    config, channel = scene(tmp_path, precision, 50)
+    position, velocity, _ = start_values(channel, config.initial)
+    runtime.start(precision, 1)
+    scheme = families.load("schemes", "wcsph").Scheme(config, channel, [config.time.end], serial=True)
+    scheme.start(position, velocity)
+    time_step = scheme.length
+    while scheme.steps < 100:
+        scheme.advance()
+    ours = scheme.snapshot()
+    words = {"steps": 100, "time_step": time_step}
+    state, found = run_reference(program, tmp_path, (config, channel), (*position.T, *velocity.T), **words)
+    assert scheme.rebuilds > 1, "a test without a rebuild of the lists"
+    assert found["rebuilds"] > 0
+    apart = (state[:, 0] - ours.x + 0.5 * channel.length) % channel.length - 0.5 * channel.length
+    moved = np.abs(ours.v).max()  # velocities across the channel start from zero: all of them are sums over neighbours
+    assert np.abs(state[:, 2] - ours.u).max() < tolerance * moved
+    assert np.abs(state[:, 3] - ours.v).max() < tolerance * moved
+    assert np.abs(apart).max() < 1e-3 * channel.spacing
+    assert np.abs(state[:, 1] - ours.y).max() < 1e-3 * channel.spacing
+
+
+GUARDED = [Case("standard", "f64", 1, 224), Case("consistent", "f64", 1, 224), Case("standard", "f64", 2, 224)]
+
+
+@pytest.fixture(scope="module")
+def fastest(tmp_path_factory):
+    """Least nanoseconds that a particle and step took of all steps in three interleaved rounds, case by case.
+
+    What else a machine does can only add to a step, and of some hundred steps of a few milliseconds one is left alone.
+    """
+    bench = Bench(tmp_path_factory.mktemp("throughput"), 1.0, None)
+    for turn in range(3):
+        for case in GUARDED:
+            bench.measure(case, turn)
+    return [min(one["fastest"] for one in bench.results.cases[case]) for case in GUARDED]
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_consistent_operators_cost_little_more_than_standard_ones(fastest):
+    # what is promised of the medians of a quiet machine is 1.35; fastest steps differ by 5 % from call to call
+    assert fastest[1] / fastest[0] <= 1.35 * 1.05
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+@pytest.mark.skipif(runtime.available_threads() < 2, reason="needs two processors")
+def test_two_threads_are_faster_than_one(fastest):
+    # measured 1.8 to 1.9; a loop that is no longer shared among the threads is near 1
+    assert fastest[0] / fastest[2] >= 1.5

@@ -1,0 +1,113 @@
+"""How much sooner than each peer tisph reaches the peer's own error, and whether that is enough."""
+
+from dataclasses import dataclass
+
+from tisph.study.bench.cases import FLOWS
+from tisph.study.bench.measured import Measured, fastest
+from tisph.verification.table import format_table
+
+HEADER = ("peer", "across", "its L2", "its time [s]", "tisph to the same or smaller L2", "ratio", "bound", "")
+
+BOUNDS = {"LAMMPS": 10.0, "PySPH": 100.0}
+"""Least ratio of the loop times, by code; the others were measured elsewhere, which is not judged."""
+
+ASKED = {"couette_2.7": 1e-3, "couette_20": 1e-4}
+"""L2 that the explicit and the implicit scheme have to reach in a flow."""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A peer's run, and our fastest one with an error that is no larger; None where no run reaches it."""
+
+    peer: Measured
+    ours: Measured | None
+
+    @property
+    def ratio(self):
+        """Median loop time of the peer over ours; 0 without a run of ours."""
+        return self.peer.loop / self.ours.loop if self.ours else 0.0
+
+    @property
+    def bound(self):
+        """Least ratio allowed; None where nothing is asked for."""
+        return BOUNDS.get(self.peer.code)
+
+    @property
+    def passed(self):
+        """Whether the bound holds; True without one."""
+        return self.bound is None or self.ratio >= self.bound
+
+    @property
+    def numbers(self):
+        """Itself as a dictionary for a file."""
+        return {
+            "flow": self.peer.flow,
+            "peer": self.peer.way,
+            "across": self.peer.across,
+            "tisph": name(self.ours) if self.ours else None,
+            "ratio": self.ratio,
+            "bound": self.bound,
+            "passed": self.passed,
+        }
+
+
+def comparisons(rows):
+    """A ``Comparison`` for each peer's row that has an error, flow by flow in the order of ``FLOWS``."""
+    found = []
+    for flow in FLOWS:
+        of_flow = [row for row in rows if row.flow == flow]
+        peers = [row for row in of_flow if not row.ours and row.l2 == row.l2]
+        found += [Comparison(peer, fastest(of_flow, peer.l2)) for peer in peers]
+    return found
+
+
+def table(found):
+    """Markdown of comparisons: a table for each flow, under its title."""
+    parts = []
+    for flow, (title, _) in FLOWS.items():
+        rows = [_cells(one) for one in found if one.peer.flow == flow]
+        if rows:
+            parts.append(f"{title}:\n\n{format_table(HEADER, rows)}")
+    return "\n\n".join(parts)
+
+
+def _cells(one):
+    peer = one.peer
+    verdict = "PASS" if one.passed else "FAIL"
+    return (
+        peer.way,
+        str(peer.across),
+        f"{peer.l2:.1e}",
+        f"{peer.loop:.3g}",
+        name(one.ours) if one.ours else "not reached",
+        _ratio(one),
+        "-" if one.bound is None else f">= {one.bound:g}",
+        "-" if one.bound is None else verdict,
+    )
+
+
+def _ratio(one):
+    """Ratio of the medians, and where both ran in several rounds the smallest and the largest within a round."""
+    if not one.ours or one.peer.elsewhere:
+        return f"{one.ratio:.0f}"
+    ratios = [theirs / ours for theirs, ours in zip(one.peer.loops, one.ours.loops, strict=True)]
+    return f"{one.ratio:.0f} ({min(ratios):.0f}..{max(ratios):.0f})"
+
+
+def leads(rows):
+    """Lines: how much sooner than the explicit scheme the implicit one reaches what is asked for."""
+    lines = []
+    for flow, error in ASKED.items():
+        of_flow = [row for row in rows if row.flow == flow]
+        explicit, implicit = fastest(of_flow, error, "explicit"), fastest(of_flow, error, "implicit")
+        if explicit and implicit:
+            lines.append(
+                f"{FLOWS[flow][0]}, L2 <= {error:g}: {name(implicit)} is {explicit.loop / implicit.loop:.3g} times "
+                f"faster than {name(explicit)}"
+            )
+    return lines
+
+
+def name(row):
+    """What a row of ours ran, its error and its time."""
+    return f"{row.way}, {row.across} across: {row.l2:.1e} in {row.loop:.3f} s"

@@ -58,7 +58,7 @@ def _place(context, node):
 
 ASTTransformerContext.get_pos_info = _place
 
-__all__ = ["available_threads", "real", "scalar", "start", "stop", "ti"]
+__all__ = ["available_threads", "real", "scalar", "start", "stop", "threads", "ti"]
 
 
 def available_threads():
@@ -88,6 +88,11 @@ def start(precision, threads):
             log_level=ti.ERROR,
         )
     _share_processors(sorted(_thread_ids() - others), threads)
+
+
+def threads():
+    """Return the number of threads among which Taichi shares a loop, as given at the start."""
+    return ti.lang.impl.current_cfg().cpu_max_num_threads
 
 
 def stop():

@@ -1,6 +1,5 @@
 """Schemes to test with: small channels on one thread, built without a YAML file."""
 
-import numpy as np
 import pytest
 
 from tisph import config, families, runtime
@@ -15,26 +14,34 @@ walls: {top: {velocity: 0.5}}
 discretisation: {particles_across: 12}
 scheme: {type: wcsph}
 time: {end: 1.0}
+runtime: {threads: 1}
 """
 
 
 @pytest.fixture
 def make(tmp_path):
-    """Return a function that builds a started Scheme from ``key.path=value`` overrides of a small Couette case."""
+    """Return a function that builds a Scheme from ``key.path=value`` overrides of a small Couette case.
 
-    def build(*overrides, jitter=0.0, velocity=None):
+    ``jitter`` is short for ``initial.jitter``. ``moved(x, y)`` and ``velocity(x, y)`` return other places and
+    velocities (particles, 2) than those of the config. With ``started=False`` there are no particles in it yet.
+    """
+
+    def build(*overrides, jitter=None, moved=None, velocity=None, started=True):
         path = tmp_path / "case.yaml"
         path.write_text(CASE)
-        settings = config.load(path, overrides)
+        settings = config.load(path, overrides if jitter is None else (*overrides, f"initial.jitter={jitter}"))
         channel = Channel.from_config(settings)
-        threads = 1 if settings.runtime.threads == "auto" else settings.runtime.threads
+        threads = settings.runtime.threads
         runtime.start(settings.discretisation.precision, threads)
-        scheme = families.load("schemes", settings.scheme.type).Scheme(
-            settings, channel, settings.time.samples, serial=threads == 1
-        )
-        x, y = channel.jittered(0, jitter)
-        field = np.stack([channel.initial_velocity(y), 0 * y], 1) if velocity is None else velocity(x, y)
-        scheme.start(np.stack([x, y], 1), field, start_values(channel, settings.initial)[2])
+        targets = sorted({*settings.time.samples, settings.time.end})
+        scheme = families.load("schemes", settings.scheme.type).Scheme(settings, channel, targets, threads == 1)
+        if started:
+            position, field, stress = start_values(channel, settings.initial)
+            if moved:
+                position = moved(*position.T)
+            if velocity:
+                field = velocity(*position.T)
+            scheme.start(position, field, stress)
         return scheme
 
     return build

@@ -1,9 +1,11 @@
-"""Where the implicit scheme stops or is refused: clustered particles, too short a period."""
+"""Where the implicit scheme stops or is refused: clustered particles, too short a period, what it cannot serve."""
 
 import numpy as np
 import pytest
 
+from tisph import families
 from tisph.errors import ConfigError, DivergedError
+from tisph.schemes.implicit._walls import OBEY_MOMENTUM
 
 
 @pytest.mark.parametrize("order", [2, 4])
@@ -31,3 +33,40 @@ def test_a_vanishing_matrix_is_solved_at_once(make):
     solver.x.fill(0.0)
     assert solver.solve(0.0, 1e-8)
     assert np.array_equal(solver.x.to_numpy()[: solver.fluid], right[: solver.fluid])
+
+
+def refusal(make, *overrides):
+    with pytest.raises(ConfigError) as caught:
+        make("scheme={type: implicit}", *overrides)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("treatment", sorted(set(families.names("walls")) - set(OBEY_MOMENTUM)))
+def test_wall_treatments_without_ghosts_of_this_kind_are_refused(make, treatment):
+    text = refusal(make, f"walls.treatment={{type: {treatment}}}")
+    assert "walls.treatment.type" in text
+    assert treatment in text
+    assert all(served in text for served in OBEY_MOMENTUM)
+    assert "\n" not in text
+
+
+def test_polymer_stress_is_refused(make):
+    text = refusal(make, "fluid.rheology={type: oldroyd_b, relaxation_time: 2.0, solvent_fraction: 0.1}")
+    assert "scheme.type" in text
+    assert "implicit" in text
+    assert "wcsph" in text
+    assert "\n" not in text
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("scheme.equation_of_state", "{type: tait}"),
+        ("scheme.artificial_viscosity", "0.1"),
+        ("scheme.operators.order", "3"),
+        ("scheme.largest_strain", "0"),
+        ("time.tolerance", "0"),
+    ],
+)
+def test_keys_and_values_that_mean_nothing_here_are_refused_by_name(make, key, value):
+    assert key in refusal(make, f"{key}={value}")

@@ -1,38 +1,19 @@
 """Points and their neighbours, found anew: complete, periodic, with ghosts, padded, and told where there is no room."""
 
 import dataclasses
+import functools
 
 import numpy as np
 import pytest
 
-from tisph import config, families, runtime
 from tisph.neighbours.points import LANES, Points
-from tisph.scenes.channel import Channel
-
-CASE = """
-scene: channel
-fluid: {density: 1.0, kinematic_viscosity: 0.01}
-geometry: {gap: 1.0, length: 2.0}
-walls: {top: {velocity: 0.5}, treatment: {type: comoving_image}}
-discretisation: {particles_across: 12}
-scheme: {type: implicit}
-time: {end: 1.0}
-"""
 
 
 @pytest.fixture
-def make(tmp_path):
-    """Return a function that builds a Scheme for ``key.path=value`` overrides, without particles yet."""
-
-    def build(*overrides):
-        path = tmp_path / "case.yaml"
-        path.write_text(CASE)
-        settings = config.load(path, overrides)
-        channel = Channel.from_config(settings)
-        runtime.start(settings.discretisation.precision, 1)
-        return families.load("schemes", "implicit").Scheme(settings, channel, settings.time.samples, serial=True)
-
-    return build
+def make(make):
+    """``make`` for scheme implicit without particles yet, in a channel of twice the length."""
+    overrides = ("scheme={type: implicit}", "walls.treatment.type=comoving_image", "geometry.length=2.0")
+    return functools.partial(make, *overrides, started=False)
 
 
 def place(scheme, x, y):

@@ -3,7 +3,34 @@
 import pytest
 from fake_runs import FakeRuns, make_result
 
+from tisph.config import load
 from tisph.study import processes
+
+COUETTE = """\
+scene: channel
+fluid: {density: 1.0, kinematic_viscosity: 0.01}
+geometry: {gap: 1.0, length: 2.0}
+walls: {top: {velocity: 0.5}}
+time: {end: 2.0}
+"""
+
+
+@pytest.fixture
+def couette(tmp_path):
+    """Path of a config of start-up Couette flow that leaves open whatever it can."""
+    path = tmp_path / "case.yaml"
+    path.write_text(COUETTE)
+    return path
+
+
+@pytest.fixture
+def case(couette):
+    """Return a function that loads this config with ``key.path=value`` overrides."""
+
+    def load_case(*overrides):
+        return load(couette, overrides)
+
+    return load_case
 
 
 @pytest.fixture

@@ -9,34 +9,14 @@ from tisph.config import load
 from tisph.config.memory import REALS, estimated_bytes
 from tisph.errors import ConfigError
 
-GOOD = """\
-scene: channel
-fluid: {density: 1.0, kinematic_viscosity: 0.01}
-geometry: {gap: 1.0, length: 1.0}
-walls: {top: {velocity: 0.5}}
-time: {end: 2.0}
-"""
-
 POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 2.0, solvent_fraction: 0.1}"
 SWINGING = "walls.top={amplitude: -0.5, angular_frequency: 3.0, phase: sin}"
 STOPPED = "walls.top={velocity: 0.0, velocity_before: 0.5}"
 
 
 @pytest.fixture
-def case(tmp_path):
-    """Load GOOD with overrides."""
-
-    def load_case(*overrides):
-        path = tmp_path / "case.yaml"
-        path.write_text(GOOD)
-        return load(path, overrides)
-
-    return load_case
-
-
-@pytest.fixture
 def message(case):
-    """Message of the error that GOOD with overrides must raise."""
+    """Message of the error that the case with overrides must raise."""
 
     def load_bad(*overrides):
         with pytest.raises(ConfigError) as caught:

@@ -5,27 +5,17 @@ from typer.testing import CliRunner
 
 from tisph import cli, schemes
 from tisph.cli.check import estimates
-from tisph.config import load
 from tisph.errors import ConfigError
 
-CONFIG = """\
-scene: channel
-fluid: {density: 1.0, kinematic_viscosity: 0.01}
-geometry: {gap: 1.0, length: 2.0}
-walls: {top: {velocity: 0.5}}
-time: {end: 2.0}
-"""
 POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.5}"
 
 
 @pytest.fixture
-def resolved(tmp_path):
-    """Return config and reason that the scheme of CONFIG with overrides stands for."""
+def resolved(case):
+    """Return config and reason that the scheme of the case with overrides stands for."""
 
     def run(*overrides):
-        path = tmp_path / "case.yaml"
-        path.write_text(CONFIG)
-        return schemes.resolve(load(path, overrides))
+        return schemes.resolve(case(*overrides))
 
     return run
 
@@ -81,9 +71,8 @@ def test_a_given_scheme_is_kept(resolved):
         resolved("scheme={type: wcsph}", "time.tolerance=1e-5")
 
 
-def test_check_names_the_scheme_and_estimates_error_and_time(tmp_path):
-    (tmp_path / "case.yaml").write_text(CONFIG)
-    result = CliRunner().invoke(cli.app, ["check", str(tmp_path / "case.yaml")])
+def test_check_names_the_scheme_and_estimates_error_and_time(couette):
+    result = CliRunner().invoke(cli.app, ["check", str(couette)])
     assert result.exit_code == 0, result.output
     lines = {line.split("  ")[1].strip(): line for line in result.stdout.splitlines()[1:]}
     assert "implicit, order 4" in lines["scheme"]
@@ -91,12 +80,9 @@ def test_check_names_the_scheme_and_estimates_error_and_time(tmp_path):
     assert not {"Mach number", "sound speed c"} & lines.keys()
 
 
-def test_estimates_of_the_error_follow_order_and_scheme(tmp_path):
-    path = tmp_path / "case.yaml"
-    path.write_text(CONFIG)
-
+def test_estimates_of_the_error_follow_order_and_scheme(case):
     def error(*overrides):
-        return estimates(load(path, overrides))["error"]
+        return estimates(case(*overrides))["error"]
 
     tight = ("scheme={type: implicit, largest_strain: 1e-3}", "time.tolerance=1e-10")
     # the operators' part alone: order 4 and 2 in the spacing, at the time that the layer has the depth sqrt(nu t)

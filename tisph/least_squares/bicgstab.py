@@ -9,10 +9,6 @@ from tisph.runtime import real, scalar, ti
 
 MOST_ITERATIONS = 200
 
-FEW = 10_000
-"""Particles below which a loop over their rows is over before a second thread has gained anything; over numbers alone
-it is ten times as many."""
-
 
 @ti.data_oriented
 class BiCGStab:
@@ -24,8 +20,6 @@ class BiCGStab:
     def __init__(self, rows, ghosts, parity):
         self.rows, self.ghosts, self.points = rows, ghosts, rows.points
         self.parity = parity
-        self.serial = rows.serial or rows.count < FEW
-        self.calm = rows.serial or rows.count < 10 * FEW
         self.fluid = rows.count
         self.groups = -(-self.fluid // LANES)
         padded, slots = self.groups * LANES, self.points.slots + 1
@@ -35,23 +29,17 @@ class BiCGStab:
         self.coefficient, self.own = scalar(0.0), scalar(1.0)
         self.rho, self.alpha, self.omega, self.beta = (scalar(0.0) for _ in range(4))
         self.norm = scalar(0.0)
-        self.iterations = 0
 
     def solve(self, coefficient, tolerance, own=1.0, most=MOST_ITERATIONS):
         """Solve (``own`` - ``coefficient`` A) x = b to a residual of ``tolerance`` |b|; return whether it did."""
         self.coefficient[None], self.own[None] = coefficient, own
-        limit = tolerance * self.start()
+        self.start()
+        limit = tolerance * self.rho[None]
         for _ in range(most):
             if self.norm[None] <= limit:
                 return True
             self.iterate()
-            self.iterations += 1
         return self.norm[None] <= limit
-
-    def start(self):
-        """Set up the residual of the guess; return |b|."""
-        self.set_up()
-        return self.rho[None]
 
     @ti.func
     def product(self, values, i):
@@ -73,17 +61,14 @@ class BiCGStab:
         return part.sum()
 
     @ti.kernel
-    def set_up(self):
-        """Residual of the guess, inverse diagonal, and |b| in ``rho`` for the caller."""
+    def start(self):
+        """Residual of the guess, inverse diagonal, and |b|, in ``rho`` until the first iteration."""
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
             self.reflect(self.x, k)
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.fluid):
-            total = 0.0
-            for k in range(self.points.count[i]):
-                total += self.rows.laplacian[i, k]
-            self.inverse[i] = 1.0 / (self.own[None] + self.coefficient[None] * total)
+            self.inverse[i] = 1.0 / (self.own[None] - self.coefficient[None] * self.rows.diagonal[i])
             residual = self.b[i] - self.product(self.x, i)
             self.residual[i] = residual
             self.shadow[i] = residual
@@ -100,7 +85,7 @@ class BiCGStab:
     @ti.kernel
     def iterate(self):
         """One iteration: two products, five sums."""
-        ti.loop_config(serialize=self.calm)
+        ti.loop_config(serialize=self.rows.serial_numbers)
         for i in range(self.fluid):
             direction = self.residual[i] + self.beta[None] * (self.direction[i] - self.omega[None] * self.along[i])
             self.direction[i] = direction
@@ -108,21 +93,21 @@ class BiCGStab:
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
             self.reflect(self.search, k)
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.fluid):
             self.along[i] = self.product(self.search, i)
         ti.loop_config(serialize=True)
         for _ in range(1):
             self.rho[None] = self.dot(self.shadow, self.residual)
             self.alpha[None] = self.rho[None] / self.dot(self.shadow, self.along)
-        ti.loop_config(serialize=self.calm)
+        ti.loop_config(serialize=self.rows.serial_numbers)
         for i in range(self.fluid):
             self.residual[i] -= self.alpha[None] * self.along[i]
             self.half[i] = self.inverse[i] * self.residual[i]
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
             self.reflect(self.half, k)
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.fluid):
             self.across[i] = self.product(self.half, i)
         ti.loop_config(serialize=True)
@@ -130,7 +115,7 @@ class BiCGStab:
             size = self.dot(self.across, self.across)
             # nothing is left where the first half of the iteration has met the solution
             self.omega[None] = self.dot(self.across, self.residual) / size if size > 0.0 else 0.0
-        ti.loop_config(serialize=self.calm)
+        ti.loop_config(serialize=self.rows.serial_numbers)
         for i in range(self.fluid):
             self.x[i] += self.alpha[None] * self.search[i] + self.omega[None] * self.half[i]
             self.residual[i] -= self.omega[None] * self.across[i]

@@ -19,7 +19,7 @@ Three loops, each in the form that compiles to the fastest code:
 
 from tisph.least_squares.elimination import Elimination, horner, moment_chains, moment_indices, powers
 from tisph.neighbours.points import LANES
-from tisph.runtime import real, scalar, ti
+from tisph.runtime import real, scalar, threads, ti
 
 SUPPORT = {2: 1.9, 4: 2.9}
 """Radius in particle spacings by order. About 10 and 27 neighbours: 0.1 less, and sheared disorder becomes singular."""
@@ -29,6 +29,12 @@ BLOCK = 16
 
 CHUNK = 512
 """Taichi gives a thread at least this many iterations of a parallel loop."""
+
+FEW = 10_000
+"""Particles below which a light loop, of one row for each, is over before a second thread has gained anything."""
+
+FEW_NUMBERS = 10 * FEW
+"""The same of a loop that goes over a few numbers of each particle only."""
 
 SMALLEST_PIVOT = 1e-2
 """A pivot below this part of its diagonal entry: the neighbours hardly determine the unknown, and the entries of the
@@ -43,15 +49,21 @@ class LeastSquaresRows:
 
     What lies beyond ``support`` weighs nothing. Where order 4 is singular order 2 takes over, where that is singular
     too the rows are zero: ``reduced`` and ``dropped`` count them. ``pivot`` holds the smallest pivot over its diagonal.
+    ``diagonal[i]``: minus the sum of ``laplacian[i, k]``, what it gives particle i of its own value.
+
+    What is to be compiled for one thread: ``serial``: everything, loops of assembly too; ``serial_light``: loops over
+    the particles that apply a row or do less; ``serial_numbers``: those that only go over a few numbers of each.
     """
 
-    def __init__(self, points, support, order, threads):
+    def __init__(self, points, support, order):
         self.points = points
-        self.serial = threads == 1
         self.count = points.fluid
+        self.serial = points.serial
+        self.serial_light = self.serial or self.count < FEW
+        self.serial_numbers = self.serial or self.count < FEW_NUMBERS
         self.blocks = -(-self.count // BLOCK)
         # idle turns make the loop over the blocks long enough to be shared among the threads
-        self.stretch = 1 if self.serial else -(-threads * CHUNK // self.blocks)
+        self.stretch = 1 if self.serial else -(-threads() * CHUNK // self.blocks)
         moments = moment_indices(order)
         self.zeros = [0.0] * len(moments)
         self.chains = moment_chains(order)
@@ -63,6 +75,7 @@ class LeastSquaresRows:
         self.no_coefficients = [[0.0] * len(unknowns) for _ in range(3)]
         shape = (self.count, points.capacity)
         self.laplacian, self.along, self.across = (ti.field(real(), shape) for _ in range(3))
+        self.diagonal = ti.field(real(), self.count)
         self.moments = ti.field(real(), (self.blocks, len(moments), BLOCK))
         self.coefficients = ti.field(real(), (self.blocks, 3, len(unknowns), BLOCK))
         self.pivot = ti.field(real(), (self.blocks, BLOCK))
@@ -195,6 +208,10 @@ class LeastSquaresRows:
                 self.laplacian[i, k] = weight * self.polynomial(known, LAPLACIAN, x, y)
                 self.along[i, k] = weight * self.polynomial(known, ALONG, x, y)
                 self.across[i, k] = weight * self.polynomial(known, ACROSS, x, y)
+            total = 0.0
+            for k in range(self.points.count[i]):
+                total += self.laplacian[i, k]
+            self.diagonal[i] = -total
 
     @ti.func
     def polynomial(self, known, operator: ti.template(), x, y):

@@ -8,6 +8,7 @@ flow from 12 to 100 across (``tisph verify``); steps add theirs. Of other flows 
 import itertools
 import math
 
+from tisph import families
 from tisph.equation_of_state import sound_speed
 from tisph.schemes._plan import steps_between
 from tisph.schemes._time_step import effective_viscosity, time_step_limits
@@ -18,10 +19,14 @@ EXPLICIT_COST = 150e-9
 IMPLICIT_COST, IMPLICIT_OVERHEAD = 2.5e-6, 2e-3
 """The same of the implicit scheme, order 4, and of a step whatever the number of particles [s]."""
 
-EXPLICIT_ERROR = {"consistent_image": 0.031}
+EXPLICIT_ERROR, EXPLICIT_ERROR_WITHOUT_IMPULSE = 0.031, 0.06
+"""Error of the explicit scheme over (spacing/delta)^2, with walls that give their impulse and with others."""
+
 IMPLICIT_ERROR = {4: 5e-3, 2: 0.03}
-UNCORRECTED_ERROR = {"wcsph": 0.06, "implicit": 0.016}
-"""Errors over (spacing/delta)^order; the last for walls that do not give their impulse, of order 2 for any operator."""
+"""Error of the implicit scheme over (spacing/delta)^order, by order."""
+
+MISSING_IMPULSE = 0.016
+"""What walls that do not give their impulse add to it, over (spacing/delta)^2 at either order."""
 
 STEP_ERROR, EARLY, FORGETTING = 2.0, 0.018, 0.75
 """Error of the steps over their tolerance up to t* = EARLY; from then on it falls with that power of the time."""
@@ -60,7 +65,7 @@ def explicit(config, channel):
     )
     binding = min(limits, key=lambda name: limits[name])
     steps = step_count(config.start_time, [*config.time.samples, config.time.end], limits[binding])
-    coefficient = EXPLICIT_ERROR.get(config.walls.treatment.type, UNCORRECTED_ERROR["wcsph"])
+    coefficient = EXPLICIT_ERROR if _give_impulse(config.walls) else EXPLICIT_ERROR_WITHOUT_IMPULSE
     return {
         "mach": channel.peak_velocity / sound,
         "sound_speed": sound,
@@ -80,8 +85,8 @@ def implicit(config, channel, first, tolerance, strain):
     late = config.time.samples[-1] / channel.viscous_time / EARLY
     steps_error = STEP_ERROR * tolerance * min(1.0, late**-FORGETTING) + STRAIN_ERROR * strain**3
     error = IMPLICIT_ERROR[order] * resolution**order + steps_error
-    if config.walls.treatment.type != "consistent_image":
-        error += UNCORRECTED_ERROR["implicit"] * resolution**2
+    if not _give_impulse(config.walls):
+        error += MISSING_IMPULSE * resolution**2
     return {
         "mach": 0.0,
         "sound_speed": None,
@@ -105,6 +110,10 @@ def _from_rest(config, channel):
         and channel.polymer is None
         and not (config.scheme.type == "wcsph" and config.scheme.operators == "standard")
     )
+
+
+def _give_impulse(walls):
+    return families.load("walls", walls.treatment.type).Treatment.obeys_momentum
 
 
 def _resolution(config, channel):

@@ -18,7 +18,7 @@ class VelocityField:
 
     def __init__(self, viscous):
         self.viscous, self.rows, self.ghosts = viscous, viscous.rows, viscous.ghosts
-        self.serial, self.fluid = viscous.serial, viscous.fluid
+        self.fluid = viscous.fluid
         self.slope = ti.field(ti.types.vector(2, real()), (2, self.fluid))
         self.curvature = ti.field(ti.types.vector(3, real()), (2, self.fluid))
         self.volume = ti.field(real(), self.fluid)
@@ -44,21 +44,21 @@ class VelocityField:
     @ti.kernel
     def differentiate(self, component: ti.i32, driven: float):
         """Compute slopes and curvatures of one component; ``driven`` is 1 for the one that the walls drive, else 0."""
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.fluid):
             self.values[i] = self.viscous.end[component, i]
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
             ghost = self.fluid + k
             self.values[ghost] = driven * self.viscous.data[ghost] - self.ghosts.value(self.values, k)
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.fluid):
             self.slope[component, i] = [
                 self.rows.apply(self.rows.along, self.values, i),
                 self.rows.apply(self.rows.across, self.values, i),
             ]
         for part in ti.static(range(2)):
-            ti.loop_config(serialize=self.serial)
+            ti.loop_config(serialize=self.rows.serial_light)
             for i in range(self.fluid):
                 self.values[i] = self.slope[component, i][part]
             ti.loop_config(serialize=True)
@@ -68,7 +68,7 @@ class VelocityField:
                     self.values[self.fluid + k] = -source
                 else:
                     self.values[self.fluid + k] = source + driven * self.ghosts.series_slope(k)
-            ti.loop_config(serialize=self.serial)
+            ti.loop_config(serialize=self.rows.serial_light)
             for i in range(self.fluid):
                 across = self.rows.apply(self.rows.across, self.values, i)
                 if ti.static(part == 0):
@@ -100,10 +100,10 @@ class VelocityField:
         The divergence of disordered particles has a truncation error that differs from one to the next. As the density
         of the explicit scheme is diffused, so are the volumes here: what is larger than a neighbourhood stays.
         """
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.fluid):
             self.values[i] = self.volume[i] + length * (self.slope[0, i].x + self.slope[1, i].y)
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.fluid):
             total, number = 0.0, 0
             for k in range(self.viscous.points.count[i]):

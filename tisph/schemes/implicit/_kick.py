@@ -19,7 +19,7 @@ class Kick:
 
     def __init__(self, viscous):
         self.viscous, self.rows, self.solver = viscous, viscous.rows, viscous.solver
-        self.ghosts, self.serial, self.fluid = viscous.ghosts, viscous.serial, viscous.fluid
+        self.ghosts, self.fluid = viscous.ghosts, viscous.fluid
 
     def apply(self, velocity_jumps, acceleration_jumps):
         """Change the velocities; return the velocity gained from the (bottom, top) wall, summed over the particles."""
@@ -51,14 +51,14 @@ class Kick:
     @ti.kernel
     def spread(self):
         """Put the sums over the ghosts where the solver has its solution."""
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.fluid):
             self.solver.x[i] = self.rows.apply(self.rows.laplacian, self.viscous.data, i)
 
     @ti.kernel
     def add_spread(self):
         """Add these sums to the velocities."""
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.fluid):
             self.viscous.velocity[0, i] += self.solver.x[i]
 
@@ -68,6 +68,6 @@ class Kick:
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
             self.solver.reflect(self.solver.x, k)
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.fluid):
             self.viscous.velocity[0, i] += self.rows.apply(self.rows.laplacian, self.solver.x, i)

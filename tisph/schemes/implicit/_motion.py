@@ -11,14 +11,14 @@ class Motion:
         viscous = field.viscous
         self.field, self.domain = field, viscous.points.domain
         self.viscous, self.points, self.rows = viscous, viscous.points, viscous.rows
-        self.shift, self.serial, self.fluid = shift, viscous.serial, viscous.fluid
+        self.shift, self.fluid = shift, viscous.fluid
         self.position, self.start_position = (ti.field(ti.types.vector(2, real()), self.fluid) for _ in range(2))
         self.start_velocity = ti.field(real(), (2, self.fluid))
 
     @ti.kernel
     def predict(self, half: float):
         """Put the points where the particles are in the middle of a step twice as long as ``half``."""
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.fluid):
             velocity = ti.Vector([self.viscous.velocity[0, i], self.viscous.velocity[1, i]])
             place = self.position[i] + half * velocity
@@ -30,7 +30,7 @@ class Motion:
 
         A shift D in the middle of the step is one by D_x - ``half`` u_y D_y along the channel at its start.
         """
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.fluid):
             shift = self.shift.moved[i]
             if shift.x != 0.0 or shift.y != 0.0:
@@ -46,7 +46,7 @@ class Motion:
     @ti.kernel
     def move(self, length: float):
         """Move the particles over the step and take up the velocities at its end."""
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.fluid):
             mean = ti.Vector([0.0, 0.0])
             for component in ti.static(range(2)):

@@ -21,7 +21,7 @@ class Projection:
 
     def __init__(self, viscous, field, gap):
         self.viscous, self.field, self.rows, self.ghosts = viscous, field, viscous.rows, viscous.ghosts
-        self.serial, self.fluid = viscous.serial, viscous.fluid
+        self.fluid = viscous.fluid
         self.shift = SINGULAR / gap**2
         self.pressure = ti.field(real(), self.fluid)
         self.values = ti.field(real(), viscous.points.slots + 1)
@@ -30,7 +30,7 @@ class Projection:
     @ti.kernel
     def lay(self):
         """Put the pressure and its mirror images where gradients are taken from."""
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.fluid):
             self.values[i] = self.pressure[i]
         ti.loop_config(serialize=True)
@@ -40,7 +40,7 @@ class Projection:
     @ti.kernel
     def push(self, component: ti.i32):
         """Take the gradient of the pressure off the sources of one component."""
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.fluid):
             self.viscous.source[i] -= self.slope(component, self.values, i)
 
@@ -63,7 +63,7 @@ class Projection:
     @ti.kernel
     def prepare(self, length: float):
         """Right side and guess of the Poisson equation."""
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.fluid):
             self.solver.b[i] = (self.field.slope[0, i].x + self.field.slope[1, i].y) / length
             self.solver.x[i] = 0.0
@@ -74,7 +74,7 @@ class Projection:
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
             self.solver.reflect(self.solver.x, k)
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.fluid):
             self.pressure[i] += self.solver.x[i]
             for component in ti.static(range(2)):

@@ -10,6 +10,7 @@ from tisph.least_squares.bicgstab import BiCGStab
 from tisph.least_squares.rows import SUPPORT, LeastSquaresRows
 from tisph.neighbours.points import Points
 from tisph.schemes._momentum import MomentumBalance
+from tisph.schemes._room import clustered
 from tisph.schemes.implicit._control import FIRST, StepControl
 from tisph.schemes.implicit._dense import DenseOutput
 from tisph.schemes.implicit._field import VelocityField
@@ -55,20 +56,19 @@ class Scheme:
     def __init__(self, config, channel, targets, serial):
         order = config.scheme.operators.order
         reach = (SUPPORT[order] + SKIN) * channel.spacing
-        threads = 1 if serial else 2
         self.channel = channel
         self.domain = Domain(channel)
         treatment = config.walls.treatment.type
         kind = VirtualGhosts if treatment == "virtual_image" else MirrorGhosts
         self.points = Points(channel, self.domain, reach, kind.room(channel, reach), serial, kind.mirrors)
         self.ghosts = kind(self.points, self.domain, reach, channel)
-        self.rows = LeastSquaresRows(self.points, SUPPORT[order] * channel.spacing, order, threads)
+        self.rows = LeastSquaresRows(self.points, SUPPORT[order] * channel.spacing, order)
         self.solver = BiCGStab(self.rows, self.ghosts, -1.0)
         self.walls = WallSeries(channel, treatment)
         self.viscous = ViscousStep(self.solver, channel, self.walls)
         self.wall_force = WallForce(self.viscous, channel)
         self.field = VelocityField(self.viscous)
-        self.shift = Shift(self.points, self.ghosts, channel.spacing, serial)
+        self.shift = Shift(self.points, self.ghosts, channel.spacing)
         self.projection = Projection(self.viscous, self.field, channel.gap)
         self.motion = Motion(self.field, self.shift)
         self.dense = DenseOutput(self.viscous, self.motion, (self.field.volume, self.projection.pressure))
@@ -107,7 +107,7 @@ class Scheme:
         self.viscous.velocity.from_numpy(np.ascontiguousarray(velocity.T))
         self.momentum.initial = float(velocity[:, 0].sum())
         self.transverse = bool(np.any(velocity[:, 1] != 0.0))
-        if self.walls.obeys_momentum and any(any(jumps) for jumps in self.walls.jumps):
+        if self.walls.obeys_momentum and self.walls.any_jump:
             self.assemble(0.0)
             self.momentum.impulse = Kick(self.viscous).apply(*self.walls.jumps)
 
@@ -148,10 +148,7 @@ class Scheme:
     def require_room(self, what, needed):
         """Raise DivergedError if ``needed`` (0 where all fits) tells of an overflow."""
         if needed:
-            raise DivergedError(
-                f"x, y: too many {what} ({needed}), at step {self.steps + 1}, t = {self.time:.6g}: "
-                "the particles have clustered"
-            )
+            raise clustered(f"{what} ({needed})", self.steps + 1, self.time)
 
     @property
     def smooth(self):
@@ -161,7 +158,7 @@ class Scheme:
     @property
     def depth(self):
         """Depth sqrt(nu t) of the layers that walls have made by jumping, in particle spacings; infinite without."""
-        if not any(any(jumps) for jumps in self.walls.jumps):
+        if not self.walls.any_jump:
             return math.inf
         return math.sqrt(self.channel.kinematic_viscosity * self.time) / self.channel.spacing
 

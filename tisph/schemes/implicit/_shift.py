@@ -25,8 +25,8 @@ SMALLEST = 1e-3
 class Shift:
     """Moves the places of the points; ``moved`` (fluid) is by how much."""
 
-    def __init__(self, points, ghosts, spacing, serial):
-        self.points, self.ghosts, self.serial = points, ghosts, serial
+    def __init__(self, points, ghosts, spacing):
+        self.points, self.ghosts = points, ghosts
         self.spacing = scalar(spacing)
         vector = ti.types.vector(2, real())
         self.move, self.moved = ti.field(vector, points.fluid), ti.field(vector, points.fluid)
@@ -45,7 +45,7 @@ class Shift:
     def sweep(self):
         """One Jacobi sweep over all overlaps."""
         self.farthest[None] = 0.0
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.points.serial)
         for i in range(self.points.fluid):
             reach = DIAMETER * self.spacing[None]
             push = ti.Vector([0.0, 0.0])
@@ -57,7 +57,7 @@ class Shift:
             push *= ti.min(1.0, LARGEST / ti.max(size, LARGEST))
             self.move[i] = push
             ti.atomic_max(self.farthest[None], size)
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.points.serial)
         for i in range(self.points.fluid):
             self.points.place[i] += self.move[i]
             self.moved[i] += self.move[i]

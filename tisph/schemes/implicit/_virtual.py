@@ -28,7 +28,6 @@ class VirtualGhosts(Ghosts):
         super().__init__(points, domain, reach)
         self.share = ti.field(real(), shape=(self.side.shape[0], points.capacity))
         self.vector, self.matrix = ti.types.vector(UNKNOWNS, real()), ti.types.matrix(UNKNOWNS, UNKNOWNS, real())
-        self.pairs = [(row, column) for row in range(UNKNOWNS) for column in range(row)]
         self.settle(channel)
 
     @staticmethod

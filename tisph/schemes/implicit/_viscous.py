@@ -18,7 +18,6 @@ class ViscousStep:
 
     def __init__(self, solver, channel, wall_series):
         self.solver, self.rows, self.points, self.ghosts = solver, solver.rows, solver.points, solver.ghosts
-        self.serial = solver.serial
         self.wall_series, self.steady = wall_series, wall_series.steady
         self.push = None
         self.fluid = solver.fluid
@@ -65,7 +64,7 @@ class ViscousStep:
     @ti.kernel
     def gather_source(self, driven: float, acceleration: float):
         """Sum the sources; ``driven`` is 0 across the channel, where nothing drives."""
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.fluid):
             walls = self.rows.apply(self.rows.laplacian, self.data, i)
             self.source[i] = driven * (self.viscosity[None] * walls + acceleration)
@@ -73,13 +72,13 @@ class ViscousStep:
     @ti.kernel
     def begin(self, component: ti.i32):
         """The explicit stage: rates at the start of the step."""
-        ti.loop_config(serialize=self.solver.calm)
+        ti.loop_config(serialize=self.rows.serial_numbers)
         for i in range(self.fluid):
             self.solver.x[i] = self.velocity[component, i]
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
             self.solver.reflect(self.solver.x, k)
-        ti.loop_config(serialize=self.serial)
+        ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.fluid):
             viscous = self.viscosity[None] * self.rows.apply(self.rows.laplacian, self.solver.x, i)
             self.rates[0, i] = viscous + self.source[i]
@@ -89,7 +88,7 @@ class ViscousStep:
     @ti.kernel
     def prepare(self, component: ti.i32, stage: ti.i32, length: float):
         """Right side of an implicit stage; the guess is what the rates so far lead to."""
-        ti.loop_config(serialize=self.solver.calm)
+        ti.loop_config(serialize=self.rows.serial_numbers)
         for i in range(self.fluid):
             known = self.velocity[component, i]
             guess = known
@@ -104,7 +103,7 @@ class ViscousStep:
     @ti.kernel
     def finish(self, stage: ti.i32, length: float):
         """Rates of a stage from its solution."""
-        ti.loop_config(serialize=self.solver.calm)
+        ti.loop_config(serialize=self.rows.serial_numbers)
         for i in range(self.fluid):
             self.rates[stage, i] = (self.solver.x[i] - self.known[i]) / (GAMMA * length)
             self.mean[i] += self.weights[stage] * self.solver.x[i]
@@ -112,7 +111,7 @@ class ViscousStep:
     @ti.kernel
     def conclude(self, component: ti.i32, length: float):
         """Keep the last stage, which is the end of the step; set up the filter of the error."""
-        ti.loop_config(serialize=self.solver.calm)
+        ti.loop_config(serialize=self.rows.serial_numbers)
         for i in range(self.fluid):
             self.end[component, i] = self.solver.x[i]
             self.end_rate[component, i] = self.rates[3, i]

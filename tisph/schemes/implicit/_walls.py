@@ -7,7 +7,8 @@ OBEY_MOMENTUM = {"comoving_image": False, "consistent_image": True, "virtual_ima
 class WallSeries:
     """Series c0 + c1 d^2 + c2 d^4 of both walls: 2 U, w_2 and w_4/12 by the momentum equation at the wall.
 
-    Without ``obeys_momentum`` only 2 U.
+    Without ``obeys_momentum`` only 2 U. ``jumps``: at the start, those of the (bottom, top) wall's velocity, and of its
+    acceleration relative to the drive; ``any_jump`` tells whether there is one.
     """
 
     def __init__(self, channel, treatment):
@@ -15,6 +16,8 @@ class WallSeries:
         self.walls = (channel.bottom, channel.top)
         self.obeys_momentum = OBEY_MOMENTUM[treatment]
         self.steady = not any(wall.oscillates for wall in self.walls)
+        self.jumps = self._jumps()
+        self.any_jump = any(any(pair) for pair in self.jumps)
 
     def __call__(self, time):
         """Return the series of the (bottom, top) wall at ``time``."""
@@ -28,9 +31,7 @@ class WallSeries:
         fourth = wall.jerk(time) / nu**2
         return [2.0 * wall.velocity(time), second, fourth / 12.0]
 
-    @property
-    def jumps(self):
-        """Jumps at the start of the (bottom, top) wall's velocity, and of its acceleration relative to the drive."""
+    def _jumps(self):
         channel = self.channel
         from_rest = channel.start_time == 0.0 and not channel.settled
         if channel.start_time > 0.0:

@@ -16,7 +16,6 @@ from tisph.errors import ConfigError, TisphError
 from tisph.verification.table import format_header, format_row
 
 HEADER = ("config", "import [s]", "compile cold [s]", "compile warm [s]", "first frames [s]", "whole warm [s]")
-WIDTHS = (32, 10, 16, 16, 16, 14)
 PART = 1e-3
 
 
@@ -25,7 +24,8 @@ def run(folder, configs):
     if not configs:
         raise ConfigError("no configs: run this where configs/ is, or name a folder with --configs")
     folder.mkdir(parents=True, exist_ok=True)
-    print(format_header(HEADER, WIDTHS), flush=True)
+    widths = [max(len(HEADER[0]), *(len(path.name) for path in configs)), *map(len, HEADER[1:])]
+    print(format_header(HEADER, widths), flush=True)
     rows = []
     for path in configs:
         with tempfile.TemporaryDirectory() as home:
@@ -38,7 +38,7 @@ def run(folder, configs):
             warm["wall_output_s"],
             warm["wall_total_s"],
         )
-        print(format_row((path.name, *(f"{value:.2f}" for value in seconds)), WIDTHS), flush=True)
+        print(format_row((path.name, *(f"{value:.2f}" for value in seconds)), widths), flush=True)
     (folder / "startup.json").write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
     print(f"\nnumbers: {folder / 'startup.json'}")
 

@@ -9,9 +9,9 @@ class Liquid:
     """Weakly compressible liquid; all pressures and stresses are over the reference density (length^2/time^2).
 
     Tait equation of state p / rho0 = c^2/gamma ((1 + s)^gamma - 1) of the compression s = rho/rho0 - 1, as a
-    polynomial in s. ``pressure_cutoff`` (over density) or None limits tension; ``velocity_scale`` is the
-    largest speed to expect. ``kinematic_viscosity`` is that of the solvent; ``stress`` is the law of the
-    stress that particles carry (``Stress`` of a rheology), None for a Newtonian liquid.
+    polynomial in s. ``pressure_cutoff`` (over density) or None limits tension. ``kinematic_viscosity`` is that of the
+    solvent; ``stress`` is the law of the stress that particles carry (``Stress`` of a rheology), None for a Newtonian
+    liquid.
     """
 
     def __init__(self, channel, equation_of_state, sound_speed, stress):
@@ -21,7 +21,6 @@ class Liquid:
         self.coefficients = series(self.gamma)
         self.limits_tension = equation_of_state.pressure_cutoff is not None
         self.kinematic_viscosity = scalar(channel.solvent_viscosity)
-        self.velocity_scale = scalar(channel.peak_velocity)
         self.sound_speed = scalar(sound_speed)
         if self.limits_tension:
             self.pressure_cutoff = scalar(equation_of_state.pressure_cutoff / channel.density)

@@ -19,7 +19,7 @@ class PairOperators:
     V_j (-W'(r)/r) with the volume V = spacing^2 that every particle keeps to within the weak compression.
     """
 
-    def __init__(self, particles, lists, liquid, kernel, artificial_viscosity):
+    def __init__(self, particles, lists, liquid, kernel, artificial_viscosity, shift_speed):
         self.particles = particles
         self.lists = lists
         self.domain = lists.domain
@@ -27,6 +27,7 @@ class PairOperators:
         self.has_artificial_viscosity = artificial_viscosity > 0
         if self.has_artificial_viscosity:
             self.artificial_viscosity = scalar(artificial_viscosity)
+        self.shift_speed = scalar(shift_speed)
         length = lists.cutoff / kernel.SUPPORT
         self.weights = WeightTable(kernel, length)
         self.smoothing_length = scalar(length)

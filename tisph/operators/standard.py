@@ -15,8 +15,8 @@ from tisph.runtime import real, ti
 class Operators(PairOperators):
     """Uncorrected sums as they stand in most codes."""
 
-    def __init__(self, particles, lists, liquid, kernel, artificial_viscosity):
-        super().__init__(particles, lists, liquid, kernel, artificial_viscosity)
+    def __init__(self, particles, lists, liquid, kernel, artificial_viscosity, shift_speed):
+        super().__init__(particles, lists, liquid, kernel, artificial_viscosity, shift_speed)
         self.Sums = ti.types.struct(
             pressure=self.vector, viscosity=self.vector, divergence=real(), **self.artificial_sums
         )

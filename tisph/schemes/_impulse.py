@@ -31,7 +31,7 @@ class ImpulsiveStart:
         lists and the images in buffer ``now``, and leaves the images behind.
         """
         gains = [0.0, 0.0]
-        others = [self.liquid.velocity_scale]
+        others = [self.operators.shift_speed]
         if self.operators.has_artificial_viscosity:
             others.append(self.operators.artificial_viscosity)
         values = [field[None] for field in others]

@@ -17,7 +17,6 @@ from tisph.config.base import Model
 from tisph.config.fields import member_name
 from tisph.domain import Domain
 from tisph.equation_of_state import Tait, pressure, sound_speed
-from tisph.errors import DivergedError
 from tisph.liquid import Liquid
 from tisph.neighbours.cells import Cells
 from tisph.neighbours.verlet import VerletLists, reach
@@ -26,6 +25,8 @@ from tisph.schemes._estimate import explicit
 from tisph.schemes._impulse import ImpulsiveStart
 from tisph.schemes._momentum import MomentumBalance, WallForces
 from tisph.schemes._plan import StepPlan
+from tisph.schemes._room import clustered
+from tisph.schemes._shift import shift_speed
 from tisph.schemes._stepper import Stepper
 from tisph.schemes._time_step import effective_viscosity, time_step_limits
 from tisph.snapshot import Snapshot
@@ -114,7 +115,8 @@ class Scheme:
         self.cells = Cells(self.particles, self.domain, channel, radius)
         self.lists = VerletLists(self.cells, cutoff, channel.spacing, serial, walls.looks_inside)
         self.walls = walls(self.lists, kernel, self.liquid, config.walls.treatment)
-        self.operators = operators(self.particles, self.lists, self.liquid, kernel, self.artificial_viscosity)
+        shift = shift_speed(kernel, config.discretisation.smoothing_ratio, self.sound_speed, self.cfl)
+        self.operators = operators(self.particles, self.lists, self.liquid, kernel, self.artificial_viscosity, shift)
         self.stepper = Stepper(self.operators, self.walls, serial)
         self.wall_forces = WallForces(self.lists, self.operators)
         self.momentum = MomentumBalance(channel.start_time)
@@ -222,10 +224,7 @@ class Scheme:
     def require_room(self, what, needed):
         """Raise DivergedError if ``needed`` (0 where all fits) tells of an overflow."""
         if needed:
-            raise DivergedError(
-                f"x, y: too many {what} ({needed}) around particle {self.most_crowded()}, "
-                f"at step {self.steps}, t = {self.time:.6g}: the particles have clustered"
-            )
+            raise clustered(f"{what} ({needed}) around particle {self.most_crowded()}", self.steps, self.time)
 
     def most_crowded(self):
         """Return the number of the particle with the longest list of neighbours."""

@@ -7,7 +7,7 @@ from tisph.study.bench._throughput_cases import ACROSS, Case
 
 REBUILDING = ("binning", "list", "walls")
 SMALL, MIDDLE, LARGE = ACROSS
-LAMMPS, PYSPH = "LAMMPS SPH", "PySPH TVF"
+LAMMPS, PYSPH, TUNED = "LAMMPS SPH", "PySPH TVF", "PySPH TVF, tuned"
 
 
 @dataclass(frozen=True)

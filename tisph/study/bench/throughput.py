@@ -16,7 +16,7 @@ from tisph.errors import TisphError
 from tisph.study.bench import _throughput_reference as reference
 from tisph.study.bench import machine
 from tisph.study.bench._throughput_cases import ROUNDS, cases
-from tisph.study.bench._throughput_results import LAMMPS, PYSPH, Results, checks
+from tisph.study.bench._throughput_results import LAMMPS, PYSPH, TUNED, Results, checks
 from tisph.study.bench._throughput_table import show
 from tisph.study.store import config_text, fingerprint
 
@@ -27,6 +27,7 @@ PEERS = {
     (LAMMPS, 1): ("lammps", {50: 2000, 224: 100}),
     (LAMMPS, 2): ("lammps", {50: 4000, 224: 200}),
     (PYSPH, 2): ("pysph", {50: 200, 224: 20}),
+    (TUNED, 2): ("pysph-tuned", {50: 200, 224: 20}),
 }
 """Code, and steps by the number of particles across, of a label with so many threads or processes."""
 

@@ -10,7 +10,7 @@ from tisph.errors import DivergedError
 from tisph.observers.guard import Guard
 from tisph.snapshot import Snapshot
 
-CHANNEL = SimpleNamespace(density=2.0, gap=1.0)
+CHANNEL = SimpleNamespace(density=2.0, gap=1.0, peak_velocity=0.5)
 
 
 def sound():
@@ -31,6 +31,8 @@ def spoiled(field, value):
         ("v", np.inf, "not a finite number"),
         ("density", 2.5, "off the reference density"),
         ("density", 1.5, "off the reference density"),
+        ("v", 0.051, "breaks up"),
+        ("v", -0.051, "breaks up"),
         ("y", -0.01, "beyond a wall"),
         ("y", 1.01, "beyond a wall"),
     ],
@@ -53,5 +55,6 @@ def test_remembers_the_last_good_state():
     assert guard.last_good is good
 
 
-def test_twenty_percent_is_the_limit():
+def test_what_is_below_the_limits_is_sound():
     Guard(CHANNEL).check(spoiled("density", 2.39))
+    Guard(CHANNEL).check(spoiled("v", 0.049))

@@ -5,6 +5,7 @@ import importlib
 import pytest
 
 from tisph import config, families, runtime
+from tisph.report import movie
 from tisph.runtime import ti
 from tisph.scenes.channel import Channel
 from tisph.simulation import checkpoint
@@ -141,8 +142,8 @@ def test_a_run_without_movie_and_checkpoints_opens_none(load, tmp_path, monkeypa
         pytest.fail("there was to be no movie and no checkpoint")
 
     simulation = importlib.import_module("tisph.simulation.run")
-    for name in ("Movie", "Frames"):
-        monkeypatch.setattr(simulation, name, refuse)
+    monkeypatch.setattr(movie, "Movie", refuse)
+    monkeypatch.setattr(simulation, "Frames", refuse)
     monkeypatch.setattr(checkpoint, "save", refuse)
     simulation.run(load(EXPLICIT, "output={video: null, checkpoint_every: null}"), tmp_path / "out")
     assert not list((tmp_path / "out").glob("*.mp4"))

@@ -15,10 +15,8 @@ from tisph.observers.frames import Frames, frame_times
 from tisph.observers.guard import INTERVAL, Guard
 from tisph.observers.history import History
 from tisph.observers.samples import Samples
-from tisph.report.movie import Movie
 from tisph.simulation import checkpoint
 from tisph.simulation.progress import RunProgress
-from tisph.simulation.render import pictures
 from tisph.simulation.results import fingerprint, write_summary
 from tisph.simulation.summary import cost, summarise, write_last_good
 
@@ -127,6 +125,8 @@ class Run:
         self.observers = [self.samples, self.history]
         settings = self.config.output.video
         if video and settings:
+            from tisph.report.movie import Movie  # matplotlib: only where something is drawn
+
             movie = Movie(self.folder.movie, self.channel, settings, self.config.name, end)
             times = frame_times(self.channel, end, settings.frames)
             kept = resumed_at if self.folder.frames.exists() else None
@@ -170,10 +170,15 @@ class Run:
         with self._timed("output"):
             checkpoint.save(self.folder.checkpoint, self.scheme, self.fingerprint)
 
+    def _draw(self):
+        from tisph.simulation.drawing import pictures  # matplotlib again
+
+        pictures(self.folder, self.config, self.channel)
+
     def _finish(self):
         """Write the most precious first, and let nothing that fails keep the rest from being written."""
         with self._timed("output"), ExitStack() as last_first:
-            last_first.callback(pictures, self.folder, self.config, self.channel)
+            last_first.callback(self._draw)
             for observer in self.observers:
                 last_first.callback(observer.close)
             if self.status == "diverged" and self.guard.last_good is not None:

@@ -7,7 +7,6 @@ import h5py
 
 from tisph import PROCESS_START
 from tisph.observers._storage import write_snapshot
-from tisph.report.movie import Movie
 from tisph.simulation.results import peak_memory_mb, provenance
 from tisph.verification.metrics import sample_metrics
 
@@ -62,6 +61,8 @@ def cost(job):
 
 def write_last_good(folder, channel, config, snapshot):
     """Keep the last sound state of a run that went wrong, as data and as a picture."""
+    from tisph.report.movie import Movie  # matplotlib: only where something is drawn
+
     with h5py.File(folder.last_good, "w") as file:
         write_snapshot(file, snapshot)
     video = config.output.video or type(config.output).model_fields["video"].default

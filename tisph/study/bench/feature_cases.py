@@ -100,7 +100,7 @@ GROUPS = {
             Comparison("shifting, lattice (nothing to shift)", "plain", SHIFTLESS),
             Comparison("shifting, jitter 0.2", "jitter", "jitter, no shifting"),
         ),
-        6,
+        4,
     ),
 }
 

@@ -55,6 +55,22 @@ def test_couette_flow_has_no_lines_of_other_flows(checked):
     assert not starting(lines, "drive", "penetration", "Weissenberg", "elasticity", "warning")
 
 
+# U dx / nu by hand: 0.5 * 0.02 / nu, of the solvent's viscosity where there is polymer
+@pytest.mark.parametrize(
+    ("override", "number"),
+    [
+        ("fluid.kinematic_viscosity=1.7e-4", None),  # 58.8
+        ("fluid.kinematic_viscosity=1.6e-4", "62.5; above 60"),
+        (POLYMER.replace("viscosity: 1.0", "viscosity: 0.01") % (1.0, "solvent_fraction: 0.11"), None),  # 9.1
+        (POLYMER.replace("viscosity: 1.0", "viscosity: 0.008") % (1.0, "solvent_fraction: 0.1"), "12.5; above 10"),
+    ],
+)
+def test_a_high_cell_reynolds_number_is_warned_of(checked, override, number):
+    warnings = [line for line in checked(override) if "cell Reynolds number" in line]
+    assert len(warnings) == (number is not None)
+    assert all(f"is {number} " in line for line in warnings)
+
+
 def test_driven_flow(checked):
     lines = checked(AT_REST, DRIVE)
     # by hand: g H^2 / (12 nu) = 1/6, times H / nu

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from tisph import __version__
-from tisph.cli import bench, check, list_families, render, run, verify
+from tisph.cli import bench, check, list_families, render, run, stress, verify
 from tisph.cli.outcome import reported
 
 HELP = """Laminar, wall-bounded flow by smoothed particles: a YAML file describes a run, one command runs it.
@@ -51,6 +51,7 @@ for _name, _command in {
     "list": list_families.list_families,
     "verify": verify.verify,
     "bench": bench.bench,
+    "stress": stress.stress,
     "render": render.render,
 }.items():
     app.command(_name)(reported(_command))

@@ -1,0 +1,148 @@
+"""Cells of the stability matrix: each is the flow that it says, and the covering set has all pairs."""
+
+import json
+from dataclasses import replace
+from itertools import combinations, product
+
+import pytest
+
+from tisph.cli.check import estimates
+from tisph.config import load
+from tisph.scenes.channel import Channel
+from tisph.study.stress import matrix
+from tisph.study.stress.cells import FINISHED, FLOWS, HONEST, REFUSED, STABLE, Cell
+from tisph.study.stress.covering import covering_set
+
+FULL = matrix.sub_matrices()
+QUICK = matrix.sub_matrices(quick=True)
+COVERING = next(part for part in FULL if part.title == "covering set")
+
+
+@pytest.fixture
+def loaded(tmp_path):
+    """Return a function that loads the config of a cell."""
+
+    def load_cell(cell, t_star=1.0):
+        path = tmp_path / "case.yaml"
+        path.write_text(json.dumps({"name": cell.name, **cell.config(t_star)}))  # JSON is YAML
+        return load(path)
+
+    return load_cell
+
+
+def valid_cells():
+    cells = dict.fromkeys([*COVERING.cells, *matrix.cells(QUICK)])
+    return [cell for cell in cells if cell.promise != REFUSED]
+
+
+def test_every_cell_is_a_valid_config_of_what_it_says(loaded):
+    for cell in valid_cells():
+        config = loaded(cell)
+        channel = Channel.from_config(config)
+        # nu, U and g are written to twelve digits
+        assert channel.reynolds == pytest.approx(cell.reynolds, rel=1e-11)
+        assert config.time.end / channel.viscous_time == pytest.approx(1.0, rel=1e-11)
+        assert (config.particles_across, config.columns) == (cell.across, cell.across * cell.aspect)
+        assert (config.initial.jitter, config.discretisation.precision) == (cell.jitter, cell.precision)
+        assert config.walls.treatment.type == cell.treatment
+        assert len(config.time.samples) == 4
+
+
+def test_names_of_cells_differ_and_are_names_of_folders():
+    cells = matrix.cells(FULL)
+    assert len({cell.name for cell in cells}) == len(cells)
+    assert max(len(cell.name) for cell in cells) <= 64
+
+
+def test_the_matrix_is_large_and_always_the_same():
+    cells = matrix.cells(FULL)
+    assert len(cells) >= 300
+    assert matrix.cells(matrix.sub_matrices()) == cells
+
+
+def test_flows_are_what_their_names_say(loaded):
+    channels = {flow: Channel.from_config(loaded(Cell(flow=flow, reynolds=20.0))) for flow in FLOWS}
+    backflow = channels["backflow"]
+    assert backflow.exact_velocity(0.5, 10 * backflow.viscous_time) < 0
+    assert channels["poiseuille"].exact_velocity(0.5, 10 * backflow.viscous_time) == pytest.approx(1.5, rel=1e-9)
+    top = channels["oscillating"].top
+    assert top.penetration_depth(channels["oscillating"].kinematic_viscosity) == pytest.approx(1 / 3, rel=1e-11)
+    for weissenberg in (0.1, 1.0, 5.0):
+        assert channels[f"oldroyd{weissenberg:g}"].weissenberg == pytest.approx(weissenberg, rel=1e-11)
+
+
+@pytest.mark.parametrize("flow", FLOWS)
+@pytest.mark.parametrize("reynolds", [0.0125, 1000.0])
+def test_the_sound_axis_is_a_multiple_of_the_automatic_one(loaded, flow, reynolds):
+    """At both ends of the Reynolds numbers, where different scales set the automatic sound speed."""
+    automatic, stiff = (
+        estimates(loaded(Cell(flow=flow, reynolds=reynolds, sound=sound)))["sound_speed"] for sound in (10.0, 40.0)
+    )
+    assert stiff / automatic == pytest.approx(4.0, rel=1e-11)
+
+
+@pytest.mark.parametrize("scheme", ["explicit", "implicit 2", "implicit 4"])
+def test_longer_steps_are_fewer_steps(loaded, scheme):
+    """Of a flow whose steps are limited by sound, or for the most part by strain: as many times fewer as longer."""
+    cell = Cell(scheme=scheme, reynolds=1000.0)
+    usual, longer = (estimates(loaded(replace(cell, step=step)))["steps"] for step in (1.0, 2.0))
+    assert usual / longer == pytest.approx(2.0, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("promise", "values"),
+    [
+        (STABLE, {"reynolds": 0.0125, "jitter": 0.3}),
+        (STABLE, {"flow": "poiseuille", "reynolds": 1000.0, "scheme": "implicit 4", "across": 50, "aspect": 0.5}),
+        (FINISHED, {"reynolds": 10000.0, "scheme": "implicit 4"}),
+        (STABLE, {"precision": "f32"}),
+        (HONEST, {"flow": "poiseuille", "reynolds": 10000.0}),
+        (HONEST, {"across": 8}),
+        (HONEST, {"scheme": "implicit 2"}),
+        (HONEST, {"step": 1.5}),
+        (HONEST, {"sound": 5.0}),
+        (HONEST, {"treatment": "adami"}),
+        (HONEST, {"flow": "oldroyd1"}),
+        (REFUSED, {"flow": "oldroyd1", "scheme": "implicit 4"}),
+    ],
+)
+def test_what_is_promised(promise, values):
+    assert Cell(**values).promise == promise
+
+
+def test_what_is_promised_to_be_refused_is_refused(loaded):
+    refused = [cell for cell in matrix.cells(FULL) if cell.promise == REFUSED]
+    assert refused
+    for cell in refused:
+        with pytest.raises(Exception, match="polymer"):
+            loaded(cell)
+
+
+def test_every_pair_of_values_that_can_meet_does():
+    rows = [{name: getattr(cell, name) for name in matrix.AXES} for cell in COVERING.cells]
+    met = {pair for row in rows for pair in combinations(row.items(), 2)}
+    assert all(matrix.exists(row) for row in rows)
+    for (one, some), (other, more) in combinations(matrix.AXES.items(), 2):
+        for values in product(some, more):
+            pair = tuple(zip((one, other), values, strict=True))
+            assert (pair in met) == matrix.exists(dict(pair))
+
+
+def test_a_covering_set_leaves_out_only_pairs_that_no_row_can_have():
+    """Two values may exclude one another by a third: here 1 and x, each of which fits only one value of c."""
+    axes = {"a": (1, 2), "b": ("x", "y"), "c": (True, False)}
+    excluded = [{"a": 1, "c": True}, {"b": "x", "c": False}]
+    rows = covering_set(axes, lambda pair: pair not in excluded)
+    assert not any(excluding.items() <= row.items() for row in rows for excluding in excluded)
+    possible = [dict(zip(axes, row, strict=True)) for row in product(*axes.values())]
+    possible = [row for row in possible if not any(pair.items() <= row.items() for pair in excluded)]
+    wanted = {pair for row in possible for pair in combinations(row.items(), 2)}
+    assert {pair for row in rows for pair in combinations(row.items(), 2)} == wanted
+    assert (("a", 1), ("b", "x")) not in wanted
+
+
+def test_every_cell_has_its_calm_one_before_it():
+    for parts in (FULL, QUICK):
+        cells = matrix.cells(parts)
+        places = {cell: place for place, cell in enumerate(cells)}
+        assert all(places[cell.calm] <= places[cell] for cell in cells)

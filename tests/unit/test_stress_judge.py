@@ -1,0 +1,174 @@
+"""Verdicts of the stability matrix, from summaries as runs leave them."""
+
+from dataclasses import replace
+
+import pytest
+
+from tisph.study.stress import judge
+from tisph.study.stress.cells import Cell
+from tisph.study.stress.plan import Plan
+
+PLAN = Plan(Cell(jitter=0.3), {}, t_star=1.0, stated=1e-4)
+CALM = (4e-5, 3e-5, 2e-5, 1e-5)
+SOUND = {"transverse": (1e-5,) * 4, "density": (1e-5,) * 4}
+
+
+def summary(errors=CALM, status="done", transverse=SOUND["transverse"], density=SOUND["density"], speed=2.0):
+    samples = [
+        {"l2": error, "rms": 0.5 * error, "max_transverse_velocity": speed * cross, "density_variation": vary}
+        for error, cross, vary in zip(errors, transverse, density, strict=True)
+    ]
+    return {"status": status, "samples": samples, "numbers": {"reference_velocity": speed}}
+
+
+def verdict(found=None, plan=PLAN, message="", calm=None, **values):
+    return judge.judge(plan, found or summary(**values), message, calm or summary())
+
+
+def times(factor, errors=CALM):
+    return tuple(factor * error for error in errors)
+
+
+def test_a_run_like_the_calm_one_is_stable():
+    found = verdict(errors=times(1.5))
+    assert (found.verdict, found.reason, found.kept) == ("stable", "", True)
+    assert found.ratio == pytest.approx(1.5, rel=1e-12)
+    assert found.transverse == pytest.approx(1e-5, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("why", "values"),
+    [
+        ("times that of the calm run", {"errors": times(3.0)}),
+        ("transverse velocity 2.0e-03", {"transverse": (2e-3,) * 4}),
+        ("density varies", {"density": (2e-2,) * 4}),
+        ("transverse velocity grows", {"transverse": (1e-5, 1e-5, 1e-4, 5e-4)}),
+        ("calm run grows", {"errors": (1e-5, 1e-5, 0.5e-5, 1.5e-5)}),
+    ],
+)
+def test_a_run_beyond_one_bound_is_inaccurate_and_says_which(why, values):
+    found = verdict(**values)
+    assert (found.verdict, found.kept) == ("inaccurate", False)
+    assert why in found.reason
+    assert ";" not in found.reason  # nothing but that
+
+
+def test_a_transverse_velocity_that_falls_is_no_growth():
+    assert verdict(transverse=(9e-3, 7e-3, 2e-3, 9e-4)).verdict == "stable"
+
+
+def test_before_the_flow_has_forgotten_the_disorder_more_is_allowed():
+    early = replace(PLAN, t_star=0.1, stated=2e-2)
+    assert verdict(plan=early, transverse=(5e-3,) * 4).verdict == "stable"
+    assert verdict(plan=early, transverse=(2e-2,) * 4).verdict == "inaccurate"
+    calm = summary(errors=(3e-3,) * 4)
+    for errors, wanted in ((0.029, "stable"), (0.0301, "inaccurate")):
+        assert verdict(plan=early, errors=(errors,) * 4, calm=calm).verdict == wanted
+    tiny = summary(errors=(1e-5,) * 4)
+    for errors, wanted in ((0.009, "stable"), (0.011, "inaccurate")):
+        assert verdict(plan=early, errors=(errors,) * 4, calm=tiny).verdict == wanted
+
+
+def test_errors_below_the_floor_are_not_compared():
+    """A flow that the calm run has exactly; single precision has a higher floor, longer steps too."""
+    tiny = (1e-8,) * 4
+    assert verdict(errors=times(50, tiny), calm=summary(errors=tiny)).verdict == "stable"
+    assert verdict(errors=times(1e4, tiny), calm=summary(errors=tiny)).verdict == "inaccurate"
+    single = replace(PLAN, cell=replace(PLAN.cell, precision="f32"))
+    assert verdict(errors=times(1e4, tiny), calm=summary(errors=tiny), plan=single).verdict == "stable"
+
+
+def test_what_is_not_promised_may_err_as_much_as_was_stated():
+    tiny, plan = (1e-8,) * 4, replace(PLAN, cell=replace(PLAN.cell, scheme="implicit 2"))
+    assert verdict(errors=times(9e3, tiny), calm=summary(errors=tiny), plan=plan).verdict == "stable"
+    assert verdict(errors=times(2e4, tiny), calm=summary(errors=tiny), plan=plan).verdict == "inaccurate"
+
+
+def test_a_calm_run_is_held_to_the_stated_error():
+    calm = replace(PLAN, cell=Cell())
+    for factor, wanted in ((2.0, "stable"), (4.0, "inaccurate")):
+        own = summary(errors=(factor * PLAN.stated,) * 4)
+        assert verdict(own, plan=calm, calm=own).verdict == wanted
+
+
+def test_a_large_error_without_warning_is_wrong():
+    found = verdict(errors=(0.03,) * 4)
+    assert (found.verdict, found.kept) == ("WRONG", False)
+    assert "no warning" in found.reason
+
+
+def test_a_warning_excuses_more_but_not_everything():
+    warned = replace(PLAN, warnings=("may go wrong",))
+    assert verdict(errors=(0.03,) * 4, plan=warned).verdict == "inaccurate"
+    assert verdict(errors=(0.11,) * 4, plan=warned).verdict == "WRONG"
+
+
+def test_a_large_error_that_was_stated_is_not_wrong():
+    told = replace(PLAN, cell=Cell(), stated=0.3)
+    own = summary(errors=(0.5,) * 4)
+    assert verdict(own, plan=told, calm=own).verdict == "stable"
+
+
+def test_without_an_estimate_the_bound_of_the_verification_stands_for_it():
+    polymer = Plan(Cell(flow="oldroyd1"), {}, t_star=1.0)
+    for error, wanted in ((0.05, "stable"), (0.07, "WRONG")):
+        own = summary(errors=(error,) * 4)
+        assert verdict(own, plan=polymer, calm=own).verdict == wanted
+
+
+def test_a_run_that_diverged_with_a_message_is_stopped():
+    found = verdict(
+        errors=CALM[:2], status="diverged", message="y of particle 7", transverse=(0,) * 2, density=(0,) * 2
+    )
+    assert (found.verdict, found.reason, found.kept) == ("stopped", "y of particle 7", False)
+    assert found.calm == CALM[1]  # of the last sample that there is
+    honest = replace(PLAN, cell=replace(PLAN.cell, across=8))
+    assert verdict(found=summary(status="diverged"), plan=honest, message="y").kept is True
+
+
+@pytest.mark.parametrize(
+    ("status", "message"), [("failed", "Segmentation fault"), ("interrupted", ""), ("diverged", "")]
+)
+def test_a_run_that_ends_without_a_clear_error_is_wrong(status, message):
+    found = verdict({"status": status, "samples": []}, message=message)
+    assert (found.verdict, found.kept) == ("WRONG", False)
+    assert (message or status) in found.reason
+
+
+def test_a_run_whose_calm_one_stopped_is_judged_alone():
+    found = verdict(calm={"status": "diverged", "samples": []})
+    assert (found.verdict, found.calm, found.ratio) == ("stable", None, None)
+
+
+def test_flows_that_cross_zero_are_judged_by_the_rms():
+    found = verdict(plan=replace(PLAN, cell=Cell(flow="backflow", jitter=0.1)))
+    assert found.error == 0.5 * CALM[-1]
+
+
+def test_what_is_promised_to_finish_may_err_and_not_grow():
+    plan = replace(PLAN, cell=Cell(reynolds=10000.0, jitter=0.1))
+    assert verdict(errors=times(20), plan=plan).verdict == "inaccurate"
+    assert verdict(errors=times(20), plan=plan).kept is True
+    growing = verdict(transverse=(1e-5, 1e-5, 1e-4, 5e-4), plan=plan)
+    assert (growing.verdict, growing.kept) == ("inaccurate", False)
+    assert verdict(found=summary(status="diverged"), plan=plan, message="y").kept is False
+
+
+@pytest.mark.parametrize(
+    ("cell", "kept"),
+    [
+        (Cell(), False),
+        (Cell(reynolds=10000.0), False),
+        (Cell(across=8), True),
+        (Cell(flow="oldroyd1", scheme="implicit 4"), True),
+    ],
+)
+def test_a_refusal_breaks_only_the_promise_of_a_stable_run(cell, kept):
+    found = judge.refused(Plan(cell, {}, 1.0, refusal="too small"))
+    assert (found.verdict, found.reason, found.kept) == ("refused", "too small", kept)
+
+
+def test_what_should_have_been_refused_and_ran_breaks_its_promise():
+    plan = replace(PLAN, cell=Cell(flow="oldroyd1", scheme="implicit 4"))
+    own = summary()
+    assert verdict(own, plan=plan, calm=own).kept is False

@@ -1,0 +1,216 @@
+"""How the stability matrix is run: plans, what is kept, what is printed and written. Nothing is simulated."""
+
+import json
+import subprocess
+import sys
+import time
+
+import pytest
+from fake_runs import FakeRuns, make_result
+from PIL import Image
+
+from tisph.errors import ConfigError
+from tisph.study import processes
+from tisph.study.stress import judge, limits, maps, matrix
+from tisph.study.stress import run as stress
+from tisph.study.stress.cells import FINISHED, STABLE, Cell
+from tisph.study.stress.plan import BUDGET, PROMISED_BUDGET, Plan, plan
+
+JITTERS = (0.0, 0.3)
+PARTS = [
+    matrix.SubMatrix("by Re", matrix.grid(reynolds=(1.0, 1000.0), jitter=JITTERS), ("reynolds",), ("jitter",)),
+    matrix.SubMatrix("counted", matrix.grid(across=[8], jitter=[0.3])),
+    matrix.SubMatrix("refused", (Cell(flow="oldroyd1", scheme="implicit 4"),), ("scheme",), ("flow",)),
+]
+RUNS = 2 * 2 + 2  # a calm cell for the one that has none
+
+
+def forecast(config):
+    """Numbers and warnings as of ``tisph check``, for a hundred steps."""
+    return {"steps": 100, "particles": config.particles_across * config.columns, "error": 1e-2}, []
+
+
+@pytest.fixture
+def runs(monkeypatch):
+    """Runs that all end well, with an error of 1e-3."""
+
+    def summary(config):
+        found = make_result(speed=1.0, t250=1e-3, t500=1e-3, t750=1e-3, t1000=1e-3).summary
+        for sample in found["samples"]:
+            sample["rms"] = 1e-3
+        return {**found, "cost": {"steps": 100, "wall_total_s": 2.0}}
+
+    fake = FakeRuns(summary)
+    monkeypatch.setattr(processes.subprocess, "Popen", fake)
+    monkeypatch.setattr(processes, "POLL_SECONDS", 0.0)
+    monkeypatch.setattr(matrix, "sub_matrices", lambda quick: PARTS)
+    return fake
+
+
+def written(folder):
+    return json.loads((folder / "stress.json").read_text())
+
+
+def test_lines_maps_numbers_and_picture(runs, tmp_path, capsys):
+    assert stress.run(tmp_path / "out", forecast, 2) is True
+    output = capsys.readouterr().out
+    for name in ("couette-re1-j0.3-n25-exp ", "couette-re50-j0.3-n8-exp ", "oldroyd1-re50-j0-n25-imp4 "):
+        assert output.count(f"| {name}") == 1
+    assert "7 cells: 6 stable, 0 inaccurate, 0 stopped, 1 refused, 0 WRONG; 0 promises broken" in output
+    numbers = written(tmp_path / "out")
+    assert numbers["complete"] is True
+    assert [cell["verdict"] for cell in numbers["cells"]].count("stable") == RUNS
+    assert numbers["limits"]["ranges"]
+    assert (tmp_path / "out" / "stress.md").read_text().count("1e-3*") == 4
+    with Image.open(tmp_path / "out" / "stress.png") as picture:
+        assert picture.size[0] > 1000
+    assert runs.most_at_once == 2
+
+
+def test_results_are_written_as_they_come(runs, tmp_path, monkeypatch):
+    start, seen = FakeRuns.__call__, []
+
+    def watched(self, command, **options):
+        path = tmp_path / "stress.json"
+        seen.append(len(written(tmp_path)["cells"]) if path.is_file() else 0)
+        return start(self, command, **options)
+
+    monkeypatch.setattr(FakeRuns, "__call__", watched)
+    stress.run(tmp_path, forecast, 1)
+    assert seen == list(range(1, RUNS + 1))  # the refused one before all others, then one after another
+
+
+def test_an_interrupted_matrix_goes_on_where_it_was(runs, tmp_path, monkeypatch, capsys):
+    start = FakeRuns.__call__
+
+    def interrupted(self, command, **options):
+        if len(self.configs) == 3:
+            raise KeyboardInterrupt
+        return start(self, command, **options)
+
+    monkeypatch.setattr(FakeRuns, "__call__", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        stress.run(tmp_path, forecast, 1)
+    assert "the same command goes on" in capsys.readouterr().out
+    assert written(tmp_path)["complete"] is False
+    monkeypatch.setattr(FakeRuns, "__call__", start)
+    assert stress.run(tmp_path, forecast, 1) is True
+    assert len(runs.configs) == RUNS
+    assert len({config["name"] for config in runs.configs}) == RUNS
+
+
+def test_one_cell_that_crashes_is_wrong_and_stops_no_other(runs, tmp_path, capsys):
+    good = runs.summary
+    runs.summary = lambda config: "out of luck" if config["name"] == "couette-re1-j0.3-n25-exp" else good(config)
+    assert stress.run(tmp_path, forecast, 2) is False
+    output = capsys.readouterr().out
+    assert "promised stable, is WRONG: ended without a clear error: out of luck" in output
+    assert "5 stable, 0 inaccurate, 0 stopped, 1 refused, 1 WRONG; 1 promises broken" in output
+
+
+def test_two_matrices_do_not_write_into_one_folder(runs, tmp_path, monkeypatch):
+    start, refusals = FakeRuns.__call__, []
+
+    def second(self, command, **options):
+        if not refusals:
+            with pytest.raises(ConfigError, match="another matrix is running there") as refusal:
+                stress.run(tmp_path, forecast, 1)
+            refusals.append(refusal)
+        return start(self, command, **options)
+
+    monkeypatch.setattr(FakeRuns, "__call__", second)
+    assert stress.run(tmp_path, forecast, 1) is True
+    assert refusals
+
+
+def test_a_folder_that_cannot_be_used_is_bad_input(runs, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ConfigError, match="cannot be written"):
+        stress.run(tmp_path / "file", forecast, 1)
+
+
+def test_a_run_that_does_not_end_is_ended(tmp_path, monkeypatch):
+    start = subprocess.Popen
+    sleeper = [sys.executable, "-c", "import time; time.sleep(600)"]
+    monkeypatch.setattr(processes.subprocess, "Popen", lambda command, **options: start(sleeper, **options))
+    began = time.perf_counter()
+    process = stress.Limited(processes.Process("config.yaml", tmp_path), 0.2)
+    while not process.finished:
+        time.sleep(0.01)
+    result, message = process.outcome()
+    process.stop()
+    assert time.perf_counter() - began < 300
+    assert result.summary["status"] == "failed"
+    assert message.startswith("no end after")
+
+
+@pytest.mark.parametrize(
+    ("cell", "budget"),
+    [
+        (Cell(), PROMISED_BUDGET[STABLE]),
+        (Cell(reynolds=10000.0), PROMISED_BUDGET[FINISHED]),
+        (Cell(across=50), BUDGET),
+        (Cell(precision="f32"), BUDGET),
+    ],
+)
+def test_a_run_that_costs_too_much_ends_sooner(tmp_path, cell, budget):
+    def costly(config):
+        return {"steps": round(1e5 * config.time.end), "particles": 10_000, "error": config.time.end}, ["careful"]
+
+    found = plan(cell, costly, tmp_path)
+    assert found.t_star < cell.t_star
+    assert found.seconds == pytest.approx(budget, rel=0.05)  # its end has two digits
+    assert found.config["time"]["end"] == pytest.approx(found.t_star * cell.reynolds, rel=1e-9)
+    assert found.stated == found.config["time"]["end"]  # of the run that there will be
+    assert found.warnings == ("careful",)
+    assert plan(Cell(**{**vars(cell), "jitter": 0.3}), costly, tmp_path).t_star == found.t_star
+
+
+def test_a_refusal_says_why_and_not_where(tmp_path):
+    found = plan(Cell(flow="oldroyd1", scheme="implicit 4"), forecast, tmp_path)
+    assert found.refusal.startswith("scheme.type")
+    assert str(tmp_path) not in found.refusal
+
+
+def row(verdict="stable", **values):
+    cell = Cell(**values)
+    judgement = judge.Judgement(verdict, "", True, error=1e-3, transverse=1e-4, density_variation=1e-3)
+    return cell, maps.Row(Plan(cell, {}, 1.0), judgement)
+
+
+def test_limits_are_where_the_first_run_fails():
+    found = limits.limits(
+        dict(
+            [
+                *(row(step=step) for step in (1.0, 1.5)),
+                row("inaccurate", step=2.0),
+                row("stable", step=3.0),
+                row(jitter=0.3, reynolds=500.0),
+                row("stopped", jitter=0.3, reynolds=1000.0),
+                row("inaccurate", jitter=0.3, reynolds=10000.0),
+            ]
+        )
+    )
+    ranges = {each.pop("what"): each for each in found["ranges"]}
+    assert ranges["steps over the default, explicit, c = 10, jitter 0"] == {"fine": 1.5, "not": 2.0}
+    assert ranges["cell Reynolds number, explicit, disordered"] == {"fine": 20.0, "not": 40.0}
+    assert ranges["cell Reynolds number, explicit, lattice"] == {"fine": 2.0, "not": None}
+
+
+def test_density_variations_are_compared_at_one_mach_number():
+    (found,) = limits.limits(dict([row(sound=20.0)]))["largest"]
+    assert found["density_variation"] == pytest.approx(4e-3, rel=1e-12)
+
+
+def test_every_cell_has_a_place_of_its_own_in_its_map():
+    for part in PARTS[:1] + PARTS[2:]:
+        columns, names, places = maps.layout(part)
+        assert len(places) == len(part.cells)
+        assert {place for place in places} <= {(name, column) for name in names for column in columns}
+
+
+@pytest.mark.parametrize("quick", [False, True])
+def test_the_maps_of_the_matrix_have_room_for_every_cell(quick):
+    for part in matrix.sub_matrices(quick):
+        if part.columns:
+            assert len(maps.layout(part)[2]) == len(part.cells)

@@ -1,0 +1,18 @@
+"""The stability matrix, small: every promise is kept and no run is wrong without saying so."""
+
+import json
+
+import pytest
+
+from tisph.cli.stress import forecast
+from tisph.study.stress import run
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(900)  # three minutes on two idle cores
+def test_quick_matrix(tmp_path):
+    kept = run.run(tmp_path, forecast, processes=2, quick=True)
+    cells = json.loads((tmp_path / "stress.json").read_text())["cells"]
+    broken = {cell["name"]: (cell["verdict"], cell["reason"]) for cell in cells if not cell["kept"]}
+    assert kept, broken
+    assert not [cell["name"] for cell in cells if cell["verdict"] == "WRONG"]

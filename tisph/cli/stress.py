@@ -1,0 +1,44 @@
+"""``tisph stress``: the stability matrix, a promise for every cell."""
+
+import os
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+FOLDER = Path("runs/stress")
+
+
+def stress(
+    quick: Annotated[bool, typer.Option("--quick", help="A few short cells of every kind, in three minutes.")] = False,
+    processes: Annotated[
+        int | None, typer.Option("--processes", min=1, help="Cells at a time [default: one a core].")
+    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", metavar="DIR", help=f"Results [default: {FOLDER}].")] = None,
+) -> None:
+    """Run the stability matrix and say what becomes of every cell.
+
+    A cell is stable, inaccurate, stopped (with a clear error), refused, or WRONG: finished, and neither right nor
+    warned of. Exit status 1 where one is WRONG or breaks its promise. Leaves maps, a picture and all numbers in DIR,
+    where finished runs are kept: an interrupted matrix goes on with the same command.
+
+    \b
+    Examples:
+      tisph stress --quick
+      tisph stress
+      tisph stress --processes 2 --out runs/stress-again
+    """
+    from tisph.study.stress import run as matrix
+
+    default = FOLDER.with_name("stress-quick") if quick else FOLDER
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if not matrix.run(out or default, forecast, processes or cores, quick=quick):
+        raise typer.Exit(1)
+
+
+def forecast(config: Any) -> tuple[dict[str, Any], list[str]]:
+    """Numbers and warnings of ``tisph check`` for a config."""
+    from tisph.cli import check
+
+    numbers = check.estimates(config)
+    return numbers, list(check.warnings(config, numbers))

@@ -1,0 +1,167 @@
+"""What became of a cell: stable, inaccurate, stopped, refused or WRONG, by what the run left behind.
+
+Errors are ``Cell.measure``. Two things are known without the exact solution of a user's own flow, and a run is held
+to both: the calm run, the same from the lattice, and what ``tisph check`` said of it, its estimate of the error (the
+stated error) and its warnings.
+"""
+
+from dataclasses import dataclass
+
+from tisph.study.stress.cells import FINISHED, HONEST, REFUSED, STABLE
+
+MULTIPLE, EARLY_MULTIPLE = 2.0, 10.0
+"""Error over that of the calm run, up to which a run is stable: from t* = 1 on, and before, while the flow still
+remembers how the particles were disordered."""
+
+TRANSVERSE, EARLY_TRANSVERSE = 1e-3, 1e-2
+"""Largest velocity across the channel of a stable run, over the reference velocity, likewise."""
+
+DENSITY = 1e-2
+"""Largest departure of the density of a stable run. Of the explicit scheme at a sound speed of ten times the velocity
+scale; it goes with the square of the Mach number. Of the implicit one whatever the steps."""
+
+FLOOR, EARLY_FLOOR = {"f64": 1e-6, "f32": 1e-3}, 1e-2
+"""Error below which it is not compared with that of the calm run: that of steps of a tolerance of 3e-7, what single
+precision allows, and, before t* = 1, what disorder may make of the first moments."""
+
+STATED_FACTOR = 3.0
+"""Error over the stated one up to which that was right: it is an estimate, good to a factor of two."""
+
+WITHOUT_ESTIMATE = 2e-2
+"""What is taken for the stated error where there is no estimate, which is with polymer: the bound of ``tisph verify``
+for velocity and shear stress of Oldroyd-B flow."""
+
+SILENT, WARNED = 2e-2, 0.1
+"""Error above which a finished run is WRONG if it is also above the stated error times ``STATED_FACTOR``, if ``tisph
+check`` did not warn, and times ``WARNED_FACTOR`` if it did."""
+
+WARNED_FACTOR = 10.0
+
+GROWTH = 2.0
+"""Growth over the last quarter of a run from which on something grows: the error over that of the calm run, or a
+transverse velocity above a tenth of its bound."""
+
+VERDICTS = ("stable", "inaccurate", "stopped", "refused", "WRONG")
+
+KEEPS = {STABLE: VERDICTS[:1], FINISHED: VERDICTS[:2], HONEST: VERDICTS[:4], REFUSED: VERDICTS[3:4]}
+"""Verdicts that keep each promise."""
+
+GROWS = "grows"
+"""Word in the reason of a verdict that breaks the promise ``FINISHED`` nevertheless."""
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A verdict of ``VERDICTS``, why it is no better, whether the promise is kept, and the numbers behind it.
+
+    ``error`` and ``calm`` error, ``transverse`` velocity over the reference velocity, ``density_variation``: at the
+    last sample; None where there is none.
+    """
+
+    verdict: str
+    reason: str
+    kept: bool
+    error: float | None = None
+    calm: float | None = None
+    transverse: float | None = None
+    density_variation: float | None = None
+
+    @property
+    def ratio(self):
+        """Error over that of the calm run, None where one is missing."""
+        return self.error / self.calm if self.error is not None and self.calm else None
+
+
+def refused(plan):
+    """Judge a cell whose config is refused."""
+    return Judgement("refused", plan.refusal, "refused" in KEEPS[plan.cell.promise])
+
+
+def judge(plan, summary, message, calm):
+    """Judge the run of a plan by its ``summary``, its error ``message`` and the summary of the ``calm`` run."""
+    looks = [_look(plan.cell, sample, summary) for sample in summary["samples"]]
+    calm_errors = [sample[plan.cell.measure] for sample in calm["samples"]] if calm["status"] == "done" else []
+    verdict, reason = _verdict(plan, summary["status"], message, looks, calm_errors)
+    last = looks[-1] if looks else {}
+    before = len(looks) <= len(calm_errors)
+    return Judgement(
+        verdict,
+        reason,
+        kept=verdict in KEEPS[plan.cell.promise] and not (plan.cell.promise == FINISHED and GROWS in reason),
+        calm=calm_errors[len(looks) - 1] if looks and before else None,
+        **last,
+    )
+
+
+def _look(cell, sample, summary):
+    speed = summary["numbers"]["reference_velocity"]
+    return {
+        "error": sample[cell.measure],
+        "transverse": sample["max_transverse_velocity"] / speed,
+        "density_variation": sample["density_variation"],
+    }
+
+
+def _verdict(plan, status, message, looks, calm_errors):
+    """Return verdict and reason; the reason is empty for a stable run."""
+    if status == "diverged" and message:
+        return "stopped", message
+    if status != "done" or not looks:
+        return "WRONG", f"ended without a clear error: {message or status}"
+    error = looks[-1]["error"]
+    if not error <= _largest_honest(plan):
+        return "WRONG", f"error {error:.1e}, stated {_stated(plan):.0e}, {'warned' if plan.warnings else 'no warning'}"
+    found = (
+        _error_faults(plan, error, calm_errors),
+        _bound_faults(plan, looks[-1]),
+        _growths(plan, looks, calm_errors),
+    )
+    faults = [fault for each in found for fault in each]
+    return ("inaccurate", "; ".join(faults)) if faults else ("stable", "")
+
+
+def _stated(plan):
+    return WITHOUT_ESTIMATE if plan.stated is None else plan.stated
+
+
+def _largest_honest(plan):
+    factor, least = (WARNED_FACTOR, WARNED) if plan.warnings else (STATED_FACTOR, SILENT)
+    return max(factor * _stated(plan), least)
+
+
+def _floor(plan):
+    """Error below which runs are not compared; steps that are longer err more, whatever the particles do.
+
+    Some flows are exact on a lattice and no measure of others: what is not promised may err as much as was stated.
+    """
+    floor = FLOOR[plan.cell.precision] * plan.cell.step**3
+    early = EARLY_FLOOR if plan.t_star < 1 else 0.0
+    return max(floor, early, 0.0 if plan.cell.promise == STABLE else _stated(plan))
+
+
+def _error_faults(plan, error, calm_errors):
+    multiple = EARLY_MULTIPLE if plan.t_star < 1 else MULTIPLE
+    if error > max(STATED_FACTOR * _stated(plan), _floor(plan)) and plan.cell.jitter == 0:
+        yield f"error {error:.1e}, stated {_stated(plan):.0e}"
+    if calm_errors and error > max(multiple * calm_errors[-1], _floor(plan)):
+        yield f"error {error / calm_errors[-1]:.3g} times that of the calm run"
+
+
+def _bound_faults(plan, last):
+    transverse = EARLY_TRANSVERSE if plan.t_star < 1 else TRANSVERSE
+    if last["transverse"] > transverse:
+        yield f"transverse velocity {last['transverse']:.1e} U"
+    density = DENSITY * (10.0 / plan.cell.sound) ** 2 if plan.cell.scheme == "explicit" else DENSITY
+    if last["density_variation"] > density:
+        yield f"density varies by {last['density_variation']:.1e}"
+
+
+def _growths(plan, looks, calm_errors):
+    before, last = looks[-2:]
+    bound = EARLY_TRANSVERSE if plan.t_star < 1 else TRANSVERSE
+    if last["transverse"] > max(GROWTH * before["transverse"], bound / 10):
+        yield f"transverse velocity {GROWS} to {last['transverse']:.1e} U"
+    if len(calm_errors) > 1 and last["error"] > _floor(plan):
+        growth = last["error"] / calm_errors[-1] / (before["error"] / calm_errors[-2])
+        if growth > GROWTH:
+            yield f"error over that of the calm run {GROWS} {growth:.3g} times"

@@ -1,0 +1,139 @@
+"""Which cells there are: the full sub-matrices that matter, and a covering set of all axes."""
+
+from dataclasses import dataclass
+from itertools import product
+
+from tisph.equation_of_state import SCALE_RATIO
+from tisph.schemes.implicit._walls import OBEY_MOMENTUM
+from tisph.study.stress.cells import FLOWS, SCHEMES, Cell
+from tisph.study.stress.covering import covering_set
+
+REYNOLDS = (0.0125, 1.0, 50.0, 500.0, 1000.0, 10000.0)
+JITTERS = (0.0, 0.1, 0.3)
+TREATMENTS = ("consistent_image", "comoving_image", "virtual_image", "fixed_image", "adami")
+STEPS = (1.0, 1.5, 2.0, 3.0, 4.0)
+SOUNDS = (5.0, SCALE_RATIO, 40.0)
+BOTH = ("explicit", "implicit 4")
+
+FLOW_THROUGHS = 200
+"""Lengths of the channel that something at the reference velocity goes in a long run."""
+
+LEAST_COLUMNS = 10
+"""Particles along the channel that the neighbour search of the explicit scheme needs."""
+
+AXES = {
+    "flow": tuple(FLOWS),
+    "reynolds": REYNOLDS,
+    "jitter": (0.1, 0.0, 0.3),
+    "across": (25, 8, 50),
+    "scheme": tuple(SCHEMES),
+    "treatment": TREATMENTS,
+    "step": (1.0, 1.5, 2.0),
+    "sound": (SCALE_RATIO, 5.0, 40.0),
+    "precision": ("f64", "f32"),
+    "aspect": (2.0, 0.5, 10.0),
+}
+"""Values of every axis of the covering set; where it is free to choose it takes the first."""
+
+
+@dataclass(frozen=True)
+class SubMatrix:
+    """Cells under a title, and the axes along which the columns and rows of their map go; none for a list by axis."""
+
+    title: str
+    cells: tuple[Cell, ...]
+    columns: tuple[str, ...] = ()
+    rows: tuple[str, ...] = ()
+
+
+def sub_matrices(quick=False):
+    """All sub-matrices, or a few short cells of every kind, in a fixed order; cells may be in several of them."""
+    return _quick() if quick else _full()
+
+
+def cells(chosen):
+    """Every cell of sub-matrices once, each after the calm cell that it is compared with."""
+    return list(dict.fromkeys(each for part in chosen for cell in part.cells for each in (cell.calm, cell)))
+
+
+def grid(**values):
+    """All cells that there are with one of the values of every named axis, the last axis varying fastest."""
+    rows = [dict(zip(values, chosen, strict=True)) for chosen in product(*values.values())]
+    return tuple(Cell(**row) for row in rows if exists(row))
+
+
+def exists(values):
+    """Whether a config can have these values of axes together, of which some may be missing."""
+    across, aspect = values.get("across"), values.get("aspect")
+    if across and aspect and (across * aspect % 1 or across * aspect < LEAST_COLUMNS):
+        return False
+    if values.get("scheme", "explicit") == "explicit":
+        return True
+    return (
+        not values.get("flow", "").startswith("oldroyd")
+        and values.get("sound", SCALE_RATIO) == SCALE_RATIO
+        and values.get("treatment", "consistent_image") in OBEY_MOMENTUM
+    )
+
+
+def _full():
+    every = {"reynolds": REYNOLDS, "jitter": JITTERS, "scheme": SCHEMES}
+    two = {"jitter": (0.0, 0.3), "scheme": BOTH}
+    weissenberg = ("oldroyd0.1", "oldroyd1", "oldroyd5")
+    re, rows = ("reynolds",), ("scheme", "jitter")
+    return [
+        SubMatrix("Re x jitter x scheme, Couette", grid(**every), re, rows),
+        SubMatrix("Re x jitter x scheme, Poiseuille", grid(flow=["poiseuille"], aspect=[1.0], **every), re, rows),
+        SubMatrix("Re x resolution", grid(reynolds=REYNOLDS[2:], across=(8, 25, 50), **two), re, ("across", *rows)),
+        SubMatrix("explicit steps", grid(jitter=JITTERS, step=STEPS, sound=SOUNDS), ("step",), ("sound", "jitter")),
+        SubMatrix("implicit steps", grid(jitter=JITTERS, step=STEPS, scheme=list(SCHEMES)[1:]), ("step",), rows),
+        SubMatrix("single precision", grid(reynolds=REYNOLDS, precision=["f32"], **two), re, rows),
+        SubMatrix(
+            "wall treatments",
+            grid(reynolds=(50.0, 1000.0), treatment=TREATMENTS, **two),
+            ("treatment",),
+            ("reynolds", *rows),
+        ),
+        SubMatrix("Oldroyd-B", grid(flow=weissenberg, reynolds=REYNOLDS[:3], jitter=JITTERS), re, ("flow", "jitter")),
+        SubMatrix("long runs", _long_runs(), ("flow", "reynolds", "t_star"), rows),
+        SubMatrix("covering set", tuple(Cell(**row) for row in covering_set(AXES, exists))),
+        _refused(),
+    ]
+
+
+def _long_runs():
+    """To t* = 2, and as many lengths of the channel as ``FLOW_THROUGHS``, which at Re = 1000 t* = 1 has anyway."""
+    through = FLOW_THROUGHS * Cell().aspect / 50.0
+    ends = [("couette", 1.0, 2.0), ("couette", 50.0, through), ("poiseuille", 1.0, 2.0), ("poiseuille", 50.0, 2.0)]
+    axes = {"jitter": (0.0, 0.1), "scheme": SCHEMES}
+    return tuple(
+        cell for flow, re, t_star in ends for cell in grid(flow=[flow], reynolds=[re], t_star=[t_star], **axes)
+    )
+
+
+def _quick():
+    re, rows = ("reynolds", "t_star"), ("scheme", "jitter")
+    slow = grid(reynolds=(1.0, 50.0), jitter=JITTERS, scheme=BOTH)
+    fast = {"reynolds": [1000.0], "jitter": JITTERS, "t_star": [0.01], "scheme": BOTH}
+    two = {"jitter": (0.0, 0.3)}
+    return [
+        SubMatrix("Re x jitter x scheme, Couette", slow + grid(**fast), re, rows),
+        SubMatrix("Re x jitter x scheme, Poiseuille", grid(flow=["poiseuille"], **fast), re, rows),
+        SubMatrix(
+            "Re x resolution",
+            grid(reynolds=[1000.0], across=(8, 25), jitter=JITTERS, t_star=[0.01]),
+            re,
+            ("across", "jitter"),
+        ),
+        SubMatrix("explicit steps", grid(**two, step=(1.5, 2.0), t_star=[0.25]), ("step",), ("jitter",)),
+        SubMatrix("implicit steps", grid(**two, step=(1.5, 2.0), scheme=list(SCHEMES)[1:]), ("step",), rows),
+        SubMatrix("single precision", grid(**two, precision=["f32"], scheme=BOTH, t_star=[0.25]), re, rows),
+        SubMatrix("Oldroyd-B", grid(flow=["oldroyd1"], reynolds=[1.0], **two), re, ("flow", "jitter")),
+        _refused(),
+    ]
+
+
+def _refused():
+    """What cannot be had: the implicit scheme has no polymer stress."""
+    cells = tuple(Cell(flow="oldroyd1", scheme=scheme) for scheme in list(SCHEMES)[1:])
+    return SubMatrix("refused", cells, ("scheme",), ("flow",))

@@ -1,0 +1,69 @@
+"""How long the run of a cell is, and what is known of it beforehand: cost, error, warnings, refusal."""
+
+from dataclasses import dataclass
+
+from tisph.config import load
+from tisph.errors import ConfigError
+from tisph.study.store import config_text
+from tisph.study.stress.cells import FINISHED, STABLE, Cell
+
+BUDGET = 6.0
+PROMISED_BUDGET = {STABLE: 400.0, FINISHED: 40.0}
+"""Seconds of one thread after which a cell ends, by ``_seconds``; the second, by promise, for flows in double precision
+with 25 particles across, so that what is promised of t* = 1 is seen there."""
+
+STEP_SECONDS = {"explicit": 6e-5, "implicit 2": 1.5e-3, "implicit 4": 2e-3}
+PARTICLE_SECONDS = {"explicit": 1.2e-7, "implicit 2": 1e-6, "implicit 4": 2.5e-6}
+"""Rough time of a step, and of a particle in it, on one thread. Measured once and not again: the ends of the runs, and
+with them all results, must not depend on the machine."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The run of a cell: its config, its end t*, its estimated ``seconds``, and what ``tisph check`` says of it.
+
+    ``stated``: estimated error (None where there is no estimate); ``warnings``: texts; ``refusal``: why the config
+    is refused, None where it is valid.
+    """
+
+    cell: Cell
+    config: dict
+    t_star: float
+    seconds: float = 0.0
+    stated: float | None = None
+    warnings: tuple[str, ...] = ()
+    refusal: str | None = None
+
+
+def plan(cell, forecast, folder):
+    """Return the ``Plan`` of a cell; ``folder`` is for a config file to be checked.
+
+    ``forecast(config)`` returns the numbers and the warnings of ``tisph check``.
+    """
+    config = cell.config(cell.t_star)
+    try:
+        numbers, warnings = _checked(cell, config, forecast, folder)
+    except ConfigError as error:
+        return Plan(cell, config, cell.t_star, refusal=str(error).partition(": ")[2])
+    seconds, t_star, budget = _seconds(cell, numbers), cell.t_star, _budget(cell)
+    if seconds > budget:
+        t_star = float(f"{t_star * budget / seconds:.1e}")
+        config = cell.config(t_star)
+        numbers, warnings = _checked(cell, config, forecast, folder)
+    return Plan(cell, config, t_star, _seconds(cell, numbers), numbers["error"], tuple(warnings))
+
+
+def _checked(cell, config, forecast, folder):
+    path = folder / "config.yaml"
+    path.write_text(config_text(cell.name, config), encoding="utf-8")
+    return forecast(load(path))
+
+
+def _seconds(cell, numbers):
+    one = STEP_SECONDS[cell.scheme] + numbers["particles"] * PARTICLE_SECONDS[cell.scheme]
+    return numbers["steps"] * one
+
+
+def _budget(cell):
+    compared = cell.across == 25 and cell.precision == "f64"
+    return PROMISED_BUDGET.get(cell.promise, BUDGET) if compared else BUDGET

@@ -28,7 +28,7 @@
 #include <vector>
 
 constexpr double pi = 3.14159265358979323846;
-constexpr double skin = 0.1;  // reach of the lists beyond the kernel, in spacings
+constexpr double skin = 0.15;  // reach of the lists beyond the kernel, in spacings
 constexpr double room = 1.6;  // capacity of a row over its mean length
 
 using Words = std::map<std::string, std::string>;

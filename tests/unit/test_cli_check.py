@@ -71,6 +71,26 @@ def test_a_high_cell_reynolds_number_is_warned_of(checked, override, number):
     assert all(f"is {number} " in line for line in warnings)
 
 
+# the layer's depth after 0.01 / nu = 4e-3 is 0.0632; stated by hand: 0.031 (0.02 / depth)^2 = 3.1e-3, 0.31 after 1/100
+@pytest.mark.parametrize(
+    ("end", "wanted"), [(0.4, None), (0.004, "the L2 error at the last sample, t = 0.004, may be as large as 0.3")]
+)
+def test_a_large_error_is_warned_of(checked, end, wanted):
+    found = [line for line in checked(f"time.end={end}") if "may be as large" in line]
+    assert found == ([f"warning: {wanted}"] if wanted else [])
+
+
+def test_a_start_that_the_explicit_scheme_mixes_away_is_refused(case):
+    """Cell Reynolds number 1000; the implicit scheme takes it, and the explicit one a later sample."""
+    thin = ["--set", "fluid.kinematic_viscosity=1e-5"]
+    refusal = CliRunner().invoke(cli.app, ["check", str(case), *thin])
+    assert refusal.exit_code == 2
+    assert "cell Reynolds number U spacing / nu is 1e+03" in refusal.stderr
+    assert "scheme implicit" in refusal.stderr
+    for more in ("scheme={type: implicit}", "time.end=2e4"):
+        assert CliRunner().invoke(cli.app, ["check", str(case), *thin, "--set", more]).exit_code == 0
+
+
 def test_driven_flow(checked):
     lines = checked(AT_REST, DRIVE)
     # by hand: g H^2 / (12 nu) = 1/6, times H / nu

@@ -10,7 +10,7 @@ from tisph.errors import DivergedError
 from tisph.observers.guard import Guard
 from tisph.snapshot import Snapshot
 
-CHANNEL = SimpleNamespace(density=2.0, gap=1.0, peak_velocity=0.5)
+CHANNEL = SimpleNamespace(density=2.0, gap=1.0, peak_velocity=0.5, start_time=0.0, spacing=0.1, solvent_viscosity=0.02)
 
 
 def sound():
@@ -58,3 +58,11 @@ def test_remembers_the_last_good_state():
 def test_what_is_below_the_limits_is_sound():
     Guard(CHANNEL).check(spoiled("density", 2.39))
     Guard(CHANNEL).check(spoiled("v", 0.049))
+
+
+def test_the_flow_may_settle_while_viscosity_has_not_crossed_two_spacings():
+    """2 * 0.1^2 / 0.02 = 1: the state at 1.5 is judged, one at 0.9 is not, and of a flow from t = 1 neither is."""
+    wild = spoiled("v", 0.3)
+    Guard(CHANNEL).check(replace(wild, t=0.9))
+    later = SimpleNamespace(**{**vars(CHANNEL), "start_time": 1.0})
+    Guard(later).check(wild)

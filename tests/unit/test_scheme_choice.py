@@ -4,7 +4,6 @@ import pytest
 from typer.testing import CliRunner
 
 from tisph import cli, schemes
-from tisph.cli.check import estimates
 from tisph.errors import ConfigError
 
 POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.5}"
@@ -78,16 +77,3 @@ def test_check_names_the_scheme_and_estimates_error_and_time(couette):
     assert "implicit, order 4" in lines["scheme"]
     assert {"run time", "L2 error", "steps"} <= lines.keys()
     assert not {"Mach number", "sound speed c"} & lines.keys()
-
-
-def test_estimates_of_the_error_follow_order_and_scheme(case):
-    def error(*overrides):
-        return estimates(case(*overrides))["error"]
-
-    tight = ("scheme={type: implicit, largest_strain: 1e-3}", "time.tolerance=1e-10")
-    # the operators' part alone: order 4 and 2 in the spacing, at the time that the layer has the depth sqrt(nu t)
-    assert error(*tight, "discretisation.particles_across=25") == pytest.approx(16 * error(*tight), rel=1e-3)
-    explicit = "scheme={type: wcsph}"
-    assert error(explicit, "discretisation.particles_across=25") == pytest.approx(4 * error(explicit), rel=1e-12)
-    assert error("initial.state=developed") is None
-    assert error(POLYMER) is None

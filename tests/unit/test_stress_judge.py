@@ -103,17 +103,11 @@ def test_a_warning_excuses_more_but_not_everything():
     assert verdict(errors=(0.11,) * 4, plan=warned).verdict == "WRONG"
 
 
-def test_a_large_error_that_was_stated_is_not_wrong():
-    told = replace(PLAN, cell=Cell(), stated=0.3)
-    own = summary(errors=(0.5,) * 4)
-    assert verdict(own, plan=told, calm=own).verdict == "stable"
-
-
-def test_without_an_estimate_the_bound_of_the_verification_stands_for_it():
-    polymer = Plan(Cell(flow="oldroyd1"), {}, t_star=1.0)
-    for error, wanted in ((0.05, "stable"), (0.07, "WRONG")):
+def test_what_was_stated_is_not_wrong_up_to_where_the_profile_is_lost():
+    told = replace(PLAN, cell=Cell(), stated=0.15)
+    for error, wanted in ((0.19, "stable"), (0.21, "WRONG")):
         own = summary(errors=(error,) * 4)
-        assert verdict(own, plan=polymer, calm=own).verdict == wanted
+        assert verdict(own, plan=told, calm=own).verdict == wanted
 
 
 def test_a_run_that_diverged_with_a_message_is_stopped():

@@ -166,6 +166,16 @@ def test_a_run_that_costs_too_much_ends_sooner(tmp_path, cell, budget):
     assert plan(Cell(**{**vars(cell), "jitter": 0.3}), costly, tmp_path).t_star == found.t_star
 
 
+def test_a_run_that_is_refused_once_it_ends_sooner_is_refused(tmp_path):
+    def early(config):
+        if config.time.end < 1.0:
+            raise ConfigError("discretisation: too thin")
+        return {"steps": 10**9, "particles": 10_000, "error": 0.1}, []
+
+    found = plan(Cell(reynolds=1.0), early, tmp_path)
+    assert (found.refusal, found.t_star < 1.0) == ("too thin", True)
+
+
 def test_a_refusal_says_why_and_not_where(tmp_path):
     found = plan(Cell(flow="oldroyd1", scheme="implicit 4"), forecast, tmp_path)
     assert found.refusal.startswith("scheme.type")

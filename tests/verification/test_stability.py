@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from tisph.cli.stress import forecast
+from tisph.cli.check import forecast
 from tisph.study.stress import run
 
 

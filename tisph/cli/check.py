@@ -6,6 +6,7 @@ from typing import Any
 import typer
 
 from tisph.cli.options import ConfigFile, Overrides
+from tisph.errors import ConfigError
 
 HIGHEST_MACH = 0.1
 """Density varies by about Mach^2: above this the liquid is no longer nearly incompressible."""
@@ -19,6 +20,10 @@ HIGHEST_SOLVENT_CELL_REYNOLDS = 10.0
 
 LEAST_PENETRATION = 4.0
 """Spacings; a particle's neighbours reach 3 smoothing lengths far with the usual kernel."""
+
+LARGE_ERROR, LOST = 0.1, 0.5
+"""Estimated errors at the last sample above which there is a warning, and from which on a run with the explicit scheme
+and a cell Reynolds number above the highest is refused: before its walls' layer is resolved it is mixed away."""
 
 LEAST_SOLVENT_FRACTION = 0.1
 """Below, little viscosity is left at the scale of the spacing, where the polymer stress does not resist."""
@@ -39,11 +44,24 @@ def check(config: ConfigFile, overrides: Overrides = None) -> None:
     loaded = load(config, overrides or ())
     typer.echo(f"{loaded.name}: valid ({loaded.scene}, {loaded.scheme.type}, {loaded.walls.treatment.type})")
     channel = _scene(loaded)
-    numbers = estimates(loaded)
+    numbers, texts = forecast(loaded)
     for label, text in [*_flow_lines(channel), *_run_lines(loaded, numbers)]:
         typer.echo(f"  {label:22} {text}")
-    for text in warnings(loaded, numbers):
+    for text in texts:
         typer.echo(f"  warning: {text}")
+
+
+def forecast(config: Any) -> tuple[dict[str, Any], list[str]]:
+    """``estimates`` and warnings of a run before it runs; raises ConfigError where its result would be worthless."""
+    numbers = estimates(config)
+    unresolved = numbers["sound_speed"] and numbers["cell_reynolds"] > HIGHEST_CELL_REYNOLDS
+    if unresolved and (numbers["error"] or 0.0) >= LOST:
+        raise ConfigError(
+            f"discretisation: the cell Reynolds number U spacing / nu is {numbers['cell_reynolds']:.3g}, and up to the "
+            f"last sample at t = {config.time.samples[-1]:g} the layer at the walls is too thin for the explicit "
+            "scheme; give more particles across, a later sample, or scheme implicit"
+        )
+    return numbers, list(_warnings(config, numbers))
 
 
 def estimates(config: Any) -> dict[str, Any]:
@@ -120,9 +138,12 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
     return lines
 
 
-def warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
+def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
     """Texts of what may go wrong with a valid config, whose ``estimates`` are given."""
     channel = _scene(config)
+    if (numbers["error"] or 0.0) > LARGE_ERROR:
+        last = config.time.samples[-1]
+        yield f"the L2 error at the last sample, t = {last:g}, may be as large as {numbers['error']:.1g}"
     if numbers["mach"] > HIGHEST_MACH * (1 + 1e-9):
         yield f"the Mach number is above {HIGHEST_MACH:g}; expect compressibility errors"
     highest = HIGHEST_SOLVENT_CELL_REYNOLDS if channel.polymer else HIGHEST_CELL_REYNOLDS

@@ -2,7 +2,7 @@
 
 import os
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -28,17 +28,10 @@ def stress(
       tisph stress
       tisph stress --processes 2 --out runs/stress-again
     """
+    from tisph.cli.check import forecast
     from tisph.study.stress import run as matrix
 
     default = FOLDER.with_name("stress-quick") if quick else FOLDER
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     if not matrix.run(out or default, forecast, processes or cores, quick=quick):
         raise typer.Exit(1)
-
-
-def forecast(config: Any) -> tuple[dict[str, Any], list[str]]:
-    """Numbers and warnings of ``tisph check`` for a config."""
-    from tisph.cli import check
-
-    numbers = check.estimates(config)
-    return numbers, list(check.warnings(config, numbers))

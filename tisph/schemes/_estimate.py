@@ -1,15 +1,10 @@
-"""What a run will be, before it runs: steps, time, error. Rough, and in plain numbers; for ``tisph check``.
-
-Errors are those of flow from rest at the last sample: with delta = min(sqrt(nu t), gap), the depth that the motion of
-a wall has reached, an operator of order p errs by a constant times (spacing/delta)^p, as measured in start-up Couette
-flow from 12 to 100 across (``tisph verify``); steps add theirs. Of other flows nothing is said (None).
-"""
+"""What a run will be, before it runs: steps, time, error. Rough, and in plain numbers; for ``tisph check``."""
 
 import itertools
 import math
 
-from tisph import families
 from tisph.equation_of_state import sound_speed
+from tisph.schemes import _error
 from tisph.schemes._plan import steps_between
 from tisph.schemes._time_step import effective_viscosity, time_step_limits
 
@@ -18,21 +13,6 @@ EXPLICIT_COST = 150e-9
 
 IMPLICIT_COST, IMPLICIT_OVERHEAD = 2.5e-6, 2e-3
 """The same of the implicit scheme, order 4, and of a step whatever the number of particles [s]."""
-
-EXPLICIT_ERROR, EXPLICIT_ERROR_WITHOUT_IMPULSE = 0.031, 0.06
-"""Error of the explicit scheme over (spacing/delta)^2, with walls that give their impulse and with others."""
-
-IMPLICIT_ERROR = {4: 5e-3, 2: 0.03}
-"""Error of the implicit scheme over (spacing/delta)^order, by order."""
-
-MISSING_IMPULSE = 0.016
-"""What walls that do not give their impulse add to it, over (spacing/delta)^2 at either order."""
-
-STEP_ERROR, EARLY, FORGETTING = 2.0, 0.018, 0.75
-"""Error of the steps over their tolerance up to t* = EARLY; from then on it falls with that power of the time."""
-
-STRAIN_ERROR = 7e-6
-"""Error of steps that their strain limits, over its third power."""
 
 GROWTH = 0.5
 """Step over the time since the start, at a tolerance of 1e-4; it goes with the cube root of the tolerance."""
@@ -65,7 +45,6 @@ def explicit(config, channel):
     )
     binding = min(limits, key=lambda name: limits[name])
     steps = step_count(config.start_time, [*config.time.samples, config.time.end], limits[binding])
-    coefficient = EXPLICIT_ERROR if _give_impulse(config.walls) else EXPLICIT_ERROR_WITHOUT_IMPULSE
     return {
         "mach": channel.peak_velocity / sound,
         "sound_speed": sound,
@@ -73,20 +52,13 @@ def explicit(config, channel):
         "binding_limit": binding,
         "steps": steps,
         "run_time": channel.rows * channel.columns * steps * EXPLICIT_COST,
-        "error": coefficient * _resolution(config, channel) ** 2 if _from_rest(config, channel) else None,
+        "error": _error.explicit(config, channel),
     }
 
 
 def implicit(config, channel, first, tolerance, strain):
     """Return the numbers of a run of scheme ``implicit``, whose first step is ``first`` long."""
     steps, longest, binding = _implicit_steps(config, channel, first, tolerance, strain)
-    order = config.scheme.operators.order
-    resolution = _resolution(config, channel)
-    late = config.time.samples[-1] / channel.viscous_time / EARLY
-    steps_error = STEP_ERROR * tolerance * min(1.0, late**-FORGETTING) + STRAIN_ERROR * strain**3
-    error = IMPLICIT_ERROR[order] * resolution**order + steps_error
-    if not _give_impulse(config.walls):
-        error += MISSING_IMPULSE * resolution**2
     return {
         "mach": 0.0,
         "sound_speed": None,
@@ -94,7 +66,7 @@ def implicit(config, channel, first, tolerance, strain):
         "binding_limit": binding,
         "steps": steps,
         "run_time": steps * (IMPLICIT_OVERHEAD + channel.rows * channel.columns * IMPLICIT_COST),
-        "error": error if _from_rest(config, channel) else None,
+        "error": _error.implicit(config, channel, tolerance, strain),
     }
 
 
@@ -102,23 +74,6 @@ def step_count(start, targets, longest):
     """Steps no longer than ``longest`` from ``start`` through every target (ascending), each hit exactly."""
     pairs = itertools.pairwise([start, *targets])
     return sum(steps_between(before, after, longest) for before, after in pairs if after > before)
-
-
-def _from_rest(config, channel):
-    return (
-        config.initial.state == "rest"
-        and channel.polymer is None
-        and not (config.scheme.type == "wcsph" and config.scheme.operators == "standard")
-    )
-
-
-def _give_impulse(walls):
-    return families.load("walls", walls.treatment.type).Treatment.obeys_momentum
-
-
-def _resolution(config, channel):
-    """Spacing over the depth that the motion of a wall has reached at the last sample."""
-    return channel.spacing / _depth(channel, config.time.samples[-1])
 
 
 def _depth(channel, time):

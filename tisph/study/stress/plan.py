@@ -22,15 +22,14 @@ with them all results, must not depend on the machine."""
 class Plan:
     """The run of a cell: its config, its end t*, its estimated ``seconds``, and what ``tisph check`` says of it.
 
-    ``stated``: estimated error (None where there is no estimate); ``warnings``: texts; ``refusal``: why the config
-    is refused, None where it is valid.
+    ``stated``: estimated error; ``warnings``: texts; ``refusal``: why it is refused, None where it is not.
     """
 
     cell: Cell
     config: dict
     t_star: float
     seconds: float = 0.0
-    stated: float | None = None
+    stated: float = 0.0
     warnings: tuple[str, ...] = ()
     refusal: str | None = None
 
@@ -40,22 +39,21 @@ def plan(cell, forecast, folder):
 
     ``forecast(config)`` returns the numbers and the warnings of ``tisph check``.
     """
-    config = cell.config(cell.t_star)
+    t_star = cell.t_star
     try:
-        numbers, warnings = _checked(cell, config, forecast, folder)
+        numbers, warnings = _checked(cell, t_star, forecast, folder)
+        seconds, budget = _seconds(cell, numbers), _budget(cell)
+        if seconds > budget:
+            t_star = float(f"{t_star * budget / seconds:.1e}")
+            numbers, warnings = _checked(cell, t_star, forecast, folder)
     except ConfigError as error:
-        return Plan(cell, config, cell.t_star, refusal=str(error).partition(": ")[2])
-    seconds, t_star, budget = _seconds(cell, numbers), cell.t_star, _budget(cell)
-    if seconds > budget:
-        t_star = float(f"{t_star * budget / seconds:.1e}")
-        config = cell.config(t_star)
-        numbers, warnings = _checked(cell, config, forecast, folder)
-    return Plan(cell, config, t_star, _seconds(cell, numbers), numbers["error"], tuple(warnings))
+        return Plan(cell, cell.config(t_star), t_star, refusal=str(error).partition(": ")[2])
+    return Plan(cell, cell.config(t_star), t_star, _seconds(cell, numbers), numbers["error"], tuple(warnings))
 
 
-def _checked(cell, config, forecast, folder):
+def _checked(cell, t_star, forecast, folder):
     path = folder / "config.yaml"
-    path.write_text(config_text(cell.name, config), encoding="utf-8")
+    path.write_text(config_text(cell.name, cell.config(t_star)), encoding="utf-8")
     return forecast(load(path))
 
 

@@ -5,19 +5,22 @@ import pytest
 from rates import RatesOf
 
 from tisph import families
-from tisph.schemes._shift import SHIFT, shift_speed
+from tisph.schemes._shift import SHIFT, shift_speed, stiffness
 
 KERNELS = ["quintic_spline", "wendland_c2"]
 
 
 @pytest.mark.parametrize("kernel", KERNELS)
 @pytest.mark.parametrize("cfl", ["auto", 0.1, 0.25, 0.5])
-def test_a_step_shifts_no_more_at_a_larger_cfl_number(kernel, cfl):
-    module = families.load("kernels", kernel)
-    usual = shift_speed(module, 1.3, 2.0, "auto")
-    speed = shift_speed(module, 1.3, 2.0, cfl)
-    assert speed == pytest.approx(usual * (0.25 / cfl if cfl == 0.5 else 1.0), rel=1e-14)
-    assert speed == pytest.approx(2.0 * shift_speed(module, 1.3, 1.0, cfl), rel=1e-14)
+@pytest.mark.parametrize("diffusion", [1e-3, 0.02, 1.0, 50.0])
+def test_the_longest_step_shifts_as_much_whatever_binds_it(kernel, cfl, diffusion):
+    """SHIFT * 0.25 of the stiffest wave; no more at a larger CFL number, less at a smaller."""
+    module, length, sound = families.load("kernels", kernel), 0.1, 2.0
+    speed = shift_speed(module, 1.3, sound, cfl, diffusion)
+    number = 0.25 if cfl in ("auto", 0.1) else cfl
+    step = min(number * length / sound, 0.125 * length / diffusion)
+    # h sum V grad W, of which a step takes away speed * step / h * stiffness
+    assert speed * step / length * stiffness(module, 1.3) == pytest.approx(SHIFT * 0.25, rel=1e-14)
 
 
 @pytest.mark.parametrize("kernel", KERNELS)

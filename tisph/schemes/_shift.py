@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tisph.schemes._time_step import AUTO_CFL
+from tisph.schemes._time_step import AUTO_CFL, VISCOUS_NUMBER
 
 SHIFT = 1.5
 """Rate at which the shift evens out the stiffest wave of displacements on the lattice, times h/c.
@@ -16,15 +16,17 @@ WAVES = 32
 """Wave lengths among which the stiffest is looked for."""
 
 
-def shift_speed(kernel, smoothing_ratio, sound_speed, cfl):
+def shift_speed(kernel, smoothing_ratio, sound_speed, cfl, diffusion_speed):
     """Return the speed [length/time] that multiplies -h sum V grad W in the shift velocity.
 
     It goes with the sound speed c, as the longest step does, and above the automatic CFL number with 1/cfl, so that
-    the shift of a step is bounded. ``kernel`` is a module of ``kernels/``, ``smoothing_ratio`` h over the spacing,
-    ``cfl`` the number of the config or ``auto``.
+    the shift of a step is bounded. Where viscosity binds the step more tightly it goes with the ``diffusion_speed``
+    nu/h instead, for the same shift in a step: else disorder would outlive the start of a slow flow. ``kernel`` is a
+    module of ``kernels/``, ``smoothing_ratio`` h over the spacing, ``cfl`` the number of the config or ``auto``.
     """
     number = AUTO_CFL if cfl == "auto" else max(cfl, AUTO_CFL)
-    return SHIFT * sound_speed / stiffness(kernel, smoothing_ratio) * AUTO_CFL / number
+    pace = AUTO_CFL * max(sound_speed / number, diffusion_speed / VISCOUS_NUMBER)  # h over the longest step, times CFL
+    return SHIFT * pace / stiffness(kernel, smoothing_ratio)
 
 
 def stiffness(kernel, smoothing_ratio):

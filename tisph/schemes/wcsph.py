@@ -115,7 +115,8 @@ class Scheme:
         self.cells = Cells(self.particles, self.domain, channel, radius)
         self.lists = VerletLists(self.cells, cutoff, channel.spacing, serial, walls.looks_inside)
         self.walls = walls(self.lists, kernel, self.liquid, config.walls.treatment)
-        shift = shift_speed(kernel, config.discretisation.smoothing_ratio, self.sound_speed, self.cfl)
+        speeds = self.sound_speed, self.cfl, channel.solvent_viscosity / self.smoothing_length
+        shift = shift_speed(kernel, config.discretisation.smoothing_ratio, *speeds)
         self.operators = operators(self.particles, self.lists, self.liquid, kernel, self.artificial_viscosity, shift)
         self.stepper = Stepper(self.operators, self.walls, serial)
         self.wall_forces = WallForces(self.lists, self.operators)
@@ -123,8 +124,7 @@ class Scheme:
         self.plan = StepPlan(channel.start_time, targets)
         self.time = self.middle = self.end = self.built = channel.start_time
         self.steps = self.rebuilds = self.now = 0
-        self.length, self.limit = 0.0, math.inf
-        self.shortest, self.longest = math.inf, 0.0
+        self.length, self.limit, self.shortest, self.longest = 0.0, math.inf, math.inf, 0.0
         self.wall_drift = [0.0, 0.0]
 
     def start(self, position, velocity, stress=None):

@@ -71,6 +71,13 @@ def test_a_high_cell_reynolds_number_is_warned_of(checked, override, number):
     assert all(f"is {number} " in line for line in warnings)
 
 
+def test_as_many_particles_as_the_warning_asks_for_silence_it(checked):
+    high = "fluid.kinematic_viscosity=1.6e-4"  # 50 across: 0.5 / 50 / 1.6e-4 = 62.5, and 0.5 / 53 / 1.6e-4 = 58.96
+    (warning,) = [line for line in checked(high) if "cell Reynolds number" in line]
+    assert warning.endswith("give 53 particles across or more")
+    assert not [line for line in checked(high, "discretisation.particles_across=53") if "cell Reynolds" in line]
+
+
 # the layer's depth after 0.01 / nu = 4e-3 is 0.0632; stated by hand: 0.031 (0.02 / depth)^2 = 3.1e-3, 0.31 after 1/100
 @pytest.mark.parametrize(
     ("end", "wanted"), [(0.4, None), (0.004, "the L2 error at the last sample, t = 0.004, may be as large as 0.3")]

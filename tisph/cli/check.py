@@ -1,5 +1,6 @@
 """``tisph check``: validate a config and say what its run would be, without running it."""
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -148,9 +149,10 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
         yield f"the Mach number is above {HIGHEST_MACH:g}; expect compressibility errors"
     highest = HIGHEST_SOLVENT_CELL_REYNOLDS if channel.polymer else HIGHEST_CELL_REYNOLDS
     if numbers["sound_speed"] and numbers["cell_reynolds"] > highest:
+        enough = math.ceil(config.particles_across * numbers["cell_reynolds"] / highest)
         yield (
             f"the cell Reynolds number U spacing / nu is {numbers['cell_reynolds']:.3g}; above {highest:g} a flow of "
-            "disordered particles may break up"
+            f"disordered particles may break up: give {enough} particles across or more"
         )
     for name, wall in _oscillating_walls(channel):
         spacings = wall.penetration_depth(channel.kinematic_viscosity) / channel.spacing

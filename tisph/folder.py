@@ -3,6 +3,16 @@
 from pathlib import Path
 
 
+def partial(path):
+    """Return where the file that is to take the place of ``path`` is written."""
+    return path.with_name(f"{path.name}.partial")
+
+
+def spare(path):
+    """Return where the file before ``path`` is for a moment."""
+    return path.with_name(f"{path.name}.spare")
+
+
 class Folder:
     """Paths of a run's files in ``root``."""
 
@@ -18,10 +28,10 @@ class Folder:
         self.history_picture = self.root / "history.png"
         self.log = self.root / "run.log"
         self.checkpoint = self.root / "checkpoint.h5"
-        self.checkpoint_partial = self.root / "checkpoint.partial"
         self.last_good = self.root / "last_good.h5"
         self.last_good_picture = self.root / "last_good.png"
 
     def files(self):
-        """Return the paths of all of them."""
-        return [path for name, path in vars(self).items() if name != "root"]
+        """Return the paths of all of them, and of what a killed run was writing."""
+        paths = [path for name, path in vars(self).items() if name != "root"]
+        return [*paths, *map(partial, paths), spare(self.samples), spare(self.frames)]

@@ -86,6 +86,23 @@ def test_a_run_leaves_all_that_is_promised(tisph, tmp_path):
     assert history.shape[1] == 1 + 10
 
 
+def test_a_run_begins_with_the_warnings_of_check(tisph):
+    # a Mach number of 1/6
+    soft = ["--set", "scheme.equation_of_state={sound_speed: 3.0}", "--set", "time={end: 0.05}"]
+    checked = tisph("check", "small.yaml", *soft)
+    expected = [line.strip() for line in checked.stdout.splitlines() if "warning" in line]
+    assert expected
+    case = ["run", "small.yaml", *soft, "--out", "out", "--no-video", "--set", "output.checkpoint_every=0.02"]
+    assert tisph(*case).stderr.splitlines()[: len(expected)] == expected
+    assert tisph(*case, "--resume").stderr.splitlines()[: len(expected)] == expected
+
+
+def test_a_run_of_which_check_warns_of_nothing_warns_of_nothing(tisph):
+    assert "warning" not in tisph("check", "small.yaml").stdout
+    done = tisph("run", "small.yaml", "--out", "out", "--no-video")
+    assert "warning" not in done.stdout + done.stderr
+
+
 def test_the_resolved_config_reproduces_the_run(tisph, tmp_path):
     tisph("run", "small.yaml", "--out", "one", "--no-video")
     tisph("run", "one/config.resolved.yaml", "--out", "two", "--no-video")

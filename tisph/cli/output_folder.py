@@ -41,8 +41,16 @@ def claimed(folder: Path, *, overwrite: bool, resume: bool) -> Iterator[None]:
         reason = getattr(error, "strerror", None) or str(error)
         raise ConfigError(f"--out {folder}: cannot be written: {reason}") from None
     try:
-        for name in RESULTS if overwrite else ():
-            (folder / name).unlink(missing_ok=True)
+        if overwrite:
+            _remove_results(folder)
         yield
     finally:
         lock.release()
+
+
+def _remove_results(folder: Path) -> None:
+    for name in RESULTS:
+        try:
+            (folder / name).unlink(missing_ok=True)
+        except OSError as error:
+            raise ConfigError(f"--overwrite: {folder / name} cannot be removed: {error.strerror}") from None

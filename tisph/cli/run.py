@@ -5,8 +5,10 @@ from typing import Annotated
 
 import typer
 
+from tisph.cli import check
 from tisph.cli.options import ConfigFile, Overrides
 from tisph.errors import DivergedError
+from tisph.folder import Folder
 
 SHOWN = {
     "movie": "movie.mp4",
@@ -39,14 +41,18 @@ def run(
     from tisph.config import load
 
     loaded = load(config, overrides or ())
+    _, warnings = check.forecast(loaded)
     folder = out or Path("runs") / loaded.name
     with output_folder.claimed(folder, overwrite=overwrite, resume=resume):
         from tisph import simulation
 
+        for text in warnings:
+            typer.echo(f"warning: {text}", err=True)
         try:
             simulation.run(loaded, folder, video=not no_video, resume=resume)
         except KeyboardInterrupt:
-            typer.echo(f"partial results are in {folder}; the same command with --resume goes on", err=True)
+            how = "--resume goes on" if Folder(folder).checkpoint.is_file() else "--overwrite begins again"
+            typer.echo(f"partial results are in {folder}; the same command with {how}", err=True)
             raise
         except DivergedError as error:
             raise DivergedError(f"{error}\npartial results are in {folder}") from None

@@ -1,9 +1,7 @@
 """Samples: the whole state at exact times, in ``samples.h5``."""
 
-import h5py
-
 from tisph.observers._schedule import Schedule
-from tisph.observers._storage import read_snapshot, write_snapshot
+from tisph.observers._storage import Storage, read_snapshots
 
 
 class Samples:
@@ -15,30 +13,25 @@ class Samples:
     """
 
     def __init__(self, path, times, resumed_at=None):
-        self.path = path
         self.schedule = Schedule(times)
         self.snapshots = []
-        if resumed_at is None:
-            h5py.File(path, "w").close()
-        else:
+        if resumed_at is not None:
             self.snapshots = [snapshot for snapshot in read_samples(path) if snapshot.t <= resumed_at]
             self.schedule.mark(resumed_at)
+        self.storage = Storage(path, "sample_{:03d}")
+        self.storage.start(self.snapshots)
 
     def observe(self, snapshot):
-        """Write one sample; the file is closed again, so that an interrupt cannot spoil it."""
+        """Write one sample."""
         self.schedule.mark(snapshot.t)
-        name = f"sample_{len(self.snapshots):03d}"
-        with h5py.File(self.path, "a") as file:
-            if name in file:
-                del file[name]
-            write_snapshot(file.create_group(name), snapshot)
+        self.storage.add(snapshot)
         self.snapshots.append(snapshot)
 
     def close(self):
-        """Do nothing: the file is closed after each sample."""
+        """Leave nothing but the samples."""
+        self.storage.close()
 
 
 def read_samples(path):
-    """Return the snapshots of a ``samples.h5`` in the order of time."""
-    with h5py.File(path, "r") as file:
-        return [read_snapshot(group) for _, group in sorted(file.items())]
+    """Return the snapshots of a ``samples.h5`` in the order of time; ConfigError where it is damaged."""
+    return list(read_snapshots(path))

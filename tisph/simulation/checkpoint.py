@@ -1,49 +1,63 @@
 """Checkpoints: every field of a scheme, so that a resumed run gives the bits of an uninterrupted one."""
 
+import hashlib
+import io
 import json
 import os
 
 import h5py
 
 from tisph.errors import ConfigError
+from tisph.observers._files import readable, replaced
 from tisph.runtime import ti
+
+DIGEST = hashlib.sha256
 
 
 def save(path, scheme, fingerprint):
-    """Write the whole state of ``scheme``; an older checkpoint is only replaced by a complete one."""
-    partial = path.with_suffix(".partial")
-    with h5py.File(partial, "w") as file:
+    """Write the whole state of ``scheme``; an older checkpoint is only replaced by a complete one.
+
+    The file ends with a digest of all before it, which HDF5 does not look at. TisphError where it cannot be written.
+    """
+    image = io.BytesIO()
+    with h5py.File(image, "w") as file:
         file.attrs["config"] = fingerprint
         file.attrs["host"] = json.dumps(scheme.host_state())
         for name, field in _fields(scheme):
             options = {} if field.shape == () else {"compression": "gzip", "compression_opts": 1}
             file.create_dataset(name, data=field.to_numpy(), **options)
-    os.replace(partial, path)
+    with replaced(path) as new, new.open("wb") as file:
+        file.write(image.getbuffer())
+        file.write(DIGEST(image.getbuffer()).digest())
+        file.flush()
+        os.fsync(file.fileno())  # before the older one is gone
 
 
 def restore(path, scheme, fingerprint):
     """Fill ``scheme`` from a checkpoint of the same config.
 
-    Raises ConfigError where there is none, where it belongs to another config, and where it cannot be read.
+    Raises ConfigError where there is none, where it belongs to another config, and where it is not as it was written.
     """
     if not path.exists():
         raise ConfigError(f"{path}: no checkpoint to resume from; run again with --overwrite")
-    try:
-        with h5py.File(path, "r") as file:
-            if file.attrs["config"] != fingerprint:
-                raise ConfigError(
-                    f"{path}: the checkpoint is of another config; resume with the config it was made with"
-                )
-            values = {name: file[name][...] for name, _ in _fields(scheme)}
-            host = json.loads(file.attrs["host"])
-    except (OSError, KeyError, ValueError) as error:
-        raise ConfigError(f"{path}: the checkpoint cannot be read ({error}); run again with --overwrite") from error
-    for name, field in _fields(scheme):
-        if field.shape == ():
-            field[None] = values[name][()]
-        else:
-            field.from_numpy(values[name])
-    scheme.restore_host_state(host)
+    with readable(path), h5py.File(io.BytesIO(_image(path)), "r") as file:
+        if file.attrs["config"] != fingerprint:
+            raise ConfigError(f"{path}: the checkpoint is of another config; resume with the config it was made with")
+        for name, field in _fields(scheme):
+            if field.shape == ():
+                field[None] = file[name][()]
+            else:
+                field.from_numpy(file[name][...])
+        scheme.restore_host_state(json.loads(file.attrs["host"]))
+
+
+def _image(path):
+    """Return what ``save`` wrote; ValueError if a byte of it has changed, since HDF5 would not always see it."""
+    content = memoryview(path.read_bytes())
+    end = max(0, len(content) - DIGEST().digest_size)
+    if DIGEST(content[:end]).digest() != content[end:]:
+        raise ValueError("it is not as it was written, or no checkpoint")
+    return content[:end]
 
 
 def _fields(scheme):

@@ -9,13 +9,13 @@ from importlib import metadata
 from pathlib import Path
 
 from tisph import __version__
+from tisph.observers._files import replaced
 
 
 def write_summary(path, summary):
     """Write ``summary`` as JSON, whole or not at all."""
-    partial = path.with_suffix(".partial")
-    partial.write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-    partial.replace(path)
+    with replaced(path) as new:
+        new.write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def fingerprint(config):

@@ -4,13 +4,14 @@ import logging
 import math
 import signal
 import time
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager, suppress
 
 import numpy as np
 
 from tisph import PROCESS_START, families, runtime, schemes
-from tisph.errors import ConfigError, DivergedError, TisphError
+from tisph.errors import DivergedError, TisphError
 from tisph.folder import Folder
+from tisph.observers._files import replaced
 from tisph.observers.frames import Frames, frame_times
 from tisph.observers.guard import INTERVAL, Guard
 from tisph.observers.history import History
@@ -32,7 +33,7 @@ def run(config, out_dir, *, video=True, resume=False):
     ``resume`` goes on from the checkpoint there. Raises ConfigError for a checkpoint that does not fit,
     DivergedError for a run that went wrong and KeyboardInterrupt after Ctrl-C; the last two leave all results
     up to then and say so in ``summary.json``, and after Ctrl-C a checkpoint too. TisphError where the results
-    cannot be written.
+    cannot be written: it names the first file that could not be, and those written before are as they were.
     """
     folder = Folder(out_dir)
     try:
@@ -47,7 +48,10 @@ def run(config, out_dir, *, video=True, resume=False):
 
 
 class Run:
-    """A run and its costs; ``costs`` adds up seconds by kind."""
+    """A run and its costs; ``costs`` adds up seconds by kind.
+
+    ``unsaved``: there is a state to go on from, and at the end it is not written yet. An interrupt waits for that.
+    """
 
     def __init__(self, config, folder):
         self.config = config
@@ -63,8 +67,9 @@ class Run:
             "output": 0.0,
         }
         self.status = "failed"
-        self.message = None
-        self.interrupted = False
+        self.message = self.summary = None
+        self.interrupts = 0
+        self.unsaved = False
 
     def execute(self, video, resume):
         """Set up, step to the end, and write what is known then, whatever ends the run."""
@@ -72,18 +77,23 @@ class Run:
             with self._timed("compile"):
                 self._build(resume)
             with self._timed("output"):
-                self._open_or_refuse(video, self.scheme.time if resume else None)
+                self._open(video, self.scheme.time if resume else None)
             try:
                 self._step_on(resume)
                 self.status = "done" if self.scheme.finished else "interrupted"
             except DivergedError as error:
                 self.status, self.message = "diverged", str(error)
                 raise
+            except KeyboardInterrupt:
+                self.status = "interrupted"
+                raise
             except Exception as error:
                 self.message = f"{type(error).__name__}: {error}"
                 raise
             finally:
-                self._finish()
+                failures = self._finish()
+        if failures:
+            raise failures[0]
         if self.status == "interrupted":
             raise KeyboardInterrupt
 
@@ -103,21 +113,13 @@ class Run:
         if not resume:
             with self._timed("compile"):
                 self.scheme.start(*start_values(self.channel, self.config.initial))
+        self.unsaved = True
         with RunProgress(self.scheme.time, self.config.time.end, self.particles, self.channel.units.time) as progress:
             self._loop(progress)
 
-    def _open_or_refuse(self, video, resumed_at):
-        try:
-            self._open(video, resumed_at)
-        except (OSError, KeyError, ValueError) as error:
-            if resumed_at is None:
-                raise
-            raise ConfigError(
-                f"{self.folder.root}: the results cannot be read ({error}); run again with --overwrite"
-            ) from error
-
     def _open(self, video, resumed_at):
-        self.folder.config.write_text(self.config.resolved_yaml(), encoding="utf-8")
+        with replaced(self.folder.config) as new:
+            new.write_text(self.config.resolved_yaml(), encoding="utf-8")
         end = self.config.time.end
         tracers = self.channel.tracer_positions(self.config.tracers.count, self.config.tracers.x)
         self.samples = Samples(self.folder.samples, self.config.time.samples, resumed_at)
@@ -129,8 +131,7 @@ class Run:
 
             movie = Movie(self.folder.movie, self.channel, settings, self.config.name, end)
             times = frame_times(self.channel, end, settings.frames)
-            kept = resumed_at if self.folder.frames.exists() else None
-            self.observers.append(Frames(self.folder.frames, movie, times, kept))
+            self.observers.append(Frames(self.folder.frames, movie, times, resumed_at))
         self.guard = Guard(self.channel)
         every = self.config.output.checkpoint_every
         self.next_checkpoint = self.scheme.time + every if every else math.inf
@@ -138,13 +139,14 @@ class Run:
     def _loop(self, progress):
         scheme = self.scheme
         self._observe()
-        while not scheme.finished and not self.interrupted:
+        while not scheme.finished and not self.interrupts:
             self._advance()
             if scheme.steps % INTERVAL == 0 or any(observer.schedule.due(scheme.time) for observer in self.observers):
                 self._observe()
             if scheme.time >= self.next_checkpoint:
                 self.next_checkpoint += self.config.output.checkpoint_every
-                self._save()
+                with self._timed("output"):
+                    self._save()
             progress.update(scheme.time, scheme.steps)
 
     def _advance(self):
@@ -167,8 +169,7 @@ class Run:
                         observer.observe(snapshot)
 
     def _save(self):
-        with self._timed("output"):
-            checkpoint.save(self.folder.checkpoint, self.scheme, self.fingerprint)
+        checkpoint.save(self.folder.checkpoint, self.scheme, self.fingerprint)
 
     def _draw(self):
         from tisph.simulation.drawing import pictures  # matplotlib again
@@ -176,17 +177,17 @@ class Run:
         pictures(self.folder, self.config, self.channel)
 
     def _finish(self):
-        """Write the most precious first, and let nothing that fails keep the rest from being written."""
-        with self._timed("output"), ExitStack() as last_first:
-            last_first.callback(self._draw)
-            for observer in self.observers:
-                last_first.callback(observer.close)
-            if self.status == "diverged" and self.guard.last_good is not None:
-                last_first.callback(write_last_good, self.folder, self.channel, self.config, self.guard.last_good)
-            last_first.callback(self._summarise)
-            if self.status == "interrupted":
-                checkpoint.save(self.folder.checkpoint, self.scheme, self.fingerprint)
-        write_summary(self.folder.summary, {**self.summary, "cost": cost(self)})
+        """Write what is known at the end; return the errors, none of which keeps the rest from being written."""
+        failures = []
+        with self._timed("output"):
+            for write in self._last_files():
+                try:
+                    write()
+                except Exception as error:
+                    log.error("%s", error)
+                    failures.append(error)
+        if self.summary and not failures:
+            write_summary(self.folder.summary, {**self.summary, "cost": cost(self)})
         log.info(
             "%s after %d steps, t = %.6g%s",
             self.status,
@@ -194,6 +195,21 @@ class Run:
             self.scheme.time,
             f": {self.message}" if self.message else "",
         )
+        return failures
+
+    def _last_files(self):
+        """Yield what writes the last files, the most precious first; a second interrupt leaves out the rest of them."""
+        if self.unsaved or self.status != "interrupted":
+            if self.status == "interrupted":
+                yield self._save
+            yield self._summarise
+        self.unsaved = False
+        if self.interrupts > 1:
+            raise KeyboardInterrupt
+        if self.status == "diverged" and self.guard.last_good is not None:
+            yield lambda: write_last_good(self.folder, self.channel, self.config, self.guard.last_good)
+        yield from (observer.close for observer in self.observers)
+        yield self._draw
 
     def _summarise(self):
         self.summary = summarise(self)
@@ -229,11 +245,15 @@ def start_values(channel, initial):
 
 @contextmanager
 def _interrupts_to(job):
-    """Let Ctrl-C or a termination end the run after its step, with all results; a second one stops at once."""
+    """Let Ctrl-C or a termination end the run after its step, with all results; a second one stops it at once.
+
+    Where there is a state to go on from, that is after the step, the checkpoint and the summary.
+    """
 
     def handle(number, frame):
-        job.interrupted = True
-        signal.signal(number, signal.default_int_handler)
+        job.interrupts += 1
+        if job.interrupts > 1 and not job.unsaved:
+            raise KeyboardInterrupt
 
     try:
         previous = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
@@ -250,6 +270,7 @@ def _interrupts_to(job):
 @contextmanager
 def _logging_to(path, append):
     handler = logging.FileHandler(path, mode="a" if append else "w", encoding="utf-8")
+    handler.handleError = lambda record: None  # a full disk: the results have errors of their own
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
     log.addHandler(handler)
     log.setLevel(logging.INFO)
@@ -263,4 +284,5 @@ def _logging_to(path, append):
         raise
     finally:
         log.removeHandler(handler)
-        handler.close()
+        with suppress(OSError):
+            handler.close()

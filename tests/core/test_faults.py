@@ -1,0 +1,292 @@
+"""Faults from outside: whatever ends a run, its folder can be read, and what was written before is still there."""
+
+import contextlib
+import json
+import os
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from PIL import Image
+
+from tisph import config, simulation
+from tisph.folder import Folder
+from tisph.observers._storage import Storage
+from tisph.observers.frames import read_frames
+from tisph.observers.history import read_history
+from tisph.observers.samples import read_samples
+from tisph.simulation import checkpoint
+from tisph.snapshot import Snapshot
+
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="sends signals")
+
+END = 10.0
+CASE = f"""
+name: small
+scene: channel
+fluid: {{density: 1.0, kinematic_viscosity: 0.01}}
+geometry: {{gap: 1.0, length: 1.0}}
+walls: {{top: {{velocity: 0.5}}}}
+discretisation: {{particles_across: 12}}
+initial: {{jitter: 0.2}}
+scheme: {{type: wcsph}}
+time: {{end: {END}, samples: {[END * k / 20 for k in range(1, 21)]}}}
+output: {{video: {{frames: 40, width: 320, height: 240}}, checkpoint_every: {END / 50}}}
+"""
+"""Some 2600 steps in a second or two, with five hundred writes on the way."""
+
+
+KILLS = 40
+
+
+@pytest.fixture
+def start(tmp_path):
+    """Return a function that starts ``tisph run`` of the case in a process of its own, into the folder ``out``."""
+    (tmp_path / "small.yaml").write_text(CASE)
+    processes = []
+
+    def call(*arguments, **environment):
+        processes.append(
+            subprocess.Popen(
+                [sys.executable, "-m", "tisph", "run", "small.yaml", "--out", "out", *arguments],
+                cwd=tmp_path,
+                env={**os.environ, **environment},
+                stderr=subprocess.PIPE,
+                stdout=subprocess.DEVNULL,
+                text=True,
+            )
+        )
+        return processes[-1]
+
+    yield call
+    for process in processes:
+        process.kill()
+        process.communicate()
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """Results of the case without a fault."""
+    root = tmp_path_factory.mktemp("whole")
+    (root / "small.yaml").write_text(CASE)
+    simulation.run(config.load(root / "small.yaml"), root / "out")
+    return Folder(root / "out")
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return Folder(tmp_path / "out")
+
+
+def until_claimed(process, folder):
+    """Wait until the process has taken the folder: from then on errors are its own, not Python's."""
+    while not (folder.root / ".lock").exists():
+        assert process.poll() is None
+        time.sleep(0.001)
+
+
+def until_stepping(process, lines=1):
+    """Wait until so many tenths of the way are done."""
+    for _ in range(lines):
+        assert "%" in process.stderr.readline()
+
+
+def ended(process, status):
+    """Wait for the end of a process; return what it said, which has no traceback and at most one error."""
+    said = process.communicate(timeout=60)[1]
+    assert process.returncode == status, said
+    assert "Traceback" not in said
+    assert said.count("error") == (status not in (0, 130)), said
+    return said
+
+
+def require_readable(folder):
+    """Read every file that is there; return how many samples, frames and lines of the history there are."""
+    if folder.summary.exists():
+        assert json.loads(folder.summary.read_text())["name"] == "small"
+    if folder.config.exists():
+        assert config.load(folder.config).name == "small"
+    if folder.checkpoint.exists():
+        with h5py.File(folder.checkpoint) as file:
+            assert all(np.isfinite(values[...]).all() for values in file.values())
+    for picture in folder.root.glob("*.png"):
+        Image.open(picture).load()
+    samples = read_samples(folder.samples) if folder.samples.exists() else []
+    frames = list(read_frames(folder.frames)) if folder.frames.exists() else []
+    if folder.history.exists():
+        text = folder.history.read_text()
+        assert text.endswith("\n")
+        assert len({line.count(",") for line in text.splitlines()}) == 1
+    times = read_history(folder.history)[0] if folder.history.exists() else []
+    for found in ([snapshot.t for snapshot in samples], [snapshot.t for snapshot in frames], times):
+        assert np.all(np.diff(found) > 0)
+    assert all(np.isfinite(snapshot.u).all() for snapshot in (*samples, *frames))
+    return len(samples), len(frames), len(times)
+
+
+def same_results(one, other):
+    """Compare the samples, frames and history of two folders bit by bit."""
+    for read, path in ((read_samples, "samples"), (read_frames, "frames")):
+        first, second = list(read(getattr(one, path))), list(read(getattr(other, path)))
+        assert [snapshot.step for snapshot in first] == [snapshot.step for snapshot in second]
+        for a, b in zip(first, second, strict=True):
+            assert all(np.array_equal(getattr(a, name), getattr(b, name)) for name in ("x", "y", "u", "v", "density"))
+    assert one.history.read_text() == other.history.read_text()
+
+
+# --- killed
+
+
+def test_a_run_killed_again_and_again_ends_with_the_bits_of_one_that_was_not(start, folder, whole):
+    draw = random.Random(1)
+    moments = [("claimed", 0.8), ("stepping", 0.5), ("claimed", 1.5), ("ending", 0.4)]
+    for place, latest in moments:
+        how = [] if not folder.root.exists() else ["--resume"] if folder.checkpoint.exists() else ["--overwrite"]
+        process = start(*how)
+        until_claimed(process, folder)
+        if place != "claimed":
+            until_stepping(process)
+        if place == "ending":
+            process.stderr.read()  # to the end of what it says, which is the last step
+        time.sleep(draw.uniform(0.0, latest))
+        process.kill()
+        process.wait()
+        require_readable(folder)
+    assert folder.checkpoint.exists()
+    ended(start("--resume"), 0)
+    same_results(folder, whole)
+    assert not [*folder.root.glob("*.partial"), *folder.root.glob("*.spare")]
+
+
+def test_a_process_killed_while_it_writes_loses_nothing_that_was_written(tmp_path):
+    (tmp_path / "small.yaml").write_text(CASE)
+    writer = [sys.executable, Path(__file__).with_name("endless_writer.py"), "small.yaml", str(KILLS)]
+    done = subprocess.run(writer, cwd=tmp_path, capture_output=True, text=True, check=True)
+    complete = [int(line) for line in done.stdout.split()]
+    assert len(complete) == KILLS
+    assert min(complete) > 0
+    for number, count in enumerate(complete):
+        found = require_readable(Folder(tmp_path / f"out{number}"))
+        assert min(found) >= count, (number, found)
+
+
+def test_a_file_of_snapshots_is_not_touched_as_long_as_it_can_be_seen(tmp_path):
+    # the kills above fall between two writes into HDF5's tables once in fifty times; this holds for all of them
+    storage = Storage(tmp_path / "samples.h5", "sample_{:03d}")
+    storage.start([])
+    for step in range(4):
+        with storage.path.open("rb") as seen:
+            before = seen.read()
+            storage.add(Snapshot(float(step), step, *np.ones((6, 100))))
+            seen.seek(0)
+            assert seen.read() == before
+        assert [snapshot.step for snapshot in read_samples(storage.path)] == list(range(step + 1))
+
+
+# --- disk full, folder gone
+
+
+LINUX = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="limits a process as Linux alone lets")
+
+
+@LINUX
+def test_no_write_that_fails_costs_what_was_written_before(tmp_path):
+    (tmp_path / "small.yaml").write_text(CASE)
+    program = [sys.executable, Path(__file__).with_name("full_disk.py"), "small.yaml"]
+    done = subprocess.run(program, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr  # HDF5 would end the process
+    counts = [tuple(map(int, line.split())) for line in done.stdout.splitlines()]
+    assert {samples for samples, _ in counts} == {lines for _, lines in counts} == set(range(6))
+    for number, expected in enumerate(counts):
+        samples, frames, lines = require_readable(Folder(tmp_path / f"out{number}"))
+        assert (samples, lines) == expected
+        assert frames == 0
+
+
+@pytest.fixture(scope="module")
+def own_cache(tmp_path_factory):
+    """Environment with a cache of compiled kernels that is not everyone's: these tests cut its writing too."""
+    home = tmp_path_factory.mktemp("home")
+    return {"HOME": str(home), "XDG_CACHE_HOME": str(home / ".cache")}
+
+
+@LINUX
+@pytest.mark.parametrize("limit", [0, pytest.param(30_000, marks=pytest.mark.slow)])
+def test_a_run_that_cannot_write_any_more_says_so_and_loses_nothing(start, folder, whole, own_cache, limit):
+    import resource
+
+    process = start(**own_cache)
+    until_stepping(process)
+    before = require_readable(folder)
+    resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (limit, resource.RLIM_INFINITY))
+    said = ended(process, 1)
+    assert re.search(r"out/\w+\.(h5|csv): cannot be written: File too large", said)
+    after = require_readable(folder)
+    assert all(now >= earlier > 0 for now, earlier in zip(after, before, strict=True))
+    ended(start("--resume"), 0)
+    same_results(folder, whole)
+
+
+def test_a_folder_removed_under_a_run_is_one_error(start, folder):
+    process = start("--set", "time.end=100.0")
+    until_stepping(process)
+    while folder.root.exists():  # it may write while its files are removed one by one
+        with contextlib.suppress(OSError):
+            shutil.rmtree(folder.root)
+    said = ended(process, 1)
+    assert "cannot be written: No such file or directory" in said
+    assert not folder.root.exists()
+
+
+# --- interrupted
+
+
+@pytest.mark.parametrize("pause", [0.0, 0.05])
+@pytest.mark.parametrize("moment", ["claimed", "stepping"])
+def test_a_second_interrupt_leaves_a_readable_folder(start, folder, moment, pause):
+    process = start("--set", "time.end=30.0")
+    until_claimed(process, folder)
+    if moment == "stepping":
+        until_stepping(process)
+    for _ in range(2):
+        process.send_signal(signal.SIGINT)
+        time.sleep(pause)
+    said = ended(process, 130)
+    require_readable(folder)
+    assert ("--resume" in said) == folder.checkpoint.exists()
+    if moment == "stepping":
+        assert json.loads(folder.summary.read_text())["status"] == "interrupted"
+        with h5py.File(folder.checkpoint) as file:
+            saved = json.loads(file.attrs["host"])["steps"]
+        assert saved == json.loads(folder.summary.read_text())["cost"]["steps"]
+
+
+def test_a_second_interrupt_waits_for_the_checkpoint_and_the_summary(folder, tmp_path, monkeypatch):
+    save = checkpoint.save
+
+    def interrupted_save(*arguments):
+        signal.raise_signal(signal.SIGINT)  # first that of the config, then that of the interrupt
+        save(*arguments)
+
+    (tmp_path / "small.yaml").write_text(CASE)
+    monkeypatch.setattr(checkpoint, "save", interrupted_save)
+    with pytest.raises(KeyboardInterrupt):
+        simulation.run(config.load(tmp_path / "small.yaml"), folder.root)
+    assert json.loads(folder.summary.read_text())["status"] == "interrupted"
+    assert not folder.profiles_picture.exists()  # it has no time for what render can make
+
+
+def test_an_interrupt_while_python_clears_up_is_not_heard():
+    # what is registered first is called last
+    program = "import atexit, signal; atexit.register(signal.raise_signal, signal.SIGINT); import tisph.cli as cli; "
+    done = subprocess.run([sys.executable, "-c", program + "cli.main()", "list"], capture_output=True, text=True)
+    assert done.returncode == 0
+    assert done.stderr == ""

@@ -1,0 +1,175 @@
+"""Whatever stands in a config file is a Config or one ConfigError, never another exception."""
+
+import io
+import random
+import re
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from ruamel.yaml import YAML
+
+from tisph.config import Config, load
+from tisph.errors import ConfigError
+
+GOOD = """\
+name: couette
+scene: channel
+units: {length: cm, mass: g, time: s}
+fluid:
+  density: 1.0
+  dynamic_viscosity: 1.0e-2
+  rheology: {type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.5}
+geometry: {gap: 1.0, length: 2.0}
+walls:
+  treatment: {type: consistent_image}
+  bottom: {velocity: 0.0}
+  top: {velocity: 0.5}
+drive: {acceleration: 0.02}
+initial: {state: rest, jitter: 0.2, seed: 3}
+discretisation: {particles_across: 25, kernel: wendland_c2, smoothing_ratio: 1.2, precision: f64}
+scheme:
+  type: wcsph
+  equation_of_state: {type: tait, gamma: 7, sound_speed: 5.0}
+time: {end: 2.7, samples: [1.8, 2.7], cfl: 0.2}
+tracers: {count: 10, x: centre}
+output:
+  video: {fps: 30, frames: 100, width: 640, height: 480, color_by: speed}
+  checkpoint_every: 0.5
+runtime: {arch: cpu, threads: 2}
+"""
+WORDS = re.findall(r"[\w.]+|[^\w\s]|\n *", GOOD)
+
+HOSTILE = [
+    *("null", "~", "true", "yes", "on", "''", '""', "[]", "{}", "{null: 1}", "{1: 2}", "[[[[]]]]", "? a", "- a", "<<"),
+    *("0", "-0.0", "1e-320", "1e308", "1e999", "-1e999", ".nan", ".inf", "-.Inf", "0x1F", "0o17", "0b1", "1_000"),
+    *("9" * 400, "-" + "9" * 5000, "1e" + "9" * 400, "0." + "0" * 400 + "1", "1:30", "190:20:30.15", "+.5", "5."),
+    *("2024-01-01", "2024-02-31", "0000-00-00", "2001-12-14t21:59:43.10-05:00", "9999-99-99 99:99:99", "0001-01-01"),
+    *("!!int 3", "!!python/name:os.system", "!", "!<x> 1", "&a 1", "*a", "&a [*a]", "%YAML 1.1", "---", "...", "`"),
+    *(r'"\ud800"', r'"\0"', r'"\x7f"', r'"\u2028"', r'"\U0010ffff"', '"\\\n"', "'", '"', "|", ">", "|2\n  x", "# x"),
+    *("a" * 3000, "ä", "\u202e", "\ufeff", "\u0085", "__class__", "__init__", "model_config", "type", "..", "0.0.0"),
+    *("<word>", "<or auto>", "{type: {}}", "{type: []}", "{type: null}", "{type: _images}", "{type: ../x}", "{text}"),
+    *("{type: 1, 2: 3}", "{type: wcsph, type: wcsph}", "{loc: [1], ctx: {}}", "%(x)s", "{0}", "{a: {b: {c: {d: e}}}}"),
+]
+
+
+@pytest.fixture(scope="module")
+def outcome(tmp_path_factory):
+    """Return a function that loads text or bytes, with overrides, and returns the Config or the error's message."""
+    path = tmp_path_factory.mktemp("fuzz") / "case.yaml"
+
+    def load_text(content, *overrides):
+        path.write_bytes(content if isinstance(content, bytes) else content.encode("utf-8", "surrogatepass"))
+        try:
+            result = load(path, overrides)
+        except ConfigError as error:
+            message = str(error)
+            assert message
+            assert message.replace("\n", "").isprintable(), ascii(message)
+            assert len(message) < 5000
+            return message
+        assert isinstance(result, Config)
+        path.write_text(result.resolved_yaml(), encoding="utf-8")
+        assert load(path) == result
+        return result
+
+    return load_text
+
+
+def test_the_file_that_is_mutated_is_a_good_one(outcome):
+    assert isinstance(outcome(GOOD), Config)
+
+
+@pytest.mark.parametrize("text", HOSTILE, ids=lambda text: ascii(text[:20]))
+def test_hostile_keys_and_values_anywhere(outcome, text):
+    draw = random.Random(text)
+    values = list(re.finditer(r"(?<=: )[\w.]+(?=[,}\n])", GOOD))
+    keys = list(re.finditer(r"\w+(?=:)", GOOD))
+    for match in draw.sample(values, 5) + draw.sample(keys, 5):
+        outcome(GOOD[: match.start()] + text + GOOD[match.end() :])
+    lines = GOOD.splitlines()
+    for place in draw.sample(range(len(lines) + 1), 4):
+        outcome("\n".join([*lines[:place], text, *lines[place:]]))
+    for override in (f"{text}=1", f"fluid.{text}=1", f"{text}.x=1", text, f"name={text}", f"walls.treatment={text}"):
+        outcome(GOOD, override)
+
+
+MORE = [pytest.param(seed, marks=pytest.mark.slow) for seed in range(6, 40)]
+
+
+@pytest.mark.parametrize("seed", [*range(6), *MORE])
+def test_mutations_of_a_good_file(outcome, seed):
+    draw = random.Random(seed)
+    good = refused = 0
+    for _ in range(25):
+        words = list(WORDS)
+        for _ in range(draw.randint(1, 4)):
+            place = draw.randrange(len(words))
+            action = draw.choice(["drop", "double", "swap", "other", "hostile", "cut"])
+            if action == "drop":
+                del words[place]
+            elif action == "double":
+                words.insert(place, words[place])
+            elif action == "swap":
+                other = draw.randrange(len(words))
+                words[place], words[other] = words[other], words[place]
+            elif action == "other":
+                words[place] = draw.choice(WORDS)
+            elif action == "hostile":
+                words[place] = draw.choice(HOSTILE)
+            else:
+                del words[place : place + draw.randint(1, 30)]
+        text = "".join(word if word in ",:" or word.startswith("\n") else f" {word}" for word in words)
+        result = outcome(text.lstrip())
+        good, refused = good + isinstance(result, Config), refused + isinstance(result, str)
+    assert refused > 0
+
+
+@pytest.mark.parametrize("seed", [0, 1, *MORE])
+def test_damaged_bytes_of_a_good_file(outcome, seed):
+    draw = random.Random(seed)
+    for _ in range(60):
+        content = bytearray(GOOD.encode())
+        for _ in range(draw.randint(1, 5)):
+            content[draw.randrange(len(content))] = draw.randrange(256)
+        outcome(bytes(content[: draw.choice([len(content), draw.randrange(len(content))])]))
+
+
+KEYS = sorted({match for match in re.findall(r"\w+(?=:)", GOOD)})
+scalars = (
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats()
+    | st.text(max_size=12)
+    | st.dates()
+    | st.sampled_from(["auto", "channel", "wcsph", "implicit", "tait", "oldroyd_b", "f32", "centre", 0.5, 25, 1e-3])
+)
+structures = st.recursive(
+    scalars,
+    lambda inner: (
+        st.lists(inner, max_size=4)
+        | st.dictionaries(st.sampled_from(KEYS) | st.text(max_size=8) | st.integers(), inner, max_size=8)
+    ),
+    max_leaves=40,
+)
+
+
+@settings(max_examples=100, deadline=None, suppress_health_check=list(HealthCheck))
+@given(st.dictionaries(st.sampled_from(KEYS), structures, max_size=12))
+def test_random_structures(outcome, data):
+    stream = io.StringIO()
+    YAML(typ="safe", pure=True).dump(data, stream)
+    assert isinstance(outcome(stream.getvalue()), str)  # nothing that makes a whole config comes by chance
+
+
+@settings(max_examples=100, deadline=None, suppress_health_check=list(HealthCheck))
+@given(st.sampled_from(KEYS), structures)
+def test_one_random_structure_in_a_good_file(outcome, key, data):
+    whole = YAML(typ="safe", pure=True).load(GOOD)
+    sections = [section for section in [whole, *whole.values()] if isinstance(section, dict) and key in section]
+    for section in sections:
+        section[key] = data
+    stream = io.StringIO()
+    YAML(typ="safe", pure=True).dump(whole, stream)
+    outcome(stream.getvalue())

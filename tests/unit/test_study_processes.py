@@ -1,0 +1,42 @@
+"""Runs of a study as processes: what ends the study ends them."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+STUDY = """
+import subprocess, sys
+import typer
+from tisph.cli.outcome import reported
+from tisph.study import processes
+
+start = subprocess.Popen
+SLEEPER = [sys.executable, "-c", "import time; time.sleep(600)"]
+processes.subprocess.Popen = lambda command, **options: start(SLEEPER, **options)
+
+def launch(name):
+    process = processes.Process("config.yaml", name)
+    print(process._process.pid, flush=True)
+    return process
+
+try:
+    reported(lambda: list(processes.run_side_by_side(["run"], launch, 1)))()
+except typer.Exit as ending:
+    sys.exit(ending.exit_code)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends signals")
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_study_that_is_ended_leaves_no_run_behind(number):
+    with subprocess.Popen([sys.executable, "-c", STUDY], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as study:
+        run = int(study.stdout.readline())
+        study.send_signal(number)
+        _, errors = study.communicate(timeout=60)
+    assert study.returncode == 130
+    assert errors.decode().strip() == "interrupted"
+    with pytest.raises(ProcessLookupError):
+        os.kill(run, 0)

@@ -15,7 +15,7 @@ INTERRUPTED = 130
 
 
 def reported(command: Callable[..., None]) -> Callable[..., None]:
-    """Make a command end with its error's exit status and message instead of a traceback; a termination interrupts it."""
+    """Make a command end with its error's status and message instead of a traceback; a termination interrupts it."""
 
     @functools.wraps(command)
     def wrapped(*arguments: Any, **options: Any) -> None:

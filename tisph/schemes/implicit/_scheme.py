@@ -172,12 +172,14 @@ class Scheme:
 
     def conclude(self, length):
         """Measure the new velocities and move the particles."""
-        self.momentum.add_impulse(self.wall_force.impulse(self.time, length, self.depth >= RESOLVED))
+        resolved = self.depth >= RESOLVED
+        self.momentum.add_impulse(self.wall_force.impulse(self.time, length, resolved))
         end = self.control.end(self.time, length)
         self.field.measure(end, self.transverse)
-        if self.depth >= RESOLVED and (self.projections or self.field.residual > LARGEST_DIVERGENCE):
+        if resolved and (self.projections or self.field.residual > LARGEST_DIVERGENCE):
             self.project(end, length)
-        self.field.stretch(length)
+        if resolved:
+            self.field.stretch(length)
         self.dense.keep(self.time, length)
         self.motion.move(length)
         self.time = end

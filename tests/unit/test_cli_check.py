@@ -71,6 +71,12 @@ def test_a_high_cell_reynolds_number_is_warned_of(checked, override, number):
     assert all(f"is {number} " in line for line in warnings)
 
 
+@pytest.mark.parametrize(("viscosity", "warned"), [(2.6e-5, False), (2.4e-5, True)])  # 385 and 417
+def test_the_implicit_scheme_bears_more(checked, viscosity, warned):
+    lines = checked(f"fluid.kinematic_viscosity={viscosity}", "scheme={type: implicit}", "time.end=1e4")
+    assert len([line for line in lines if "417; above 400" in line]) == len(starting(lines, "warning")) == warned
+
+
 def test_as_many_particles_as_the_warning_asks_for_silence_it(checked):
     high = "fluid.kinematic_viscosity=1.6e-4"  # 50 across: 0.5 / 50 / 1.6e-4 = 62.5, and 0.5 / 53 / 1.6e-4 = 58.96
     (warning,) = [line for line in checked(high) if "cell Reynolds number" in line]

@@ -12,9 +12,10 @@ from tisph.errors import ConfigError
 HIGHEST_MACH = 0.1
 """Density varies by about Mach^2: above this the liquid is no longer nearly incompressible."""
 
-HIGHEST_CELL_REYNOLDS = 60.0
-"""With the explicit scheme disordered runs of the stability matrix are stable up to it, vary in density at 125, and are
-stopped at 400."""
+HIGHEST_CELL_REYNOLDS = {"wcsph": 60.0, "implicit": 400.0}
+"""Cell Reynolds number U spacing / nu up to which disordered runs of the stability matrix are stable, by scheme. With
+the explicit one they vary in density at 125 and lose the start of the flow at 400; the implicit one is stopped at 1250.
+"""
 
 HIGHEST_SOLVENT_CELL_REYNOLDS = 10.0
 """The same where there is polymer, by the viscosity of the solvent: a disordered run failed at 20."""
@@ -55,7 +56,7 @@ def check(config: ConfigFile, overrides: Overrides = None) -> None:
 def forecast(config: Any) -> tuple[dict[str, Any], list[str]]:
     """``estimates`` and warnings of a run before it runs; raises ConfigError where its result would be worthless."""
     numbers = estimates(config)
-    unresolved = numbers["sound_speed"] and numbers["cell_reynolds"] > HIGHEST_CELL_REYNOLDS
+    unresolved = numbers["sound_speed"] and numbers["cell_reynolds"] > HIGHEST_CELL_REYNOLDS["wcsph"]
     if unresolved and (numbers["error"] or 0.0) >= LOST:
         raise ConfigError(
             f"discretisation: the cell Reynolds number U spacing / nu is {numbers['cell_reynolds']:.3g}, and up to the "
@@ -147,8 +148,10 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
         yield f"the L2 error at the last sample, t = {last:g}, may be as large as {numbers['error']:.1g}"
     if numbers["mach"] > HIGHEST_MACH * (1 + 1e-9):
         yield f"the Mach number is above {HIGHEST_MACH:g}; expect compressibility errors"
-    highest = HIGHEST_SOLVENT_CELL_REYNOLDS if channel.polymer else HIGHEST_CELL_REYNOLDS
-    if numbers["sound_speed"] and numbers["cell_reynolds"] > highest:
+    highest = HIGHEST_CELL_REYNOLDS["wcsph" if numbers["sound_speed"] else "implicit"]
+    if channel.polymer:
+        highest = HIGHEST_SOLVENT_CELL_REYNOLDS
+    if numbers["cell_reynolds"] > highest:
         enough = math.ceil(config.particles_across * numbers["cell_reynolds"] / highest)
         yield (
             f"the cell Reynolds number U spacing / nu is {numbers['cell_reynolds']:.3g}; above {highest:g} a flow of "

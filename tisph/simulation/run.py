@@ -3,6 +3,7 @@
 import logging
 import math
 import signal
+import sys
 import time
 from contextlib import contextmanager, suppress
 
@@ -255,14 +256,21 @@ def _interrupts_to(job):
         if job.interrupts > 1 and not job.unsaved:
             raise KeyboardInterrupt
 
+    def unraisable(failure):
+        if failure.exc_type is not KeyboardInterrupt:  # where Python cannot raise it, it was counted at least
+            report(failure)
+
+    report = sys.unraisablehook
     try:
         previous = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
     except ValueError:  # not in the main thread: the caller decides
         yield
         return
+    sys.unraisablehook = unraisable
     try:
         yield
     finally:
+        sys.unraisablehook = report
         for number, handler in previous.items():
             signal.signal(number, handler)
 

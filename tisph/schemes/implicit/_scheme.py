@@ -210,6 +210,8 @@ class Scheme:
             position, velocity, volume, pressure = (field.to_numpy().astype(float) for field in fields)
         else:
             position, velocity, volume, pressure = self.dense.at(time)
+        with np.errstate(over="ignore"):  # of a run that diverges; the guard finds it
+            density = self.channel.density * np.exp(-volume)
         return Snapshot(
             t=time,
             step=self.steps,
@@ -217,7 +219,7 @@ class Scheme:
             y=position[:, 1],
             u=velocity[0],
             v=velocity[1],
-            density=self.channel.density * np.exp(-volume),
+            density=density,
             pressure=self.channel.density * pressure,
         )
 

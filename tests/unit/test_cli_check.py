@@ -77,6 +77,15 @@ def test_the_implicit_scheme_bears_more(checked, viscosity, warned):
     assert len([line for line in lines if "417; above 400" in line]) == len(starting(lines, "warning")) == warned
 
 
+@pytest.mark.parametrize(("order", "jitter", "warned"), [(2, 0.1, True), (2, 0.0, False), (4, 0.1, False)])
+def test_order_2_is_warned_of_in_disorder(checked, order, jitter, warned):
+    scheme = f"scheme={{type: implicit, operators: {{order: {order}}}}}"
+    slow = "fluid.kinematic_viscosity=0.02"  # cell Reynolds number 0.5
+    lines = checked(scheme, f"initial.jitter={jitter}", "fluid.kinematic_viscosity=0.005")
+    assert len([line for line in lines if "take order 4" in line]) == len(starting(lines, "warning")) == warned
+    assert not starting(checked(scheme, f"initial.jitter={jitter}", slow), "warning")
+
+
 def test_as_many_particles_as_the_warning_asks_for_silence_it(checked):
     high = "fluid.kinematic_viscosity=1.6e-4"  # 50 across: 0.5 / 50 / 1.6e-4 = 62.5, and 0.5 / 53 / 1.6e-4 = 58.96
     (warning,) = [line for line in checked(high) if "cell Reynolds number" in line]

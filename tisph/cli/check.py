@@ -8,11 +8,12 @@ import typer
 
 from tisph.cli.options import ConfigFile, Overrides
 from tisph.errors import ConfigError
+from tisph.schemes._error import LARGEST, RESOLVED
 
 HIGHEST_MACH = 0.1
 """Density varies by about Mach^2: above this the liquid is no longer nearly incompressible."""
 
-HIGHEST_CELL_REYNOLDS = {"wcsph": 60.0, "implicit": 400.0}
+HIGHEST_CELL_REYNOLDS = {"wcsph": RESOLVED, "implicit": 400.0}
 """Cell Reynolds number U spacing / nu up to which disordered runs of the stability matrix are stable, by scheme. With
 the explicit one they vary in density at 125 and lose the start of the flow at 400; the implicit one is stopped at 1250.
 """
@@ -26,7 +27,7 @@ HIGHEST_SOLVENT_CELL_REYNOLDS = 10.0
 LEAST_PENETRATION = 4.0
 """Spacings; a particle's neighbours reach 3 smoothing lengths far with the usual kernel."""
 
-LARGE_ERROR, LOST = 0.1, 0.5
+LARGE_ERROR, LOST = 0.1, LARGEST
 """Estimated errors at the last sample above which there is a warning, and from which on a run with the explicit scheme
 and a cell Reynolds number above the highest is refused: before its walls' layer is resolved it is mixed away."""
 

@@ -1,6 +1,5 @@
 """``tisph stress``: the stability matrix, a promise for every cell."""
 
-import os
 from pathlib import Path
 from typing import Annotated
 
@@ -28,10 +27,10 @@ def stress(
       tisph stress
       tisph stress --processes 2 --out runs/stress-again
     """
+    from tisph import runtime
     from tisph.cli.check import forecast
     from tisph.study.stress import run as matrix
 
     default = FOLDER.with_name("stress-quick") if quick else FOLDER
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if not matrix.run(out or default, forecast, processes or cores, quick=quick):
+    if not matrix.run(out or default, forecast, processes or runtime.available_threads(), quick=quick):
         raise typer.Exit(1)

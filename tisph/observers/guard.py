@@ -11,7 +11,6 @@ INTERVAL = 50
 DENSITY_LIMIT = 0.2
 """Largest sound departure of the density from the reference density, as a fraction of it."""
 
-
 TRANSVERSE_LIMIT = 0.1
 """Largest sound velocity across the channel, over the fastest along it: the exact flows have none."""
 

@@ -1,12 +1,15 @@
 """Runs that outlive the command that asked for them: what has ended once is not run again."""
 
 import hashlib
+from contextlib import contextmanager
 from io import StringIO
 from pathlib import Path
 
+from filelock import FileLock, Timeout
 from ruamel.yaml import YAML
 
 import tisph
+from tisph.errors import ConfigError
 from tisph.study.processes import Process, read_result
 
 WITHOUT_EFFECT = ("cli", "report", "study")
@@ -18,6 +21,25 @@ def config_text(name, config):
     stream = StringIO()
     YAML(typ="safe", pure=True).dump({"name": name, **config}, stream)
     return stream.getvalue()
+
+
+@contextmanager
+def claimed(folder, taken):
+    """Hold ``folder``, made if there is none, against other commands; on Ctrl-C say that runs are kept there.
+
+    Raises ConfigError, with the words ``taken`` where another command holds it, and where it cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with FileLock(folder / ".lock", timeout=0):
+            yield
+    except Timeout:
+        raise ConfigError(f"--out {folder}: {taken}; choose another folder") from None
+    except OSError as error:
+        raise ConfigError(f"--out {folder}: cannot be written: {error.strerror or error}") from None
+    except KeyboardInterrupt:
+        print(f"\nfinished runs are kept in {folder}; the same command goes on from them", flush=True)
+        raise
 
 
 class Store:

@@ -10,14 +10,12 @@ import platform
 from contextlib import closing
 from pathlib import Path
 
-from filelock import FileLock, Timeout
 from rich.console import Console
 
 import tisph
 from tisph import families
-from tisph.errors import ConfigError
 from tisph.study.processes import run_side_by_side
-from tisph.study.store import Store
+from tisph.study.store import Store, claimed
 from tisph.study.walls_picture import plot_walls
 from tisph.verification import walls, walls_table
 from tisph.verification.table import format_header, format_row
@@ -35,17 +33,8 @@ def run(folder, quick=False):
     """
     folder = Path(folder)
     extent = walls.QUICK if quick else walls.FULL
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with FileLock(folder / ".lock", timeout=0):
-            return _compare(folder, extent)
-    except Timeout:
-        raise ConfigError(f"--out {folder}: another comparison is writing there; choose another folder") from None
-    except OSError as error:
-        raise ConfigError(f"--out {folder}: cannot be written: {error.strerror or error}") from None
-    except KeyboardInterrupt:
-        print(f"\nfinished runs are kept in {folder}; the same command goes on from them", flush=True)
-        raise
+    with claimed(folder, "another comparison is writing there"):
+        return _compare(folder, extent)
 
 
 def _compare(folder, extent):

@@ -9,12 +9,10 @@ import time
 from contextlib import closing
 from pathlib import Path
 
-from filelock import FileLock, Timeout
 from rich.console import Console
 
-from tisph.errors import ConfigError
 from tisph.study.processes import read_result, run_side_by_side
-from tisph.study.store import Store
+from tisph.study.store import Store, claimed
 from tisph.study.stress import judge, matrix
 from tisph.study.stress.maps import Row
 from tisph.study.stress.output import Output
@@ -31,17 +29,8 @@ def run(folder, forecast, processes, quick=False):
     and nothing is WRONG. Raises ConfigError where ``folder`` cannot be used.
     """
     folder = Path(folder)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with FileLock(folder / ".lock", timeout=0):
-            return _run(folder, forecast, processes, quick)
-    except Timeout:
-        raise ConfigError(f"--out {folder}: another matrix is running there; choose another folder") from None
-    except OSError as error:
-        raise ConfigError(f"--out {folder}: cannot be written: {error.strerror or error}") from None
-    except KeyboardInterrupt:
-        print(f"\nfinished runs are kept in {folder}; the same command goes on from them", flush=True)
-        raise
+    with claimed(folder, "another matrix is running there"):
+        return _run(folder, forecast, processes, quick)
 
 
 def _run(folder, forecast, processes, quick):

@@ -58,7 +58,12 @@ def _place(context, node):
 
 ASTTransformerContext.get_pos_info = _place
 
-__all__ = ["available_threads", "real", "scalar", "start", "stop", "threads", "ti"]
+__all__ = ["available_threads", "real", "room", "scalar", "start", "stop", "threads", "ti"]
+
+SMALL, MIDDLE, LARGE = 10_000, (24_000, 50_000), 100_000
+STEP = 1.15
+"""Rungs of ``room``: a few for what runs in seconds, where compiling would take longest by comparison and memory is
+nothing, and from ``LARGE`` on never more than this factor apart, where it is the other way round."""
 
 
 def available_threads():
@@ -88,6 +93,20 @@ def start(precision, threads):
             log_level=ti.ERROR,
         )
     _share_processors(sorted(_thread_ids() - others), threads)
+
+
+def room(count):
+    """Return the size of fields that are to hold ``count`` entries: the next rung of a ladder.
+
+    The size of a field is compiled into every kernel that reads it, ``count`` is not: runs on one rung share kernels.
+    """
+    for rung in (SMALL, *MIDDLE):
+        if count <= rung:
+            return rung
+    rung = LARGE
+    while count > rung:
+        rung = int(rung * STEP)
+    return rung
 
 
 def threads():

@@ -44,21 +44,13 @@ os.environ.update(
 os.environ.pop("TI_ARCH", None)  # a run depends on its config alone
 
 import taichi as ti  # noqa: E402 (it reads the environment while it is imported)
-from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext  # noqa: E402
 
+from tisph.runtime import _reading  # noqa: E402 (it imports Taichi)
+from tisph.runtime._reading import compile_seconds  # noqa: E402
 
-def _place(context, node):
-    """Return file and line of a piece of kernel source, for Taichi's messages.
+_reading.install()
 
-    Taichi's own version draws the line with a marker below, for every expression of every kernel and whether there is a
-    message or not: more than half of the time in which it reads the kernels.
-    """
-    return f'File "{context.file}", line {node.lineno + context.lineno_offset}, in {context.func.func.__name__}:\n'
-
-
-ASTTransformerContext.get_pos_info = _place
-
-__all__ = ["available_threads", "real", "room", "scalar", "start", "stop", "threads", "ti"]
+__all__ = ["available_threads", "compile_seconds", "real", "room", "scalar", "start", "stop", "threads", "ti"]
 
 SMALL, MIDDLE, LARGE = 10_000, (24_000, 50_000), 100_000
 STEP = 1.15

@@ -40,7 +40,8 @@ def bench(
       particle, from 5 thousand to a million particles
     features: what each part costs, and that a scene pays for none that it
       does not use
-    startup: import, compiling and first frames of every config
+    startup: what a run costs beside its loop, with kernels in the cache, for
+      another resolution, and with an empty cache; what a movie adds
 
     \b
     Examples:

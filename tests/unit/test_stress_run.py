@@ -133,13 +133,11 @@ def test_a_run_that_does_not_end_is_ended(tmp_path, monkeypatch):
     start = subprocess.Popen
     sleeper = [sys.executable, "-c", "import time; time.sleep(600)"]
     monkeypatch.setattr(processes.subprocess, "Popen", lambda command, **options: start(sleeper, **options))
-    began = time.perf_counter()
     process = stress.Limited(processes.Process("config.yaml", tmp_path), 0.2)
     while not process.finished:
-        time.sleep(0.01)
+        time.sleep(0.01)  # for ever, if nothing ended it
     result, message = process.outcome()
     process.stop()
-    assert time.perf_counter() - began < 300
     assert result.summary["status"] == "failed"
     assert message.startswith("no end after")
 

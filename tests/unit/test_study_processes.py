@@ -17,13 +17,14 @@ start = subprocess.Popen
 SLEEPER = [sys.executable, "-c", "import time; time.sleep(600)"]
 processes.subprocess.Popen = lambda command, **options: start(SLEEPER, **options)
 
-def launch(name):
-    process = processes.Process("config.yaml", name)
-    print(process._process.pid, flush=True)
-    return process
+class Named(processes.Process):
+    @property
+    def finished(self):  # asked for as soon as the study knows of the run
+        print(self._process.pid, flush=True)
+        return super().finished
 
 try:
-    reported(lambda: list(processes.run_side_by_side(["run"], launch, 1)))()
+    reported(lambda: list(processes.run_side_by_side(["run"], lambda name: Named("config.yaml", name), 1)))()
 except typer.Exit as ending:
     sys.exit(ending.exit_code)
 """
@@ -35,7 +36,7 @@ def test_a_study_that_is_ended_leaves_no_run_behind(number):
     with subprocess.Popen([sys.executable, "-c", STUDY], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as study:
         run = int(study.stdout.readline())
         study.send_signal(number)
-        _, errors = study.communicate(timeout=60)
+        _, errors = study.communicate()
     assert study.returncode == 130
     assert errors.decode().strip() == "interrupted"
     with pytest.raises(ProcessLookupError):

@@ -18,17 +18,18 @@ runtime: {threads: 1}
 """
 
 
-@pytest.fixture
-def make(tmp_path):
+@pytest.fixture(scope="session")
+def make(tmp_path_factory):
     """Return a function that builds a Scheme from ``key.path=value`` overrides of a small Couette case.
 
     ``jitter`` is short for ``initial.jitter``. ``moved(x, y)`` and ``velocity(x, y)`` return other places and
     velocities (particles, 2) than those of the config. With ``started=False`` there are no particles in it yet.
     """
 
+    path = tmp_path_factory.mktemp("case") / "case.yaml"
+    path.write_text(CASE)
+
     def build(*overrides, jitter=None, moved=None, velocity=None, started=True):
-        path = tmp_path / "case.yaml"
-        path.write_text(CASE)
         settings = config.load(path, overrides if jitter is None else (*overrides, f"initial.jitter={jitter}"))
         channel = Channel.from_config(settings)
         threads = settings.runtime.threads

@@ -156,7 +156,7 @@ def config_data(draw):
     }
 
 
-same_folder = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+same_folder = settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 @same_folder
@@ -242,7 +242,7 @@ def dotted_keys(data, before=""):
 places = st.sampled_from(list(dotted_keys(Config.model_validate({"name": "case", **MINIMAL}).model_dump())))
 
 
-@settings(same_folder, max_examples=300)
+@settings(same_folder, max_examples=150)
 @given(places, values)
 def test_any_value_anywhere_is_a_config_or_a_config_error(tmp_path, place, value):
     path = write(tmp_path, MINIMAL)

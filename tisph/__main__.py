@@ -1,5 +1,30 @@
-"""``python -m tisph``: the same as the ``tisph`` command."""
+"""The ``tisph`` command, also as ``python -m tisph``."""
 
-from tisph.cli import main
+import contextlib
+import os
 
-main()
+from tisph.errors import INTERRUPTED
+
+
+def main() -> None:
+    """Run the command line; Ctrl-C while it is still being imported is one line, too."""
+    try:
+        import signal  # it takes milliseconds
+
+        signal.signal(signal.SIGINT, _leave)
+    except KeyboardInterrupt:
+        _leave()
+    from tisph.cli import main as command
+
+    command()
+
+
+def _leave(*_: object) -> None:
+    # an exception would be lost, or end in a traceback, in some of what Python calls while it imports
+    with contextlib.suppress(OSError):
+        os.write(2, b"interrupted\n")
+    os._exit(INTERRUPTED)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,5 +1,8 @@
 """Errors that a user sees as one message, with the exit status that each stands for."""
 
+INTERRUPTED = 130
+"""Exit status of a process that Ctrl-C ends, as shells report it."""
+
 
 class TisphError(Exception):
     """A failure with one clear message and no traceback."""

@@ -22,7 +22,7 @@ from tisph.folder import Folder
 from tisph.observers._storage import Storage
 from tisph.observers.frames import read_frames
 from tisph.observers.history import read_history
-from tisph.observers.samples import read_samples
+from tisph.observers.samples import Samples, read_samples
 from tisph.simulation import checkpoint
 from tisph.snapshot import Snapshot
 
@@ -285,6 +285,23 @@ def test_a_second_interrupt_waits_for_the_checkpoint_and_the_summary(folder, tmp
         simulation.run(config.load(tmp_path / "small.yaml"), folder.root)
     assert json.loads(folder.summary.read_text())["status"] == "interrupted"
     assert not folder.profiles_picture.exists()  # it has no time for what render can make
+
+
+def test_a_hang_up_leaves_results_and_a_checkpoint(folder, tmp_path, monkeypatch):
+    observe = Samples.observe
+
+    def hung_up(self, snapshot):
+        signal.raise_signal(signal.SIGHUP)
+        observe(self, snapshot)
+
+    (tmp_path / "small.yaml").write_text(CASE)
+    monkeypatch.setattr(Samples, "observe", hung_up)
+    settings = config.load(tmp_path / "small.yaml", ["output.video=null", "time={end: 0.02, samples: [0.01, 0.02]}"])
+    with pytest.raises(KeyboardInterrupt):
+        simulation.run(settings, folder.root)
+    assert json.loads(folder.summary.read_text())["status"] == "interrupted"
+    assert folder.checkpoint.exists()
+    assert require_readable(folder)[0] == 1
 
 
 def test_an_interrupt_while_python_clears_up_is_not_heard():

@@ -14,7 +14,7 @@ PACKAGE = Path(tisph.__file__).parent
 
 # Each part may import the parts in the levels below its own, and itself. Parts of one level are independent.
 LEVELS = [
-    ["errors", "folder", "snapshot", "families"],
+    ["endings", "errors", "folder", "snapshot", "families"],
     ["config", "exact"],
     ["equation_of_state", "scenes"],
     ["verification"],

@@ -1,12 +1,13 @@
 """Command line: one file a command. What a command needs is imported when it runs, so that help is quick."""
 
 import gc
+import sys
 from typing import Annotated
 
 import typer
 
 from tisph import __version__
-from tisph.cli import bench, check, list_families, render, run, stress, verify
+from tisph.cli import bench, check, list_families, render, run, stress, terminal, verify
 from tisph.cli.outcome import reported
 
 HELP = """Laminar, wall-bounded flow by smoothed particles: a YAML file describes a run, one command runs it.
@@ -64,7 +65,13 @@ def main() -> None:
     once more at the end, for nothing: a fifth of the time of a short run.
     """
     gc.set_threshold(200_000, 20, 20)
+    terminal.outlive_readers()
     try:
         app(prog_name="tisph")
+    except SystemExit as leaving:
+        lost = terminal.output_lost()
+        if lost and not leaving.code:
+            sys.exit(f"error: standard output cannot be written: {lost.strerror}")
+        raise
     finally:
         gc.freeze()

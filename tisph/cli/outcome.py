@@ -3,23 +3,22 @@
 import atexit
 import functools
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import typer
 
-from tisph.errors import TisphError
-
-INTERRUPTED = 130
-"""Exit status of a process that ends by an interrupt, as shells report it."""
+from tisph.endings import endings
+from tisph.errors import INTERRUPTED, TisphError
 
 
 def reported(command: Callable[..., None]) -> Callable[..., None]:
-    """Make a command end with its error's status and message instead of a traceback; a termination interrupts it."""
+    """Make a command end with its error's status and message instead of a traceback; ``endings`` interrupt it."""
 
     @functools.wraps(command)
     def wrapped(*arguments: Any, **options: Any) -> None:
-        previous = signal.signal(signal.SIGTERM, signal.default_int_handler)
+        previous = {number: signal.signal(number, signal.default_int_handler) for number in endings()}
         try:
             command(*arguments, **options)
         except TisphError as error:
@@ -29,8 +28,23 @@ def reported(command: Callable[..., None]) -> Callable[..., None]:
             typer.echo("interrupted", err=True)
             raise typer.Exit(INTERRUPTED) from None
         finally:
-            signal.signal(signal.SIGTERM, previous)
+            for number, handler in previous.items():
+                signal.signal(number, handler)
             # once Python clears up, an interrupt could only spoil the status and show a traceback
             atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
 
     return wrapped
+
+
+@contextmanager
+def held_back() -> Iterator[None]:
+    """Let an interrupt wait for what is done inside: imports, which may lose it or turn it into another error."""
+    heard: list[int] = []
+    previous = {number: signal.signal(number, lambda number, _: heard.append(number)) for number in endings()}
+    try:
+        yield
+    finally:
+        for number, handler in previous.items():
+            signal.signal(number, handler)
+    if heard:
+        raise KeyboardInterrupt

@@ -7,6 +7,7 @@ import typer
 
 from tisph.cli import check
 from tisph.cli.options import ConfigFile, Overrides
+from tisph.cli.outcome import held_back
 from tisph.errors import DivergedError
 from tisph.folder import Folder
 
@@ -37,22 +38,25 @@ def run(
       tisph run configs/couette.yaml --no-video --overwrite
       tisph run configs/couette.yaml --resume
     """
-    from tisph.cli import output_folder
-    from tisph.config import load
+    with held_back():
+        from tisph.cli import output_folder
+        from tisph.config import load
 
-    loaded = load(config, overrides or ())
-    _, warnings = check.forecast(loaded)
+        loaded = load(config, overrides or ())
+        _, warnings = check.forecast(loaded)
     folder = out or Path("runs") / loaded.name
     with output_folder.claimed(folder, overwrite=overwrite, resume=resume):
-        from tisph import simulation
+        with held_back():
+            from tisph import simulation
 
         for text in warnings:
             typer.echo(f"warning: {text}", err=True)
         try:
             simulation.run(loaded, folder, video=not no_video, resume=resume)
         except KeyboardInterrupt:
-            how = "--resume goes on" if Folder(folder).checkpoint.is_file() else "--overwrite begins again"
-            typer.echo(f"partial results are in {folder}; the same command with {how}", err=True)
+            if any(path.is_file() for path in Folder(folder).files()):
+                how = "--resume goes on" if Folder(folder).checkpoint.is_file() else "--overwrite begins again"
+                typer.echo(f"partial results are in {folder}; the same command with {how}", err=True)
             raise
         except DivergedError as error:
             raise DivergedError(f"{error}\npartial results are in {folder}") from None

@@ -10,6 +10,7 @@ from contextlib import contextmanager, suppress
 import numpy as np
 
 from tisph import PROCESS_START, families, runtime, schemes
+from tisph.endings import endings
 from tisph.errors import DivergedError, TisphError
 from tisph.folder import Folder
 from tisph.observers._files import replaced
@@ -248,7 +249,7 @@ def start_values(channel, initial):
 
 @contextmanager
 def _interrupts_to(job):
-    """Let Ctrl-C or a termination end the run after its step, with all results; a second one stops it at once.
+    """Let any of ``endings`` end the run after its step, with all results; a second one stops it at once.
 
     Where there is a state to go on from, that is after the step, the checkpoint and the summary.
     """
@@ -264,7 +265,7 @@ def _interrupts_to(job):
 
     report = sys.unraisablehook
     try:
-        previous = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
+        previous = {number: signal.signal(number, handle) for number in endings()}
     except ValueError:  # not in the main thread: the caller decides
         yield
         return

@@ -161,6 +161,41 @@ def test_a_run_goes_on_from_a_checkpoint_at_its_end(case, tmp_path):
     assert json.loads(folder.summary.read_text())["status"] == "done"
 
 
+@pytest.mark.parametrize("scene", ["wcsph", "implicit"])
+def test_a_run_that_goes_on_for_longer_is_one_that_was_to_be_so_long(case, tmp_path, capsys, scene):
+    shorter = "time={end: 0.6, samples: [0.3, 0.45, 0.6]}"  # the old end is a sample: both runs step onto it
+    settings = [case(*SCENES[scene], NO_VIDEO, *end) for end in ([], [shorter, *SCENES[scene][1:]])]
+    whole, extended = Folder(tmp_path / "whole"), Folder(tmp_path / "extended")
+    simulation.run(settings[0], whole.root)
+    simulation.run(settings[1], extended.root)
+    simulation.run(settings[0], extended.root, resume=True)
+    assert "warning" not in capsys.readouterr().err
+    expected, found = datasets(whole.samples), datasets(extended.samples)
+    assert expected.keys() == found.keys()
+    assert [key for key in expected if not np.array_equal(expected[key], found[key])] == []
+    expected, found = (json.loads(folder.summary.read_text()) for folder in (whole, extended))
+    assert (found["numbers"], found["momentum"]) == (expected["numbers"], expected["momentum"])
+
+
+def test_an_explicit_run_goes_on_from_its_end_and_says_that_its_bits_are_others(case, tmp_path, capsys):
+    settings = [
+        case("scheme={type: wcsph}", f"time={{end: {end}}}", NO_VIDEO, "output.checkpoint_every=0.3")
+        for end in (0.3, 0.6)
+    ]
+    folder, whole = Folder(tmp_path / "out"), Folder(tmp_path / "whole")
+    simulation.run(settings[0], folder.root)
+    assert checkpoint_time(folder) == 0.3
+    simulation.run(settings[1], folder.root, resume=True)
+    assert "the bits are not those of a run that had the later one" in capsys.readouterr().err
+    assert "the bits are not" in folder.log.read_text()
+    simulation.run(settings[1], whole.root)
+    found, expected = datasets(folder.samples), datasets(whole.samples)
+    assert [found[f"sample_00{k}@t"] for k in range(2)] == [0.3, 0.6]  # the sample at the old end is kept
+    error = json.loads(whole.summary.read_text())["samples"][0]["l2"]
+    difference = np.linalg.norm(found["sample_001/u"] - expected["sample_000/u"])
+    assert 0.0 < difference < 0.1 * error * np.linalg.norm(expected["sample_000/u"])  # steps err less than operators
+
+
 def test_what_is_missing_of_a_run_is_named(case, tmp_path):
     settings = case("scheme={type: wcsph}")
     simulation.run(settings, tmp_path / "out", video=False)

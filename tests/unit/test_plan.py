@@ -43,3 +43,17 @@ def test_zero_once_finished():
     plan = StepPlan(0.0, [1.0])
     assert plan.next(2.0) == 1.0
     assert plan.next(2.0) == 0.0
+
+
+@pytest.mark.parametrize(("taken", "same"), [(2, True), (3, True), (4, False), (9, False), (10, False)])
+def test_goes_on_to_other_targets_and_says_whether_steps_led_to_the_old_ones(taken, same):
+    # three steps to 0.3, which is a target in both, and seven to the old end
+    plan, fresh = StepPlan(0.0, [0.3, 1.0]), StepPlan(0.0, [0.3, 5.01])
+    first = [(plan.next(0.1), fresh.next(0.1)) for _ in range(taken)]
+    assert plan.aim([0.3, 5.01]) == same
+    assert all(one == other for one, other in first) == same
+    rest = walk(plan, 0.1)
+    assert rest[0][-1] == 5.01
+    assert max(rest[1]) <= 0.1 * (1 + 1e-12)  # the slack that saves a step of rounding size
+    if same:
+        assert rest == walk(fresh, 0.1)

@@ -185,3 +185,19 @@ def test_fixed_steps_heed_neither_error_nor_strain():
     assert lengths[4:6] == [0.25, 0.25]
     assert lengths[6] == lengths[7] == pytest.approx(0.2, rel=1e-12)  # rounding of the times
     assert lengths[8:] == pytest.approx([0.25, 0.25], rel=1e-12)
+
+
+@pytest.mark.parametrize(("taken", "same"), [(0, True), (10, True), (19, True), (20, False), (21, False)])
+def test_goes_on_to_other_targets_and_says_whether_the_old_ones_have_cut_a_step(taken, same):
+    # steps of 0.1 to a target at 1 in both, then to the old end at 2.05, where the last two are cut
+    old, fresh = make(targets=(1.0, 2.05), fixed=0.1), make(targets=(1.0, 5.0), fixed=0.1)
+    times = [0.0, 0.0]
+    for _ in range(taken):
+        for k, control in enumerate((old, fresh)):
+            times[k] = control.end(times[k], control.length(times[k]))
+            control.step_taken(times[k], 0.0)
+    assert (times[0] == times[1]) == same
+    assert old.aim((1.0, 5.0), times[0]) == same
+    if same:
+        assert vars(old) == vars(fresh)
+    assert walk(old, times[0])[0][-1] == 5.0

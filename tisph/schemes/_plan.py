@@ -30,6 +30,15 @@ class StepPlan:
         self.time = self.time + self.step if self.left else self.targets.pop(0)
         return self.step
 
+    def aim(self, targets):
+        """Go on to other targets; return whether all steps so far led to one of them."""
+        led_to = self.targets[0] if self.left else self.time
+        ahead = [target for target in targets if target > self.time]
+        if ahead[:1] != self.targets[:1]:
+            self.left = 0
+        self.targets = ahead
+        return led_to in targets
+
 
 def steps_between(start, target, limit):
     """Return the number of equal steps no longer than ``limit`` from ``start`` to ``target``, at least 1.

@@ -35,20 +35,9 @@ CONTROL_INTERVAL = 50
 """Steps between two looks at speeds and accelerations for the time step."""
 
 HOST_STATE = (
-    "time",
-    "middle",
-    "end",
-    "built",
-    "steps",
-    "rebuilds",
-    "now",
-    "length",
-    "limit",
-    "shortest",
-    "longest",
-    "wall_drift",
-    "built_wall_velocity",
-)
+    "time", "middle", "end", "built", "steps", "rebuilds", "now", "length", "limit", "shortest", "longest",
+    "wall_drift", "built_wall_velocity",
+)  # fmt: skip
 """Attributes of a Scheme that change while it runs."""
 
 
@@ -288,6 +277,14 @@ class Scheme:
             setattr(self, name, state[name])
         vars(self.plan).update(state["plan"])
         vars(self.momentum).update(state["momentum"])
+
+    def aim(self, targets):
+        """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""
+        same = self.plan.aim(targets)
+        if self.finished:  # the rates of the last step are gone: a run that had gone on would predict with them
+            self.proceed()
+            return False
+        return same
 
     def numbers(self):
         """Return what ``summary.json`` says about this scheme."""

@@ -10,18 +10,19 @@ import h5py
 from tisph.errors import ConfigError
 from tisph.observers._files import readable, replaced
 from tisph.runtime import ti
+from tisph.simulation.resumption import require_fit
 
 DIGEST = hashlib.sha256
 
 
-def save(path, scheme, fingerprint):
-    """Write the whole state of ``scheme``; an older checkpoint is only replaced by a complete one.
+def save(path, scheme, config):
+    """Write the whole state of ``scheme`` in a run of ``config``, as YAML; only a complete file replaces an older one.
 
     The file ends with a digest of all before it, which HDF5 does not look at. TisphError where it cannot be written.
     """
     image = io.BytesIO()
     with h5py.File(image, "w") as file:
-        file.attrs["config"] = fingerprint
+        file.attrs["config"] = config
         file.attrs["host"] = json.dumps(scheme.host_state())
         for name, field in _fields(scheme):
             options = {} if field.shape == () else {"compression": "gzip", "compression_opts": 1}
@@ -33,22 +34,26 @@ def save(path, scheme, fingerprint):
         os.fsync(file.fileno())  # before the older one is gone
 
 
-def restore(path, scheme, fingerprint):
-    """Fill ``scheme`` from a checkpoint of the same config.
+def restore(path, scheme, config, targets=()):
+    """Fill ``scheme`` from a checkpoint of the same ``config``, or of one with an earlier end, and aim at ``targets``.
 
-    Raises ConfigError where there is none, where it belongs to another config, and where it is not as it was written.
+    Returns whether its steps are those of a run that had these targets from the start. Raises ConfigError where there
+    is none, where it does not fit the config, and where it is not as it was written.
     """
     if not path.exists():
         raise ConfigError(f"{path}: no checkpoint to resume from; run again with --overwrite")
     with readable(path), h5py.File(io.BytesIO(_image(path)), "r") as file:
-        if file.attrs["config"] != fingerprint:
-            raise ConfigError(f"{path}: the checkpoint is of another config; resume with the config it was made with")
+        host = json.loads(file.attrs["host"])
+        made_with = file.attrs["config"]
+        if made_with != config:
+            require_fit(path, made_with, config, host["time"])
         for name, field in _fields(scheme):
             if field.shape == ():
                 field[None] = file[name][()]
             else:
                 field.from_numpy(file[name][...])
-        scheme.restore_host_state(json.loads(file.attrs["host"]))
+        scheme.restore_host_state(host)
+    return made_with == config or scheme.aim(targets)
 
 
 def _image(path):

@@ -1,11 +1,10 @@
 """One run: set up, step, observe, and leave a folder of results whatever happens."""
 
-import logging
 import math
 import signal
 import sys
 import time
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -19,14 +18,18 @@ from tisph.observers.guard import INTERVAL, Guard
 from tisph.observers.history import History
 from tisph.observers.samples import Samples
 from tisph.simulation import checkpoint
+from tisph.simulation.log import log, logging_to
 from tisph.simulation.progress import RunProgress
-from tisph.simulation.results import fingerprint, write_summary
+from tisph.simulation.results import write_summary
 from tisph.simulation.summary import cost, summarise, write_last_good
 
 PARTICLES_PER_THREAD = 512
 """Taichi does not split a loop into shorter pieces than this."""
 
-log = logging.getLogger("tisph")
+OTHER_STEPS = (
+    "the steps before the checkpoint led to the old time.end, so that the bits are not those of a run that had the "
+    "later one from the start"
+)
 
 
 def run(config, out_dir, *, video=True, resume=False):
@@ -40,7 +43,7 @@ def run(config, out_dir, *, video=True, resume=False):
     folder = Folder(out_dir)
     try:
         folder.root.mkdir(parents=True, exist_ok=True)
-        with _logging_to(folder.log, append=resume):
+        with logging_to(folder.log, append=resume):
             Run(config, folder).execute(video, resume)
     except OSError as error:
         raise TisphError(f"{folder.root}: the results cannot be written: {error}") from error
@@ -60,7 +63,7 @@ class Run:
         self.folder = folder
         self.channel = families.load("scenes", config.scene).Scene.from_config(config)
         self.particles = self.channel.rows * self.channel.columns
-        self.fingerprint = fingerprint(config)
+        self.resolved = config.resolved_yaml()
         self.threads = threads(config, self.channel)
         self.costs = {
             "import": time.perf_counter() - PROCESS_START,
@@ -106,8 +109,9 @@ class Run:
         targets = sorted({*config.time.samples, config.time.end})
         self.scheme = scheme(config, self.channel, targets, serial=self.threads == 1)
         log.info("scheme %s", reason)
-        if resume:
-            checkpoint.restore(self.folder.checkpoint, self.scheme, self.fingerprint)
+        if resume and not checkpoint.restore(self.folder.checkpoint, self.scheme, self.resolved, targets):
+            log.warning(OTHER_STEPS)
+            print(f"warning: {OTHER_STEPS}", file=sys.stderr)
         self.first_step = self.scheme.steps
         log.info("%s: %d particles, %d threads", self.config.name, self.particles, self.threads)
 
@@ -121,7 +125,7 @@ class Run:
 
     def _open(self, video, resumed_at):
         with replaced(self.folder.config) as new:
-            new.write_text(self.config.resolved_yaml(), encoding="utf-8")
+            new.write_text(self.resolved, encoding="utf-8")
         end = self.config.time.end
         tracers = self.channel.tracer_positions(self.config.tracers.count, self.config.tracers.x)
         self.samples = Samples(self.folder.samples, self.config.time.samples, resumed_at)
@@ -171,7 +175,7 @@ class Run:
                         observer.observe(snapshot)
 
     def _save(self):
-        checkpoint.save(self.folder.checkpoint, self.scheme, self.fingerprint)
+        checkpoint.save(self.folder.checkpoint, self.scheme, self.resolved)
 
     def _draw(self):
         from tisph.simulation.drawing import pictures  # matplotlib again
@@ -276,24 +280,3 @@ def _interrupts_to(job):
         sys.unraisablehook = report
         for number, handler in previous.items():
             signal.signal(number, handler)
-
-
-@contextmanager
-def _logging_to(path, append):
-    handler = logging.FileHandler(path, mode="a" if append else "w", encoding="utf-8")
-    handler.handleError = lambda record: None  # a full disk: the results have errors of their own
-    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
-    log.addHandler(handler)
-    log.setLevel(logging.INFO)
-    try:
-        yield
-    except TisphError as error:
-        log.error("%s", error)
-        raise
-    except Exception:
-        log.exception("unexpected failure")
-        raise
-    finally:
-        log.removeHandler(handler)
-        with suppress(OSError):
-            handler.close()

@@ -10,7 +10,7 @@ FIRST = 0.25
 
 
 class StepControl:
-    """Proposes lengths: ``wish`` is the next one; ``targets`` are met exactly.
+    """Proposes lengths: ``wish`` is the next one; ``targets`` are met exactly, ``led_to`` was the last to cut a step.
 
     ``tolerance``: of the error of a step, over the reference velocity. ``largest_strain``: of a step. ``fixed``:
     length of every step (less to meet a target), None for control by the error.
@@ -18,6 +18,7 @@ class StepControl:
 
     def __init__(self, start, targets, first, tolerance, largest_strain, fixed=None):
         self.targets = [target for target in targets if target > start]
+        self.led_to = None
         self.wish = fixed or first
         self.tolerance, self.largest_strain, self.fixed = tolerance, largest_strain, fixed
 
@@ -29,9 +30,10 @@ class StepControl:
     def length(self, time):
         """Return the length of the step to take from ``time``: all, half, or none of what is left to the target."""
         left = self.targets[0] - time
-        if self.wish >= 0.999 * left:
-            return left
-        return 0.5 * left if self.wish > 0.5 * left else self.wish
+        if self.wish <= 0.5 * left:
+            return self.wish
+        self.led_to = self.targets[0]
+        return left if self.wish >= 0.999 * left else 0.5 * left
 
     def end(self, time, length):
         """Return the time at the end of a step: exactly the target where it meets that."""
@@ -51,6 +53,11 @@ class StepControl:
         if length >= 0.999 * self.wish or factor < 1.0:
             self.wish = length * factor
         return True
+
+    def aim(self, targets, time):
+        """Go on from ``time`` to other targets; return whether only those have cut steps so far."""
+        self.targets = [target for target in targets if target > time]
+        return self.led_to is None or self.led_to in targets
 
     def step_taken(self, time, steepest):
         """Take note of a step that ended at ``time`` with the largest velocity gradient ``steepest``."""

@@ -259,6 +259,10 @@ class Scheme:
         if self.projections:
             self.viscous.push = self.projection.push
 
+    def aim(self, targets):
+        """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""
+        return self.control.aim(targets, self.time)
+
 
 def control(config, channel, targets):
     """Return the control of the steps that a config asks for."""

@@ -1,0 +1,30 @@
+"""``run.log``: start, end and errors of a run."""
+
+import logging
+from contextlib import contextmanager, suppress
+
+from tisph.errors import TisphError
+
+log = logging.getLogger("tisph")
+
+
+@contextmanager
+def logging_to(path, append):
+    """Write what is logged meanwhile to ``path``, and the error that ends it, if any."""
+    handler = logging.FileHandler(path, mode="a" if append else "w", encoding="utf-8")
+    handler.handleError = lambda record: None  # a full disk: the results have errors of their own
+    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
+    log.addHandler(handler)
+    log.setLevel(logging.INFO)
+    try:
+        yield
+    except TisphError as error:
+        log.error("%s", error)
+        raise
+    except Exception:
+        log.exception("unexpected failure")
+        raise
+    finally:
+        log.removeHandler(handler)
+        with suppress(OSError):
+            handler.close()

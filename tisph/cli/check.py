@@ -98,10 +98,12 @@ def _scene(config: Any) -> Any:
 def _flow_lines(channel: Any) -> list[tuple[str, str]]:
     """What the flow is, independent of particles."""
     length, time = channel.units.length, channel.units.time
-    by_walls = channel.reference_velocity == max(channel.bottom.largest_speed, channel.top.largest_speed)
+    by_walls = channel.reference_velocity == channel.wall_speed
+    moving = f", in a frame that moves with {channel.frame_velocity:.6g} {length}/{time}"
+    frame = moving if channel.frame_velocity else ""
     lines = [
         ("Reynolds number", f"{channel.reynolds:.6g}  (U H / nu)"),
-        (f"{'wall' if by_walls else 'mean'} speed U", f"{channel.reference_velocity:.6g} {length}/{time}"),
+        (f"{'wall' if by_walls else 'mean'} speed U", f"{channel.reference_velocity:.6g} {length}/{time}{frame}"),
         ("kinematic viscosity nu", f"{channel.kinematic_viscosity:.6g} {length}^2/{time}"),
         ("viscous time H^2/nu", f"{channel.viscous_time:.6g} {time}"),
     ]

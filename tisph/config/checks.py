@@ -55,9 +55,14 @@ def _value(config: Any, location: tuple[str | int, ...]) -> Any:
 
 def _motion(config: Any) -> Iterator[Problem]:
     walls = (config.walls.bottom, config.walls.top)
-    if not (config.drive.acceleration or any(w.velocity or w.velocity_before or w.amplitude for w in walls)):
+    if config.drive.acceleration or any(wall.amplitude for wall in walls):
+        return
+    velocities = {velocity for wall in walls for velocity in (wall.velocity, wall.velocity_before)} - {None}
+    settled = config.initial.state == "developed" or any(wall.velocity_before is not None for wall in walls)
+    if len(velocities | (set() if settled else {0.0})) == 1:
         text = "nothing moves: give walls.bottom or walls.top a velocity other than 0, or drive.acceleration"
-        yield "walls", text
+        together = f"{text}; walls and liquid move together at {walls[0].velocity:g}"
+        yield "walls", together if walls[0].velocity else text
 
 
 def _start(config: Any) -> Iterator[Problem]:

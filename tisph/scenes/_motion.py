@@ -1,6 +1,6 @@
 """How a wall moves, and what a polymer adds to a liquid: small parts of a scene."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -35,6 +35,11 @@ class WallMotion:
     def largest_speed(self):
         """The largest speed that the wall has or had before t = 0."""
         return max(abs(self.before or 0.0), float(np.hypot(self.cosine, self.sine)))
+
+    def seen_from(self, velocity):
+        """The motion in a frame that moves along x with ``velocity``, which must be 0 where the wall oscillates."""
+        before = None if self.before is None else self.before - velocity
+        return replace(self, cosine=self.cosine - velocity, before=before)
 
     def velocity(self, t):
         """Velocity at time(s) ``t``, of the shape of ``t``."""

@@ -5,7 +5,7 @@ starts, or changes, at t = 0. The run's clock starts at ``start_time``: at the i
 state ``exact``, else at 0.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -62,14 +62,34 @@ class Channel:
         )
 
     @property
+    def frame_velocity(self):
+        """Velocity along x of the frame that the flow has of its own, to which speeds and errors refer.
+
+        Of a liquid at rest before the start it is that rest, 0. In one that has settled between walls it is the
+        velocity of the first wall, from the bottom, that keeps it, or of the bottom wall before it changes; 0 where a
+        wall oscillates, which it does about rest.
+        """
+        walls = (self.bottom, self.top)
+        if not self.settled or any(wall.oscillates for wall in walls):
+            return 0.0
+        before = [self._velocity_before(wall) for wall in walls]
+        kept = [old for wall, old in zip(walls, before, strict=True) if wall.cosine == old]
+        return (kept or before)[0]
+
+    @property
+    def wall_speed(self):
+        """The largest speed that a wall has, or had before t = 0, relative to ``frame_velocity``."""
+        return max(wall.seen_from(self.frame_velocity).largest_speed for wall in (self.bottom, self.top))
+
+    @property
     def reference_velocity(self):
-        """The largest of the wall speeds and of |acceleration| gap^2 / (12 nu), the mean speed of the driven flow."""
-        return max(self._wall_speed, abs(self.acceleration) * self.gap**2 / (12 * self.kinematic_viscosity))
+        """The largest of ``wall_speed`` and of |acceleration| gap^2 / (12 nu), the mean speed of the driven flow."""
+        return max(self.wall_speed, abs(self.acceleration) * self.gap**2 / (12 * self.kinematic_viscosity))
 
     @property
     def peak_velocity(self):
-        """Bound of the developed flow's speed: the largest wall speed + |acceleration| gap^2 / (8 nu)."""
-        return self._wall_speed + abs(self.acceleration) * self.gap**2 / (8 * self.kinematic_viscosity)
+        """Bound of the developed flow's speed: ``wall_speed`` + |acceleration| gap^2 / (8 nu)."""
+        return self.wall_speed + abs(self.acceleration) * self.gap**2 / (8 * self.kinematic_viscosity)
 
     @property
     def reynolds(self):
@@ -129,6 +149,11 @@ class Channel:
             return wall.before
         return wall.velocity(0.0) if self.settled else 0.0
 
+    def in_own_frame(self):
+        """The same flow as it is seen from a frame that moves with ``frame_velocity``."""
+        bottom, top = (wall.seen_from(self.frame_velocity) for wall in (self.bottom, self.top))
+        return replace(self, bottom=bottom, top=top)
+
     def exact_velocity(self, y, t):
         """Exact velocity along x at heights ``y`` and times ``t`` (they broadcast), on the run's clock."""
         return self._flow.velocity(y, t)
@@ -180,10 +205,6 @@ class Channel:
         """
         position = 0.5 * self.length if x == "centre" else x
         return np.full(count, float(position)), (np.arange(count) + 0.5) * self.gap / count
-
-    @property
-    def _wall_speed(self):
-        return max(self.bottom.largest_speed, self.top.largest_speed)
 
     @property
     def _flow(self):

@@ -6,8 +6,6 @@ import sys
 import time
 from contextlib import contextmanager
 
-import numpy as np
-
 from tisph import PROCESS_START, families, runtime, schemes
 from tisph.endings import endings
 from tisph.errors import DivergedError, TisphError
@@ -21,6 +19,7 @@ from tisph.simulation import checkpoint
 from tisph.simulation.log import log, logging_to
 from tisph.simulation.progress import RunProgress
 from tisph.simulation.results import write_summary
+from tisph.simulation.start import seen_from_config, start_snapshot, start_values
 from tisph.simulation.summary import cost, summarise, write_last_good
 
 PARTICLES_PER_THREAD = 512
@@ -107,7 +106,7 @@ class Run:
         config, reason = schemes.resolve(self.config)
         scheme = families.load("schemes", config.scheme.type).Scheme
         targets = sorted({*config.time.samples, config.time.end})
-        self.scheme = scheme(config, self.channel, targets, serial=self.threads == 1)
+        self.scheme = scheme(config, self.channel.in_own_frame(), targets, serial=self.threads == 1)
         log.info("scheme %s", reason)
         if resume and not checkpoint.restore(self.folder.checkpoint, self.scheme, self.resolved, targets):
             log.warning(OTHER_STEPS)
@@ -118,8 +117,13 @@ class Run:
     def _step_on(self, resume):
         if not resume:
             with self._timed("compile"):
-                self.scheme.start(*start_values(self.channel, self.config.initial))
+                values = start_values(self.scheme.channel, self.config.initial)
+                self.scheme.start(*values)
         self.unsaved = True
+        if resume:
+            self._observe()
+        else:
+            self._observe_start(*values)
         with RunProgress(self.scheme.time, self.config.time.end, self.particles, self.channel.units.time) as progress:
             self._loop(progress)
 
@@ -144,7 +148,6 @@ class Run:
 
     def _loop(self, progress):
         scheme = self.scheme
-        self._observe()
         while not scheme.finished and not self.interrupts:
             self._advance()
             if scheme.steps % INTERVAL == 0 or any(observer.schedule.due(scheme.time) for observer in self.observers):
@@ -160,19 +163,29 @@ class Run:
             with self._timed("loop"):
                 self.scheme.advance()
         except DivergedError:
-            self.guard.check(self.scheme.snapshot())  # what has gone wrong may have a plainer name
+            self.guard.check(self._snapshot())  # what has gone wrong may have a plainer name
             raise
+
+    def _snapshot(self, at=None):
+        return seen_from_config(self.scheme.snapshot(at), self.channel)
+
+    def _observe_start(self, *values):
+        with self._timed("output"):
+            snapshot = start_snapshot(self.scheme.channel, *values, self.config.discretisation.precision)
+            self._show(seen_from_config(snapshot, self.channel))
 
     def _observe(self):
         """Give every observer the states that it waits for, up to now; let the guard see them, or the present one."""
         with self._timed("output"):
             due = sorted({time for observer in self.observers for time in observer.schedule.pending(self.scheme.time)})
             for time_ in self.scheme.output_times(due) or [self.scheme.time]:
-                snapshot = self.scheme.snapshot(time_)
-                self.guard.check(snapshot)
-                for observer in self.observers:
-                    if observer.schedule.due(snapshot.t):
-                        observer.observe(snapshot)
+                self._show(self._snapshot(time_))
+
+    def _show(self, snapshot):
+        self.guard.check(snapshot)
+        for observer in self.observers:
+            if observer.schedule.due(snapshot.t):
+                observer.observe(snapshot)
 
     def _save(self):
         checkpoint.save(self.folder.checkpoint, self.scheme, self.resolved)
@@ -238,17 +251,6 @@ def threads(config, channel):
         return config.runtime.threads
     useful = math.ceil(channel.rows * channel.columns / PARTICLES_PER_THREAD)
     return min(runtime.available_threads(), useful)
-
-
-def start_values(channel, initial):
-    """Return positions and velocities (particles, 2) and polymer stresses (particles, 3) or None at the start."""
-    x, y = channel.jittered(initial.seed, initial.jitter)
-    u = channel.initial_velocity(y)
-    stress = None
-    if channel.polymer:
-        xx, xy = channel.initial_polymer_stress(y)
-        stress = np.stack([xx, xy, np.zeros_like(xx)], 1)
-    return np.stack([x, y], 1), np.stack([u, np.zeros_like(u)], 1), stress
 
 
 @contextmanager

@@ -1,0 +1,135 @@
+"""One flow seen from two frames: numbers and errors are those of the flow."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from report_scene import make_channel, particles
+
+from tisph.cli.check import estimates
+from tisph.errors import ConfigError
+from tisph.scenes._motion import WallMotion
+from tisph.simulation.start import seen_from_config
+from tisph.verification.metrics import relative_error, sample_metrics
+
+SPEED = 1.0
+"""Of the frame: two hundred times that of the walls, whose digits are lost by as much (2e-16 * 200), and by ten times
+more in differences of velocities near a wall."""
+ROUNDING = 1e-12
+
+DRIVEN = {"acceleration": 6e-4}  # mean speed g H^2 / (12 nu) = 0.005
+FLOWS = {
+    "couette": (WallMotion(0.0), WallMotion(0.005), {}),
+    "started wall": (WallMotion(0.0, before=0.0), WallMotion(0.005, before=0.0), {}),
+    "stopped wall": (WallMotion(0.0), WallMotion(0.0, before=0.005), {}),
+    "reversed wall": (WallMotion(0.005, before=-0.001), WallMotion(0.0), {}),
+    "both change": (WallMotion(0.0, before=0.001), WallMotion(-0.004, before=0.003), {}),
+    "driven": (WallMotion(0.0), WallMotion(0.0), DRIVEN),
+}
+AT_REST = ["couette", "started wall", "stopped wall", "reversed wall", "driven"]
+"""Flows with a wall that stays at rest: what is said of them is said of that frame."""
+
+
+def seen_from_two_frames(flow):
+    """A settled flow, and the same one seen from a frame that moves backwards."""
+    bottom, top, changes = FLOWS[flow]
+    channel = make_channel(bottom=bottom, top=top, initial_state="developed", **changes)
+    return channel, replace(channel, bottom=bottom.seen_from(-SPEED), top=top.seen_from(-SPEED))
+
+
+@pytest.mark.parametrize("flow", FLOWS)
+def test_the_scales_of_a_flow_are_those_of_every_frame(flow):
+    channel, moved = seen_from_two_frames(flow)
+    assert moved.frame_velocity == pytest.approx(SPEED + channel.frame_velocity, rel=ROUNDING)
+    for name in ("wall_speed", "reference_velocity", "peak_velocity", "reynolds"):
+        assert getattr(moved, name) == pytest.approx(getattr(channel, name), rel=ROUNDING), name
+    for wall in ("bottom", "top"):
+        own, other = (getattr(seen.in_own_frame(), wall) for seen in (channel, moved))
+        assert vars(other) == pytest.approx(vars(own), abs=1e-15)  # SPEED's last digit
+
+
+@pytest.mark.parametrize("flow", AT_REST)
+def test_a_wall_that_stays_at_rest_is_the_frame(flow):
+    channel = seen_from_two_frames(flow)[0]
+    assert channel.frame_velocity == 0.0
+    assert channel.in_own_frame() == channel
+    assert channel.reference_velocity == pytest.approx(0.005, rel=1e-15)
+
+
+@pytest.mark.parametrize("walls", [(0.5, 1.0), (1.0, 1.0), (-1.0, 1.0)])
+def test_the_frame_of_a_liquid_that_starts_from_rest_is_its_rest(walls):
+    """Whatever the walls do: both at one speed drag along a liquid that has another."""
+    channel = make_channel(bottom=WallMotion(walls[0]), top=WallMotion(walls[1]))
+    assert (channel.frame_velocity, channel.reference_velocity) == (0.0, 1.0)
+
+
+def test_a_wall_oscillates_about_rest():
+    channel = make_channel(bottom=WallMotion(0.2), top=WallMotion(0.3, 0.4, 2.0), initial_state="developed")
+    assert (channel.frame_velocity, channel.reference_velocity) == (0.0, 0.5)
+
+
+@pytest.mark.parametrize("flow", FLOWS)
+def test_errors_are_the_same_in_every_frame(flow):
+    channel, moved = seen_from_two_frames(flow)
+    x, y = channel.lattice()
+    t = 2.0
+    noise = 1e-5 * np.random.default_rng(1).uniform(-1.0, 1.0, len(x))
+    u = channel.exact_velocity(y, t) + noise
+    heights = np.linspace(0.0, channel.gap, 7)
+    one, other = (
+        sample_metrics(scene, particles(scene, t, x, y, u + speed), (heights, 3.0 * heights + speed))
+        for scene, speed in ((channel, 0.0), (moved, SPEED))
+    )
+    for name in ("l2", "rms", "linf", "slope"):
+        assert other[name] == pytest.approx(one[name], rel=1e-9)  # 1e-5 of noise on a velocity of 1 is left
+    for name in ("wall_shear_bottom", "wall_shear_top"):
+        assert other[name] == pytest.approx(one[name], rel=1e-9)
+    assert other["centreline"] == pytest.approx(one["centreline"] + SPEED, rel=ROUNDING)
+
+
+def test_a_liquid_at_rest_has_no_relative_error_in_any_frame():
+    for channel in seen_from_two_frames("started wall"):
+        x, y = channel.lattice()
+        u = channel.exact_velocity(y, 0.0)
+        assert relative_error(channel, particles(channel, 0.0, x, y, u)) is None
+        assert relative_error(channel, particles(channel, 1.0, x, y, u)) == pytest.approx(1.0, rel=ROUNDING)
+
+
+def walls(bottom, top, before=None):
+    text = "" if before is None else f", velocity_before: {before}"
+    return [f"walls.bottom={{velocity: {bottom}}}", f"walls.top={{velocity: {top}{text}}}"]
+
+
+@pytest.mark.parametrize("scheme", ["implicit", "wcsph"])
+@pytest.mark.parametrize("before", [None, 0.0])
+def test_check_says_the_same_in_every_frame(case, scheme, before):
+    settled = ("initial.state=developed", f"scheme={{type: {scheme}}}")
+    moved = None if before is None else before + SPEED
+    one = estimates(case(*settled, *walls(0.0, 0.005, before)))
+    other = estimates(case(*settled, *walls(SPEED, SPEED + 0.005, moved)))
+    for key, value in one.items():
+        assert other[key] == (pytest.approx(value, rel=ROUNDING) if isinstance(value, float) else value), key
+    assert one["reynolds"] == pytest.approx(0.5)
+
+
+def test_walls_and_liquid_that_move_together_do_not_move(case):
+    """Refused like a flow at rest, which it is."""
+    with pytest.raises(ConfigError, match="nothing moves"):
+        case("initial.state=developed", *walls(0.5, 0.5))
+    with pytest.raises(ConfigError, match="nothing moves"):
+        case("initial={state: exact, time: 0.1}", *walls(0.5, 0.5, 0.5))
+    assert case(*walls(0.5, 0.5)).initial.state == "rest"
+    assert case("initial={state: exact, time: 0.1}", *walls(0.5, 0.5)).start_time == 0.1
+    assert case("initial.state=developed", "drive.acceleration=1", *walls(0.5, 0.5)).drive.acceleration == 1.0
+
+
+def test_a_state_is_shown_in_the_frame_of_the_config():
+    channel, moved = seen_from_two_frames("couette")
+    x, y = channel.lattice()
+    snapshot = particles(channel, 2.5, x, y, channel.exact_velocity(y, 2.5))
+    shown = seen_from_config(snapshot, moved)
+    assert np.allclose(shown.u, snapshot.u + SPEED, rtol=ROUNDING, atol=0)
+    # 2.5 s at speed 1 are 125 periods of 0.02: everything is where it was, to rounding of the path
+    across = np.abs((shown.x - x + 0.5 * channel.length) % channel.length - 0.5 * channel.length)
+    assert across.max() < ROUNDING * SPEED * 2.5
+    assert seen_from_config(snapshot, channel) is snapshot

@@ -37,7 +37,7 @@ def history(channel, count, times):
 
 
 def test_profiles_show_particles_on_the_exact_curve_and_their_error(tmp_path, figures):
-    channel = make_channel()
+    channel = make_channel(rows=20)
     plot_profiles(tmp_path / "profiles.png", channel, [make_snapshot(channel, t, slip=1e-3) for t in (1.8, 20.0)])
     assert Image.open(tmp_path / "profiles.png").size == PNG_SIZE
     velocity, error = figures[0].axes
@@ -99,7 +99,11 @@ def test_history_shows_tracers_on_the_exact_history(tmp_path, figures):
     t, velocity = curve.get_data()
     assert np.array_equal(velocity, channel.exact_velocity(y[-1], t))
     assert (t[0], t[-1]) == (0.0, 20.0)
-    assert legend_texts(figures[0]) == ["y/H = 0.9", "y/H = 0.7", "y/H = 0.5", "y/H = 0.3", "y/H = 0.1", "exact"]
+    heights = ["y/H = 0.9", "y/H = 0.7", "y/H = 0.5", "y/H = 0.3", "y/H = 0.1"]
+    assert legend_texts(figures[0]) == [*heights, "exact", "not resolved"]
+    (shaded,) = figures[0].axes[0].patches
+    # the layer is two spacings of 1e-3 deep at t = 4; the last of the times before that is 5 * 20 / 29
+    assert (shaded.get_x(), shaded.get_x() + shaded.get_width()) == (0.0, pytest.approx(times[5]))
 
 
 @pytest.mark.parametrize("frequency", [1.0, 15.0])
@@ -122,8 +126,8 @@ def test_legends_stay_short(tmp_path, figures):
     channel = make_channel()
     plot_profiles(tmp_path / "profiles.png", channel, [make_snapshot(channel, t) for t in np.linspace(1, 20, 30)])
     plot_history(tmp_path / "history.png", channel, *history(channel, 40, np.linspace(0.0, 20.0, 30)))
-    for figure in figures:
-        assert len(legend_texts(figure)) == 13  # twelve of them, and "exact"
+    # twelve of them, "exact", and "not resolved" in the history
+    assert [len(legend_texts(figure)) for figure in figures] == [13, 14]
 
 
 def test_legends_overlap_no_other_text(tmp_path, figures):

@@ -1,7 +1,7 @@
 """``tisph check``: validate a config and say what its run would be, without running it."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import typer
@@ -9,6 +9,7 @@ import typer
 from tisph.cli.options import ConfigFile, Overrides
 from tisph.errors import ConfigError
 from tisph.schemes._error import LARGEST, RESOLVED
+from tisph.verification.resolution import resolution
 
 HIGHEST_MACH = 0.1
 """Density varies by about Mach^2: above this the liquid is no longer nearly incompressible."""
@@ -23,9 +24,6 @@ HIGHEST_OF_ORDER_2 = 1.0
 
 HIGHEST_SOLVENT_CELL_REYNOLDS = 10.0
 """The same where there is polymer, by the viscosity of the solvent: a disordered run failed at 20."""
-
-LEAST_PENETRATION = 4.0
-"""Spacings; a particle's neighbours reach 3 smoothing lengths far with the usual kernel."""
 
 LARGE_ERROR, LOST = 0.1, LARGEST
 """Estimated errors at the last sample above which there is a warning, and from which on a run with the explicit scheme
@@ -51,7 +49,8 @@ def check(config: ConfigFile, overrides: Overrides = None) -> None:
     typer.echo(f"{loaded.name}: valid ({loaded.scene}, {loaded.scheme.type}, {loaded.walls.treatment.type})")
     channel = _scene(loaded)
     numbers, texts = forecast(loaded)
-    for label, text in [*_flow_lines(channel), *_run_lines(loaded, numbers)]:
+    samples = _sample_lines(channel, loaded.time.samples, numbers["errors"])
+    for label, text in [*_flow_lines(channel), *_run_lines(loaded, numbers), *samples]:
         typer.echo(f"  {label:22} {text}")
     for text in texts:
         typer.echo(f"  warning: {text}")
@@ -78,6 +77,7 @@ def estimates(config: Any) -> dict[str, Any]:
     channel = _scene(config)
     particles = channel.rows * channel.columns
     resolved, reason = schemes.resolve(config)
+    numbers = families.load("schemes", resolved.scheme.type).estimates(resolved, channel)
     return {
         "reynolds": channel.reynolds,
         "cell_reynolds": channel.reference_velocity * channel.spacing / channel.solvent_viscosity,
@@ -85,7 +85,8 @@ def estimates(config: Any) -> dict[str, Any]:
         "particles": particles,
         "memory": memory.estimated_bytes(particles, config, resolved.scheme.type == "implicit"),
         "scheme": reason,
-        **families.load("schemes", resolved.scheme.type).estimates(resolved, channel),
+        **numbers,
+        "error": numbers["errors"][-1],
     }
 
 
@@ -141,14 +142,22 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
         ("memory", f"about {format_bytes(numbers['memory'])}"),
         ("run time", f"about {_duration(numbers['run_time'])} (estimate, without compiling and video)"),
     ]
-    if numbers["error"]:
-        lines.append(("L2 error", f"about {numbers['error']:.0e} at t = {config.time.samples[-1]:g} {time} (estimate)"))
     return lines
+
+
+def _sample_lines(channel: Any, times: Sequence[float], errors: Sequence[float | None]) -> Iterator[tuple[str, str]]:
+    """Of every sample whether it is resolved, and its error where there is an estimate."""
+    for t, error in zip(times, errors, strict=True):
+        resolved, reason = resolution(channel, t)
+        state = "resolved" if resolved else f"not resolved: {reason}"
+        estimate = f"L2 error about {error:.0e} (estimate)" if error else "no estimate of the error"
+        yield f"at t = {t:g} {channel.units.time}", f"{state}{', ' if resolved else '; '}{estimate}"
 
 
 def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
     """Texts of what may go wrong with a valid config, whose ``estimates`` are given."""
     channel = _scene(config)
+    yield from _unresolved(config, channel)
     if (numbers["error"] or 0.0) > LARGE_ERROR:
         last = config.time.samples[-1]
         yield f"the L2 error at the last sample, t = {last:g}, may be as large as {numbers['error']:.1g}"
@@ -166,18 +175,19 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
     order_2 = config.scheme.type == "implicit" and config.scheme.operators.order == 2
     if order_2 and config.initial.jitter and numbers["cell_reynolds"] > HIGHEST_OF_ORDER_2:
         yield f"above a cell Reynolds number of {HIGHEST_OF_ORDER_2:g} order 2 may fail in disorder: take order 4"
-    for name, wall in _oscillating_walls(channel):
-        spacings = wall.penetration_depth(channel.kinematic_viscosity) / channel.spacing
-        if spacings < LEAST_PENETRATION:
-            yield (
-                f"the {name} wall's penetration depth is {spacings:.2g} spacings; below {LEAST_PENETRATION:g} the "
-                "layer that follows the wall is thinner than a particle's neighbourhood and not resolved"
-            )
     if channel.polymer and channel.polymer.solvent_fraction < LEAST_SOLVENT_FRACTION:
         yield (
             f"fluid.rheology.solvent_fraction is below {LEAST_SOLVENT_FRACTION:g}; the solvent's viscosity is what "
             "damps the shortest waves of the polymer stress"
         )
+
+
+def _unresolved(config: Any, channel: Any) -> Iterator[str]:
+    """What is not resolved: the first such sample after the start of the run, which is what the config says."""
+    reasons = {t: resolution(channel, t)[1] for t in config.time.samples if t > config.start_time}
+    early = [t for t, reason in reasons.items() if reason]
+    if early:
+        yield f"samples not resolved: {len(early)} of {len(reasons)}; at t = {early[0]:g} {reasons[early[0]]}"
 
 
 def _oscillating_walls(channel: Any) -> list[tuple[str, Any]]:

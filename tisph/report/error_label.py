@@ -7,6 +7,7 @@ import numpy as np
 from tisph.report.labels import scientific
 from tisph.snapshot import Snapshot
 from tisph.verification.metrics import relative_error, rms_error
+from tisph.verification.resolution import layer_spacings, resolution
 
 _TIMES, _HEIGHTS = 40, 51
 _SMALL = 0.01  # of the largest speed: a flow slower than that counts as none
@@ -16,11 +17,17 @@ def velocity_error_label(channel) -> Callable[[Snapshot], str]:
     """Return a function snapshot -> error of the velocity in words, for example ``L2 error 1.5×10⁻³``.
 
     Where u crosses zero or dies away (``loses_its_scale``), a relative error would be large for no fault of the
-    particles: it is then the rms error as a multiple of the reference velocity U, ``rms error 1.5×10⁻³ U``.
+    particles: it is then the rms error as a multiple of the reference velocity U, ``rms error 1.5×10⁻³ U``. Before a
+    layer is resolved it has no error to speak of: ``unresolved: 0.3 spacings`` is how thin it is.
     """
-    if loses_its_scale(channel):
-        return lambda snapshot: f"rms error {scientific(rms_error(channel, snapshot))} U"
-    return lambda snapshot: _l2_words(relative_error(channel, snapshot), "L2 error")
+    by_speed = loses_its_scale(channel)
+
+    def label(snapshot: Snapshot) -> str:
+        if by_speed:
+            return f"rms error {scientific(rms_error(channel, snapshot))} U"
+        return _l2_words(relative_error(channel, snapshot), "L2 error")
+
+    return _once_resolved(channel, label)
 
 
 def shear_stress_error_label(channel) -> Callable[[Snapshot], str]:
@@ -32,7 +39,18 @@ def shear_stress_error_label(channel) -> Callable[[Snapshot], str]:
         error = float(np.linalg.norm(snapshot.stress_xy - exact)) / norm if norm > 0 else None
         return _l2_words(error, "L2 error of Sxy")
 
-    return label
+    return _once_resolved(channel, label)
+
+
+def _once_resolved(channel, label: Callable[[Snapshot], str]) -> Callable[[Snapshot], str]:
+    """Return ``label``, except for snapshots with a layer that the particles do not resolve: how thin it is."""
+
+    def words(snapshot: Snapshot) -> str:
+        if resolution(channel, snapshot.t)[0]:
+            return label(snapshot)
+        return f"unresolved: {layer_spacings(channel, snapshot.t):.1f} spacings"
+
+    return words
 
 
 def loses_its_scale(channel) -> bool:
@@ -46,6 +64,7 @@ def loses_its_scale(channel) -> bool:
     # The slowest mode decays as exp(-pi^2 t*): at t* = 3 nothing of a start is left.
     times = channel.start_time + 3.0 * slowest * np.linspace(0.0, 1.0, _TIMES) ** 2
     u = channel.exact_velocity(np.linspace(0.0, channel.gap, _HEIGHTS)[:, None], times[None, :])
+    u -= channel.frame_velocity
     small = _SMALL * np.abs(u).max()
     return bool((u.min() < -small and u.max() > small) or np.abs(u[:, -1]).max() <= small)
 

@@ -7,6 +7,7 @@ from matplotlib.ticker import FuncFormatter
 
 from tisph.report import style
 from tisph.report.labels import axis_exponent, axis_label, number, tick_text, velocity_unit
+from tisph.verification.resolution import resolution
 
 _MARKERS = 40  # a tracer
 _MARKERS_A_PERIOD = 12  # at least, where a wall oscillates: with fewer the eye sees another oscillation
@@ -20,7 +21,8 @@ def plot_history(path: Path | str, channel, times: np.ndarray, tracer_y: np.ndar
     """Write a PNG of u(t) at every tracer, as markers on the exact history.
 
     ``times`` (n,) and ``tracer_u`` (n, tracers) are in the units of ``channel``, as are the heights
-    ``tracer_y`` (tracers,). Of more than twelve tracers the legend names twelve, evenly chosen.
+    ``tracer_y`` (tracers,). Of more than twelve tracers the legend names twelve, evenly chosen. Times at which the flow
+    is not resolved are shaded.
     """
     with style.plot_style():
         figure = style.plot_figure()
@@ -39,9 +41,17 @@ def plot_history(path: Path | str, channel, times: np.ndarray, tracer_y: np.ndar
             if index in named:
                 markers.set_label(f"y/H = {number(height / channel.gap, 3)}")
         axes.plot([], [], "-", color=style.TEXT, linewidth=0.9, label="exact")
+        _mark_unresolved(axes, channel, times)
         _label_axes(axes, channel, float(np.max(np.abs(times))))
         figure.legend(loc="outside right center", frameon=False, fontsize=10)
         figure.savefig(path, format="png")
+
+
+def _mark_unresolved(axes, channel, times: np.ndarray) -> None:
+    """Shade the times up to the last at which the flow has a layer that is too thin for the particles."""
+    early = [t for t in times if not resolution(channel, t)[0]]
+    if early and early[-1] > times[0]:
+        axes.axvspan(times[0], early[-1], color=style.MUTED, alpha=0.2, linewidth=0, label="not resolved")
 
 
 def _periods(channel, duration: float) -> float:

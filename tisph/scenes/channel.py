@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from tisph.scenes._flow import NewtonianFlow, OldroydFlow
+from tisph.scenes._layers import thinnest_layer
 from tisph.scenes._motion import Polymer, WallMotion
 
 
@@ -148,6 +149,10 @@ class Channel:
         if wall.before is not None:
             return wall.before
         return wall.velocity(0.0) if self.settled else 0.0
+
+    def thinnest_layer(self, t):
+        """Depth [length] of the thinnest layer in the flow at time ``t`` and where it is; see ``_layers.py``."""
+        return thinnest_layer(self, t)
 
     def in_own_frame(self):
         """The same flow as it is seen from a frame that moves with ``frame_velocity``."""

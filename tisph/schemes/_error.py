@@ -1,4 +1,4 @@
-"""The error of a run before it runs, for ``tisph check``: rough, L2 at the last sample, in plain numbers.
+"""The error of a run before it runs, for ``tisph check``: rough, L2 at the time of a sample, in plain numbers.
 
 With delta the depth over which the velocity changes, an operator of order p errs by a constant times (spacing/delta)^p,
 as measured in start-up flows from 8 to 100 across (``tisph verify``, ``tisph stress``); steps, walls and polymer add
@@ -42,23 +42,23 @@ LARGEST = 0.5
 """Larger errors are not told apart: the profile is lost."""
 
 
-def explicit(config, channel):
-    """Return the estimate for scheme ``wcsph``, None where there is none."""
-    if config.initial.state != "rest" or config.scheme.operators == "standard":
+def explicit(config, channel, time):
+    """Return the estimate at ``time`` for scheme ``wcsph``, None where there is none."""
+    if config.initial.state != "rest" or time == 0.0 or config.scheme.operators == "standard":
         return None
     obey = _obey_momentum(config.walls)
     coefficient = (EXPLICIT if obey else EXPLICIT_WITHOUT_IMPULSE) * (POLYMER if channel.polymer else 1.0)
-    error = coefficient * _resolution(config, channel) ** 2 * _mixing(channel)
+    error = coefficient * _resolution(channel, time) ** 2 * _mixing(channel)
     return min(LARGEST, error if obey else error + _curvature(channel))
 
 
-def implicit(config, channel, tolerance, strain):
-    """Return the estimate for scheme ``implicit`` with steps of this ``tolerance`` and ``strain``, or None."""
-    if config.initial.state != "rest":
+def implicit(config, channel, tolerance, strain, time):
+    """Return the estimate at ``time`` for scheme ``implicit`` with steps of ``tolerance`` and ``strain``, or None."""
+    if config.initial.state != "rest" or time == 0.0:
         return None
     order = config.scheme.operators.order
-    resolution = _resolution(config, channel)
-    late = config.time.samples[-1] / channel.viscous_time / EARLY
+    resolution = _resolution(channel, time)
+    late = time / channel.viscous_time / EARLY
     steps = STEPS * tolerance * min(1.0, late**-FORGETTING) + STRAIN * strain**3
     error = IMPLICIT[order] * resolution**order + steps
     if not _obey_momentum(config.walls):
@@ -70,9 +70,9 @@ def _obey_momentum(walls):
     return families.load("walls", walls.treatment.type).Treatment.obeys_momentum
 
 
-def _resolution(config, channel):
-    """Spacing over the depth that the motion of a wall has reached at the last sample, or reaches ever."""
-    time, viscosity = config.time.samples[-1], channel.kinematic_viscosity
+def _resolution(channel, time):
+    """Spacing over the depth that the motion of a wall has reached at ``time``, or reaches ever."""
+    viscosity = channel.kinematic_viscosity
     fastest = max(channel.bottom.angular_frequency, channel.top.angular_frequency)
     if channel.polymer:
         viscosity -= channel.polymer_viscosity * math.exp(-time / (SLOW * channel.polymer.relaxation_time))

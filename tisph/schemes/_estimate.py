@@ -52,7 +52,7 @@ def explicit(config, channel):
         "binding_limit": binding,
         "steps": steps,
         "run_time": channel.rows * channel.columns * steps * EXPLICIT_COST,
-        "error": _error.explicit(config, channel),
+        "errors": [_error.explicit(config, channel, time) for time in config.time.samples],
     }
 
 
@@ -66,7 +66,7 @@ def implicit(config, channel, first, tolerance, strain):
         "binding_limit": binding,
         "steps": steps,
         "run_time": steps * (IMPLICIT_OVERHEAD + channel.rows * channel.columns * IMPLICIT_COST),
-        "error": _error.implicit(config, channel, tolerance, strain),
+        "errors": [_error.implicit(config, channel, tolerance, strain, time) for time in config.time.samples],
     }
 
 

@@ -7,6 +7,7 @@ symmetric about mid-gap. It is given, and always beside the errors of the whole 
 import numpy as np
 
 from tisph.verification.interpolation import interpolate
+from tisph.verification.resolution import resolution
 from tisph.verification.wall_shear import wall_shear
 
 CENTRELINE_POINTS = 32
@@ -20,10 +21,10 @@ def sample_metrics(channel, snapshot, tracers):
     """Compare a snapshot with the exact solution at its time.
 
     ``tracers`` is the pair (y, u) of arrays of heights and velocities at the probes. Returns a dict of
-    floats, None where a number does not exist (a relative error of a liquid at rest, a wall shear that is
-    infinite):
+    numbers, None where one does not exist (a relative error of a liquid at rest, a wall shear that is infinite):
 
-    ``t``, ``step`` (how many there have been), ``t_star`` = nu t/gap^2 with the total viscosity; over the particles at
+    ``t``, ``step`` (how many there have been), ``t_star`` = nu t/gap^2 with the total viscosity; ``resolved`` and the
+    ``reason`` why not, None where it is (``resolution.py``); over the particles at
     their own positions ``l2`` = sqrt(sum (u-u_exact)^2 / sum u_exact^2), ``rms`` = sqrt(mean (u-u_exact)^2) / U and
     ``linf`` = max |u-u_exact| / U, u being relative to the channel's ``frame_velocity`` and U its reference velocity
     (``l2`` says little where u crosses zero, ``rms`` always does); with
@@ -49,7 +50,9 @@ def sample_metrics(channel, snapshot, tracers):
         "density_variation": np.max(np.abs(snapshot.density / channel.density - 1)),
         "max_transverse_velocity": np.max(np.abs(snapshot.v)),
     }
-    return {key: value if key == "step" else _number(value) for key, value in measures.items()}
+    numbers = {key: value if key == "step" else _number(value) for key, value in measures.items()}
+    resolved, reason = resolution(channel, snapshot.t)
+    return {"t": numbers.pop("t"), "resolved": resolved, "reason": reason, **numbers}
 
 
 def _number(value):

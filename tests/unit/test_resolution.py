@@ -1,0 +1,83 @@
+"""Whether a sample is resolved: the depth of the layers of every kind of flow, by hand, against the spacing."""
+
+import math
+from dataclasses import replace
+
+import pytest
+from report_scene import make_channel, make_snapshot
+
+from tisph.report.error_label import velocity_error_label
+from tisph.scenes._motion import Polymer, WallMotion
+from tisph.verification.metrics import sample_metrics
+from tisph.verification.resolution import LEAST_DEPTH, resolution
+
+NU = 1e-6  # of make_channel, with a spacing of 1e-3
+AT_REST = WallMotion(0.0)
+SWINGING = WallMotion(0.0, 0.005, angular_frequency=2.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "place"),
+    [
+        ({}, "the layer at the top wall"),
+        ({"bottom": WallMotion(0.001)}, "the layer at each wall"),
+        ({"bottom": WallMotion(0.001), "top": AT_REST}, "the layer at the bottom wall"),
+        ({"top": AT_REST, "acceleration": 1e-4}, "the layer at each wall"),
+        ({"top": WallMotion(0.0, before=0.005), "initial_state": "developed"}, "the layer at the top wall"),
+        ({"initial_state": "exact", "start_time": 0.1}, "the layer at the top wall"),
+    ],
+)
+def test_what_starts_diffuses_into_the_liquid(changes, place):
+    channel = make_channel(**changes)
+    assert channel.thinnest_layer(0.25) == (pytest.approx(5e-4, rel=1e-15), place)  # sqrt(1e-6 * 0.25)
+    assert channel.thinnest_layer(0.0)[0] == 0.0
+
+
+@pytest.mark.parametrize("changes", [{}, {"top": AT_REST, "acceleration": 1e-4}, {"top": WallMotion(0.1, before=0.1)}])
+def test_a_flow_that_goes_on_has_no_layer(changes):
+    channel = make_channel(initial_state="developed", **changes)
+    assert channel.thinnest_layer(0.0) == (math.inf, "")
+    assert resolution(channel, 0.0) == (True, None)
+
+
+def test_an_oscillating_wall_moves_a_layer_that_grows_no_more():
+    place = "the layer at the oscillating top wall"
+    started = make_channel(top=SWINGING)
+    assert started.thinnest_layer(0.16) == (pytest.approx(4e-4, rel=1e-15), "the layer at the top wall")
+    for channel in (started, make_channel(top=SWINGING, initial_state="developed")):
+        assert channel.thinnest_layer(100.0) == (pytest.approx(5e-4, rel=1e-15), place)  # sqrt(1e-6 / (2 * 2))
+        assert resolution(channel, 100.0) == (False, f"{place} is 0.5 spacings thin; resolved from 2 spacings on")
+
+
+def test_the_front_of_a_shear_wave_is_spread_by_the_solvent_alone_until_it_has_died():
+    channel = make_channel(polymer=Polymer(relaxation_time=2.0, solvent_fraction=0.25))
+    # waves at sqrt(0.75e-6 / 2) = 6.1e-4: at t = 4 past sqrt(nu t) = 2e-3; exp(-4/4) of the front is left
+    depth = math.sqrt(NU * (1.0 - 0.75 * math.exp(-1.0)) * 4.0)
+    assert channel.thinnest_layer(4.0) == (pytest.approx(depth, rel=1e-14), "the front of the shear wave")
+    # exp(-1e-4/4) is 1 to 2.5e-5, and the viscosity of the polymer three times that of the solvent
+    early, place = channel.thinnest_layer(1e-4)
+    assert (early, place) == (pytest.approx(math.sqrt(0.25 * NU * 1e-4), rel=4e-5), "the layer at the top wall")
+    assert channel.thinnest_layer(1e3)[0] == pytest.approx(math.sqrt(NU * 1e3), rel=1e-15)
+
+
+def test_a_layer_is_resolved_from_a_number_of_spacings_on():
+    channel = make_channel()
+    enough = (LEAST_DEPTH * channel.spacing) ** 2 / NU
+    assert resolution(channel, enough * (1 + 1e-12)) == (True, None)
+    resolved, reason = resolution(channel, 0.25 * enough)
+    assert (resolved, reason) == (False, "the layer at the top wall is 1 spacings thin; resolved from 2 spacings on")
+    assert resolution(replace(channel, spacing=0.5 * channel.spacing), 0.25 * enough * (1 + 1e-12)) == (True, None)
+
+
+def test_samples_and_pictures_say_so():
+    channel = make_channel(rows=20)
+    early, late = (make_snapshot(channel, t) for t in (1e-2, 20.0))
+    tracers = channel.tracer_positions(3)
+    states = [sample_metrics(channel, snapshot, tracers) for snapshot in (early, late)]
+    assert [(state["resolved"], state["reason"]) for state in states] == [
+        (False, "the layer at the top wall is 0.2 spacings thin; resolved from 2 spacings on"),
+        (True, None),
+    ]
+    label = velocity_error_label(channel)
+    assert label(early) == "unresolved: 0.2 spacings"
+    assert label(late).startswith("L2 error")

@@ -1,0 +1,23 @@
+"""Whether the particles resolve the flow at a time: the depth of its thinnest layer against their spacing."""
+
+LEAST_DEPTH = 2.0
+"""Depth of a layer, in particle spacings, from which on a sample counts as resolved.
+
+The velocities of the layer then err by 1 % or less (L2) and the wall shear too, with both schemes and every order; with
+polymer by little more in the velocities, and its stresses follow later. ``benchmarks/resolution.py`` measures it, and
+docs/results.md has its table.
+"""
+
+
+def resolution(channel, t):
+    """Tell whether the flow of a scene is resolved at time ``t``, and why not: (True, None) or (False, reason)."""
+    place = channel.thinnest_layer(t)[1]
+    spacings = layer_spacings(channel, t)
+    if spacings >= LEAST_DEPTH:
+        return True, None
+    return False, f"{place} is {spacings:.2g} spacings thin; resolved from {LEAST_DEPTH:g} spacings on"
+
+
+def layer_spacings(channel, t):
+    """Depth of the thinnest layer at time ``t`` in particle spacings; infinite where there is none."""
+    return channel.thinnest_layer(t)[0] / channel.spacing

@@ -35,6 +35,7 @@ def write(folder, channel, pipe):
     for step, t in enumerate(TIMES):
         for observer in observers:
             observer.observe(Snapshot(t, step, *values))
+            observer.flush()
         write_summary(folder.summary, {"name": "small", "step": step})
         os.write(pipe, b".")
 

@@ -42,7 +42,7 @@ SLOW = ["implicit order 2", "oscillating implicit", "single precision"]
 @pytest.fixture
 def case(tmp_path, monkeypatch):
     """Return a function that loads the small case with ``key.path=value`` overrides; no run of it draws pictures."""
-    monkeypatch.setattr("tisph.simulation.drawing.pictures", lambda *_: [])
+    monkeypatch.setattr("tisph.simulation.drawing.begin_pictures", lambda *_: [])
     path = tmp_path / "case.yaml"
     path.write_text(CASE)
     return lambda *overrides: config.load(path, overrides)

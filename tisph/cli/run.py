@@ -47,6 +47,9 @@ def run(
     folder = out or Path("runs") / loaded.name
     with output_folder.claimed(folder, overwrite=overwrite, resume=resume):
         with held_back():
+            from tisph.report import studio
+
+            studio.shared()  # it imports matplotlib while this process imports Taichi
             from tisph import simulation
 
         for text in warnings:

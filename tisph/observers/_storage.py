@@ -1,8 +1,11 @@
 """Snapshots as HDF5 groups: attributes ``t`` and ``step``, and a dataset for each field."""
 
 import contextlib
+import math
 import os
 import shutil
+import time
+from dataclasses import replace
 
 import h5py
 import numpy as np
@@ -20,57 +23,87 @@ class Storage:
     """A file of snapshots in groups, which can be read at any time: whatever ends the process spoils nothing in it.
 
     ``name`` makes the name of a group from its number; those of ``fields`` that a snapshot has are stored, as ``dtype``
-    where one is given. HDF5 cannot add to a file without a moment in which it cannot be read. So there are two: the one
-    that nobody reads is brought up to date, then they change places. TisphError where the system lets none be written.
+    where one is given. A group is in the file at once, or with those added up to ``delay`` seconds later. HDF5 cannot
+    add to a file without a moment in which it cannot be read. So there are two: the one that nobody reads is brought up
+    to date, then they change places. TisphError where the system lets none be written.
     """
 
-    def __init__(self, path, name, fields=FIELDS + STRESSES, dtype=None):
+    def __init__(self, path, name, fields=FIELDS + STRESSES, dtype=None, delay=0.0):
         self.path = path
         self.name = name
         self.options = (fields, dtype)
+        self.delay = delay
         self.count = 0
+        self.due = -math.inf
+        self.waiting = []
+        """Names and contents of the groups that no file has yet."""
         self.missing = []
-        """Names and snapshots of the groups that the other file lacks."""
+        """Those that the other file lacks."""
 
     def start(self, snapshots):
         """Make a file of ``snapshots``, in place of one that there may be."""
-        self.close()  # what a killed run was writing may be anything
+        self._tidy()  # what a killed run was writing may be anything
         with replaced(self.path) as new, hdf5_file(new) as file:
             for snapshot in snapshots:
-                write_snapshot(file.create_group(self.name.format(self.count)), snapshot, *self.options)
+                write_snapshot(file.create_group(self.name.format(self.count)), _kept(snapshot, *self.options))
                 self.count += 1
 
     def add(self, snapshot):
         """Add a group."""
-        group = (self.name.format(self.count), snapshot)
+        self.waiting.append((self.name.format(self.count), _kept(snapshot, *self.options)))
+        self.count += 1
+        if time.monotonic() >= self.due:
+            self.flush()
+
+    def flush(self):
+        """Have all groups in the file."""
+        if not self.waiting:
+            return
         with replaced(self.path) as new:
             if not new.exists():
-                self.close()
+                self._tidy()
                 shutil.copyfile(self.path, new)
                 self.missing = []
             with hdf5_file(new, "r+") as file:
-                for name, values in (*self.missing, group):
-                    write_snapshot(file.create_group(name), values, *self.options)
+                for name, content in (*self.missing, *self.waiting):
+                    write_snapshot(file.create_group(name), content)
             with contextlib.suppress(OSError):  # a system without links: next time the file is copied
                 os.link(self.path, spare(self.path))
         with contextlib.suppress(OSError):
             os.replace(spare(self.path), new)
-        self.missing = [group]
-        self.count += 1
+        self.missing, self.waiting = self.waiting, []
+        self.due = time.monotonic() + self.delay
 
     def close(self):
-        """Remove the other file."""
+        """Have all groups in the file, and no other file."""
+        try:
+            self.flush()
+        finally:
+            self._tidy()
+
+    def _tidy(self):
         for path in (partial(self.path), spare(self.path)):
             path.unlink(missing_ok=True)
 
 
-def write_snapshot(group, snapshot, fields=FIELDS + STRESSES, dtype=None):
-    """Write those of ``fields`` that ``snapshot`` has into ``group``, as ``dtype`` where one is given."""
+def _kept(snapshot, fields, dtype):
+    """Return ``snapshot`` with those of its fields that are in ``fields``, as ``dtype`` where one is given."""
+    with np.errstate(over="ignore"):
+        values = {name: getattr(snapshot, name) for name in FIELDS + STRESSES}
+        kept = {
+            name: np.asarray(value, dtype) if name in fields and value is not None else None
+            for name, value in values.items()
+        }
+    return replace(snapshot, **kept)
+
+
+def write_snapshot(group, snapshot):
+    """Write the fields that ``snapshot`` has into ``group``."""
     group.attrs["t"] = snapshot.t
     group.attrs["step"] = snapshot.step
-    for name in fields:
+    for name in FIELDS + STRESSES:
         if getattr(snapshot, name) is not None:
-            group.create_dataset(name, data=getattr(snapshot, name), dtype=dtype)
+            group.create_dataset(name, data=getattr(snapshot, name))
 
 
 def read_snapshots(path, fields=FIELDS):

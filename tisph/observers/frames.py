@@ -8,19 +8,24 @@ from tisph.observers._storage import Storage, read_snapshots
 FIELDS = ("x", "y", "u", "v", "stress_xy")
 """What a movie may show; the stress is there only with polymer."""
 
+DELAY = 1.0
+"""Seconds of the clock after which a frame is in its file at the latest, if the next one comes: writing one at a time
+takes longer than many a simulation."""
+
 
 class Frames:
     """Draws a frame at evenly spaced times and stores its particles in single precision.
 
     The stored frames let ``tisph render`` draw the movie again and an interrupted run go on with it; those up
-    to ``resumed_at``, as far as there are any, are drawn first.
+    to ``resumed_at``, as far as there are any, are drawn first. ``flush`` belongs before a checkpoint: a run that goes
+    on from there has no other way to them.
     """
 
     def __init__(self, path, movie, times, resumed_at=None):
         self.path = path
         self.movie = movie
         self.schedule = Schedule(times)
-        self.storage = Storage(path, "frame_{:05d}", FIELDS, np.float32)
+        self.storage = Storage(path, "frame_{:05d}", FIELDS, np.float32, DELAY)
         if resumed_at is not None:
             self.schedule.mark(resumed_at)
         self.storage.start(self._drawn_again(resumed_at))
@@ -31,10 +36,16 @@ class Frames:
         self.storage.add(snapshot)
         self.movie.add(snapshot)
 
+    def flush(self):
+        """Have all frames in the file."""
+        self.storage.flush()
+
     def close(self):
         """Finish the movie: what was drawn by now can be played."""
-        self.storage.close()
-        self.movie.close()
+        try:
+            self.storage.close()
+        finally:
+            self.movie.close()
 
     def _drawn_again(self, resumed_at):
         """Yield the frames of an interrupted run that are kept, and draw each."""

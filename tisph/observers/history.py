@@ -43,6 +43,9 @@ class History:
         """Return the pair (y, u) at the tracers, arrays of shape (tracers,)."""
         return self.heights, self.probes.velocity(snapshot)
 
+    def flush(self):
+        """Do nothing: what was observed is in the file."""
+
     def close(self):
         """Do nothing: the file is closed after each line."""
 

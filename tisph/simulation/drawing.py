@@ -1,4 +1,7 @@
-"""Movie and pictures again from the files of a run."""
+"""Movie and pictures of a run: the studio draws them, the files are written here."""
+
+from dataclasses import dataclass
+from pathlib import Path
 
 from tisph import config, families
 from tisph.folder import Folder
@@ -6,9 +9,21 @@ from tisph.observers._files import replaced
 from tisph.observers.frames import read_frames
 from tisph.observers.history import read_history
 from tisph.observers.samples import read_samples
-from tisph.report.history import plot_history
-from tisph.report.movie import Movie
-from tisph.report.profiles import plot_profiles
+from tisph.report.studio import Answer, DistantMovie, described, shared
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture that is being drawn, for the file ``path``."""
+
+    path: Path
+    drawn: Answer
+
+    def write(self):
+        """Wait for it and write it. TisphError where it could not be drawn or cannot be written."""
+        image = self.drawn.result()
+        with replaced(self.path) as new:
+            new.write_bytes(image)
 
 
 def render(run_dir):
@@ -20,27 +35,41 @@ def render(run_dir):
     folder = Folder(run_dir)
     settings = config.load(folder.config)
     channel = families.load("scenes", settings.scene).Scene.from_config(settings)
-    drawn = pictures(folder, settings, channel)
+    pictures = begin_pictures(folder, settings, channel)
+    for picture in pictures:
+        picture.write()
+    drawn = [picture.path for picture in pictures]
     if settings.output.video and folder.frames.exists():
-        with Movie(folder.movie, channel, settings.output.video, settings.name, settings.time.end) as movie:
+        film = movie(folder, settings, channel)
+        try:
             for snapshot in read_frames(folder.frames):
-                movie.add(snapshot)
+                film.add(snapshot)
+        finally:
+            film.close()
         drawn.append(folder.movie)
     return drawn
 
 
-def pictures(folder, settings, channel):
-    """Draw profiles.png and history.png from the stored samples and history; return what was drawn."""
-    drawn = []
+def movie(folder, settings, channel):
+    """Return the movie of a run, to which frames can be added."""
+    return DistantMovie(shared(), folder.movie, channel, settings.output.video, settings.name, settings.time.end)
+
+
+def begin_pictures(folder, settings, channel):
+    """Let profiles.png and history.png be drawn from the stored samples and history; return those there will be."""
+    scene, pictures = described(channel)[0], []
     snapshots = read_samples(folder.samples)
     if snapshots:
-        with replaced(folder.profiles_picture) as new:
-            plot_profiles(new, channel, snapshots)
-        drawn.append(folder.profiles_picture)
+        pictures.append(Picture(folder.profiles_picture, shared().ask("profiles", scene, snapshots)))
     times, velocities = read_history(folder.history)
     if len(times):
         heights = channel.tracer_positions(settings.tracers.count, settings.tracers.x)[1]
-        with replaced(folder.history_picture) as new:
-            plot_history(new, channel, times, heights, velocities)
-        drawn.append(folder.history_picture)
-    return drawn
+        pictures.append(Picture(folder.history_picture, shared().ask("history", scene, times, heights, velocities)))
+    return pictures
+
+
+def begin_still(path, settings, channel, snapshot):
+    """Let the frame of ``snapshot`` be drawn for the file ``path``."""
+    video = settings.output.video or type(settings.output).model_fields["video"].default
+    scene = described(channel, video)
+    return Picture(path, shared().ask("still", *scene, settings.name, settings.time.end, snapshot))

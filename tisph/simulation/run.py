@@ -15,7 +15,8 @@ from tisph.observers.frames import Frames, frame_times
 from tisph.observers.guard import INTERVAL, Guard
 from tisph.observers.history import History
 from tisph.observers.samples import Samples
-from tisph.simulation import checkpoint
+from tisph.report import studio
+from tisph.simulation import checkpoint, drawing
 from tisph.simulation.log import log, logging_to
 from tisph.simulation.progress import RunProgress
 from tisph.simulation.results import write_summary
@@ -42,6 +43,7 @@ def run(config, out_dir, *, video=True, resume=False):
     folder = Folder(out_dir)
     try:
         folder.root.mkdir(parents=True, exist_ok=True)
+        studio.shared()  # it gets ready while this process does
         with logging_to(folder.log, append=resume):
             Run(config, folder).execute(video, resume)
     except OSError as error:
@@ -71,17 +73,20 @@ class Run:
             "output": 0.0,
         }
         self.status = "failed"
-        self.message = self.summary = None
+        self.message = self.summary = self.movie = None
+        self.pictures = []
         self.interrupts = 0
         self.unsaved = False
 
     def execute(self, video, resume):
         """Set up, step to the end, and write what is known then, whatever ends the run."""
         with _interrupts_to(self):
+            if video and self.config.output.video:
+                self.movie = drawing.movie(self.folder, self.config, self.channel)
             with self._timed("compile"):
                 self._build(resume)
             with self._timed("output"):
-                self._open(video, self.scheme.time if resume else None)
+                self._open(self.scheme.time if resume else None)
             try:
                 self._step_on(resume)
                 self.status = "done" if self.scheme.finished else "interrupted"
@@ -127,7 +132,7 @@ class Run:
         with RunProgress(self.scheme.time, self.config.time.end, self.particles, self.channel.units.time) as progress:
             self._loop(progress)
 
-    def _open(self, video, resumed_at):
+    def _open(self, resumed_at):
         with replaced(self.folder.config) as new:
             new.write_text(self.resolved, encoding="utf-8")
         end = self.config.time.end
@@ -135,13 +140,9 @@ class Run:
         self.samples = Samples(self.folder.samples, self.config.time.samples, resumed_at)
         self.history = History(self.folder.history, self.channel, tracers, end, resumed_at)
         self.observers = [self.samples, self.history]
-        settings = self.config.output.video
-        if video and settings:
-            from tisph.report.movie import Movie  # matplotlib: only where something is drawn
-
-            movie = Movie(self.folder.movie, self.channel, settings, self.config.name, end)
-            times = frame_times(self.channel, end, settings.frames)
-            self.observers.append(Frames(self.folder.frames, movie, times, resumed_at))
+        if self.movie:
+            times = frame_times(self.channel, end, self.config.output.video.frames)
+            self.observers.append(Frames(self.folder.frames, self.movie, times, resumed_at))
         self.guard = Guard(self.channel)
         every = self.config.output.checkpoint_every
         self.next_checkpoint = self.scheme.time + every if every else math.inf
@@ -188,12 +189,14 @@ class Run:
                 observer.observe(snapshot)
 
     def _save(self):
-        checkpoint.save(self.folder.checkpoint, self.scheme, self.resolved)
+        try:
+            for observer in self.observers:
+                observer.flush()  # a run that goes on from the checkpoint needs what came before it
+        finally:
+            checkpoint.save(self.folder.checkpoint, self.scheme, self.resolved)
 
-    def _draw(self):
-        from tisph.simulation.drawing import pictures  # matplotlib again
-
-        pictures(self.folder, self.config, self.channel)
+    def _begin_pictures(self):
+        self.pictures = drawing.begin_pictures(self.folder, self.config, self.channel)
 
     def _finish(self):
         """Write what is known at the end; return the errors, none of which keeps the rest from being written."""
@@ -221,14 +224,15 @@ class Run:
         if self.unsaved or self.status != "interrupted":
             if self.status == "interrupted":
                 yield self._save
+            yield self._begin_pictures  # drawn beside the rest
             yield self._summarise
         self.unsaved = False
         if self.interrupts > 1:
             raise KeyboardInterrupt
         if self.status == "diverged" and self.guard.last_good is not None:
             yield lambda: write_last_good(self.folder, self.channel, self.config, self.guard.last_good)
+        yield from (picture.write for picture in self.pictures)
         yield from (observer.close for observer in self.observers)
-        yield self._draw
 
     def _summarise(self):
         self.summary = summarise(self)

@@ -6,6 +6,7 @@ import time
 from tisph import PROCESS_START
 from tisph.observers._files import hdf5_file, replaced
 from tisph.observers._storage import write_snapshot
+from tisph.simulation.drawing import begin_still
 from tisph.simulation.results import peak_memory_mb, provenance
 from tisph.verification.metrics import sample_metrics
 
@@ -60,11 +61,6 @@ def cost(job):
 
 def write_last_good(folder, channel, config, snapshot):
     """Keep the last sound state of a run that went wrong, as data and as a picture."""
-    from tisph.report.movie import Movie  # matplotlib: only where something is drawn
-
     with replaced(folder.last_good) as new, hdf5_file(new) as file:
         write_snapshot(file, snapshot)
-    video = config.output.video or type(config.output).model_fields["video"].default
-    movie = Movie(folder.movie, channel, video, config.name, config.time.end)
-    with replaced(folder.last_good_picture) as new:
-        movie.save_frame(new, snapshot)
+    begin_still(folder.last_good_picture, config, channel, snapshot).write()

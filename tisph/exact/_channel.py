@@ -8,9 +8,8 @@ import math
 
 import numpy as np
 
-erfc = np.vectorize(math.erfc, otypes=[float])
-"""The complementary error function of an array. SciPy, which has one too, takes a fifth of a second to import, so that
-it is imported where nothing else will do."""
+_erfc = np.vectorize(math.erfc, otypes=[float])
+"""SciPy, which has one too, takes a fifth of a second to import, so that it is imported where nothing else will do."""
 
 SWITCH_TIME = 0.1
 """t* = nu t/gap^2 up to which images are summed, and from which the series: at this time 3 pairs of images or
@@ -18,6 +17,13 @@ SWITCH_TIME = 0.1
 
 # exp(-EXPONENT) = 2e-17 and erfc(sqrt(EXPONENT)) is smaller still: what is left out is below double rounding.
 EXPONENT = 38.5
+
+
+def erfc(x):
+    """The complementary error function of an array, 0 where it is below double rounding of 1."""
+    result, matters = np.zeros(x.shape), ~(x * np.abs(x) >= EXPONENT)  # what is no number stays none
+    result[matters] = _erfc(x[matters])
+    return result
 
 
 def dimensionless(y, t, gap, kinematic_viscosity):

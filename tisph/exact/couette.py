@@ -28,9 +28,11 @@ def velocity(y, t, *, gap, kinematic_viscosity, bottom, top):
     ``bottom`` and ``top`` are the wall velocities. Raises ValueError for a negative time.
     """
     eta, diffusion_time = dimensionless(y, t, gap, kinematic_viscosity)
-    return top * select(_velocity_forms, eta, diffusion_time) + bottom * select(
-        _velocity_forms, 1 - eta, diffusion_time
+    by_top, by_bottom = (
+        speed * select(_velocity_forms, coordinate, diffusion_time) if speed != 0 else 0.0
+        for coordinate, speed in ((eta, top), (1 - eta, bottom))
     )
+    return (by_top + by_bottom + np.zeros_like(eta))[()]
 
 
 def shear_rate(y, t, *, gap, kinematic_viscosity, bottom, top):

@@ -37,6 +37,11 @@ class WallLabel:
         for arrow in self._arrows:
             paint_arrow(frame, arrow, float(self._motion.velocity(t)) / self._speed, "#ffffff")
 
+    @property
+    def boxes(self) -> list[Rect]:
+        """All places that ``paint`` touches."""
+        return [self.box, *self._arrows]
+
     def words(self, t: float) -> str:
         """Return the words of time ``t``."""
         if self._digits:

@@ -2,7 +2,6 @@
 
 import contextlib
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
@@ -10,11 +9,18 @@ import numpy as np
 from imageio_ffmpeg import get_ffmpeg_exe
 
 from tisph.errors import TisphError
+from tisph.report.processes import apart_from_terminal
 
 # From RGB with the matrix of HD video, and the file says so: every player shows the colours that were drawn.
 _COLOURS = (
     "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p,"
     "setparams=colorspace=bt709:color_primaries=bt709:color_trc=iec61966-2-1:range=tv"
+)
+
+# As near to what was drawn (by PSNR) as preset veryfast at crf 23, in less than half of its time and 1.6 times its bytes.
+_QUALITY = (
+    *("-preset", "superfast", "-crf", "24"),
+    *("-x264-params", "cabac=0:bframes=0:subme=0:rc-lookahead=0:mbtree=0:weightp=0"),
 )
 
 
@@ -34,7 +40,7 @@ class Encoder:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.DEVNULL,
                 stderr=self._messages,
-                **_apart_from_terminal(),
+                **apart_from_terminal(),
             )
         except (OSError, RuntimeError) as error:  # imageio-ffmpeg raises RuntimeError if it has no ffmpeg
             self._messages.close()
@@ -72,18 +78,11 @@ class Encoder:
 
 
 def _command(path: Path, width: int, height: int, frames_per_second: float) -> list[str]:
-    """Return the ffmpeg call; at veryfast and 23, discs and text look as drawn."""
+    """Return the ffmpeg call."""
     return [
         get_ffmpeg_exe(), "-y", "-loglevel", "error",
         "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(frames_per_second),
         "-i", "pipe:0",
-        "-an", "-vf", _COLOURS, "-c:v", "libx264", "-preset", "veryfast", "-crf", "23",
+        "-an", "-vf", _COLOURS, "-c:v", "libx264", *_QUALITY, "-threads", "1",
         "-movflags", "+faststart", f"file:{path}",
     ]  # fmt: skip
-
-
-def _apart_from_terminal() -> dict:
-    """Return the settings that keep Ctrl-C from ffmpeg: it must live to finish the file."""
-    if sys.platform == "win32":
-        return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.CREATE_NO_WINDOW}
-    return {"start_new_session": True}

@@ -3,6 +3,7 @@
 Positions are (columns, rows) in pixels from the top-left corner of a panel of ``shape`` (rows, columns); the
 centre of the first pixel is at (0.5, 0.5). The coverage of a pixel whose centre is at distance d from the
 centre of a disc of radius r is clip(r + 1/2 - d, 0, 1): a rim one pixel wide, and an area of pi (r^2 + 1/12).
+A disc is drawn at the nearest of 16 x 16 places in its pixel, and coverages are whole parts of 255.
 """
 
 import math
@@ -12,73 +13,88 @@ import numpy as np
 
 Points = tuple[np.ndarray, np.ndarray]
 
-_CHUNK = 65536  # pixels touched at a time: work arrays that stay in the cache, about four times faster
+PLACES = 16  # of a disc in a pixel, along each direction
+LEVELS = 255  # of coverage
+_SHARES = 4095  # levels of the value under a disc
+_SHIFT = 2.0**32  # coverages and values are added up in one number: multiples of this, and the rest, all whole numbers
+_CHUNK = 32768  # pixels touched at a time: work arrays that stay in the cache, about four times faster
+_BAND = 32  # pixel rows at a time, likewise
 
 
-class _Margined:
-    """A panel of ``shape`` with a margin all around, wide enough for discs of ``radius`` that stick out."""
+class Discs:
+    """Discs of one ``radius`` in a panel of ``shape``, with a margin all around for those that stick out."""
 
     def __init__(self, radius: float, shape: tuple[int, int]):
-        self.radius, self.panel = radius, shape
-        self.side = math.ceil(2.0 * radius + 1.0)  # pixels that a disc may touch along each direction
-        self.shape = (shape[0] + 2 * self.side, shape[1] + 2 * self.side)
+        self.panel, self._reach = shape, radius + 0.5
+        self._side = math.ceil(2.0 * radius + 1.0) + 1  # pixels that a disc may touch along each direction
+        self._margined = (shape[0] + 2 * self._side, shape[1] + 2 * self._side)
+        self._before = math.ceil(radius + 0.5)  # pixels from the first of them to that of the centre
+        places = (np.arange(PLACES) + 0.5) / PLACES + self._before
+        distance = np.square(np.arange(self._side) + 0.5 - places[:, None])
+        distance = np.sqrt(distance[:, None, :, None] + distance[None, :, None, :]).reshape(PLACES**2, -1)
+        coverage = np.rint(LEVELS * np.clip(self._reach - distance, 0.0, 1.0))
+        touched = coverage.any(axis=0)
+        step = np.arange(self._side)
+        self._offsets = (step[:, None] * self._margined[1] + step[None, :]).ravel()[touched]
+        self._stamps = coverage[:, touched]
+        self._count = max(1, _CHUNK // len(self._offsets))
 
-    def zeros(self) -> np.ndarray:
-        """Return a flat array for ``stamps`` to add to."""
-        return np.zeros(self.shape[0] * self.shape[1], dtype=np.float32)
+    def means(
+        self, points: Points, value: np.ndarray, *, periodic: bool
+    ) -> Iterator[tuple[slice, np.ndarray, np.ndarray]]:
+        """Yield, for some rows of the panel at a time, coverage (0 to 255) and mean ``value`` (0 to 1), float64.
 
-    def inner(self, flat: np.ndarray) -> np.ndarray:
-        """Return the panel without its margin, as a view."""
-        cut = slice(self.side, -self.side)
-        return flat.reshape(self.shape)[cut, cut]
+        Where discs meet, coverages add up to at most 255 and the value is the mean weighted by coverage, so the
+        picture does not depend on which disc is drawn last. With ``periodic``, what leaves the panel at one
+        side enters at the other; else it is cut off, as it always is at the top and bottom.
+        """
+        kept = self._touching(points)
+        weight = np.rint(_SHARES * value[kept]) + _SHIFT
+        flat = np.zeros(self._margined[0] * self._margined[1])
+        for part, index, coverage in self._pixels((points[0][kept], points[1][kept])):
+            coverage *= weight[part, None]
+            np.add.at(flat, index.ravel(), coverage.ravel())
+        if periodic:
+            _wrap_margins(flat.reshape(self._margined), self._side, self.panel[1])
+        total = self._inner(flat)
+        for top in range(0, self.panel[0], _BAND):
+            rows = slice(top, min(top + _BAND, self.panel[0]))
+            coverage = np.floor(total[rows] * (1.0 / _SHIFT))
+            mean = (total[rows] - _SHIFT * coverage) / np.maximum(_SHARES * coverage, 1.0)
+            yield rows, np.minimum(coverage, LEVELS), mean
 
-    def touching(self, points: Points) -> np.ndarray:
+    def cover(self, points: Points) -> np.ndarray:
+        """Return the largest coverage (0 to 255) by any disc in every pixel, uint8: for dots of a single colour."""
+        kept = self._touching(points)
+        flat = np.zeros(self._margined[0] * self._margined[1], dtype=np.uint8)
+        for _, index, coverage in self._pixels((points[0][kept], points[1][kept]), once=True):
+            np.maximum.at(flat, index.ravel(), coverage.astype(np.uint8).ravel())
+        return self._inner(flat)
+
+    def _touching(self, points: Points) -> np.ndarray:
         """Return which discs touch the panel; those at NaN or inf do not (comparisons with NaN are false)."""
-        (column, row), reach, (rows, columns) = points, self.radius + 0.5, self.panel
+        (column, row), reach, (rows, columns) = points, self._reach, self.panel
         return (column > -reach) & (column < columns + reach) & (row > -reach) & (row < rows + reach)
 
-    def stamps(self, points: Points) -> Iterator[tuple[slice, np.ndarray, np.ndarray]]:
-        """Yield, for a slice of n ``points`` at a time, flat pixel indices and coverages (n, side, side)."""
-        count = max(1, _CHUNK // self.side**2)
-        for start in range(0, len(points[0]), count):
-            part = slice(start, start + count)
-            yield part, *self._stamp(points[0][part], points[1][part])
+    def _pixels(self, points: Points, once: bool = False) -> Iterator[tuple[slice, np.ndarray, np.ndarray]]:
+        """Yield, for a slice of the discs at a time, flat pixel indices and coverages (discs, pixels of a disc).
 
-    def _stamp(self, column: np.ndarray, row: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        step = np.arange(self.side)
-        first_column, first_row = np.floor(column - self.radius), np.floor(row - self.radius)
-        across = (first_column[:, None] + (step + 0.5) - column[:, None]).astype(np.float32)
-        down = (first_row[:, None] + (step + 0.5) - row[:, None]).astype(np.float32)
-        coverage = np.sqrt((down**2)[:, :, None] + (across**2)[:, None, :])
-        np.subtract(np.float32(self.radius + 0.5), coverage, out=coverage)
-        np.clip(coverage, 0.0, 1.0, out=coverage)
-        corner = (first_row + self.side) * self.shape[1] + first_column + self.side
-        offset = step[:, None] * self.shape[1] + step[None, :]
-        return corner.astype(np.intp)[:, None, None] + offset, coverage
+        With ``once`` discs at the same place count as one.
+        """
+        column, row = (np.floor(PLACES * values).astype(np.intp) for values in points)
+        place = row % PLACES * PLACES + column % PLACES
+        corner = (row // PLACES + self._side - self._before) * self._margined[1]
+        corner += column // PLACES + self._side - self._before
+        if once:
+            corner, place = np.divmod(np.unique(corner * PLACES**2 + place), PLACES**2)
+        for start in range(0, len(corner), self._count):
+            part = slice(start, start + self._count)
+            yield part, corner[part, None] + self._offsets, np.take(self._stamps, place[part], axis=0)
 
-
-def paint_discs(
-    points: Points, value: np.ndarray, *, radius: float, shape: tuple[int, int], periodic: bool
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the coverage and the mean ``value`` of discs in every pixel, both float32 of ``shape``.
-
-    Where discs meet, coverages add up to at most 1 and the value is the mean weighted by coverage, so the
-    picture does not depend on which disc is drawn last. With ``periodic``, what leaves the panel at one
-    side enters at the other; else it is cut off, as it always is at the top and bottom.
-    """
-    panel = _Margined(radius, shape)
-    weight, total = panel.zeros(), panel.zeros()
-    kept = panel.touching(points)
-    value = value[kept].astype(np.float32)
-    for part, index, coverage in panel.stamps((points[0][kept], points[1][kept])):
-        np.add.at(weight, index.ravel(), coverage.ravel())
-        coverage *= value[part, None, None]
-        np.add.at(total, index.ravel(), coverage.ravel())
-    if periodic:
-        for flat in (weight, total):
-            _wrap_margins(flat.reshape(panel.shape), panel.side, shape[1])
-    weight, total = panel.inner(weight), panel.inner(total)
-    return np.minimum(weight, 1.0), total / np.maximum(weight, np.float32(1e-12))
+    def _inner(self, flat: np.ndarray) -> np.ndarray:
+        """Return the panel without its margin, as a view."""
+        cut = slice(self._side, -self._side)
+        return flat.reshape(self._margined)[cut, cut]
 
 
 def _wrap_margins(padded: np.ndarray, margin: int, width: int) -> None:
@@ -86,16 +102,6 @@ def _wrap_margins(padded: np.ndarray, margin: int, width: int) -> None:
     overlap = min(margin, width)  # discs wider than the panel: only the nearest period is drawn
     padded[:, margin + width - overlap : margin + width] += padded[:, margin - overlap : margin]
     padded[:, margin : margin + overlap] += padded[:, margin + width : margin + width + overlap]
-
-
-def cover(points: Points, radius: float, shape: tuple[int, int]) -> np.ndarray:
-    """Return the largest coverage by any disc in every pixel, of ``shape``: for dots of a single colour."""
-    panel = _Margined(radius, shape)
-    mask = panel.zeros()
-    kept = panel.touching(points)
-    for _, index, coverage in panel.stamps((points[0][kept], points[1][kept])):
-        np.maximum.at(mask, index.ravel(), coverage.ravel())
-    return panel.inner(mask)
 
 
 def dense_line(points: Points, step: float = 0.5) -> Points:
@@ -107,8 +113,8 @@ def dense_line(points: Points, step: float = 0.5) -> Points:
 
 
 def blend(panel: np.ndarray, coverage: np.ndarray, colour: np.ndarray) -> None:
-    """Lay ``colour`` (3,), 0 to 255, over an RGB ``panel`` (rows, columns, 3) of uint8, in place."""
-    rows, columns = np.nonzero(coverage)  # a line or dots touch few pixels: leave the others alone
-    weight = coverage[rows, columns, None]
+    """Lay ``colour`` (3,), 0 to 255, over an RGB ``panel`` (rows, columns, 3) of uint8, by ``coverage`` of 0 to 255."""
+    rows, columns = np.nonzero(coverage > 0)  # a line or dots touch few pixels: leave the others alone
+    weight = coverage[rows, columns, None] * np.float32(1.0 / LEVELS)
     below = panel[rows, columns]
-    panel[rows, columns] = (below + weight * (colour - below) + 0.5).astype(np.uint8)
+    panel[rows, columns] = (below + weight * (colour - below) + np.float32(0.5)).astype(np.uint8)

@@ -1,11 +1,13 @@
 """Text and arrows that change from frame to frame, laid over an RGB picture (rows, columns, 3) of uint8."""
 
+from functools import lru_cache
+
 import numpy as np
 from PIL import Image, ImageDraw
 
 from tisph.report import style
 from tisph.report.layout import Rect
-from tisph.report.raster import blend
+from tisph.report.raster import LEVELS, blend
 
 _SAMPLES = 4  # a pixel and direction, of the coverage of an arrow
 _SMALLEST = 6  # pixels: the smallest font that a text may shrink to
@@ -40,17 +42,18 @@ def paint_arrow(frame: np.ndarray, box: Rect, share: float, colour: str) -> None
     """
     if abs(share) < 0.1:
         return
-    coverage = _arrow_coverage(box, abs(share) * box.width)
+    coverage = _arrow_coverage(box.width, box.height, abs(share) * box.width)
     blend(frame[box.slices], coverage if share > 0 else coverage[:, ::-1], style.rgb(colour))
 
 
-def _arrow_coverage(box: Rect, length: float) -> np.ndarray:
-    """Return the share of every pixel of ``box`` that an arrow of ``length`` pixels to the right covers."""
-    down, along = (np.arange(_SAMPLES * size) + 0.5 for size in (box.height, box.width))
-    down = np.abs(down / _SAMPLES - box.height / 2)[:, None]
-    to_tip = ((box.width + length) / 2 - along / _SAMPLES)[None, :]
-    head = min(float(box.height), length)  # as long as it is high
+@lru_cache(maxsize=4)  # all arrows of a wall are alike
+def _arrow_coverage(width: int, height: int, length: float) -> np.ndarray:
+    """Return how much (0 to 255) of every pixel of a box an arrow of ``length`` pixels to the right covers."""
+    down, along = (np.arange(_SAMPLES * size) + 0.5 for size in (height, width))
+    down = np.abs(down / _SAMPLES - height / 2)[:, None]
+    to_tip = ((width + length) / 2 - along / _SAMPLES)[None, :]
+    head = min(float(height), length)  # as long as it is high
     in_head = (to_tip >= 0) & (to_tip <= head) & (down <= to_tip / 2)
-    in_shaft = (to_tip > head) & (to_tip <= length) & (down <= box.height / 8)
-    inside = (in_head | in_shaft).reshape(box.height, _SAMPLES, box.width, _SAMPLES)
-    return inside.mean(axis=(1, 3), dtype=np.float32)
+    in_shaft = (to_tip > head) & (to_tip <= length) & (down <= height / 8)
+    inside = (in_head | in_shaft).reshape(height, _SAMPLES, width, _SAMPLES)
+    return LEVELS * inside.mean(axis=(1, 3), dtype=np.float32)

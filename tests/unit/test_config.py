@@ -181,11 +181,16 @@ def outcome(path, *overrides):
 @same_folder
 @given(st.integers(6, 400), st.floats(0.2, 20), st.floats(1e-3, 1e3))
 def test_every_suggested_length_is_accepted(tmp_path, rows, aspect, gap):
-    """Where gap and length share no spacing, the lengths named in the message make whole columns."""
+    """Where gap and length share no spacing, what the message names makes whole columns, at about that resolution."""
     data = {**MINIMAL, "geometry": {"gap": gap, "length": aspect * gap}, "discretisation": {"particles_across": rows}}
-    _, _, lengths = str(outcome(write(tmp_path, data))).partition("or geometry.length ")
+    _, _, text = str(outcome(write(tmp_path, data))).partition("nearest valid geometry.length: ")
+    lengths, _, others = text.partition("; nearest valid particles_across: ")
     for length in lengths.split(" or ") if lengths else ():
-        data["geometry"]["length"] = float(length)
+        geometry = {"gap": gap, "length": float(length)}
+        assert isinstance(outcome(write(tmp_path, {**data, "geometry": geometry})), Config) or rows < 10
+    for other in map(int, others.split(" or ") if others else ()):
+        assert rows / 2 <= other <= 2 * rows
+        data["discretisation"]["particles_across"] = other
         assert "no whole number" not in str(outcome(write(tmp_path, data)))
 
 
@@ -248,6 +253,44 @@ def test_any_value_anywhere_is_a_config_or_a_config_error(tmp_path, place, value
     path = write(tmp_path, MINIMAL)
     result = outcome(path, f"{place}={json.dumps(value)}")
     assert isinstance(result, Config) or result.startswith(("--set ", str(path)))
+
+
+def test_what_is_not_named_is_the_default_key_by_key(tmp_path):
+    config = load_data(tmp_path, "discretisation.precision=f32", "output.video.fps=10", "output.checkpoint_every=0.5")
+    assert (config.particles_across, config.discretisation.precision) == (50, "f32")
+    assert (config.output.video.fps, config.output.video.frames) == (10, 120)
+    assert load_data(tmp_path, discretisation={"kernel": "wendland_c2"}).particles_across == 50
+
+
+@pytest.mark.parametrize("none", ["false", "null"])
+def test_no_movie_is_false_or_null(tmp_path, none):
+    config = load_data(tmp_path, f"output.video={none}")
+    assert config.output.video is None
+    assert "video: null" in config.resolved_yaml() or "video:\n" in config.resolved_yaml()
+
+
+@pytest.mark.parametrize(
+    ("given", "wanted"),
+    [
+        ({"accuracy": "fast"}, "auto"),
+        ({"largest_strain": 0.3}, "implicit"),
+        ({"operators": {"order": 2}}, "implicit"),
+        ({"operators": "standard"}, "wcsph"),  # this and what follows as it has always been
+        ({"equation_of_state": {"gamma": 1}}, "wcsph"),
+        ({"artificial_viscosity": 0.1}, "wcsph"),
+        ({}, "wcsph"),
+    ],
+)
+def test_a_scheme_without_a_type_is_the_one_that_its_keys_belong_to(tmp_path, given, wanted):
+    scheme = load_data(tmp_path, scheme=given).scheme
+    assert scheme.type == wanted
+    for key, value in given.items():
+        assert getattr(scheme, key) == value or isinstance(value, dict)
+
+
+def test_a_key_of_the_default_scheme_is_set_where_the_config_has_no_scheme(tmp_path):
+    scheme = load_data(tmp_path, "scheme.accuracy=fast").scheme
+    assert (scheme.type, scheme.accuracy) == ("auto", "fast")
 
 
 def test_a_map_without_a_type_means_the_usual_member(tmp_path):

@@ -114,17 +114,26 @@ OVERRIDE_CASES = [
     ("time.end=!!float 3", ["tags are not allowed"]),
     ("time.end=", ["time.end = null: must be a number"]),
     ("time.end.x=3", ["time.end is not a map of keys"]),
+    ("time.samples.0=1.5", ["--set time.samples.0=1.5: time.samples: must be a list such as [1.0, 2.0]"]),
+    ("wals.top.velocity=1", ["--set wals.top.velocity=1: wals: unknown key; nearest: walls"]),
     ("time.edn=3", ["--set time.edn=3: time.edn = 3: unknown key; nearest: end"]),
     ("fluid.kinematic_viscosity=1e-6", ["exactly one of dynamic_viscosity, kinematic_viscosity", "are given"]),
     ("fluid.dynamic_viscosity=null", ["exactly one of dynamic_viscosity, kinematic_viscosity", "none is given"]),
     ("discretisation={spacing: 2.0e-4, particles_across: 50}", ["exactly one of particles_across, spacing"]),
-    ("discretisation={precision: f32}", ["exactly one of particles_across, spacing", "none is given"]),
     ("discretisation.spacing=-1", ["discretisation.spacing = -1: must be greater than 0"]),
     ("discretisation.spacing=3.0e-4", ["must divide the gap", "nearest valid spacing: 0.00030303030303 or 0.00029411"]),
-    ("geometry.length=0.0201", ["100.5 columns", "particles_across: 100, or geometry.length 0.02 or 0.0202"]),
-    ("geometry.length=0.0019", ["no whole number", "geometry.length 0.0018 or 0.002"]),
+    (
+        "geometry.length=0.0201",
+        [
+            "--set geometry.length=0.0201: geometry.length = 0.0201: 50 particles across make 100.5 columns",
+            "nearest valid geometry.length: 0.02 or 0.0202; nearest valid particles_across: 100",
+        ],
+    ),
+    ("geometry.length=0.02001", ["whole number; nearest valid geometry.length: 0.02 or 0.0202$"]),
+    ("geometry.length=0.0019", ["no whole number; nearest valid geometry.length: 0.002;", "particles_across: 100"]),
     ("geometry.length=0.0018", ["must be at least 0.002, 10 particle spacings"]),
-    ("discretisation.particles_across=5", ["particles_across = 5: at least 6 particles"]),
+    ("discretisation.particles_across=5", ["particles_across = 5: must be at least 6"]),
+    ("discretisation.particles_across=-5", ["particles_across = -5: must be at least 6"]),
     ("discretisation.spacing=2.0e-3", ["at least 6 particles", "spacing at most 0.00166667"]),
     ("discretisation={particles_across: 9, smoothing_ratio: 3}", ["at least 10 particles"]),
     ("discretisation.particles_across=50.0", ["50.0: must be a whole number"]),
@@ -138,6 +147,8 @@ OVERRIDE_CASES = [
     ("walls.treatment={type: adamy}", ['walls.treatment.type = "adamy"', "nearest: adami"]),
     ("walls.treatment={type: _images}", ["must be one of adami, comoving_image, consistent_image"]),
     ("walls.treatment={type: adami, layers: 3}", ["walls.treatment.layers = 3: unknown key; allowed: type"]),
+    ("scheme={accuracy: quick}", ["scheme.accuracy = \"quick\": must be 'fast', 'balanced' or 'high'"]),
+    ("scheme={accuracy: fast, artificial_viscosity: 0.1}", ["scheme.accuracy", "unknown key", "artificial_viscosity"]),
     ("scheme={type: spectral}", ["scheme.type", "wcsph"]),
     ("scheme={type: wcsph, equation_of_state: {gamma: 0}}", ["equation_of_state.gamma = 0: must be at least 1"]),
     ("scheme={type: wcsph, equation_of_state: {sound_speed: 0}}", ["must be greater than 0", "or auto"]),
@@ -181,7 +192,7 @@ OVERRIDE_CASES = [
 
 @pytest.mark.parametrize(("override", "wanted"), OVERRIDE_CASES, ids=[case[0][:60] for case in OVERRIDE_CASES])
 def test_bad_override(message, override, wanted):
-    text = message(GOOD, override)
+    text = f"{message(GOOD, override)}$"
     assert [part for part in wanted if part not in text] == []
 
 
@@ -201,6 +212,28 @@ def test_more_than_five_mistakes_are_counted(message):
 def test_a_replaced_value_is_blamed_on_the_override(message):
     text = message(GOOD, "geometry={gap: -1, length: 0.02}")
     assert text.startswith("--set geometry={gap: -1, length: 0.02}: geometry.gap = -1")
+
+
+def test_of_two_values_that_do_not_fit_the_one_written_last_is_blamed(message):
+    content = GOOD.replace("0.02\n", "0.025\n") + "discretisation: {particles_across: 50}\n"
+    text = message(content, "discretisation.particles_across=51")
+    assert text.startswith(
+        "--set discretisation.particles_across=51: discretisation.particles_across = 51: 51 particles"
+    )
+    assert text.endswith(
+        "; nearest valid geometry.length: 0.0249019607843 or 0.0250980392157; nearest valid particles_across: 50 or 52"
+    )
+    assert message(content, "geometry.length=0.0251").startswith(
+        "--set geometry.length=0.0251: geometry.length = 0.0251"
+    )
+    assert message(content.replace("50}", "51}")).startswith("case.yaml:12: discretisation.particles_across = 51")
+
+
+def test_an_item_of_a_list_that_is_there_is_replaced_with_the_whole_list(message):
+    text = message(GOOD + "  samples: [1.0, 2.0]\n", "time.samples.0=1.5")
+    assert text == (
+        "--set time.samples.0=1.5: time.samples is a list: give it as a whole, such as time.samples=[1.0, 2.0]"
+    )
 
 
 def test_not_utf8(message):

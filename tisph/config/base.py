@@ -23,9 +23,15 @@ def refusal(text: str) -> PydanticCustomError:
     return PydanticCustomError(REFUSED, "{text}", {"text": text})
 
 
-def refusals(found: list[tuple[tuple[str | int, ...], str, Any]]) -> ValidationError:
-    """One error to raise in a model validator, from (place below the model, text, value) of each finding."""
-    details = [InitErrorDetails(type=refusal(text), loc=place, input=value) for place, text, value in found]
+def refusals(found: list[tuple[Any, ...]]) -> ValidationError:
+    """One error to raise in a model validator, from (place below the model, text, value) of each finding.
+
+    A fourth item is another place that may be to blame: of the two, the one that was written last.
+    """
+    details = []
+    for place, text, value, *others in found:
+        error = PydanticCustomError(REFUSED, "{text}", {"text": text, "others": others})
+        details.append(InitErrorDetails(type=error, loc=place, input=value))
     return ValidationError.from_exception_data("Config", details)
 
 

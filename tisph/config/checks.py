@@ -18,21 +18,22 @@ SKIN = 0.3
 SMALLEST_F32 = 1e-6
 """Spacing whose fourth power, in the determinant of the moments, is well inside the range of single precision."""
 
-FARTHEST_ROWS = 10_000
-"""How far from the given resolution a valid one is looked for."""
-
-Problem = tuple[str, str]
-"""Dotted key and what is wrong with its value."""
+Problem = tuple[str, str] | tuple[str, str, str]
+"""Dotted key and what is wrong with its value; a second key where it is as much the other one's fault."""
 
 
 def raise_problems(config: Any) -> None:
     """Raise one ValidationError with all problems of the validated config, if there are any."""
     found = []
-    for key, text in problems(config):
-        place = tuple(int(part) if part.isdigit() else part for part in key.split("."))
-        found.append((place, text, _value(config, place)))
+    for key, text, *others in problems(config):
+        place, *blamed = map(_place, (key, *others))
+        found.append((place, text, _value(config, place), *blamed))
     if found:
         raise refusals(found)
+
+
+def _place(key: str) -> tuple[str | int, ...]:
+    return tuple(int(part) if part.isdigit() else part for part in key.split("."))
 
 
 def problems(config: Any) -> Iterator[Problem]:
@@ -146,10 +147,11 @@ def _lattice(config: Any) -> Iterator[Problem]:
     elif not _is_whole(across):
         yield key, f"must divide the gap {gap:g}; {_nearest_valid(config, least_rows)}"
     elif not _is_whole(columns):
-        choices = _nearest_valid(config, least_rows)
-        lengths = [f"{whole * gap / across:.12g}" for whole in (math.floor(columns), math.ceil(columns)) if whole]
-        text = f"makes {columns:.6g} columns in the length {length:g}, no whole number; {choices}"
-        yield key, f"{text}, or geometry.length {' or '.join(lengths)}"
+        wholes = sorted({max(whole, _least_columns(config)) for whole in (math.floor(columns), math.ceil(columns))})
+        lengths = " or ".join(f"{whole * gap / across:.12g}" for whole in wholes)
+        text = f"{round(across)} particles across make {columns:.6g} columns in the length {length:g}, no whole number"
+        rows = _nearest_valid(config, least_rows)
+        yield key, f"{text}; nearest valid geometry.length: {lengths}{rows and f'; {rows}'}", "geometry.length"
     else:
         yield from _least_length(config, round(columns))
         yield from _precision(config)
@@ -162,10 +164,14 @@ def _precision(config: Any) -> Iterator[Problem]:
         yield "discretisation.precision", f"{text}: take other units of length, or f64"
 
 
+def _least_columns(config: Any) -> int:
+    """With fewer than three cells along x a particle would meet a neighbour and its periodic copy."""
+    return math.ceil(3 * (config.support + SKIN))
+
+
 def _least_length(config: Any, columns: int) -> Iterator[Problem]:
-    least = math.ceil(3 * (config.support + SKIN))
+    least = _least_columns(config)
     if columns < least:
-        # with fewer than three cells along x a particle would meet a neighbour and its periodic copy
         text = f"must be at least {least * config.spacing:.6g}, {least} particle spacings"
         yield "geometry.length", f"{text}: the periodic neighbour search needs three cells along x"
 
@@ -175,13 +181,20 @@ def _is_whole(number: float) -> bool:
 
 
 def _nearest_valid(config: Any, least_rows: int) -> str:
-    """The resolutions around the given one that divide gap and length, in the words of a message."""
+    """The resolutions around the given one, up to a factor of 2, that divide gap and length, in the words of a message.
+
+    Where there is none, those that divide the gap, which must not be whole then.
+    """
     across, gap = _across(config), config.geometry.gap
     aspect = config.geometry.length / gap
     start = math.floor(across)
-    below = range(start, max(least_rows, start - FARTHEST_ROWS) - 1, -1)
-    above = range(max(least_rows, start + 1), start + FARTHEST_ROWS)
+    below = range(start, max(least_rows, math.ceil(across / 2)) - 1, -1)
+    above = range(max(least_rows, start + 1), math.floor(2 * across) + 1)
     found = [next((rows for rows in side if _is_whole(rows * aspect)), None) for side in (below, above)]
+    rest = ""
+    if not any(found) and not _is_whole(across):
+        found, rest = [max(start, least_rows), max(start, least_rows) + 1], ", and geometry.length to suit"
     by_spacing = config.discretisation.spacing is not None
     choices = [f"{gap / rows:.12g}" if by_spacing else str(rows) for rows in found if rows]
-    return f"nearest valid {'spacing' if by_spacing else 'particles_across'}: {' or '.join(choices) or 'none'}"
+    name = "spacing" if by_spacing else "particles_across"
+    return f"nearest valid {name}: {' or '.join(choices)}{rest}" if choices else ""

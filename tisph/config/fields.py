@@ -1,11 +1,12 @@
 """Field types of a config that pydantic does not have: members of a family, and a number or one word."""
 
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Discriminator, GetCoreSchemaHandler, Tag
+from pydantic import AfterValidator, Discriminator, GetCoreSchemaHandler, Tag, ValidationError
 from pydantic_core import CoreSchema, core_schema
 
 from tisph import families
@@ -51,8 +52,8 @@ def member_name(family: str) -> Any:
 class Member:
     """Marks a map ``{type: NAME, ...}`` whose other keys are the ``Parameters`` of a family's member.
 
-    ``usual`` is the member meant where the map, or its ``type``, is left out; ``untyped``, if given, the one meant by a
-    map without ``type``.
+    ``usual`` is the member meant where the map, or its ``type``, is left out. With ``untyped`` a map without ``type``
+    means the member that its keys belong to: ``untyped`` where that has them all, else ``usual`` where that has.
     """
 
     family: str
@@ -65,10 +66,22 @@ class Member:
 
     def model(self, value: object) -> type[Model] | None:
         """Parameter model that the raw map ``value`` names by its ``type``, None where it names none."""
-        name = value.get("type", self.untyped or self.usual) if isinstance(value, dict) else None
+        name = value.get("type", self._meant(value)) if isinstance(value, dict) else None
         if name not in families.names(self.family):
             return None
         return families.load(self.family, name).Parameters
+
+    def _meant(self, value: dict[str, Any]) -> str:
+        """Name of the member whose parameters ``value`` are; of the one with most of its keys where that is none."""
+        if self.untyped is None:
+            return self.usual
+        names = [self.untyped, self.usual, *families.names(self.family)]
+        models = {name: families.load(self.family, name).Parameters for name in names}
+        for name, model in models.items():
+            with suppress(ValidationError):
+                model.model_validate(value)
+                return name
+        return max(models, key=lambda name: len(models[name].model_fields.keys() & value.keys()))
 
     def _validate(self, value: object) -> Model:
         if isinstance(value, Model):

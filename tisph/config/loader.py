@@ -51,16 +51,29 @@ class Source:
             parsed = parse(value).data
         except YamlTextError as error:
             raise ConfigError(f"{label}: the value {error.text}") from None
+        origin = (LARGEST_FILE + rank, label)
         parent = self.data
         for depth, part in enumerate(place[:-1], start=1):
-            if not isinstance(parent.setdefault(part, {}), dict):
-                raise ConfigError(f"{label}: {'.'.join(place[:depth])} is not a map of keys")
+            if part not in parent:
+                parent[part] = {}
+                self._origins[place[:depth]] = origin
             parent = parent[part]
+            if not isinstance(parent, dict):
+                self._refuse_to_go_below(".".join(place[:depth]), parent, label)
         parent[place[-1]] = parsed
         replaced = [old for old in self._origins if old[: len(place)] == place]
         for old in replaced:
             del self._origins[old]
-        self._origins[place] = (LARGEST_FILE + rank, label)
+        self._origins[place] = origin
+
+    def _refuse_to_go_below(self, key: str, value: Any, label: str) -> None:
+        kind = "is a list: give it as a whole" if isinstance(value, list) else "is not a map of keys"
+        example = f", such as {key}=[1.0, 2.0]" if isinstance(value, list) else ""
+        raise ConfigError(f"{label}: {key} {kind}{example}")
+
+    def written(self, place: KeyPath) -> int:
+        """Order of ``place`` itself, -1 where it was left out."""
+        return self._origins.get(place, (-1, ""))[0]
 
     def origin(self, place: KeyPath) -> tuple[int, str]:
         """Order and name of where ``place``, or the nearest map around it, was written."""
@@ -87,7 +100,7 @@ def load(path: str | Path, overrides: Sequence[str] = ()) -> Config:
 
 
 def _message(error: ValidationError, source: Source) -> str:
-    found = [(source.origin(place), text) for place, text in describe(error, source.data)]
+    found = [(source.origin(place), text) for place, text in describe(error, source.data, source.written)]
     lines = [f"{where}: {text}" for (_, where), text in sorted(found)]
     more = len(lines) - MOST_SHOWN
     return "\n".join(lines[:MOST_SHOWN] + ([f"and {more} more"] if more > 0 else []))

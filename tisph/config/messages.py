@@ -1,7 +1,9 @@
 """Validation errors as the lines that a user reads: key, value, what is allowed, nearest valid key."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import reduce
+from operator import getitem
 from typing import Any
 
 from pydantic import ValidationError
@@ -32,9 +34,19 @@ TEXTS = {
 """What is allowed, by pydantic's type of error; a type that is not here keeps pydantic's own words."""
 
 
-def describe(error: ValidationError, data: Any) -> list[tuple[KeyPath, str]]:
-    """Place and message of every error of a failed validation of the raw ``data``."""
-    return [_describe(details, data) for details in error.errors(include_url=False)]
+def describe(error: ValidationError, data: Any, written: Callable[[KeyPath], int]) -> list[tuple[KeyPath, str]]:
+    """Place and message of every error of a failed validation of the raw ``data``.
+
+    ``written(place)`` orders places by when they were written, of several that may be to blame.
+    """
+    return [_describe(_blame_last(details, data, written), data) for details in error.errors(include_url=False)]
+
+
+def _blame_last(details: Any, data: Any, written: Callable[[KeyPath], int]) -> Any:
+    for place in details.get("ctx", {}).get("others", ()):
+        if written(place) > written(details["loc"]):
+            return {**details, "loc": place, "input": reduce(getitem, place, data)}
+    return details
 
 
 def show(value: object) -> str:

@@ -7,7 +7,7 @@ files of the members themselves.
 import re
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from tisph import families
 from tisph.config import checks, yaml_text
@@ -15,7 +15,7 @@ from tisph.config.base import LARGEST, SMALLEST, Model, Positive, Signed, refusa
 from tisph.config.fields import Member, member_name, number_or
 
 PixelCount = Annotated[int, Field(ge=240, le=4096, multiple_of=2)]
-Count = Annotated[int, Field(ge=1, le=10**12)]
+Count = Annotated[int, Field(ge=checks.LEAST_PARTICLES_ACROSS, le=10**12)]
 
 WallTreatment = Member("walls", usual="consistent_image")
 Rheology = Member("rheology", usual="newtonian")
@@ -145,7 +145,7 @@ class Initial(Model):
 
 
 class Discretisation(Model):
-    """Particle spacing [length] or number across the gap, smoothing kernel, smoothing length over spacing."""
+    """Particle spacing [length] or number across the gap (50), smoothing kernel, smoothing length over spacing."""
 
     exclusive_keys = ("particles_across", "spacing")
 
@@ -154,6 +154,13 @@ class Discretisation(Model):
     kernel: member_name("kernels") = "quintic_spline"
     smoothing_ratio: Annotated[float, Field(ge=0.8, le=3)] = 1.0
     precision: Literal["f64", "f32"] = "f64"
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fill_in_resolution(cls, data: Any) -> Any:
+        if isinstance(data, dict) and all(data.get(key) is None for key in cls.exclusive_keys):
+            return {**data, "particles_across": 50}
+        return data
 
 
 class Time(Model):
@@ -198,9 +205,9 @@ class Video(Model):
 
 
 class Output(Model):
-    """Movie (null for none) and simulated time between checkpoints [time] (null for none)."""
+    """Movie (null or false for none) and simulated time between checkpoints [time] (null for none)."""
 
-    video: Video | None = Video()
+    video: Annotated[Video | None, BeforeValidator(lambda value: None if value is False else value)] = Video()
     checkpoint_every: Positive | None = None
 
 
@@ -222,7 +229,7 @@ class Config(Model):
     walls: Walls
     drive: Drive = Drive()
     initial: Initial = Initial()
-    discretisation: Discretisation = Discretisation(particles_across=50)
+    discretisation: Discretisation = Discretisation.model_validate({})
     scheme: Annotated[Model, Scheme] = Field(default_factory=Scheme.default)
     time: Time
     tracers: Tracers = Tracers()

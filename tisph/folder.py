@@ -1,6 +1,10 @@
 """The results folder: the one list of the files that a run may leave."""
 
+import os
+from contextlib import contextmanager, suppress
 from pathlib import Path
+
+LOCK = ".lock"
 
 
 def partial(path):
@@ -35,3 +39,24 @@ class Folder:
         """Return the paths of all of them, and of what a killed run was writing."""
         paths = [path for name, path in vars(self).items() if name != "root"]
         return [*paths, *map(partial, paths), spare(self.samples), spare(self.frames)]
+
+
+@contextmanager
+def held(root):
+    """Make the folder ``root`` if there is none and hold it against other processes; filelock's Timeout if one has it.
+
+    Afterwards, or with the end of the process, it is free. The lock's file is removed while it is still held: a process
+    that has opened it by then notices that it is gone (``filelock`` from 3.24 on).
+    """
+    from filelock import FileLock
+
+    root.mkdir(parents=True, exist_ok=True)
+    lock = FileLock(root / LOCK, timeout=0)
+    with lock:
+        own = os.stat(root / LOCK)
+        try:
+            yield
+        finally:
+            with suppress(OSError):  # the folder may be gone, or be another one by now; Windows keeps what is open
+                if os.path.samestat(own, os.stat(root / LOCK)):
+                    os.unlink(root / LOCK)

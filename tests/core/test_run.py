@@ -239,7 +239,7 @@ def test_a_second_run_into_the_same_folder_is_refused(tisph, tmp_path):
         time.sleep(0.01)
     try:
         refused = tisph("run", "small.yaml", "--out", "out", "--overwrite", status=2)
-        assert "another run is writing there" in refused.stderr
+        assert "is in use, another run is writing there" in refused.stderr
     finally:
         first.send_signal(signal.SIGTERM)
         first.wait()

@@ -14,6 +14,7 @@ from tisph.cli.check import estimates
 from tisph.cli.output_folder import RESULTS
 from tisph.config import load
 from tisph.errors import DivergedError, TisphError
+from tisph.folder import held
 from tisph.schemes._estimate import step_count
 
 ROOT = Path(tisph.__file__).parents[1]
@@ -114,7 +115,7 @@ def test_overwrite_removes_results_and_nothing_else(case, simulation):
     for name in (*RESULTS, "notes.txt"):
         Path("full", name).write_text("old")
     assert tisph_command("run", "case.yaml", "--out", "full", "--overwrite").exit_code == 0
-    assert sorted(path.name for path in Path("full").iterdir()) == [".lock", "notes.txt", "summary.json"]
+    assert sorted(path.name for path in Path("full").iterdir()) == ["notes.txt", "summary.json"]
 
 
 def test_resume_needs_a_checkpoint(case, simulation):
@@ -125,6 +126,33 @@ def test_resume_needs_a_checkpoint(case, simulation):
     Path("old/checkpoint.h5").write_text("")
     assert tisph_command("run", "case.yaml", "--out", "old", "--resume").exit_code == 0
     assert simulation.calls == [("case", Path("old"), True, True)]
+
+
+@pytest.mark.parametrize("how", [[], ["--overwrite"], ["--resume"]])
+def test_a_folder_in_use_is_said_to_be_in_use(case, simulation, how):
+    with held(Path("out")):
+        Path("out/checkpoint.h5").write_text("")
+        result = tisph_command("run", "case.yaml", "--out", "out", *how)
+        assert (case / "out/.lock").exists()
+    assert result.exit_code == 2
+    assert result.stderr == "error: --out out: is in use, another run is writing there; choose another folder\n"
+    assert simulation.calls == []
+
+
+@pytest.mark.parametrize("error", [None, TisphError("no encoder"), KeyboardInterrupt()])
+def test_no_lock_is_left_whatever_ends_a_run(case, simulation, error):
+    simulation.error = error
+    tisph_command("run", "case.yaml", "--out", "out")
+    assert [path.name for path in Path("out").iterdir()] == ["summary.json"]
+
+
+@pytest.mark.parametrize("command", [["run", "case.yaml"], ["bench"], ["stress"], ["verify", "--walls"]])
+@pytest.mark.parametrize("name", ["", " "])
+def test_an_empty_name_is_not_the_current_folder(case, simulation, command, name):
+    result = tisph_command(*command, "--out", name)
+    assert result.exit_code == 2
+    assert "the name is empty; give a folder" in " ".join(result.stderr.split())
+    assert simulation.calls == []
 
 
 def test_resume_and_overwrite_exclude_each_other(case, simulation):

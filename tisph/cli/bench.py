@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from tisph.cli.options import folder_name
 from tisph.errors import ConfigError
 
 FOLDER = Path("runs/bench")
@@ -27,7 +28,9 @@ def bench(
     configs: Annotated[
         Path, typer.Option("--configs", metavar="DIR", help="With startup: where the configs are.")
     ] = Path("configs"),
-    out: Annotated[Path | None, typer.Option("--out", metavar="DIR", help=f"Results [default: {FOLDER}/NAME].")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", parser=folder_name, help=f"Results [default: {FOLDER}/NAME].")
+    ] = None,
 ) -> None:
     """Measure run time against error, or what parts of a run cost.
 

@@ -1,5 +1,6 @@
 """Arguments that several commands share."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -10,3 +11,10 @@ Overrides = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY.PATH=VALUE", help="Replace one value of the config; may be repeated."),
 ]
+
+
+def folder_name(text: str) -> Path:
+    """Parse the name of a folder; an empty one, as of an unset variable of a shell, is not the current folder."""
+    if not text.strip():
+        raise typer.BadParameter("the name is empty; give a folder (. is the current one)")
+    return Path(text)

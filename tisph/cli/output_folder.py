@@ -1,15 +1,13 @@
 """The folder of results: when it may be used, and that it can be written."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from filelock import FileLock, Timeout
+from filelock import Timeout
 
 from tisph.errors import ConfigError
-from tisph.folder import Folder
-
-LOCK = ".lock"
+from tisph.folder import LOCK, Folder, held
 
 RESULTS = tuple(path.name for path in Folder(".").files())
 """What a run may leave, and all that ``--overwrite`` removes: other files in the folder are not touched."""
@@ -26,26 +24,24 @@ def claimed(folder: Path, *, overwrite: bool, resume: bool) -> Iterator[None]:
     checkpoint = Folder(folder).checkpoint
     if resume and not checkpoint.is_file():
         raise ConfigError(f"--resume: there is no {checkpoint.name} in {folder}, nothing to go on from")
-    try:
-        used = folder.is_dir() and any(entry.name != LOCK for entry in folder.iterdir())
+    with ExitStack() as stack:
+        try:
+            stack.enter_context(held(folder))
+            used = any(entry.name != LOCK for entry in folder.iterdir())
+        except Timeout:
+            raise ConfigError(
+                f"--out {folder}: is in use, another run is writing there; choose another folder"
+            ) from None
+        except (OSError, ValueError, NotImplementedError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            raise ConfigError(f"--out {folder}: cannot be written: {reason}") from None
         if used and not (overwrite or resume):
             raise ConfigError(
                 f"--out {folder}: the folder is not empty; choose another one, or add --overwrite or --resume"
             )
-        folder.mkdir(parents=True, exist_ok=True)
-        lock = FileLock(folder / LOCK)
-        lock.acquire(timeout=0)
-    except Timeout:
-        raise ConfigError(f"--out {folder}: another run is writing there; choose another folder") from None
-    except (OSError, ValueError, NotImplementedError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise ConfigError(f"--out {folder}: cannot be written: {reason}") from None
-    try:
         if overwrite:
             _remove_results(folder)
         yield
-    finally:
-        lock.release()
 
 
 def _remove_results(folder: Path) -> None:

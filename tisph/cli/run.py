@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from tisph.cli import check
-from tisph.cli.options import ConfigFile, Overrides
+from tisph.cli.options import ConfigFile, Overrides, folder_name
 from tisph.cli.outcome import held_back
 from tisph.errors import DivergedError
 from tisph.folder import Folder
@@ -22,7 +22,8 @@ SHOWN = {
 def run(
     config: ConfigFile,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Folder of the results [default: runs/NAME].")
+        Path | None,
+        typer.Option("--out", metavar="DIR", parser=folder_name, help="Folder of the results [default: runs/NAME]."),
     ] = None,
     overrides: Overrides = None,
     no_video: Annotated[bool, typer.Option("--no-video", help="Make no movie.")] = False,

@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from tisph.cli.options import folder_name
+
 FOLDER = Path("runs/stress")
 
 
@@ -13,7 +15,9 @@ def stress(
     processes: Annotated[
         int | None, typer.Option("--processes", min=1, help="Cells at a time [default: one a core].")
     ] = None,
-    out: Annotated[Path | None, typer.Option("--out", metavar="DIR", help=f"Results [default: {FOLDER}].")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", parser=folder_name, help=f"Results [default: {FOLDER}].")
+    ] = None,
 ) -> None:
     """Run the stability matrix and say what becomes of every cell.
 

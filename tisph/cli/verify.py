@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from tisph.cli.options import folder_name
 from tisph.errors import ConfigError
 
 WALLS_FOLDER = Path("runs/verify-walls")
@@ -20,7 +21,12 @@ def verify(
     ] = False,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help=f"With --walls: folder of its results [default: {WALLS_FOLDER}]."),
+        typer.Option(
+            "--out",
+            metavar="DIR",
+            parser=folder_name,
+            help=f"With --walls: folder of its results [default: {WALLS_FOLDER}].",
+        ),
     ] = None,
 ) -> None:
     """Compare runs with exact solutions.

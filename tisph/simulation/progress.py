@@ -10,7 +10,13 @@ REFRESH = 0.2
 """Seconds between two updates of the bar."""
 
 LINES = 10
-"""Plain lines over a whole run."""
+"""Plain lines over a whole run of medium length."""
+
+SHORTEST_PAUSE, LONGEST_PAUSE = 1.0, 60.0
+"""Seconds between two plain lines; the first one and the last one come at once."""
+
+LEAST_BAR = 30
+"""Columns of the terminal that are kept for bar, percentage and remaining time."""
 
 
 class RunProgress:
@@ -27,15 +33,14 @@ class RunProgress:
         self.bar = None
         if sys.stderr.isatty():
             self.bar = Progress(
-                TextColumn("{task.description}"),
-                BarColumn(),
+                BarColumn(bar_width=None),  # the only one that shrinks where columns are few
                 TaskProgressColumn(),
                 TextColumn("{task.fields[state]}"),
                 TimeRemainingColumn(elapsed_when_finished=True),
                 console=Console(stderr=True),
                 refresh_per_second=5,
             )
-            self.task = self.bar.add_task("running", total=1.0, state="")
+            self.task = self.bar.add_task("", total=1.0, state="")
 
     def __enter__(self):
         if self.bar:
@@ -54,9 +59,10 @@ class RunProgress:
         part = (now - self.start) / (self.end - self.start)
         if self.bar and (wall - self.shown > REFRESH or part >= 1.0):
             self.shown = wall
-            self.bar.update(self.task, completed=part, state=self._state(now, steps, wall))
-        elif not self.bar and int(part * LINES) > self.lines:
-            self.lines = int(part * LINES)
+            state = self._state(now, steps, wall, self.bar.console.width - LEAST_BAR)
+            self.bar.update(self.task, completed=part, state=state)
+        elif not self.bar and self._line_due(part, wall - self.shown):
+            self.lines, self.shown = int(part * LINES), wall
             left = (wall - self.began) * (1.0 - part) / part
             print(
                 f"{part:4.0%}  {self._state(now, steps, wall)}  {left:.0f} s left",
@@ -64,6 +70,17 @@ class RunProgress:
                 flush=True,
             )
 
-    def _state(self, now, steps, wall):
+    def _line_due(self, part, pause):
+        further = int(part * LINES) > self.lines and (pause > SHORTEST_PAUSE or self.lines == 0 or part >= 1.0)
+        return further or pause > LONGEST_PAUSE
+
+    def _state(self, now, steps, wall, columns=sys.maxsize):
+        """Time, step and speed, as many of them as fit into ``columns``."""
         rate = (steps - self.first_step) * self.particles / max(wall - self.began, 1e-9)
-        return f"t = {now:.4g} {self.unit}  step {steps}  {rate / 1e6:.2f} M particle-steps/s"
+        state = ""
+        for text in (f"t = {now:.4g} {self.unit}", f"step {steps}", f"{rate / 1e6:.2f} M particle-steps/s"):
+            longer = f"{state}  {text}" if state else text
+            if len(longer) > columns:
+                break
+            state = longer
+        return state

@@ -5,11 +5,12 @@ from contextlib import contextmanager
 from io import StringIO
 from pathlib import Path
 
-from filelock import FileLock, Timeout
+from filelock import Timeout
 from ruamel.yaml import YAML
 
 import tisph
 from tisph.errors import ConfigError
+from tisph.folder import held
 from tisph.study.processes import Process, read_result
 
 WITHOUT_EFFECT = ("cli", "report", "study")
@@ -30,8 +31,7 @@ def claimed(folder, taken):
     Raises ConfigError, with the words ``taken`` where another command holds it, and where it cannot be written.
     """
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with FileLock(folder / ".lock", timeout=0):
+        with held(folder):
             yield
     except Timeout:
         raise ConfigError(f"--out {folder}: {taken}; choose another folder") from None

@@ -1,0 +1,70 @@
+"""Progress on terminals of any width, and at sensible intervals where there is none."""
+
+import io
+import re
+
+import pytest
+
+from tisph.simulation import progress
+from tisph.simulation.progress import RunProgress
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+@pytest.mark.parametrize("columns", [20, 30, 60, 120])
+def test_a_bar_has_percentage_and_remaining_time_at_any_width(monkeypatch, columns):
+    terminal = Terminal()
+    monkeypatch.setattr("sys.stderr", terminal)
+    monkeypatch.setattr(progress, "REFRESH", -1.0)
+    for name, value in (("COLUMNS", str(columns)), ("TERM", "xterm"), ("NO_COLOR", "1")):
+        monkeypatch.setenv(name, value)
+    with RunProgress(0.0, 2.0, 5000, "s") as bar:
+        bar.update(0.5, 1)
+        bar.update(1.0, 12345)
+        bar.bar.refresh()
+        lines = [re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", line) for line in re.split(r"[\r\n]", terminal.getvalue())]
+        shown = next(line for line in reversed(lines) if "%" in line)
+        assert re.search(r" 50% .*(-:--:--|\d:\d\d:\d\d)$", shown.rstrip())
+        assert "…" not in shown
+        assert ("step 12345" in shown) == (columns >= 60)
+        assert "particle-steps/s" in shown or columns < 120
+        assert all(len(line) <= columns for line in lines)
+
+
+@pytest.fixture
+def lines(monkeypatch):
+    """Return a function that tells at which parts of a run of so many seconds a line is printed."""
+
+    def run(seconds, steps=1000):
+        clock = [0.0]
+        monkeypatch.setattr(progress.time, "perf_counter", lambda: clock[0])
+        stream = io.StringIO()
+        monkeypatch.setattr("sys.stderr", stream)
+        with RunProgress(0.0, 1.0, 100, "s") as shown:
+            for step in range(1, steps + 1):
+                clock[0] = seconds * step / steps
+                shown.update(step / steps, step)
+        return [int(line.partition("%")[0]) for line in stream.getvalue().splitlines()]
+
+    return run
+
+
+def test_a_run_of_a_moment_has_a_line_at_its_first_tenth_and_at_its_end(lines):
+    assert lines(0.5) == [10, 100]
+
+
+def test_a_run_of_a_minute_has_ten_lines(lines):
+    assert lines(60.0) == list(range(10, 101, 10))
+
+
+def test_a_run_of_a_few_seconds_has_a_line_a_second_at_most(lines):
+    assert lines(3.0) == [10, 43, 77, 100]  # at 0.3 s, 1.3 s, 2.3 s and the end
+
+
+def test_a_long_run_has_a_line_a_minute(lines):
+    shown = lines(10 * 3600.0, steps=36000)
+    assert len(shown) == pytest.approx(600, rel=0.02)  # steps of a second
+    assert shown[-1] == 100

@@ -11,7 +11,8 @@ class Snapshot:
 
     All arrays have shape (particles_fluid,) and the units of the config: positions ``x`` in [0, length) and
     ``y`` in [0, gap], velocities ``u`` along and ``v`` across the channel, density, pressure; polymer stresses
-    [mass/(length time^2)] where the liquid has them, else None.
+    [mass/(length time^2)] where the liquid has them, else None. ``reference``: arrays of the exact solution by the name
+    of the field, where somebody has asked for them.
     """
 
     t: float
@@ -25,3 +26,4 @@ class Snapshot:
     stress_xx: np.ndarray | None = None
     stress_xy: np.ndarray | None = None
     stress_yy: np.ndarray | None = None
+    reference: dict[str, np.ndarray] | None = None

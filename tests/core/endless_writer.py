@@ -31,7 +31,7 @@ def write(folder, channel, pipe):
     values = np.random.default_rng(0).uniform(0.1, 0.9, (6, channel.rows * channel.columns))
     movie = SimpleNamespace(add=lambda snapshot: None, close=lambda: None)
     history = History(folder.history, channel, channel.tracer_positions(4), TIMES[-1])
-    observers = [Samples(folder.samples, TIMES), history, Frames(folder.frames, movie, TIMES)]
+    observers = [Samples(folder.samples, channel, TIMES), history, Frames(folder.frames, movie, TIMES)]
     for step, t in enumerate(TIMES):
         for observer in observers:
             observer.observe(Snapshot(t, step, *values))

@@ -18,6 +18,9 @@ FIELDS = ("x", "y", "u", "v", "density", "pressure")
 STRESSES = ("stress_xx", "stress_xy", "stress_yy")
 """Fields that only liquids with polymer have."""
 
+EXACT = "_exact"
+"""What the name of a dataset of the exact solution ends in."""
+
 
 class Storage:
     """A file of snapshots in groups, which can be read at any time: whatever ends the process spoils nothing in it.
@@ -25,14 +28,16 @@ class Storage:
     ``name`` makes the name of a group from its number; those of ``fields`` that a snapshot has are stored, as ``dtype``
     where one is given. A group is in the file at once, or with those added up to ``delay`` seconds later. HDF5 cannot
     add to a file without a moment in which it cannot be read. So there are two: the one that nobody reads is brought up
-    to date, then they change places. TisphError where the system lets none be written.
+    to date, then they change places. TisphError where the system lets none be written. ``about``: attributes of the
+    file, and units of its datasets, each by name.
     """
 
-    def __init__(self, path, name, fields=FIELDS + STRESSES, dtype=None, delay=0.0):
+    def __init__(self, path, name, fields=FIELDS + STRESSES, dtype=None, delay=0.0, about=({}, {})):
         self.path = path
         self.name = name
         self.options = (fields, dtype)
         self.delay = delay
+        self.attributes, self.units = about
         self.count = 0
         self.due = -math.inf
         self.waiting = []
@@ -44,8 +49,9 @@ class Storage:
         """Make a file of ``snapshots``, in place of one that there may be."""
         self._tidy()  # what a killed run was writing may be anything
         with replaced(self.path) as new, hdf5_file(new) as file:
+            file.attrs.update(self.attributes)
             for snapshot in snapshots:
-                write_snapshot(file.create_group(self.name.format(self.count)), _kept(snapshot, *self.options))
+                self._write(file.create_group(self.name.format(self.count)), _kept(snapshot, *self.options))
                 self.count += 1
 
     def add(self, snapshot):
@@ -66,13 +72,20 @@ class Storage:
                 self.missing = []
             with hdf5_file(new, "r+") as file:
                 for name, content in (*self.missing, *self.waiting):
-                    write_snapshot(file.create_group(name), content)
+                    self._write(file.create_group(name), content)
             with contextlib.suppress(OSError):  # a system without links: next time the file is copied
                 os.link(self.path, spare(self.path))
         with contextlib.suppress(OSError):
             os.replace(spare(self.path), new)
         self.missing, self.waiting = self.waiting, []
         self.due = time.monotonic() + self.delay
+
+    def _write(self, group, snapshot):
+        write_snapshot(group, snapshot)
+        for name in group:
+            unit = self.units.get(name.removesuffix(EXACT))
+            if unit:
+                group[name].attrs["units"] = unit
 
     def close(self):
         """Have all groups in the file, and no other file."""
@@ -98,12 +111,14 @@ def _kept(snapshot, fields, dtype):
 
 
 def write_snapshot(group, snapshot):
-    """Write the fields that ``snapshot`` has into ``group``."""
+    """Write the fields that ``snapshot`` has, and those of its reference, into ``group``."""
     group.attrs["t"] = snapshot.t
     group.attrs["step"] = snapshot.step
     for name in FIELDS + STRESSES:
         if getattr(snapshot, name) is not None:
             group.create_dataset(name, data=getattr(snapshot, name))
+    for name, values in (snapshot.reference or {}).items():
+        group.create_dataset(name + EXACT, data=values)
 
 
 def read_snapshots(path, fields=FIELDS):

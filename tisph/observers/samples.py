@@ -2,28 +2,36 @@
 
 from tisph.observers._schedule import Schedule
 from tisph.observers._storage import Storage, read_snapshots
+from tisph.verification.reference import with_reference
 
 
 class Samples:
-    """Writes a group ``sample_000``, ... at each of ``times`` and keeps the snapshots in ``snapshots``.
+    """Writes a group ``sample_000``, ... at each of ``times``; ``snapshots`` keeps them, with their reference.
 
     A group has the attributes ``t`` and ``step`` and the datasets x, y, u, v, density, pressure, with polymer also
     stress_xx, stress_xy, stress_yy, of shape (particles_fluid,), in the units of the config and the order of
-    creation. ``resumed_at`` is the time up to which samples of an interrupted run are kept, None for a new file.
+    creation; beside u and the stresses those of the exact solution, ``u_exact`` and so on. ``about`` is the
+    ``Description`` of the run, if the file is to say what it is. ``resumed_at`` is the time up to which samples of an
+    interrupted run are kept, None for a new file.
     """
 
-    def __init__(self, path, times, resumed_at=None):
+    def __init__(self, path, channel, times, resumed_at=None, about=None):
+        self.channel = channel
         self.schedule = Schedule(times)
         self.snapshots = []
         if resumed_at is not None:
-            self.snapshots = [snapshot for snapshot in read_samples(path) if snapshot.t <= resumed_at]
+            self.snapshots = [with_reference(channel, kept) for kept in read_samples(path) if kept.t <= resumed_at]
             self.schedule.mark(resumed_at)
-        self.storage = Storage(path, "sample_{:03d}")
+        said = (
+            {} if about is None else {"attributes": about.attributes("particles at the samples"), "units": about.units}
+        )
+        self.storage = Storage(path, "sample_{:03d}", **said)
         self.storage.start(self.snapshots)
 
     def observe(self, snapshot):
         """Write one sample."""
         self.schedule.mark(snapshot.t)
+        snapshot = with_reference(self.channel, snapshot)
         self.storage.add(snapshot)
         self.snapshots.append(snapshot)
 

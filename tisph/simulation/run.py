@@ -11,6 +11,7 @@ from tisph.endings import endings
 from tisph.errors import DivergedError, TisphError
 from tisph.folder import Folder
 from tisph.observers._files import replaced
+from tisph.observers.description import Description
 from tisph.observers.frames import Frames, frame_times
 from tisph.observers.guard import INTERVAL, Guard
 from tisph.observers.history import History
@@ -128,7 +129,8 @@ class Run:
         if resume:
             self._observe()
         else:
-            self._observe_start(*values)
+            with self._timed("output"):
+                self._show(start_snapshot(self.channel, values, self.config.discretisation.precision))
         with RunProgress(self.scheme.time, self.config.time.end, self.particles, self.channel.units.time) as progress:
             self._loop(progress)
 
@@ -137,8 +139,9 @@ class Run:
             new.write_text(self.resolved, encoding="utf-8")
         end = self.config.time.end
         tracers = self.channel.tracer_positions(self.config.tracers.count, self.config.tracers.x)
-        self.samples = Samples(self.folder.samples, self.config.time.samples, resumed_at)
-        self.history = History(self.folder.history, self.channel, tracers, end, resumed_at)
+        about = Description(self.config, self.channel)
+        self.samples = Samples(self.folder.samples, self.channel, self.config.time.samples, resumed_at, about)
+        self.history = History(self.folder.history, self.channel, tracers, end, resumed_at, about)
         self.observers = [self.samples, self.history]
         if self.movie:
             times = frame_times(self.channel, end, self.config.output.video.frames)
@@ -169,11 +172,6 @@ class Run:
 
     def _snapshot(self, at=None):
         return seen_from_config(self.scheme.snapshot(at), self.channel)
-
-    def _observe_start(self, *values):
-        with self._timed("output"):
-            snapshot = start_snapshot(self.scheme.channel, *values, self.config.discretisation.precision)
-            self._show(seen_from_config(snapshot, self.channel))
 
     def _observe(self):
         """Give every observer the states that it waits for, up to now; let the guard see them, or the present one."""

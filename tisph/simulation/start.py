@@ -18,17 +18,20 @@ def start_values(channel, initial):
     return np.stack([x, y], 1), np.stack([u, np.zeros_like(u)], 1), stress
 
 
-def start_snapshot(channel, position, velocity, stress, precision):
-    """Return what ``start_values`` mean as a Snapshot: the start as the config says, before walls give their impulse.
+def start_snapshot(channel, values, precision):
+    """Return the ``start_values`` of ``channel.in_own_frame()`` as a Snapshot in the frame of ``channel``.
 
-    ``precision``: ``f64`` or ``f32``, in which the fields of a scheme hold positions and velocities.
+    It is the start as the config says, before walls give their impulse. ``precision``: ``f64`` or ``f32``, in which a
+    scheme holds positions and velocities.
     """
+    position, velocity, stress = values
     kind = np.float32 if precision == "f32" else np.float64
-    x, y, u, v = (values.astype(kind) for values in (*position.T, *velocity.T))
+    x, y, u, v = (column.astype(kind) for column in (*position.T, *velocity.T))
     nothing = np.zeros(len(x))
     stresses = {} if stress is None else dict(zip(("stress_xx", "stress_xy", "stress_yy"), stress.T, strict=True))
     state = {"x": x % channel.length, "y": y, "u": u, "v": v, "density": nothing + channel.density}
-    return Snapshot(t=channel.start_time, step=0, pressure=nothing, **state, **stresses)
+    snapshot = Snapshot(t=channel.start_time, step=0, pressure=nothing, **state, **stresses)
+    return seen_from_config(snapshot, channel)
 
 
 def seen_from_config(snapshot, channel):

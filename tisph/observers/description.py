@@ -1,0 +1,51 @@
+"""What the files of a run say of themselves: software, flow, units, and the config that made them."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from tisph import __version__
+
+
+@dataclass(frozen=True)
+class Description:
+    """Of the run of ``config`` in the scene ``channel``; the same for the same config, whenever it runs."""
+
+    config: Any
+    channel: Any
+
+    def attributes(self, content):
+        """Return names and values, text and numbers in the config's units, of a file with this ``content``."""
+        channel, units = self.channel, self.config.units
+        return {
+            "content": content,
+            "name": self.config.name,
+            "tisph_version": __version__,
+            "scene": self.config.scene,
+            "units": f"length {units.length}, mass {units.mass}, time {units.time}",
+            "gap": channel.gap,
+            "length": channel.length,
+            "spacing": channel.spacing,
+            "density": channel.density,
+            "kinematic_viscosity": channel.kinematic_viscosity,
+            "rheology": self.config.fluid.rheology.type,
+            **(vars(channel.polymer) if channel.polymer else {}),
+            "reference_velocity": channel.reference_velocity,
+            "frame_velocity": channel.frame_velocity,
+            "config": self.config.resolved_yaml(),
+        }
+
+    @property
+    def units(self):
+        """Units by the name of a field."""
+        length, mass, time = (getattr(self.config.units, name) for name in ("length", "mass", "time"))
+        fields = {"x": length, "y": length, "u": f"{length}/{time}", "v": f"{length}/{time}"}
+        stresses = ("pressure", "stress_xx", "stress_xy", "stress_yy")
+        return {**fields, "density": f"{mass}/{length}^3", **dict.fromkeys(stresses, f"{mass}/({length} {time}^2)")}
+
+    def comment(self, content):
+        """Return the attributes as lines that begin with ``#``."""
+        lines = []
+        for name, value in self.attributes(content).items():
+            first, *more = str(value).splitlines() if name != "config" else ["", *value.splitlines()]
+            lines += [f"# {name}: {first}".rstrip(), *(f"#   {line}" for line in more)]
+        return "".join(f"{line}\n" for line in lines)

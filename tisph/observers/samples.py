@@ -4,6 +4,8 @@ from tisph.observers._schedule import Schedule
 from tisph.observers._storage import Storage, read_snapshots
 from tisph.verification.reference import with_reference
 
+CONTENT = "particles at the times of the samples"
+
 
 class Samples:
     """Writes a group ``sample_000``, ... at each of ``times``; ``snapshots`` keeps them, with their reference.
@@ -22,9 +24,7 @@ class Samples:
         if resumed_at is not None:
             self.snapshots = [with_reference(channel, kept) for kept in read_samples(path) if kept.t <= resumed_at]
             self.schedule.mark(resumed_at)
-        said = (
-            {} if about is None else {"attributes": about.attributes("particles at the samples"), "units": about.units}
-        )
+        said = {} if about is None else {"about": (about.attributes(CONTENT), about.units)}
         self.storage = Storage(path, "sample_{:03d}", **said)
         self.storage.start(self.snapshots)
 

@@ -3,9 +3,8 @@
 LEAST_DEPTH = 2.0
 """Depth of a layer, in particle spacings, from which on a sample counts as resolved.
 
-The velocities of the layer then err by 1 % or less (L2) and the wall shear too, with both schemes and every order; with
-polymer by little more in the velocities, and its stresses follow later. ``benchmarks/resolution.py`` measures it, and
-docs/results.md has its table.
+The velocities of the layer then err by at most 1.5 % (L2) and the wall shear by 1 %, with both schemes and every order;
+with polymer the wall shear errs by 5 %. ``benchmarks/resolution.py`` measures it, docs/results.md has its table.
 """
 
 

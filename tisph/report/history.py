@@ -7,6 +7,7 @@ from matplotlib.ticker import FuncFormatter
 
 from tisph.report import style
 from tisph.report.labels import axis_exponent, axis_label, number, tick_text, velocity_unit
+from tisph.report.room import make_room
 from tisph.verification.resolution import resolution
 
 _MARKERS = 40  # a tracer
@@ -43,8 +44,9 @@ def plot_history(path: Path | str, channel, times: np.ndarray, tracer_y: np.ndar
         axes.plot([], [], "-", color=style.TEXT, linewidth=0.9, label="exact")
         _mark_unresolved(axes, channel, times)
         _label_axes(axes, channel, float(np.max(np.abs(times))))
-        figure.legend(loc="outside right center", frameon=False, fontsize=10)
-        figure.savefig(path, format="png")
+        legend = figure.legend(loc="center right", frameon=False, fontsize=10)
+        make_room(figure, np.array([[axes]]), legend, below=False)
+        style.save(figure, path)
 
 
 def _mark_unresolved(axes, channel, times: np.ndarray) -> None:

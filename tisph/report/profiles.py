@@ -11,6 +11,7 @@ from matplotlib.ticker import FuncFormatter
 from tisph.report import style
 from tisph.report.error_label import velocity_error_label
 from tisph.report.labels import MINUS, axis_exponent, axis_label, number, stress_unit, tick_text, velocity_unit
+from tisph.report.room import make_room
 from tisph.snapshot import Snapshot
 
 _DOTS = 400  # particles drawn a sample: more only hide each other
@@ -29,7 +30,8 @@ def plot_profiles(path: Path | str, channel, snapshots: Sequence[Snapshot]) -> N
     """
     with style.plot_style():
         figure = style.plot_figure(rows=2 if channel.polymer else 1)
-        axes = figure.subplots(2 if channel.polymer else 1, 2, sharey=True).ravel()
+        grid = figure.subplots(2 if channel.polymer else 1, 2, sharey=True, squeeze=False)
+        axes = grid.ravel()
         named = style.evenly_chosen(len(snapshots), _LEGEND_ENTRIES)
         error_label = velocity_error_label(channel)
         looks = _looks(len(snapshots))
@@ -43,8 +45,9 @@ def plot_profiles(path: Path | str, channel, snapshots: Sequence[Snapshot]) -> N
                 dots.set_label(f"{time},  {error_label(snapshot)}")
         _label_axes(axes, channel)
         axes[0].plot([], [], "-", color=style.TEXT, linewidth=0.9, label="exact")
-        figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=10)
-        figure.savefig(path, format="png")
+        legend = figure.legend(loc="lower center", ncols=3, frameon=False, fontsize=10)
+        make_room(figure, grid, legend, below=True)
+        style.save(figure, path)
 
 
 def _looks(count: int) -> list[dict]:

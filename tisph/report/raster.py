@@ -12,6 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 Points = tuple[np.ndarray, np.ndarray]
+Part = tuple[slice, np.ndarray, np.ndarray]
 
 PLACES = 16  # of a disc in a pixel, along each direction
 LEVELS = 255  # of coverage
@@ -76,7 +77,7 @@ class Discs:
         (column, row), reach, (rows, columns) = points, self._reach, self.panel
         return (column > -reach) & (column < columns + reach) & (row > -reach) & (row < rows + reach)
 
-    def _pixels(self, points: Points, once: bool = False) -> Iterator[tuple[slice, np.ndarray, np.ndarray]]:
+    def _pixels(self, points: Points, once: bool = False) -> Iterator[Part]:
         """Yield, for a slice of the discs at a time, flat pixel indices and coverages (discs, pixels of a disc).
 
         With ``once`` discs at the same place count as one.

@@ -47,10 +47,14 @@ def plot_figure(rows: int = 1) -> Figure:
 
     It is 720 pixels high for one row of axes, and 540 more for each further one.
     """
-    figure = Figure((11.0, 1.5 + 4.5 * rows), dpi=120, layout="constrained")
-    figure.get_layout_engine().set(w_pad=0.12, h_pad=0.12)
+    figure = Figure((11.0, 1.5 + 4.5 * rows), dpi=120)
     FigureCanvasAgg(figure)
     return figure
+
+
+def save(figure: Figure, path) -> None:
+    """Write ``figure`` as PNG to a path or an open file: quickly, a quarter larger than it could be."""
+    figure.savefig(path, format="png", pil_kwargs={"compress_level": 2})
 
 
 def rgb(colour: str) -> np.ndarray:

@@ -39,7 +39,7 @@ discretisation: {{particles_across: 12}}
 initial: {{jitter: 0.2}}
 scheme: {{type: wcsph}}
 time: {{end: {END}, samples: {[END * k / 20 for k in range(1, 21)]}}}
-output: {{video: {{frames: 40, width: 320, height: 240}}, checkpoint_every: {END / 50}}}
+output: {{video: {{frames: 40, width: 640, height: 320}}, checkpoint_every: {END / 50}}}
 """
 """Some 2600 steps in a second or two, with five hundred writes on the way."""
 

@@ -22,7 +22,7 @@ walls: {top: {velocity: 0.5}}
 initial: {jitter: 0.2}
 discretisation: {particles_across: 12}
 time: {end: 0.9, samples: [0.3, 0.45, 0.6, 0.9]}
-output: {video: {frames: 7, width: 480, height: 240}, checkpoint_every: 0.5}
+output: {video: {frames: 7, width: 640, height: 320}, checkpoint_every: 0.5}
 """
 OLDROYD_B = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4}"
 OSCILLATION = "walls.top={amplitude: 0.5, angular_frequency: 40.0}"

@@ -24,7 +24,7 @@ discretisation: {particles_across: 12}
 initial: {jitter: 0.2}
 scheme: {type: wcsph}
 time: {end: 1.0, samples: [0.4, 1.0]}
-output: {video: {frames: 5, width: 480, height: 240}}
+output: {video: {frames: 5, width: 640, height: 320}}
 """
 
 

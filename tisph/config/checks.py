@@ -41,7 +41,7 @@ def problems(config: Any) -> Iterator[Problem]:
     yield from _motion(config)
     yield from _start(config)
     yield from _times(config)
-    yield from _colours(config)
+    yield from _video(config)
     yield from _members(config)
     yield from _tracers(config)
     too_large = list(_size(config))
@@ -98,8 +98,11 @@ def _tracers(config: Any) -> Iterator[Problem]:
         yield "tracers.x", f"must be inside the channel: centre, or 0 to {config.geometry.length:g}"
 
 
-def _colours(config: Any) -> Iterator[Problem]:
+def _video(config: Any) -> Iterator[Problem]:
     video, rheology = config.output.video, config.fluid.rheology
+    if video and not 0.5 <= video.width / video.height <= 5:
+        text = f"{video.width} x {video.height} leaves no room for words that can be read"
+        yield "output.video", f"{text}: width must be 0.5 to 5 times the height"
     if video and video.color_by == "shear_stress" and not rheology.carries_stress:
         text = f"needs a rheology with a stress of its own, such as oldroyd_b; {rheology.type} has none"
         yield "output.video.color_by", f"{text}: take speed"

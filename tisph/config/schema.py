@@ -14,7 +14,8 @@ from tisph.config import checks, yaml_text
 from tisph.config.base import LARGEST, SMALLEST, Model, Positive, Signed, refusal, refusals
 from tisph.config.fields import Member, member_name, number_or
 
-PixelCount = Annotated[int, Field(ge=240, le=4096, multiple_of=2)]
+FrameWidth = Annotated[int, Field(ge=640, le=4096, multiple_of=2)]
+FrameHeight = Annotated[int, Field(ge=320, le=4096, multiple_of=2)]
 Count = Annotated[int, Field(ge=checks.LEAST_PARTICLES_ACROSS, le=10**12)]
 
 WallTreatment = Member("walls", usual="consistent_image")
@@ -198,8 +199,8 @@ class Video(Model):
 
     fps: Annotated[int, Field(ge=1, le=120)] = 30
     frames: Annotated[int, Field(ge=2, le=10_000)] = 120
-    width: PixelCount = 1280
-    height: PixelCount = 640
+    width: FrameWidth = 1280
+    height: FrameHeight = 640
     renderer: Literal["raster"] = "raster"
     color_by: Literal["speed", "shear_stress"] = "speed"
 

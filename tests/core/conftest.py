@@ -3,6 +3,7 @@
 import pytest
 
 from tisph import config, families, runtime
+from tisph.runtime import ti
 from tisph.scenes.channel import Channel
 from tisph.simulation.run import start_values
 
@@ -19,21 +20,23 @@ runtime: {threads: 1}
 
 
 @pytest.fixture(scope="session")
-def make(tmp_path_factory):
+def make_any(tmp_path_factory):
     """Return a function that builds a Scheme from ``key.path=value`` overrides of a small Couette case.
 
     ``jitter`` is short for ``initial.jitter``. ``moved(x, y)`` and ``velocity(x, y)`` return other places and
-    velocities (particles, 2) than those of the config. With ``started=False`` there are no particles in it yet.
+    velocities (particles, 2) than those of the config. With ``started=False`` there are no particles in it yet;
+    with ``fresh=False`` earlier Schemes, of the same precision and threads, can still be used.
     """
 
     path = tmp_path_factory.mktemp("case") / "case.yaml"
     path.write_text(CASE)
 
-    def build(*overrides, jitter=None, moved=None, velocity=None, started=True):
+    def build(*overrides, jitter=None, moved=None, velocity=None, started=True, fresh=True):
         settings = config.load(path, overrides if jitter is None else (*overrides, f"initial.jitter={jitter}"))
         channel = Channel.from_config(settings)
         threads = settings.runtime.threads
-        runtime.start(settings.discretisation.precision, threads)
+        if fresh:
+            runtime.start(settings.discretisation.precision, threads)
         targets = sorted({*settings.time.samples, settings.time.end})
         scheme = families.load("schemes", settings.scheme.type).Scheme(settings, channel, targets, threads == 1)
         if started:
@@ -46,3 +49,29 @@ def make(tmp_path_factory):
         return scheme
 
     return build
+
+
+@pytest.fixture(scope="session")
+def make(make_any):
+    """``make_any``: a name that a test file can give a narrower meaning."""
+    return make_any
+
+
+@pytest.fixture(scope="session")
+def shared(make_any):
+    """Return ``make_any(..., started=False)``, on one thread, which builds a Scheme once for all tests that ask for it.
+
+    For tests that place particles and list neighbours anew: to read the kernels again takes longer than all they do.
+    """
+    built, program = {}, None
+
+    def find(*overrides):
+        nonlocal program
+        if program is not ti.lang.impl.get_runtime().prog:  # Taichi has started again: all fields are gone
+            built.clear()
+        if overrides not in built:
+            built[overrides] = make_any(*overrides, started=False, fresh=not built)
+            program = ti.lang.impl.get_runtime().prog
+        return built[overrides]
+
+    return find

@@ -10,11 +10,11 @@ IMPLICIT = ("scheme={type: implicit}", "walls.treatment.type=comoving_image")
 
 
 @pytest.fixture
-def assembled(make):
-    """Return a function that builds a Scheme at rest with its operators assembled."""
+def assembled(shared):
+    """Return a function that gives a Scheme at rest with its operators assembled."""
 
     def build(*overrides, jitter=0.0):
-        scheme = make(*IMPLICIT, *overrides, started=False)
+        scheme = shared(*IMPLICIT, *overrides)
         position = np.stack(scheme.channel.jittered(0, jitter), 1)
         scheme.place(position, np.zeros_like(position))
         scheme.assemble(0.0)
@@ -197,11 +197,16 @@ def set_right_side(solver, b, guess=None):
     solver.x.from_numpy(x)
 
 
-def counted(solver):
-    """A list that grows with every iteration of a solver."""
-    done, iterate = [], solver.iterate
-    solver.iterate = lambda: (done.append(None), iterate())
-    return done
+@pytest.fixture
+def counted(monkeypatch):
+    """Return a function that gives a list, which grows with every iteration of a solver."""
+
+    def count(solver):
+        done, iterate = [], solver.iterate
+        monkeypatch.setattr(solver, "iterate", lambda: (done.append(None), iterate()))
+        return done
+
+    return count
 
 
 def solution(solver):
@@ -229,7 +234,7 @@ def test_the_solver_agrees_with_a_dense_one(assembled, order, coefficient, own, 
     assert np.linalg.norm(solution(solver) - np.linalg.solve(matrix, b)) <= 1.01 * farthest
 
 
-def test_the_solver_takes_fewer_iterations_from_a_good_guess(assembled):
+def test_the_solver_takes_fewer_iterations_from_a_good_guess(assembled, counted):
     scheme = assembled(jitter=0.2)
     solver, coefficient = scheme.solver, 10 * scheme.channel.spacing**2
     b = np.random.default_rng(0).uniform(-1.0, 1.0, scheme.points.fluid)
@@ -243,7 +248,7 @@ def test_the_solver_takes_fewer_iterations_from_a_good_guess(assembled):
     assert 0 < len(iterations) - from_zero < from_zero
 
 
-def test_the_solution_as_a_guess_takes_no_iteration(assembled):
+def test_the_solution_as_a_guess_takes_no_iteration(assembled, counted):
     scheme = assembled(jitter=0.2)
     coefficient = 10 * scheme.channel.spacing**2
     exact = np.random.default_rng(0).uniform(-1.0, 1.0, scheme.points.fluid)
@@ -256,7 +261,7 @@ def test_the_solution_as_a_guess_takes_no_iteration(assembled):
 
 
 @pytest.mark.parametrize("most", [0, 1])
-def test_the_solver_tells_when_it_has_not_converged(assembled, most):
+def test_the_solver_tells_when_it_has_not_converged(assembled, counted, most):
     scheme = assembled(jitter=0.2)
     b = np.random.default_rng(0).uniform(-1.0, 1.0, scheme.points.fluid)
     iterations = counted(scheme.solver)
@@ -272,7 +277,7 @@ def test_the_solver_tells_when_the_right_side_is_not_a_number(assembled):
     assert not scheme.solver.solve(10 * scheme.channel.spacing**2, RESIDUAL)
 
 
-def test_nothing_on_the_right_gives_nothing(assembled):
+def test_nothing_on_the_right_gives_nothing(assembled, counted):
     scheme = assembled(jitter=0.2)
     iterations = counted(scheme.solver)
     set_right_side(scheme.solver, np.zeros(scheme.points.fluid))
@@ -287,11 +292,11 @@ def test_the_systems_are_shared_among_all_threads(make):
     assert rows.blocks * rows.stretch >= 3 * CHUNK
 
 
-def test_the_same_bits_on_one_thread_and_on_two(assembled):
+def test_the_same_bits_on_one_thread_and_on_two(make):
     # 25 across: 625 particles, of which two threads share the loops of lists and assembly
     states = []
     for threads in (1, 2):
-        scheme = assembled("discretisation.particles_across=25", f"runtime.threads={threads}", jitter=0.2)
+        scheme = make(*IMPLICIT, "discretisation.particles_across=25", f"runtime.threads={threads}", jitter=0.2)
         for _ in range(6):
             scheme.advance()
         states.append([scheme.motion.position.to_numpy(), scheme.viscous.velocity.to_numpy(), scheme.time])

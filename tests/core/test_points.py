@@ -10,10 +10,10 @@ from tisph.neighbours.points import LANES, Points
 
 
 @pytest.fixture
-def make(make):
-    """``make`` for scheme implicit without particles yet, in a channel of twice the length."""
+def make(shared):
+    """``shared`` for scheme implicit, in a channel of twice the length."""
     overrides = ("scheme={type: implicit}", "walls.treatment.type=comoving_image", "geometry.length=2.0")
-    return functools.partial(make, *overrides, started=False)
+    return functools.partial(shared, *overrides)
 
 
 def place(scheme, x, y):

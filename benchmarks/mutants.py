@@ -1,0 +1,174 @@
+"""Change the program in small ways, one at a time, and count the changes that the tests notice.
+
+    python benchmarks/mutants.py exact verification --count 60 --out mutants
+    python benchmarks/mutants.py --count 200 --out mutants     # all folders of FOLDERS; goes on where it was stopped
+
+Each change is applied to a copy of the repository, on which the tests of TESTS run until one fails. What survives is
+printed with the line as it was and as it is; results.jsonl in the folder of --out keeps every outcome.
+
+mutmut leaves out functions with a decorator, which is every kernel; cosmic-ray changes numbers by whole units alone,
+and most of what it draws are operators that no program survives. What is asked here is whether a few per cent are seen.
+"""
+
+import argparse
+import ast
+import concurrent.futures
+import json
+import os
+import queue
+import random
+import resource
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+FOLDERS = ["exact", "least_squares", "operators", "rheology", "schemes", "verification", "walls"]
+
+NOT_COPIED = (".git", ".venv", "media", "__pycache__", "runs", "mutants")
+
+UNIT, CORE = "tests/unit/test_", "tests/core/test_"
+TESTS = {
+    "exact": [UNIT + "exact_*", UNIT + "scene_flows*"],
+    "verification": [UNIT + "metrics*", UNIT + "study_walls*", UNIT + "error_estimate*", UNIT + "cli*"],
+    "least_squares": [CORE + "least_squares*", CORE + "implicit_modes*", CORE + "implicit*", CORE + "points*"],
+    "schemes/implicit": [UNIT + "esdirk*", CORE + "implicit_modes*", CORE + "shift*", CORE + "implicit*", CORE + "re*"],
+    "schemes": [UNIT + "s[ct]*", UNIT + "error_estimate*", UNIT + "plan*", UNIT + "cli_check*", CORE + "*"],
+    "rheology": [CORE + "stress*", CORE + "*"],
+    "operators": [CORE + "weights*", CORE + "operators*", CORE + "stress*", CORE + "wall*", CORE + "*"],
+    "walls": [CORE + "wall*", CORE + "impulse*", CORE + "stress*", CORE + "*"],
+}
+"""Tests of a folder or file of the package, the quickest first; the longest name that fits counts."""
+
+SWAPS = {ast.Add: "-", ast.Sub: "+", ast.Mult: "/", ast.Div: "*", ast.Pow: "*", ast.FloorDiv: "*", ast.Mod: "*"}
+SWAPS |= {ast.Lt: ">=", ast.LtE: ">", ast.Gt: "<=", ast.GtE: "<", ast.Eq: "!=", ast.NotEq: "=="}
+SWAPS |= {ast.And: "or", ast.Or: "and"}
+
+
+def tests_of(path):
+    """Test files for a file of the package, without repetitions."""
+    name = path.relative_to(ROOT / "tisph").as_posix()
+    best = max((key for key in TESTS if name.startswith(key)), key=len)
+    found = [file for pattern in TESTS[best] for file in sorted(ROOT.glob(pattern + ".py"))]
+    return [str(file.relative_to(ROOT)) for file in dict.fromkeys(found)]
+
+
+def replacements(node):
+    """Yield (place before, place after, text) for what may stand between two places instead of what does."""
+    if not hasattr(node, "lineno"):
+        return
+    begin, end = (node.lineno, node.col_offset), (node.end_lineno, node.end_col_offset)
+    if isinstance(node, ast.Expr) and "loop_config" in ast.unparse(node):  # changes the speed alone
+        return
+    if isinstance(node, ast.Constant) and type(node.value) in (int, float):
+        yield begin, end, repr(node.value + 1 if type(node.value) is int else node.value * 1.05 or 0.05)
+    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+        yield begin, (node.operand.lineno, node.operand.col_offset), ""
+    elif isinstance(node, ast.AugAssign) or (isinstance(node, ast.Expr) and isinstance(node.value, ast.Call)):
+        yield begin, end, "pass"
+    between = {
+        ast.BinOp: lambda: [(node.left, node.op, node.right)],
+        ast.Compare: lambda: zip([node.left, *node.comparators], node.ops, node.comparators, strict=False),
+        ast.BoolOp: lambda: [(node.values[0], node.op, node.values[1])],
+    }
+    for left, operator, right in between.get(type(node), list)():
+        if type(operator) in SWAPS:
+            yield (left.end_lineno, left.end_col_offset), (right.lineno, right.col_offset), SWAPS[type(operator)]
+
+
+def candidates(path):
+    """All changes of a file, as (path, place before, place after, text)."""
+    skipped = set()
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        texts = getattr(node, "decorator_list", []) if not isinstance(node, ast.JoinedStr | ast.Raise) else [node]
+        skipped |= {inner for text in texts for inner in ast.walk(text)}
+    return [(path, *found) for node in ast.walk(tree) if node not in skipped for found in replacements(node)]
+
+
+def mutated(source, begin, end, text):
+    """The source with another text between two places; parentheses around an operator stay."""
+    lines = source.encode().splitlines(keepends=True)
+    first, last = (sum(map(len, lines[: line - 1])) + column for line, column in (begin, end))
+    source = source.encode()
+    if text in ("", *SWAPS.values()):
+        operator = source[first:last].strip(b"() \n")
+        first += source[first:last].index(operator)
+        last = first + len(operator)
+    return (source[:first] + text.encode() + source[last:]).decode()
+
+
+def survives(tree, tests, seconds):
+    """Run tests in a copy until one fails, for so much processor time; return whether all pass."""
+    environment = {**os.environ, "PYTHONPATH": str(tree), "PYTHONDONTWRITEBYTECODE": "1", "HOME": str(tree.parent)}
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
+    limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))  # noqa: E731
+    return subprocess.run(command, cwd=tree, env=environment, capture_output=True, preexec_fn=limit).returncode == 0
+
+
+def judge(mutant, trees, seconds):
+    """Apply a change to a free copy, run the tests, and take it back."""
+    path, begin, end, text = mutant
+    source = path.read_text(encoding="utf-8")
+    changed = mutated(source, begin, end, text)
+    tree = trees.get()
+    copy = tree / path.relative_to(ROOT)
+    try:
+        copy.write_text(changed, encoding="utf-8")
+        outcome = survives(tree, tests_of(path), seconds)
+    finally:
+        copy.write_text(source, encoding="utf-8")
+        trees.put(tree)
+    was, now = (content.splitlines()[begin[0] - 1].strip() for content in (source, changed))
+    return {"key": key(mutant), "survives": outcome, "was": was, "now": now}
+
+
+def key(mutant):
+    """What tells a change from all others, for results.jsonl."""
+    path, begin, end, text = mutant
+    return [f"{path.relative_to(ROOT)}:{begin[0]}", begin[1], *end, text]
+
+
+def copies(folder, number):
+    """A queue of copies of the repository."""
+    trees = queue.Queue()
+    for tree in (folder.resolve() / f"copy{count}" / "tisph" for count in range(number)):
+        shutil.rmtree(tree, ignore_errors=True)
+        shutil.copytree(ROOT, tree, ignore=shutil.ignore_patterns(*NOT_COPIED))
+        trees.put(tree)
+    return trees
+
+
+def main():
+    """Draw the changes, run what has no outcome yet, print what survives."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("parts", nargs="*", default=FOLDERS, help="below tisph/ (default: %(default)s)")
+    parser.add_argument("--count", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--seconds", type=int, default=900, help="of processor time; what takes longer is noticed")
+    parser.add_argument("--out", type=Path, required=True)
+    options = parser.parse_args()
+    roots = [ROOT / "tisph" / part for part in options.parts]
+    files = [file for root in roots for file in ([root] if root.is_file() else sorted(root.rglob("*.py")))]
+    found = [candidate for file in files for candidate in candidates(file)]
+    drawn = random.Random(options.seed).sample(found, min(options.count, len(found)))
+    trees, log = copies(options.out, options.processes), options.out / "results.jsonl"
+    known = [json.loads(line) for line in log.read_text().splitlines()] if log.exists() else []
+    known = {json.dumps(outcome["key"]): outcome for outcome in known}
+    with concurrent.futures.ThreadPoolExecutor(options.processes) as pool, log.open("a") as file:
+        new = [mutant for mutant in drawn if json.dumps(key(mutant)) not in known]
+        running = [pool.submit(judge, mutant, trees, options.seconds) for mutant in new]
+        for outcome in (done.result() for done in concurrent.futures.as_completed(running)):
+            known[json.dumps(outcome["key"])] = outcome
+            print(json.dumps(outcome), file=file, flush=True)
+            print("SURVIVES" if outcome["survives"] else "noticed ", outcome["key"][0], outcome["now"], flush=True)
+    left = [outcome for mutant in drawn if (outcome := known[json.dumps(key(mutant))])["survives"]]
+    print(f"seed {options.seed}: {len(found)} changes, {len(drawn)} drawn, {len(left)} survive")
+    for outcome in left:
+        print(f"{outcome['key'][0]}\n  - {outcome['was']}\n  + {outcome['now']}")
+
+
+if __name__ == "__main__":
+    main()

@@ -69,7 +69,8 @@ def start(tmp_path):
     yield call
     for process in processes:
         process.kill()
-        process.communicate()
+        process.wait()
+        process.stderr.close()
 
 
 @pytest.fixture(scope="module")

@@ -52,8 +52,11 @@ def plan(cell, forecast, folder):
 
 
 def _checked(cell, t_star, forecast, folder):
+    """What is said of the last sample, by which the cell is judged."""
+    config = cell.config(t_star)
+    last = {**config, "time": {**config["time"], "samples": config["time"]["samples"][-1:]}}
     path = folder / "config.yaml"
-    path.write_text(config_text(cell.name, cell.config(t_star)), encoding="utf-8")
+    path.write_text(config_text(cell.name, last), encoding="utf-8")
     return forecast(load(path))
 
 

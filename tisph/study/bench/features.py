@@ -189,7 +189,7 @@ def _show(rows, events, movies, unused):
     )
     print(format_table(("scheme", "now and then", "each [ms]", "steps", "kB"), list(map(_event_cells, events))))
     print("processor time, and as many steps as take that time\n")
-    header = (f"movie of {video.FRAMES} frames", "drawing a frame [ms]", "whole frame [ms]", "file [MB]")
+    header = (f"movie of {video.FRAMES} frames", "the run waits [ms]", "drawing [ms]", "whole frame [ms]", "file [MB]")
     print(format_table(header, [_movie_cells(case, movie) for case, movie in movies.items()]) + "\n")
     print(format_table(("part", "not used", "config", "branches deleted"), list(map(_unused_cells, unused))))
 
@@ -215,7 +215,8 @@ def _event_cells(one):
 
 
 def _movie_cells(case, movie):
-    return (case, f"{movie['drawing_ms']:.1f}", f"{movie['total_ms']:.1f}", f"{movie['bytes'] / 1e6:.2f}")
+    times = (f"{movie[kind]:.1f}" for kind in ("waiting_ms", "drawing_ms", "total_ms"))
+    return (case, *times, f"{movie['bytes'] / 1e6:.2f}")
 
 
 def _unused_cells(one):

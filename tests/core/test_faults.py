@@ -18,11 +18,13 @@ import pytest
 from PIL import Image
 
 from tisph import config, simulation
+from tisph.errors import TisphError
 from tisph.folder import Folder
 from tisph.observers._storage import Storage
 from tisph.observers.frames import read_frames
 from tisph.observers.history import read_history
 from tisph.observers.samples import Samples, read_samples
+from tisph.report.studio import Studio
 from tisph.simulation import checkpoint
 from tisph.snapshot import Snapshot
 
@@ -303,6 +305,19 @@ def test_a_hang_up_leaves_results_and_a_checkpoint(folder, tmp_path, monkeypatch
     assert json.loads(folder.summary.read_text())["status"] == "interrupted"
     assert folder.checkpoint.exists()
     assert require_readable(folder)[0] == 1
+
+
+def test_a_run_whose_pictures_cannot_be_drawn_says_so_once_and_has_all_other_results(folder, tmp_path, monkeypatch):
+    gone = Studio()
+    gone._process.kill()
+    monkeypatch.setattr("tisph.simulation.drawing.shared", lambda: gone)
+    (tmp_path / "small.yaml").write_text(CASE)
+    with pytest.raises(TisphError, match="the process that draws has ended"):
+        simulation.run(config.load(tmp_path / "small.yaml"), folder.root)
+    assert json.loads(folder.summary.read_text())["status"] == "done"
+    assert require_readable(folder) == (20, 40, 401)
+    assert not folder.profiles_picture.exists()
+    gone.close()
 
 
 def test_an_interrupt_while_python_clears_up_is_not_heard():

@@ -2,9 +2,9 @@
 
 No simulation: particles move along with the exact flow, slightly disordered. Plane Couette flow coloured by speed, an
 oscillating wall, whose label changes in every frame, and start-up of an Oldroyd-B liquid coloured by polymer shear
-stress. A run waits for a frame to be stored and handed over; a process of its own draws it, another, ffmpeg, encodes it,
-and at the end the run waits for both to finish the file. So there are three times: of the processor for drawing a frame,
-and of the clock that the run waits for each, and that all takes where no simulation leaves time in between.
+stress. A run waits for a frame to be stored and handed over; a process of its own draws it, another, ffmpeg, encodes
+it, and at the end the run waits for both to finish the file. So there are three times: of the processor for drawing a
+frame, and of the clock that the run waits for each, and that all takes where no simulation leaves time in between.
 """
 
 import tempfile

@@ -20,23 +20,23 @@ from tisph.scenes.channel import Channel
 from tisph.snapshot import Snapshot
 
 TIMES = range(1, 6)
-LIMITS = range(0, 50_000, 499)
+LIMITS = range(0, 100_000, 997)
 
 
 def write(observer, values, limit):
     """Write until that fails, and return how often it did not."""
     resource.setrlimit(resource.RLIMIT_FSIZE, (limit, resource.RLIM_INFINITY))
-    for step, t in enumerate(TIMES):
-        try:
+    try:
+        for step, t in enumerate(TIMES):
             observer.observe(Snapshot(t, step, *values))
-        except TisphError as error:
-            if "cannot be written: File too large" not in str(error):
-                raise
-            return step
-        finally:
-            with suppress(TisphError):  # the history has the exact solution to add
-                observer.close()
-    return len(TIMES)
+        return len(TIMES)
+    except TisphError as error:
+        if "cannot be written: File too large" not in str(error):
+            raise
+        return step
+    finally:
+        with suppress(TisphError):  # the history has the exact solution to add
+            observer.close()
 
 
 def main(path):

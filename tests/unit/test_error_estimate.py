@@ -1,78 +1,175 @@
-"""The error that `tisph check` states: how it goes with spacing, time, walls, liquid and cell Reynolds number."""
+"""The error that `tisph check` states of every sample: how it is computed from rows of the lattice, and its limits.
+
+That it is right is held by ``test_estimates.py``, against runs.
+"""
 
 import math
 
+import numpy as np
 import pytest
 
+from tisph import families, schemes
 from tisph.cli.check import estimates
+from tisph.kernels import quintic_spline, wendland_c2
+from tisph.schemes._forecast import explicit_rows, implicit_rows
+from tisph.schemes._forecast.images import images
+from tisph.schemes._forecast.linear import LinearFlow
+from tisph.schemes._forecast.stencils import kernel_sums, least_squares, sliding_viscosity
+from tisph.schemes.implicit._scheme import control
 
-EXPLICIT = "scheme={type: wcsph}"
+EXPLICIT, IMPLICIT = "scheme={type: wcsph}", "scheme={type: implicit}"
 COARSE = "discretisation.particles_across=25"
-POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: %g, solvent_fraction: 0.25}"
-AT_REST = "walls.top.velocity=0"
-"""The flow of the case: gap 1, wall speed 0.5, nu = 1, 50 across, last sample at t = 1.8."""
+DISORDER = "initial.jitter=0.3"
+"""The flow of the case: gap 1, wall speed 0.5, nu = 0.01, 50 across, one sample at the end, t = 2."""
 
 
 @pytest.fixture
-def error(case):
-    """Return a function that states the error of the case with overrides."""
-    return lambda *overrides: estimates(case(*overrides))["error"]
+def last(case):
+    """Return a function that gives the estimates of the last sample of the case with overrides."""
+    return lambda *overrides: estimates(case(*overrides))["samples"][-1]
 
 
-def test_follows_order_and_scheme(error):
-    tight = ("scheme={type: implicit, largest_strain: 1e-3}", "time.tolerance=1e-10")
-    # the operators' part alone: order 4 and 2 in the spacing
-    assert error(*tight, COARSE) == pytest.approx(16 * error(*tight), rel=1e-3)
-    assert error(EXPLICIT, COARSE) == pytest.approx(4 * error(EXPLICIT), rel=1e-12)
+def rows_of(case, *overrides):
+    config, _ = schemes.resolve(case(*overrides))
+    channel = families.load("scenes", config.scene).Scene.from_config(config)
+    if config.scheme.type == "wcsph":
+        return explicit_rows.Rows(config, channel)
+    targets = sorted({*config.time.samples, config.time.end})
+    return implicit_rows.Rows(config, channel, control(config, channel, targets))
 
 
-@pytest.mark.parametrize("scheme", [EXPLICIT, "scheme={type: implicit, operators: {order: 2}}"])
-def test_says_nothing_of_flows_that_do_not_start_from_rest(error, scheme):
-    assert error(scheme, "initial.state=developed") is None
+@pytest.mark.parametrize("order", [2, 4])
+def test_least_squares_weights_are_exact_up_to_their_order(order):
+    laplacian, across = least_squares(order)
+    y = np.arange(len(laplacian)) - len(laplacian) // 2
+    for power in range(1, order + 1):
+        assert laplacian @ y**power == pytest.approx(2.0 * (power == 2), abs=1e-12)
+        assert across @ y**power == pytest.approx(float(power == 1), abs=1e-12)
 
 
-def test_says_nothing_of_standard_operators(error):
-    assert error("scheme={type: wcsph, operators: standard}") is None
+@pytest.mark.parametrize(("kernel", "ratio"), [(quintic_spline, 1.0), (wendland_c2, 1.3)])
+def test_kernel_weights_are_exact_for_parabolas(kernel, ratio):
+    laplacian, across = kernel_sums(kernel, ratio, standard=False)
+    y = np.arange(len(laplacian)) - len(laplacian) // 2
+    assert [laplacian @ y, laplacian @ y**2, across @ y, across @ y**2] == pytest.approx([0, 2, 1, 0], abs=1e-12)
 
 
-def test_the_layer_grows_by_the_viscosity_of_the_solvent_first(error):
-    """Depth sqrt(nu t): a quarter of the viscosity, four times the error; after many relaxation times no more."""
-    newtonian = error(EXPLICIT)
-    assert error(POLYMER % 1e6) / error(POLYMER % 1e-3) == pytest.approx(4.0, rel=1e-3)
-    assert error(POLYMER % 1e-3) > newtonian
+def test_sliding_rows_have_another_viscosity():
+    """None on the square lattice, and the same after whole spacings: the mean over a spacing is what is left."""
+    assert sliding_viscosity(quintic_spline, 1.0, 0.0) == pytest.approx(1.0, abs=1e-14)
+    whole = sliding_viscosity(quintic_spline, 1.0, 1.0)
+    assert 1e-6 < abs(whole - 1.0) < 1e-3
+    assert sliding_viscosity(quintic_spline, 1.0, 7.0) == whole
 
 
-def test_an_oscillating_wall_moves_no_more_than_its_layer(error):
-    """Of depth sqrt(nu / w): what a steady wall reaches at t = 1/w."""
-    frequency, wall = 100.0, "walls.top={amplitude: 0.5, angular_frequency: 100.0}"
-    early = (f"time.samples=[{1 / frequency}]", f"time.end={1 / frequency}")
-    assert error(EXPLICIT, wall) == pytest.approx(error(EXPLICIT, *early), rel=1e-12)
+def test_images_continue_a_straight_line(case):
+    """u = U + s d at the depth d inside is u = U - s d beyond, for treatments that are exact for it."""
+    treatments = {name: case(f"walls.treatment={{type: {name}}}", EXPLICIT).walls.treatment for name in WALLS}
+    depths = np.arange(9) + 0.5
+    for treatment in treatments.values():
+        shares, wall = images(treatment, quintic_spline, 1.0, 3, 9)
+        assert wall * 0.7 - shares @ (0.7 + 0.2 * depths) == pytest.approx(0.7 - 0.2 * depths[:3], rel=1e-12)
 
 
-def test_a_drive_adds_to_it_at_walls_that_do_not_obey_the_momentum_equation(error):
-    """By g spacing^2 / (nu U) in proportion, here 12 (1/50)^2 whatever g is."""
-    drive = (EXPLICIT, AT_REST, "drive.acceleration=1")
-    adami = (*drive, "walls.treatment={type: adami}")
-    at_rest = error(EXPLICIT, "walls.treatment={type: adami}")
-    assert error(*adami) - at_rest == pytest.approx(0.2 * 12 / 50**2, rel=1e-9)
-    assert error(*adami, "drive.acceleration=7") == pytest.approx(error(*adami), rel=1e-12)
-    assert error(*drive) == pytest.approx(error(EXPLICIT), rel=1e-12)
+WALLS = ("comoving_image", "consistent_image", "fixed_image", "virtual_image")
 
 
-def test_an_unresolved_start_costs_the_explicit_scheme_more(error):
-    """With the square of the cell Reynolds number from 60 on, up to where the profile is lost; not without a wall
-    that starts."""
-    thin = [EXPLICIT, "time.samples=[1000]", "time.end=1000"]
+def test_linear_flow_solves_its_equations():
+    """x' = a x + b cos(w t) + c from 0 for an even state, and an odd one that only decays; one row at each wall."""
+    a, b, c, w, t = -0.7, 0.3, 0.2, 1.9, 1.3
+    matrix = np.array([[a, 0.1], [0.1, a]])
+    flow = LinearFlow(
+        matrix,
+        np.zeros(2),
+        [(w, np.full(2, b, dtype=complex))],
+        np.full(2, c),
+        np.array([0.5, -0.5]),
+        0.0,
+        (np.array([1, 0]), np.ones(2)),
+    )
+    even, odd = a + 0.1, a - 0.1
+    wave = (b / (1j * w - even) * (np.exp(1j * w * t) - np.exp(even * t))).real
+    expected = wave - c / even * (1 - math.exp(even * t))
+    assert flow.at(t) == pytest.approx(expected + 0.5 * math.exp(odd * t) * np.array([1, -1]), rel=1e-12)
 
-    def at(viscosity, *overrides):
-        cells = 0.5 / 50 / viscosity  # cell Reynolds number
-        return error(*thin, f"fluid.kinematic_viscosity={viscosity}", *overrides), cells
 
-    (resolved, _), (thicker, cells) = at(0.01 / 60), at(0.01 / 240)
-    assert cells == pytest.approx(240)
-    assert thicker / resolved == pytest.approx(4 * (240 / 60) ** 2, rel=1e-12)  # nu t is four times smaller
-    assert at(1e-9)[0] == 0.5
-    drive = (AT_REST, "drive.acceleration=1e-4")
-    calm, driven = at(0.01 / 60, *drive)[0], at(0.01 / 240, *drive)[0]
-    assert driven / calm == pytest.approx(4.0, rel=1e-12)
-    assert math.isfinite(calm)
+def test_many_steps_at_once_are_what_they_are_one_by_one(case, monkeypatch):
+    """Velocities and number of steps; the strain limits them here, and changes while many are taken at once."""
+    overrides = (IMPLICIT, COARSE, "fluid.kinematic_viscosity=1e-3", "time.end=100")
+    leaping = rows_of(case, *overrides)
+    leaping.run_to(100.0)
+    monkeypatch.setattr(implicit_rows, "MANY", 0.0)
+    walking = rows_of(case, *overrides)
+    walking.run_to(100.0)
+    assert walking.steps > 200
+    assert leaping.steps == pytest.approx(walking.steps, rel=0.02)
+    assert leaping.velocity == pytest.approx(walking.velocity, abs=3e-7)  # the tolerance of a step
+
+
+def test_whole_periods_are_left_out_of_a_long_run(case):
+    """The flow of a wall that oscillates is the same after each; steps go on as before."""
+    wall = "walls.top={amplitude: 0.5, angular_frequency: 1.0, phase: sin}"
+    numbers = estimates(case(IMPLICIT, COARSE, wall, "time.end=1e6", "time.samples=[1e3, 1e6]"))
+    first, last = numbers["samples"]
+    assert last.steps == pytest.approx(1e3 * first.steps, rel=0.1)
+    assert last.rms == pytest.approx(first.rms, rel=1.0)  # another phase
+
+
+def test_the_end_of_a_long_run_is_told_at_once(case):
+    """Rows are not stepped one by one; ."""
+    for scheme in (EXPLICIT, IMPLICIT):
+        assert estimates(case(scheme, "time.end=1e12"))["steps"] > 1e11
+
+
+def test_the_error_falls_with_the_order_of_the_operators(last):
+    """In the spacing, where no other error counts; 4 and 2 for a layer of five spacings and more."""
+    tight = ("time.tolerance=1e-8", "time.samples=[2]", "time.end=2")
+    for scheme, order in ((IMPLICIT, 4), (IMPLICIT.replace("}", ", operators: {order: 2}}"), 2)):
+        coarse, fine = (last(scheme, *tight, f"discretisation.particles_across={n}").rms for n in (25, 50))
+        assert math.log2(coarse / fine) == pytest.approx(order, abs=0.5)
+    coarse, fine = (last(EXPLICIT, *tight[1:], f"discretisation.particles_across={n}").rms for n in (25, 50))
+    assert math.log2(coarse / fine) == pytest.approx(2, abs=0.5)
+
+
+@pytest.mark.parametrize("scheme", [EXPLICIT, IMPLICIT])
+def test_rows_finer_than_is_worth_the_time_are_extrapolated(last, scheme, monkeypatch):
+    """The explicit scheme's error by its order; that of the implicit one is that of its steps."""
+    late = ("time.samples=[10]", "time.end=10", "time.tolerance=1e-4" if scheme == IMPLICIT else "time.cfl=0.25")
+    full = last(scheme, *late)
+    monkeypatch.setattr("tisph.schemes._forecast.MOST_ROWS", {"newtonian": 25})
+    monkeypatch.setattr("tisph.schemes._forecast.MOST_IMPLICIT_ROWS", 25)
+    assert last(scheme, *late).rms == pytest.approx(full.rms, rel=0.5)  # steps differ with the rows
+
+
+def test_single_precision_has_a_floor(last):
+    late = ("time.samples=[300]", "time.end=300", "discretisation.precision=%s", COARSE)
+    double, single = (last(EXPLICIT, *late[:2], late[2] % name, COARSE).rms for name in ("f64", "f32"))
+    assert double < 1e-10 < 2.0**-25 < single
+
+
+def test_disorder_costs_at_high_reynolds_numbers_only(last):
+    def ratio(viscosity):
+        flow = (IMPLICIT, COARSE, f"fluid.kinematic_viscosity={viscosity}", f"time.end={0.3 / viscosity}")
+        return last(*flow, DISORDER).rms / last(*flow).rms
+
+    assert ratio(0.1) == pytest.approx(1.0, rel=0.01)  # cell Reynolds number 0.2
+    assert ratio(2e-4) > 10  # 100
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        (EXPLICIT, "fluid.kinematic_viscosity=7e-5", "time.end=200"),  # cell Reynolds number 143: rows mix
+        (EXPLICIT, DISORDER, "time.cfl=0.8"),
+        ("scheme={type: implicit, operators: {order: 2}}", "fluid.kinematic_viscosity=5e-3", DISORDER),
+    ],
+)
+def test_no_estimate_where_the_model_cannot_tell(last, overrides):
+    sample = last(*overrides)
+    assert (sample.l2, sample.rms) == (None, None)
+    assert sample.steps > 0
+
+
+def test_a_start_has_no_error(case):
+    first = estimates(case("time.samples=[0, 2]"))["samples"][0]
+    assert (first.steps, first.rms) == (0, 0.0)

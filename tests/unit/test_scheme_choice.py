@@ -75,5 +75,5 @@ def test_check_names_the_scheme_and_estimates_error_and_time(couette):
     assert result.exit_code == 0, result.output
     lines = {line.split("  ")[1].strip(): line for line in result.stdout.splitlines()[1:]}
     assert "implicit, order 4" in lines["scheme"]
-    assert {"run time", "L2 error", "steps"} <= lines.keys()
+    assert {"run time", "at t = 2 s", "steps"} <= lines.keys()
     assert not {"Mach number", "sound speed c"} & lines.keys()

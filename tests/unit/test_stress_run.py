@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import pytest
 from fake_runs import FakeRuns, make_result
@@ -22,12 +23,13 @@ PARTS = [
     matrix.SubMatrix("counted", matrix.grid(across=[8], jitter=[0.3])),
     matrix.SubMatrix("refused", (Cell(flow="oldroyd1", scheme="implicit 4"),), ("scheme",), ("flow",)),
 ]
+STATED = SimpleNamespace(l2=1e-2, rms=1e-2)
 RUNS = 2 * 2 + 2  # a calm cell for the one that has none
 
 
 def forecast(config):
     """Numbers and warnings as of ``tisph check``, for a hundred steps."""
-    return {"steps": 100, "particles": config.particles_across * config.columns, "error": 1e-2}, []
+    return {"steps": 100, "particles": config.particles_across * config.columns, "samples": [STATED]}, []
 
 
 @pytest.fixture
@@ -153,7 +155,8 @@ def test_a_run_that_does_not_end_is_ended(tmp_path, monkeypatch):
 )
 def test_a_run_that_costs_too_much_ends_sooner(tmp_path, cell, budget):
     def costly(config):
-        return {"steps": round(1e5 * config.time.end), "particles": 10_000, "error": config.time.end}, ["careful"]
+        stated = SimpleNamespace(l2=config.time.end, rms=config.time.end)
+        return {"steps": round(1e5 * config.time.end), "particles": 10_000, "samples": [stated]}, ["careful"]
 
     found = plan(cell, costly, tmp_path)
     assert found.t_star < cell.t_star
@@ -168,7 +171,7 @@ def test_a_run_that_is_refused_once_it_ends_sooner_is_refused(tmp_path):
     def early(config):
         if config.time.end < 1.0:
             raise ConfigError("discretisation: too thin")
-        return {"steps": 10**9, "particles": 10_000, "error": 0.1}, []
+        return {"steps": 10**9, "particles": 10_000, "samples": [STATED]}, []
 
     found = plan(Cell(reynolds=1.0), early, tmp_path)
     assert (found.refusal, found.t_star < 1.0) == ("too thin", True)

@@ -8,7 +8,7 @@ import typer
 
 from tisph.cli.options import ConfigFile, Overrides
 from tisph.errors import ConfigError
-from tisph.schemes._error import LARGEST, RESOLVED
+from tisph.schemes._limits import DISORDERED_OF_ORDER_2, RESOLVED
 from tisph.verification.resolution import resolution
 
 HIGHEST_MACH = 0.1
@@ -19,15 +19,14 @@ HIGHEST_CELL_REYNOLDS = {"wcsph": RESOLVED, "implicit": 400.0}
 the explicit one they vary in density at 125 and lose the start of the flow at 400; the implicit one is stopped at 1250.
 """
 
-HIGHEST_OF_ORDER_2 = 1.0
-"""The same of the implicit scheme with operators of order 2: disordered runs are stable at 0.04, and some stop at 2."""
-
 HIGHEST_SOLVENT_CELL_REYNOLDS = 10.0
 """The same where there is polymer, by the viscosity of the solvent: a disordered run failed at 20."""
 
-LARGE_ERROR, LOST = 0.1, LARGEST
-"""Estimated errors at the last sample above which there is a warning, and from which on a run with the explicit scheme
-and a cell Reynolds number above the highest is refused: before its walls' layer is resolved it is mixed away."""
+LARGE_ERROR = 0.1
+"""Estimated error at the last sample above which there is a warning."""
+
+LONG = 86400.0
+"""Seconds of an estimated run time above which there is a warning."""
 
 LEAST_SOLVENT_FRACTION = 0.1
 """Below, little viscosity is left at the scale of the spacing, where the polymer stress does not resist."""
@@ -49,7 +48,7 @@ def check(config: ConfigFile, overrides: Overrides = None) -> None:
     typer.echo(f"{loaded.name}: valid ({loaded.scene}, {loaded.scheme.type}, {loaded.walls.treatment.type})")
     channel = _scene(loaded)
     numbers, texts = forecast(loaded)
-    samples = _sample_lines(channel, loaded.time.samples, numbers["errors"])
+    samples = _sample_lines(channel, numbers["samples"])
     for label, text in [*_flow_lines(channel), *_run_lines(loaded, numbers), *samples]:
         typer.echo(f"  {label:22} {text}")
     for text in texts:
@@ -59,8 +58,7 @@ def check(config: ConfigFile, overrides: Overrides = None) -> None:
 def forecast(config: Any) -> tuple[dict[str, Any], list[str]]:
     """``estimates`` and warnings of a run before it runs; raises ConfigError where its result would be worthless."""
     numbers = estimates(config)
-    unresolved = numbers["sound_speed"] and numbers["cell_reynolds"] > HIGHEST_CELL_REYNOLDS["wcsph"]
-    if unresolved and (numbers["error"] or 0.0) >= LOST:
+    if numbers["lost"]:  # before the layer at its walls is resolved it is mixed away
         raise ConfigError(
             f"discretisation: the cell Reynolds number U spacing / nu is {numbers['cell_reynolds']:.3g}, and up to the "
             f"last sample at t = {config.time.samples[-1]:g} the layer at the walls is too thin for the explicit "
@@ -77,7 +75,7 @@ def estimates(config: Any) -> dict[str, Any]:
     channel = _scene(config)
     particles = channel.rows * channel.columns
     resolved, reason = schemes.resolve(config)
-    numbers = families.load("schemes", resolved.scheme.type).estimates(resolved, channel)
+    run = families.load("schemes", resolved.scheme.type).estimates(resolved, channel)
     return {
         "reynolds": channel.reynolds,
         "cell_reynolds": channel.reference_velocity * channel.spacing / channel.solvent_viscosity,
@@ -85,8 +83,8 @@ def estimates(config: Any) -> dict[str, Any]:
         "particles": particles,
         "memory": memory.estimated_bytes(particles, config, resolved.scheme.type == "implicit"),
         "scheme": reason,
-        **numbers,
-        "error": numbers["errors"][-1],
+        "error": run["samples"][-1].l2,
+        **run,
     }
 
 
@@ -145,13 +143,22 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
     return lines
 
 
-def _sample_lines(channel: Any, times: Sequence[float], errors: Sequence[float | None]) -> Iterator[tuple[str, str]]:
-    """Of every sample whether it is resolved, and its error where there is an estimate."""
-    for t, error in zip(times, errors, strict=True):
-        resolved, reason = resolution(channel, t)
+def _sample_lines(channel: Any, samples: Sequence[Any]) -> Iterator[tuple[str, str]]:
+    """Of every sample, a ``Forecast``, whether it is resolved, and its steps and error as far as they are known."""
+    for sample in samples:
+        resolved, reason = resolution(channel, sample.t)
         state = "resolved" if resolved else f"not resolved: {reason}"
-        estimate = f"L2 error about {error:.0e} (estimate)" if error else "no estimate of the error"
-        yield f"at t = {t:g} {channel.units.time}", f"{state}{', ' if resolved else '; '}{estimate}"
+        text = f"{state}{', ' if resolved else '; '}{sample.steps} steps, {_error_text(sample)}"
+        yield f"at t = {sample.t:g} {channel.units.time}", text
+
+
+def _error_text(sample: Any) -> str:
+    if sample.rms is None:
+        return "no estimate of the error"
+    word = "at most" if sample.at_most else "about"
+    if sample.l2 is None:
+        return f"rms error {word} {sample.rms:.0e} U (estimate)"
+    return f"L2 error {word} {sample.l2:.0e} (estimate)"
 
 
 def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
@@ -161,6 +168,8 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
     if (numbers["error"] or 0.0) > LARGE_ERROR:
         last = config.time.samples[-1]
         yield f"the L2 error at the last sample, t = {last:g}, may be as large as {numbers['error']:.1g}"
+    if numbers["run_time"] > LONG:
+        yield f"the run takes {numbers['steps']:.3g} steps, about {_duration(numbers['run_time'])}"
     if numbers["mach"] > HIGHEST_MACH * (1 + 1e-9):
         yield f"the Mach number is above {HIGHEST_MACH:g}; expect compressibility errors"
     highest = HIGHEST_CELL_REYNOLDS["wcsph" if numbers["sound_speed"] else "implicit"]
@@ -173,8 +182,8 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
             f"disordered particles may break up: give {enough} particles across or more"
         )
     order_2 = config.scheme.type == "implicit" and config.scheme.operators.order == 2
-    if order_2 and config.initial.jitter and numbers["cell_reynolds"] > HIGHEST_OF_ORDER_2:
-        yield f"above a cell Reynolds number of {HIGHEST_OF_ORDER_2:g} order 2 may fail in disorder: take order 4"
+    if order_2 and config.initial.jitter and numbers["cell_reynolds"] > DISORDERED_OF_ORDER_2:
+        yield f"above a cell Reynolds number of {DISORDERED_OF_ORDER_2:g} order 2 may fail in disorder: take order 4"
     if channel.polymer and channel.polymer.solvent_fraction < LEAST_SOLVENT_FRACTION:
         yield (
             f"fluid.rheology.solvent_fraction is below {LEAST_SOLVENT_FRACTION:g}; the solvent's viscosity is what "

@@ -53,5 +53,4 @@ def problems(config):
 
 def estimates(config, channel):
     """Return what ``tisph check`` says of a run of this scheme."""
-    steps = control(config, channel, config.time.samples)
-    return implicit(config, channel, steps.wish, steps.tolerance, steps.largest_strain)
+    return implicit(config, channel, control(config, channel, sorted({*config.time.samples, config.time.end})))

@@ -29,7 +29,7 @@ precision allows. Before t* = 1: what disorder may make of the first moments.
 """
 
 STATED_FACTOR = 3.0
-"""Error over the stated one up to which that was right: it is an estimate, good to a factor of two."""
+"""Error over the stated one up to which that was right (``tisph verify --estimates``)."""
 
 SILENT, WARNED, LARGEST = 2e-2, 0.1, 0.2
 """A finished run is WRONG if its error is above the stated one times ``STATED_FACTOR`` and above the first, or the
@@ -108,7 +108,8 @@ def _verdict(plan, status, message, looks, calm_errors):
         return "WRONG", f"ended without a clear error: {message or status}"
     error = looks[-1]["error"]
     if not error <= _largest_honest(plan):
-        return "WRONG", f"error {error:.1e}, stated {plan.stated:.0e}, {'warned' if plan.warnings else 'no warning'}"
+        said = "none stated" if plan.stated is None else f"stated {plan.stated:.0e}"
+        return "WRONG", f"error {error:.1e}, {said}, {'warned' if plan.warnings else 'no warning'}"
     found = (
         _error_faults(plan, error, calm_errors),
         _bound_faults(plan, looks[-1]),
@@ -119,7 +120,12 @@ def _verdict(plan, status, message, looks, calm_errors):
 
 
 def _largest_honest(plan):
-    return min(max(STATED_FACTOR * plan.stated, WARNED if plan.warnings else SILENT), LARGEST)
+    return min(max(STATED_FACTOR * _stated(plan), WARNED if plan.warnings else SILENT), LARGEST)
+
+
+def _stated(plan):
+    """Error that was stated; where it was said that none can be, the largest that is not wrong."""
+    return LARGEST if plan.stated is None else plan.stated
 
 
 def _floor(plan):
@@ -130,12 +136,12 @@ def _floor(plan):
     double = EXPLICIT if plan.cell.scheme == "explicit" else IMPLICIT
     floor = (double if plan.cell.precision == "f64" else SINGLE) * plan.cell.step**3
     early = EARLY if plan.t_star < 1 else 0.0
-    return max(floor, early, 0.0 if plan.cell.promise == STABLE else plan.stated)
+    return max(floor, early, 0.0 if plan.cell.promise == STABLE else _stated(plan))
 
 
 def _error_faults(plan, error, calm_errors):
     multiple = EARLY_MULTIPLE if plan.t_star < 1 else MULTIPLE
-    if error > max(STATED_FACTOR * plan.stated, _floor(plan)) and plan.cell.jitter == 0:
+    if error > max(STATED_FACTOR * _stated(plan), _floor(plan)) and plan.cell.jitter == 0:
         yield f"error {error:.1e}, stated {plan.stated:.0e}"
     if calm_errors and error > max(multiple * calm_errors[-1], _floor(plan)):
         yield f"error {error / calm_errors[-1]:.3g} times that of the calm run"

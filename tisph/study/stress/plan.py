@@ -22,14 +22,14 @@ with them all results, must not depend on the machine."""
 class Plan:
     """The run of a cell: its config, its end t*, its estimated ``seconds``, and what ``tisph check`` says of it.
 
-    ``stated``: estimated error; ``warnings``: texts; ``refusal``: why it is refused, None where it is not.
+    ``stated``: estimated error, ``refusal``: why it is refused, both None where there is none; ``warnings``: texts.
     """
 
     cell: Cell
     config: dict
     t_star: float
     seconds: float = 0.0
-    stated: float = 0.0
+    stated: float | None = 0.0
     warnings: tuple[str, ...] = ()
     refusal: str | None = None
 
@@ -48,7 +48,12 @@ def plan(cell, forecast, folder):
             numbers, warnings = _checked(cell, t_star, forecast, folder)
     except ConfigError as error:
         return Plan(cell, cell.config(t_star), t_star, refusal=str(error).partition(": ")[2])
-    return Plan(cell, cell.config(t_star), t_star, _seconds(cell, numbers), numbers["error"], tuple(warnings))
+    return Plan(cell, cell.config(t_star), t_star, _seconds(cell, numbers), stated(cell, numbers), tuple(warnings))
+
+
+def stated(cell, numbers):
+    """Return the error that the ``numbers`` of ``tisph check`` state at the end of a cell, or None."""
+    return getattr(numbers["samples"][-1], cell.measure)
 
 
 def _checked(cell, t_star, forecast, folder):

@@ -1,0 +1,101 @@
+"""What rows of the start lattice do not have: disorder, digits of single precision, residuals of linear systems."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from tisph.schemes._limits import DISORDERED_OF_ORDER_2, LOST, MIXED, RESOLVED, STIFFEST
+from tisph.schemes._time_step import AUTO_CFL
+
+ROUNDING = {"f32": 2.0**-25, "f64": 2.0**-54}
+"""Rounding error of numbers below 1, at most."""
+
+
+STIRRED, STIRRED_BY_DRIVE = 0.2, 0.05
+"""Error that disorder leaves of the start of a flow in the implicit scheme, over (spacing/gap)^2: times the jump of a
+wall over the reference velocity, and of flows without one. Measured over the disordered cells of the stability matrix
+(8, 25 and 50 across, cell Reynolds numbers 2 to 400); after the start it falls as the slowest wave of the flow does.
+"""
+
+SLIDING = 28.0
+"""Cell Reynolds number from which on it has this size, and below which it falls with the third power: as many spacings
+do rows slide past each other while the layer at the wall grows to the depth of one, and has no derivatives."""
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Errors that rows do not have, as root mean squares: ``error`` over the reference velocity, and what there may be
+    and may as well not: ``stirred`` over the reference velocity, ``residual`` over the velocities at most."""
+
+    error: float = 0.0
+    stirred: float = 0.0
+    residual: float = 0.0
+
+
+def mixes(channel):
+    """Tell whether the explicit scheme mixes the liquid next to a wall that starts or oscillates."""
+    return _starts(channel) and cell_reynolds(channel) > MIXED
+
+
+def lost(config, channel):
+    """Tell whether it has mixed all of it up to the last sample."""
+    fastest = max(channel.bottom.angular_frequency, channel.top.angular_frequency)
+    time = min(config.time.samples[-1], 1 / fastest if fastest else math.inf)
+    depth = min(math.sqrt(channel.kinematic_viscosity * time), channel.gap) / channel.spacing
+    ratio = cell_reynolds(channel) / RESOLVED
+    return _starts(channel) and ratio > 1.0 and ratio >= LOST * depth
+
+
+def cell_reynolds(channel):
+    """Reynolds number of a spacing, U spacing / nu."""
+    return channel.reference_velocity * channel.spacing / channel.kinematic_viscosity
+
+
+def _starts(channel):
+    return any(channel.wall_jumps) or channel.bottom.oscillates or channel.top.oscillates
+
+
+def explicit(config, channel, rate):
+    """Return the ``Noise`` of scheme ``wcsph``, which takes ``rate`` steps in the unit of time, or None."""
+    number = config.time.cfl
+    if config.initial.jitter > 0 and number != "auto" and number > STIFFEST * AUTO_CFL:
+        return None
+    return Noise(error=_rounding(config, rate * _memory(channel)))
+
+
+def implicit(config, channel, residual, counts):
+    """Return the ``Noise`` of scheme ``implicit``; ``counts``: (time, steps) up to now, ascending. None for order 2.
+
+    ``residual``: of the linear systems, in all they do to the end of a step, over the velocities. The residuals of all
+    steps that the flow remembers may have the same sense.
+    """
+    disordered = config.initial.jitter > 0
+    if disordered and config.scheme.operators.order == 2 and cell_reynolds(channel) > DISORDERED_OF_ORDER_2:
+        return None
+    times, steps = zip(*counts, strict=True)
+    remembered = steps[-1] - float(np.interp(times[-1] - _memory(channel), times, steps))
+    age = (times[-1] - channel.start_time) / _memory(channel)
+    return Noise(
+        _rounding(config, remembered), _stirred(config, channel) * math.exp(-age), residual * (1.0 + remembered)
+    )
+
+
+def _stirred(config, channel):
+    """Error that disorder leaves of the start; rounding makes disorder too where it is not damped."""
+    number = cell_reynolds(channel)
+    if not (config.initial.jitter > 0 or (config.discretisation.precision == "f32" and number > MIXED)):
+        return 0.0
+    jump = max(abs(one) for one in channel.wall_jumps) / channel.reference_velocity
+    size = max(STIRRED * jump, STIRRED_BY_DRIVE) * (channel.spacing / channel.gap) ** 2
+    return size / (1.0 + (SLIDING / number) ** 3)
+
+
+def _memory(channel):
+    """Time in which the slowest wave of the flow falls by a factor e."""
+    return channel.viscous_time / math.pi**2
+
+
+def _rounding(config, steps):
+    """Error that the roundings of ``steps`` leave, which have no sense in common."""
+    return ROUNDING[config.discretisation.precision] * (1.0 + math.sqrt(steps))

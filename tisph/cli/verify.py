@@ -19,13 +19,17 @@ def verify(
     walls: Annotated[
         bool, typer.Option("--walls", help="All wall treatments in all flows, and which one is recommended.")
     ] = False,
+    estimates: Annotated[
+        bool, typer.Option("--estimates", help="What tisph check states of all configs and stress cells, against runs.")
+    ] = False,
     out: Annotated[
         Path | None,
         typer.Option(
             "--out",
             metavar="DIR",
             parser=folder_name,
-            help=f"With --walls: folder of its results [default: {WALLS_FOLDER}].",
+            help=f"With --walls: folder of its results [default: {WALLS_FOLDER}]; with --estimates [default: that of "
+            "tisph stress].",
         ),
     ] = None,
 ) -> None:
@@ -33,7 +37,8 @@ def verify(
 
     Prints a table of case, error, bound, pass or FAIL; exit status 1 on a FAIL. With --walls a table of wall
     treatments, with a picture and all numbers in DIR, where finished runs are kept: an interrupted comparison goes
-    on with the same command.
+    on with the same command. With --estimates a line for each run, of the sample whose error is stated worst: errors
+    within a factor of 3 (10 where the sample is not resolved), steps within 1.5.
 
     \b
     Examples:
@@ -41,12 +46,15 @@ def verify(
       tisph verify
       tisph verify --page
       tisph verify --walls
+      tisph verify --estimates --quick
     """
-    if walls and page:
-        raise ConfigError("--walls and --page exclude each other")
-    if out and not walls:
-        raise ConfigError("--out is for --walls only: nothing else leaves results")
-    if walls:
+    if walls + page + estimates > 1:
+        raise ConfigError("--walls, --page and --estimates exclude one another")
+    if out and not (walls or estimates):
+        raise ConfigError("--out is for --walls and --estimates only: nothing else leaves results")
+    if estimates:
+        passed = _estimates(out, quick)
+    elif walls:
         from tisph.study import walls as comparison
 
         passed = comparison.run(out or WALLS_FOLDER, quick=quick)
@@ -56,3 +64,13 @@ def verify(
         passed = suite.run(quick=quick, page=page)
     if not passed:
         raise typer.Exit(1)
+
+
+def _estimates(out: Path | None, quick: bool) -> bool:
+    from tisph import runtime
+    from tisph.cli.check import forecast
+    from tisph.cli.stress import FOLDER
+    from tisph.study import estimates as comparison
+
+    default = FOLDER.with_name("stress-quick") if quick else FOLDER
+    return comparison.run(out or default, forecast, runtime.available_threads(), quick=quick)

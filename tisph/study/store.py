@@ -13,7 +13,7 @@ from tisph.errors import ConfigError
 from tisph.folder import held
 from tisph.study.processes import Process, read_result
 
-WITHOUT_EFFECT = ("cli", "report", "study")
+WITHOUT_EFFECT = ("cli/", "report/", "study/", "schemes/_forecast/")
 """Parts of the package on which no number of a run depends."""
 
 
@@ -76,7 +76,7 @@ class Store:
 def fingerprint():
     """Hash of the source files on which the numbers of a run depend."""
     root = Path(tisph.__file__).parent
-    paths = [path for path in root.rglob("*.py") if path.relative_to(root).parts[0] not in WITHOUT_EFFECT]
+    paths = [path for path in root.rglob("*.py") if not path.relative_to(root).as_posix().startswith(WITHOUT_EFFECT)]
     digest = hashlib.sha256()
     for path in sorted(paths):
         digest.update(path.read_bytes())

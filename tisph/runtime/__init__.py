@@ -45,17 +45,28 @@ os.environ.pop("TI_ARCH", None)  # a run depends on its config alone
 
 import taichi as ti  # noqa: E402 (it reads the environment while it is imported)
 
-from tisph.runtime import _reading  # noqa: E402 (it imports Taichi)
+from tisph.config.memory import room  # noqa: E402
+from tisph.runtime import _fields, _reading  # noqa: E402 (they import Taichi)
+from tisph.runtime._fields import holding, integer, real, scalar, view  # noqa: E402
 from tisph.runtime._reading import compile_seconds  # noqa: E402
 
+_fields.install()
 _reading.install()
 
-__all__ = ["available_threads", "compile_seconds", "real", "room", "scalar", "start", "stop", "threads", "ti"]
-
-SMALL, MIDDLE, LARGE = 10_000, (24_000, 50_000), 100_000
-STEP = 1.15
-"""Rungs of ``room``: a few for what runs in seconds, where compiling would take longest by comparison and memory is
-nothing, and from ``LARGE`` on never more than this factor apart, where it is the other way round."""
+__all__ = [
+    "available_threads",
+    "compile_seconds",
+    "holding",
+    "integer",
+    "real",
+    "room",
+    "scalar",
+    "start",
+    "stop",
+    "threads",
+    "ti",
+    "view",
+]
 
 
 def available_threads():
@@ -73,6 +84,7 @@ def start(precision, threads):
     with ``serialize`` for the same as one without, and would run it on one thread ever after.
     """
     others = _thread_ids()
+    _fields.forget()
     with contextlib.redirect_stdout(io.StringIO()):
         ti.init(
             offline_cache=True,
@@ -85,20 +97,6 @@ def start(precision, threads):
             log_level=ti.ERROR,
         )
     _share_processors(sorted(_thread_ids() - others), threads)
-
-
-def room(count):
-    """Return the size of fields that are to hold ``count`` entries: the next rung of a ladder.
-
-    The size of a field is compiled into every kernel that reads it, ``count`` is not: runs on one rung share kernels.
-    """
-    for rung in (SMALL, *MIDDLE):
-        if count <= rung:
-            return rung
-    rung = LARGE
-    while count > rung:
-        rung = int(rung * STEP)
-    return rung
 
 
 def threads():
@@ -135,15 +133,3 @@ def _share_processors(new_threads, count):
     with contextlib.suppress(OSError):  # a container may forbid it, and a thread may have ended
         for index, thread in enumerate(new_threads):
             os.sched_setaffinity(thread, processors[index % count :: count])
-
-
-def real():
-    """Return the floating-point type chosen at the start."""
-    return ti.lang.impl.get_runtime().default_fp
-
-
-def scalar(value):
-    """Return a 0-D field holding ``value``: a number that kernels read but that is not compiled in."""
-    field = ti.field(real(), shape=())
-    field[None] = value
-    return field

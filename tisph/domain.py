@@ -1,6 +1,6 @@
 """The channel as the kernels see it: sizes, wall velocities and drive, as numbers that are not compiled in."""
 
-from tisph.runtime import scalar, ti
+from tisph.runtime import scalar, ti, view
 
 
 @ti.data_oriented
@@ -8,13 +8,15 @@ class Domain:
     """Plane channel 0 <= y <= gap, periodic in x over ``length``, with walls moving along x.
 
     ``driven`` and ``oscillates`` tell whether a body acceleration and wall accelerations exist; without them
-    their fields do not. Wall velocities are those of the time last given to ``move_on``.
+    their fields do not. Wall velocities are those of the time last given to ``move_on``. ``columns`` is the number of
+    spacings in the length, which no kernel may read: it would be compiled in.
     """
 
     def __init__(self, channel):
         self.driven = channel.acceleration != 0.0
         self.oscillates = channel.bottom.oscillates or channel.top.oscillates
         self.motions = (channel.bottom, channel.top)
+        self.columns = channel.columns
         self.gap = scalar(channel.gap)
         self.length = scalar(channel.length)
         self.bottom_velocity = scalar(channel.bottom.velocity(channel.start_time))
@@ -29,15 +31,10 @@ class Domain:
         """Take up the wall velocities at ``time``."""
         if self.oscillates:
             bottom, top = self.motions
-            self.set_walls(bottom.velocity(time), top.velocity(time), bottom.acceleration(time), top.acceleration(time))
-
-    @ti.kernel
-    def set_walls(self, bottom: float, top: float, bottom_rate: float, top_rate: float):
-        """Store wall velocities and accelerations."""
-        self.bottom_velocity[None] = bottom
-        self.top_velocity[None] = top
-        self.bottom_acceleration[None] = bottom_rate
-        self.top_acceleration[None] = top_rate
+            view(self.bottom_velocity)[()] = bottom.velocity(time)
+            view(self.top_velocity)[()] = top.velocity(time)
+            view(self.bottom_acceleration)[()] = bottom.acceleration(time)
+            view(self.top_acceleration)[()] = top.acceleration(time)
 
     @ti.func
     def wall_velocity(self, top: ti.template()):

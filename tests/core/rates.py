@@ -8,6 +8,12 @@ LINEAR_EOS = "scheme.equation_of_state={type: tait, gamma: 1, sound_speed: 5.0}"
 """Override for an equation of state that is linear, with sound speed 5."""
 
 
+def slots_in_use(scheme):
+    """Return the slots of the fluid and of the wall particles."""
+    first = scheme.particles.first_wall
+    return np.r_[: scheme.particles.fluid, first : first + scheme.numbers()["particles_wall"]]
+
+
 @ti.data_oriented
 class RatesOf:
     """Evaluates the rates of every fluid particle of a scheme once, as arrays in the order of memory."""
@@ -51,7 +57,7 @@ def impose(scheme, velocity, compression, stress=None):
     pressures[now, :-1] = scheme.sound_speed**2 * s
     particles.mid_pressure.from_numpy(pressures)
     own = particles.mid_compression.to_numpy()
-    own[now] = s[: particles.fluid]
+    own[now, : particles.fluid] = s[: particles.fluid]
     particles.mid_compression.from_numpy(own)
     if stress is not None:
         values = particles.mid_stress.to_numpy()

@@ -2,27 +2,28 @@
 
 import numpy as np
 import pytest
+from rates import slots_in_use
 
 from tisph.config import checks
 from tisph.neighbours import verlet
 from tisph.neighbours.verlet import VerletLists
+from tisph.runtime import view
 
 
 def middle_positions(scheme):
     """Fluid and wall positions that the lists refer to, with images where there are any."""
-    used = scheme.particles.fluid + scheme.numbers()["particles_wall"]
-    return scheme.particles.mid_position.to_numpy()[scheme.now][:used]
+    return scheme.particles.mid_position.to_numpy()[scheme.now][slots_in_use(scheme)]
 
 
 def missing_pairs(scheme):
     """Pairs (fluid i, any j) closer than the cutoff that the lists lack; brute force."""
-    places = middle_positions(scheme)
+    places, slots = middle_positions(scheme), slots_in_use(scheme)
     table, count = scheme.lists.table.to_numpy(), scheme.lists.count.to_numpy()
     missing = 0
     for i in range(scheme.particles.fluid):
         apart = places - places[i]
         apart[:, 0] -= scheme.channel.length * np.round(apart[:, 0] / scheme.channel.length)
-        near = set(np.flatnonzero(np.hypot(*apart.T) < scheme.lists.cutoff)) - {i}
+        near = set(slots[np.hypot(*apart.T) < scheme.lists.cutoff]) - {i}
         missing += len(near - set(table[i, : count[i]]))
     return missing
 
@@ -64,14 +65,15 @@ def test_a_uniform_shear_hardly_wears_the_lists_out(make):
 
 def test_particles_stand_in_cell_order(make):
     scheme = make(jitter=0.4)
-    start = scheme.cells.start.to_numpy()
+    rows, columns = scheme.cells.rows[None], scheme.cells.columns[None]
+    start = view(scheme.cells.start)[scheme.cells.start.used].reshape(rows + 2, columns + 1)
     places = middle_positions(scheme)
-    for row in range(1, scheme.cells.rows + 1):
-        for column in range(scheme.cells.columns):
+    for row in range(1, rows + 1):
+        for column in range(columns):
             inside = places[start[row, column] : start[row, column + 1]]
-            assert np.all(inside[:, 0] * scheme.cells.columns / scheme.channel.length // 1 == column)
-            assert np.all(inside[:, 1] * scheme.cells.rows / scheme.channel.gap // 1 == row - 1)
-    assert start[scheme.cells.rows, -1] == scheme.particles.fluid
+            assert np.all(inside[:, 0] * columns / scheme.channel.length // 1 == column)
+            assert np.all(inside[:, 1] * rows / scheme.channel.gap // 1 == row - 1)
+    assert start[rows, -1] == scheme.particles.fluid
 
 
 def test_sorting_is_stable(make):

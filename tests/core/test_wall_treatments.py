@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rates import LINEAR_EOS, impose
+from rates import LINEAR_EOS, impose, slots_in_use
 
 DRIVEN = "drive.acceleration=0.02"
 TREATMENTS = ("adami", "comoving_image", "consistent_image", "fixed_image", "virtual_image")
@@ -11,7 +11,7 @@ TREATMENTS = ("adami", "comoving_image", "consistent_image", "fixed_image", "vir
 def walls_of(scheme):
     """Return mid-step position, velocity and pressure of the wall particles."""
     particles, now = scheme.particles, scheme.now
-    used = slice(particles.fluid, particles.fluid + scheme.numbers()["particles_wall"])
+    used = slots_in_use(scheme)[particles.fluid :]
     fields = (particles.mid_position, particles.mid_velocity, particles.mid_pressure)
     return [field.to_numpy()[now][used] for field in fields]
 
@@ -98,9 +98,9 @@ def test_virtual_points_list_the_fluid_around_them(make):
     scheme = make("walls.treatment.type=virtual_image", jitter=0.3)
     particles = scheme.particles
     places = particles.mid_position.to_numpy()[scheme.now]
-    fluid = scheme.lists.built_position.to_numpy()
+    fluid = scheme.lists.built_position.to_numpy()[: particles.fluid]
     table, count = scheme.lists.table.to_numpy(), scheme.lists.count.to_numpy()
-    for k in range(particles.fluid, particles.mobile):
+    for k in slots_in_use(scheme)[particles.fluid :]:
         if places[k, 1] > 0:  # the upper wall has moved since the lists were built
             continue
         apart = fluid - [places[k, 0], -places[k, 1]]

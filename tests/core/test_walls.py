@@ -2,15 +2,16 @@
 
 import numpy as np
 import pytest
+from rates import slots_in_use
 
 
 def middle(scheme):
     """Return mid-step position, velocity and pressure of fluid and of wall particles."""
     particles, now = scheme.particles, scheme.now
-    fluid, used = particles.fluid, particles.fluid + scheme.numbers()["particles_wall"]
+    fluid, walls = particles.fluid, slots_in_use(scheme)[particles.fluid :]
     fields = (particles.mid_position, particles.mid_velocity, particles.mid_pressure)
     arrays = [field.to_numpy()[now] for field in fields]
-    return [array[:fluid] for array in arrays], [array[fluid:used] for array in arrays]
+    return [array[:fluid] for array in arrays], [array[walls] for array in arrays]
 
 
 def test_every_particle_near_a_wall_has_its_mirror_image(make):

@@ -137,7 +137,7 @@ OVERRIDE_CASES = [
     ("discretisation.spacing=2.0e-3", ["at least 6 particles", "spacing at most 0.00166667"]),
     ("discretisation={particles_across: 9, smoothing_ratio: 3}", ["at least 10 particles"]),
     ("discretisation.particles_across=50.0", ["50.0: must be a whole number"]),
-    ("discretisation.particles_across=4000", ["3.2e+07 particles", "84.6 GB of memory", "at most 20000000"]),
+    ("discretisation.particles_across=4000", ["3.2e+07 particles", "93.1 GB of memory", "at most 20000000"]),
     ("discretisation.particles_across=1000000000000", ["PB of memory"]),
     ("discretisation.spacing=1e-30", ["PB of memory"]),
     ("discretisation={particles_across: 50, kernel: quintic_splin}", ["nearest: quintic_spline"]),
@@ -261,6 +261,6 @@ def test_unreadable_path(path):
 
 
 def test_more_memory_than_the_machine_has(message, monkeypatch):
-    # 5000 particles need an estimated 3 MB
+    # 5000 particles have fields for 10 000
     monkeypatch.setattr("tisph.config.memory.physical_bytes", lambda: 1_000_000)
-    assert "would need about 13.2 MB of memory; this machine has 1 MB" in message(GOOD)
+    assert "would need about 25.6 MB of memory; this machine has 1 MB" in message(GOOD)

@@ -70,14 +70,14 @@ def test_a_flow_before_may_be_the_start_of_a_developed_or_exact_run(case):
 
 
 def test_polymer_stress_needs_memory(case):
-    # three stresses of 8 bytes in four buffers
-    assert estimated_bytes(10, case(POLYMER), False) - estimated_bytes(10, case(), False) == 10 * 3 * 4 * 8
+    # three stresses of 8 bytes in four buffers, of a size that fields have
+    assert estimated_bytes(1e5, case(POLYMER), False) - estimated_bytes(1e5, case(), False) == 1e5 * 3 * 4 * 8
 
 
 def test_single_precision_needs_half_the_memory_for_numbers(case):
     both = (case(f"discretisation={{particles_across: 50, precision: {one}}}") for one in ("f64", "f32"))
-    whole, half = (estimated_bytes(10, one, False) for one in both)
-    assert whole - half == pytest.approx(10 * 4 * REALS[False])
+    whole, half = (estimated_bytes(1e5, one, False) for one in both)
+    assert whole - half == pytest.approx(1e5 * 4 * REALS[False])
 
 
 ONLY_STEADY = "is only for a wall of constant velocity; this one oscillates"

@@ -25,6 +25,25 @@ HOST_BYTES = 165
 
 MOST_PARTICLES = 20_000_000
 
+SMALL, MIDDLE, LARGE = 10_000, (24_000, 50_000), 100_000
+STEP = 1.15
+"""Rungs of ``room``: a few for what runs in seconds, where compiling would take longest by comparison and memory is
+nothing, and from ``LARGE`` on never more than this factor apart, where it is the other way round."""
+
+
+def room(count: float) -> int:
+    """Return the size of fields that are to hold ``count`` entries: the next rung of a ladder.
+
+    The size of a field is compiled into every kernel that reads it, ``count`` is not: runs on one rung share kernels.
+    """
+    for rung in (SMALL, *MIDDLE):
+        if count <= rung:
+            return rung
+    rung = LARGE
+    while count > rung:
+        rung = int(rung * STEP)
+    return rung
+
 
 def estimated_bytes(particles: float, config: Any, implicit: bool) -> float:
     """Estimated growth of a run's memory with its particles in bytes; ``implicit``: with which scheme.
@@ -34,7 +53,7 @@ def estimated_bytes(particles: float, config: Any, implicit: bool) -> float:
     reals = REALS[implicit] + STRESS_REALS * config.fluid.rheology.carries_stress
     fields = reals * (8 if config.discretisation.precision == "f64" else 4) + INTEGER_BYTES[implicit]
     lists = 0.0 if implicit else NEIGHBOUR_BYTES * math.pi * (config.support + REACH) ** 2
-    return particles * (fields + lists + HOST_BYTES)
+    return room(particles) * (fields + lists) + particles * HOST_BYTES
 
 
 def physical_bytes() -> int | None:

@@ -5,67 +5,83 @@ above the top wall. Rows follow one another in memory as 1 .. rows, then rows + 
 first. A stable sort, without atomics, gives the same order whatever the number of threads.
 """
 
-from tisph.runtime import ti
+import numpy as np
+
+from tisph.runtime import integer, room, ti
 
 
 @ti.data_oriented
 class Cells:
     """Cells no smaller than ``reach`` (the radius of the neighbour lists), fitted to the channel.
 
-    ``start[row, column]`` is the first slot of a cell and ``start[row, columns]`` the end of its row, so that
-    neighbouring cells of one row are one range of slots.
+    ``rows`` and ``columns`` are not compiled in. ``start[place(row, column)]`` is the first slot of a cell and
+    ``start[place(row, columns)]`` the end of its row, so that neighbouring cells of one row are one range of slots.
     """
 
     def __init__(self, particles, domain, channel, reach):
         self.particles = particles
         self.domain = domain
         # counted in spacings, of which length and gap are whole numbers: no cell is lost to rounding
-        self.columns = int(channel.columns / (reach / channel.spacing))
-        self.rows = cell_rows(channel, reach)
-        if self.columns < 3:
-            raise ValueError(f"{self.columns} cells along x: a pair and its periodic copy would both be listed")
-        self.start = ti.field(ti.i32, shape=(self.rows + 2, self.columns + 1))
-        self.cursor = ti.field(ti.i32, shape=(self.rows + 2) * self.columns)
-        self.cell = ti.field(ti.i32, shape=particles.mobile)
-        self.order = ti.field(ti.i32, shape=particles.mobile)
+        columns = int(channel.columns / (reach / channel.spacing))
+        rows = cell_rows(channel, reach)
+        if columns < 3:
+            raise ValueError(f"{columns} cells along x: a pair and its periodic copy would both be listed")
+        self.rows, self.columns = integer(rows), integer(columns)
+        cells = room((rows + 2) * (columns + 1))
+        self.start = ti.field(ti.i32, shape=cells)
+        self.start.used = np.s_[: (rows + 2) * (columns + 1)]
+        self.cursor = ti.field(ti.i32, shape=cells)
+        self.cell = ti.field(ti.i32, shape=particles.mobile_slots)
+        self.order = ti.field(ti.i32, shape=particles.mobile_slots)
+        self.cursor.used = self.cell.used = self.order.used = None  # after a sort of no use
+
+    @ti.func
+    def place(self, row, column):
+        """Return the place of a cell in ``start``."""
+        return row * (self.columns[None] + 1) + column
 
     @ti.func
     def column_of(self, x):
         """Return the column of ``x``, kept inside even where ``x`` is not a number."""
-        column = ti.cast(x / self.domain.length[None] * self.columns, ti.i32)
-        return ti.max(0, ti.min(self.columns - 1, column))
+        column = ti.cast(x / self.domain.length[None] * self.columns[None], ti.i32)
+        return ti.max(0, ti.min(self.columns[None] - 1, column))
 
     @ti.func
     def row_of(self, y, k):
         """Return the row of particle ``k`` at height ``y``: 1 .. rows for fluid, beyond for wall particles."""
-        row = ti.max(0, ti.min(self.rows - 1, ti.cast(y / self.domain.gap[None] * self.rows, ti.i32))) + 1
-        if k >= self.particles.fluid:
-            row = ti.select(y < 0.0, 0, self.rows + 1)
+        rows = self.rows[None]
+        row = ti.max(0, ti.min(rows - 1, ti.cast(y / self.domain.gap[None] * rows, ti.i32))) + 1
+        if k >= self.particles.first_wall:
+            row = ti.select(y < 0.0, 0, rows + 1)
         return row
 
     @ti.kernel
     def sort(self, now: ti.i32):
         """Wrap the particles into the period and fill ``order`` and ``start`` from their positions."""
-        rows = ti.static(self.rows + 2)
         ti.loop_config(serialize=True)
         for _ in range(1):
-            for cell in range(rows * self.columns):
+            rows, columns, mobile = self.rows[None] + 2, self.columns[None], self.particles.mobile_number[None]
+            for cell in range(rows * columns):
                 self.cursor[cell] = 0
-            for k in range(self.particles.mobile):
+            for number in range(mobile):
+                k = self.particles.slot(number)
                 self.wrap(now, k)
                 place = self.particles.mid_position[now, k]
                 rank = (self.row_of(place.y, k) + rows - 1) % rows
-                self.cell[k] = rank * self.columns + self.column_of(place.x)
+                self.cell[k] = rank * columns + self.column_of(place.x)
                 self.cursor[self.cell[k]] += 1
             slot = 0
-            for cell in range(rows * self.columns):
-                row = (cell // self.columns + 1) % rows
+            for cell in range(rows * columns):
+                if cell == (rows - 2) * columns:
+                    slot = self.particles.first_wall
+                row = (cell // columns + 1) % rows
                 count = self.cursor[cell]
-                self.start[row, cell % self.columns] = slot
+                self.start[self.place(row, cell % columns)] = slot
                 self.cursor[cell] = slot
                 slot += count
-                self.start[row, cell % self.columns + 1] = slot
-            for k in range(self.particles.mobile):
+                self.start[self.place(row, cell % columns + 1)] = slot
+            for number in range(mobile):
+                k = self.particles.slot(number)
                 self.order[self.cursor[self.cell[k]]] = k
                 self.cursor[self.cell[k]] += 1
 
@@ -75,7 +91,7 @@ class Cells:
         x = self.particles.mid_position[now, k].x
         inside = self.domain.wrapped(x)
         self.particles.mid_position[now, k].x = inside
-        if k < self.particles.fluid:
+        if k < self.particles.first_wall:
             self.particles.position[now, k].x += inside - x
 
 

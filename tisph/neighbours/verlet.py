@@ -12,7 +12,9 @@ wall too, although w is another one there: who looks inside must do with three q
 
 import math
 
-from tisph.runtime import real, scalar, ti
+import numpy as np
+
+from tisph.runtime import integer, real, scalar, ti, view
 
 SKIN = 0.15
 """Reach beyond the kernel support, in particle spacings: measured best for the sum of pair loops and builds."""
@@ -41,19 +43,23 @@ class VerletLists:
         self.reach = reach(cutoff, spacing)
         self.capacity = row_capacity(self.reach, spacing)
         self.reach_squared = scalar(self.reach**2)
-        mobile, fluid = self.particles.mobile, self.particles.fluid
+        mobile, fluid = self.particles.mobile_slots, self.particles.first_wall
         self.table = ti.field(ti.i32, shape=(mobile, self.capacity))
         self.count = ti.field(ti.i32, shape=mobile)
         self.crosses = ti.field(ti.i32, shape=mobile)
-        self.longest = ti.field(ti.i32, shape=())
+        self.longest = integer(0)
         self.built_position = ti.field(ti.types.vector(2, real()), shape=fluid)
         self.reference_velocity = ti.field(real(), shape=fluid)
-        self.profile = ti.field(real(), shape=cells.rows + 2)
+        self.profile = ti.field(real(), shape=cells.start.shape)
         self.steepest = scalar(0.0)
+        used = self.particles.first_wall + self.particles.dummies
+        self.table.used = self.count.used = self.crosses.used = np.s_[:used]
+        self.built_position.used = self.reference_velocity.used = np.s_[: self.particles.fluid]
+        self.profile.used = None
 
     def outdated(self, drift_squared, elapsed):
         """Tell whether a pair may be missing, from max|e|^2 and the time since the lists were built."""
-        tilt = self.steepest[None] * elapsed
+        tilt = float(view(self.steepest)) * elapsed
         stretch = 0.5 * (tilt + math.sqrt(tilt * tilt + 4.0))
         return not stretch * (self.cutoff + 2.0 * math.sqrt(drift_squared)) <= self.reach
 
@@ -62,14 +68,15 @@ class VerletLists:
         """List the neighbours of all sorted particles at their mid-step positions."""
         self.longest[None] = 0
         ti.loop_config(serialize=True)
-        for row in range(self.cells.rows + 2):
+        for row in range(self.cells.rows[None] + 2):
             self.profile[row] = self.row_velocity(now, row)
         ti.loop_config(serialize=True)
         for _ in range(1):
             self.steepest[None] = self.largest_slope()
         ti.loop_config(serialize=self.serial)
-        for i in range(self.particles.mobile):
-            if i < self.particles.fluid:
+        for number in range(self.particles.mobile_number[None]):
+            i = self.particles.slot(number)
+            if i < self.particles.first_wall:
                 place = self.particles.mid_position[now, i]
                 self.built_position[i] = place
                 self.reference_velocity[i] = self.profile_at(place.y)
@@ -79,11 +86,11 @@ class VerletLists:
     def row_velocity(self, now, row):
         """Return the mean velocity of a row of cells, or that of the wall beyond the last row."""
         mean = self.domain.bottom_velocity[None]
-        if row > self.cells.rows:
+        if row > self.cells.rows[None]:
             mean = self.domain.top_velocity[None]
         elif row > 0:
-            first = self.cells.start[row, 0]
-            last = self.cells.start[row, self.cells.columns]
+            first = self.cells.start[self.cells.place(row, 0)]
+            last = self.cells.start[self.cells.place(row, self.cells.columns[None])]
             total = 0.0
             for i in range(first, last):
                 total += self.particles.velocity[now, i].x
@@ -93,18 +100,19 @@ class VerletLists:
     @ti.func
     def largest_slope(self):
         """Return the steepest slope of the reference profile: its knots are the row centres and the walls."""
-        height = self.domain.gap[None] / self.cells.rows
+        rows = self.cells.rows[None]
+        height = self.domain.gap[None] / rows
         steepest = 0.0
-        for row in range(self.cells.rows + 1):
+        for row in range(rows + 1):
             rise = ti.abs(self.profile[row + 1] - self.profile[row])
-            run = ti.select(row == 0 or row == self.cells.rows, 0.5 * height, height)
+            run = ti.select(row == 0 or row == rows, 0.5 * height, height)
             steepest = ti.max(steepest, rise / run)
         return steepest
 
     @ti.func
     def profile_at(self, y):
         """Return the reference profile at height ``y``, constant beyond the walls."""
-        rows = self.cells.rows
+        rows = self.cells.rows[None]
         place = y / self.domain.gap[None] * rows + 0.5
         row = ti.max(0, ti.min(rows, ti.cast(place, ti.i32)))
         part = place - row
@@ -122,23 +130,22 @@ class VerletLists:
         column = self.cells.column_of(place.x)
         row = self.cells.row_of(place.y, 0 if ti.static(self.looks_inside) else i)
         lowest = ti.max(row - 1, 0)
-        highest = ti.min(row + 1, self.cells.rows + 1)
-        if i >= self.particles.fluid:
+        highest = ti.min(row + 1, self.cells.rows[None] + 1)
+        if i >= self.particles.first_wall:
             lowest = ti.max(row - 1, 1)
-            highest = ti.min(row + 1, self.cells.rows)
-        last = self.cells.columns
+            highest = ti.min(row + 1, self.cells.rows[None])
+        last = self.cells.columns[None]
         found = 0
         across = 0
         for near in range(lowest, highest + 1):
-            begin = self.cells.start[near, ti.max(column - 1, 0)]
-            end = self.cells.start[near, ti.min(column + 2, last)]
+            first = self.cells.place(near, 0)
+            begin = self.cells.start[first + ti.max(column - 1, 0)]
+            end = self.cells.start[first + ti.min(column + 2, last)]
             found = self.append(now, i, begin, end, found, False)
             if column == 0 or column == last - 1:
-                other = ti.select(column == 0, last - 1, 0)
+                other = first + ti.select(column == 0, last - 1, 0)
                 before = found
-                found = self.append(
-                    now, i, self.cells.start[near, other], self.cells.start[near, other + 1], found, True
-                )
+                found = self.append(now, i, self.cells.start[other], self.cells.start[other + 1], found, True)
                 across += found - before
         self.crosses[i] = across
         self.count[i] = ti.min(found, self.capacity - 1)
@@ -150,7 +157,7 @@ class VerletLists:
         """Return the point whose neighbours particle ``i`` lists: its own place, or its mirror point."""
         place = self.particles.mid_position[now, i]
         if ti.static(self.looks_inside):  # noqa: SIM102 (Taichi would not see the static one)
-            if i >= self.particles.fluid:
+            if i >= self.particles.first_wall:
                 place.y = ti.select(place.y < 0.0, -place.y, 2.0 * self.domain.gap[None] - place.y)
         return place
 
@@ -169,14 +176,14 @@ class VerletLists:
 
     def mean_length(self):
         """Return the mean number of neighbours within reach of a fluid particle."""
-        return float(self.count.to_numpy()[: self.particles.fluid].mean())
+        return float(view(self.count)[: self.particles.fluid].mean())
 
     def overflow(self):
         """Return the longest row if it may not have fitted into the table, else 0.
 
         The place after the last neighbour takes candidates that are then refused, so a full row is too long.
         """
-        longest = self.longest[None]
+        longest = int(view(self.longest))
         return longest if longest >= self.capacity else 0
 
 

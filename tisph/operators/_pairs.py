@@ -96,7 +96,7 @@ class PairOperators:
             j = self.lists.table[i, k]
             apart, weight = self.pair(now, i, j, True)
             trace += weight * apart.dot(apart)
-            if j >= self.particles.fluid:
+            if j >= self.particles.first_wall:
                 above = ti.cast(self.particles.mid_position[now, j].y > 0.0, ti.i32)
                 pull[above] += self.pair_pull(now, i, j, weight, apart)
                 if ti.static(self.has_artificial_viscosity):

@@ -7,7 +7,7 @@ operators are normalised by their own moments, whatever the weights are.
 
 import numpy as np
 
-from tisph.runtime import real, scalar, ti
+from tisph.runtime import holding, real, scalar, ti
 
 INTERVALS = 2048
 """Intervals within the support, a power of two: the weights are within 1e-5 of the largest (tested)."""
@@ -30,8 +30,7 @@ class WeightTable:
         slopes = np.diff(values) / np.diff(squares)
         lines = np.zeros((ENTRIES, 2))
         lines[:INTERVALS] = np.stack([values[:-1] - slopes * squares[:-1], slopes / length**2], 1)
-        self.entries = ti.Vector.field(2, real(), shape=ENTRIES)
-        self.entries.from_numpy(lines)
+        self.entries = holding(ti.Vector.field(2, real(), shape=ENTRIES), lines)
         self.per_square = scalar(INTERVALS / (kernel.SUPPORT * length) ** 2)
 
     @ti.func

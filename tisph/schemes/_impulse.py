@@ -13,16 +13,32 @@ follows from the motion after the jump, and is less accurate with a jump of its 
 
 import numpy as np
 
-from tisph.runtime import ti
+from tisph.runtime import view
 
 
-@ti.data_oriented
 class ImpulsiveStart:
-    """Applies the jumps of the wall velocities to the particles of an image treatment."""
+    """Applies the jumps of the wall velocities to particles just loaded, of an image treatment.
 
-    def __init__(self, operators, domain):
-        self.operators, self.domain = operators, domain
-        self.particles, self.liquid = operators.particles, operators.liquid
+    The kernel of a step evaluates the rates: of a step of length 1 the velocities alone are kept. A kernel of its own
+    would take as long to compile as that one.
+    """
+
+    def __init__(self, stepper):
+        self.stepper, self.walls = stepper, stepper.walls
+        self.particles, self.domain, self.liquid = stepper.particles, stepper.domain, stepper.liquid
+        # no shift in no time, no finite force, and nothing that is not linear
+        self.silent = [stepper.operators.shift_speed]
+        if stepper.operators.has_artificial_viscosity:
+            self.silent.append(stepper.operators.artificial_viscosity)
+        if self.domain.driven:
+            self.silent.append(self.domain.acceleration)
+        particles = self.particles
+        self.unchanged = [particles.position, particles.mid_position, particles.compression]
+        self.middles = [particles.mid_velocity, particles.mid_pressure, particles.mid_compression]
+        if particles.carries_stress:
+            self.unchanged.append(particles.stress)
+            self.middles.append(particles.mid_stress)
+        self.points = self.walls.track.fields() if self.walls.tracks_walls else []
 
     def apply(self, now, jumps):
         """Change the velocities in buffer ``now``; return the velocity gained, summed over the particles.
@@ -31,47 +47,38 @@ class ImpulsiveStart:
         lists and the images in buffer ``now``, and leaves the images behind.
         """
         gains = [0.0, 0.0]
-        others = [self.operators.shift_speed]
-        if self.operators.has_artificial_viscosity:
-            others.append(self.operators.artificial_viscosity)
-        values = [field[None] for field in others]
-        for field in others:
-            field[None] = 0.0  # no shift in no time, and nothing that is not linear
         for top, jump in enumerate(jumps):
             if jump != 0.0:
-                before = self.total(now)
+                before = self.particles.momentum(now)
                 self.displace(now, top, jump)
                 self.change(now)
-                gains[top] = self.total(now) - before
-        for field, value in zip(others, values, strict=True):
-            field[None] = value
+                gains[top] = self.particles.momentum(now) - before
         return gains
 
-    def total(self, now):
-        """Return the sum of the velocities along x."""
-        return float(np.sum(self.particles.velocity.to_numpy()[now, :, 0], dtype=float))
+    def displace(self, now, top, jump):
+        """Copy the state to the other buffer, with displacements of the images beyond one wall for velocities."""
+        particles, other = self.particles, 1 - now
+        for field in (particles.velocity, particles.identity, *self.unchanged):
+            view(field)[other] = view(field)[now]
+        for field in self.middles:
+            view(field)[other] = 0.0
+        images = slice(particles.first_wall, particles.first_wall + self.walls.present_images())
+        y = view(particles.mid_position)[now, images, 1]
+        depth = y - view(self.domain.gap) if top else -y
+        displacement = depth * depth * jump / view(self.liquid.kinematic_viscosity)
+        view(particles.mid_velocity)[other, images, 0] = np.where(depth > 0.0, displacement, 0.0)
 
-    @ti.kernel
-    def displace(self, now: ti.i32, top: ti.i32, jump: float):
-        """Fill the other buffer with displacements of the images beyond one wall, and nothing else."""
-        for k in range(self.particles.slots):
-            place = self.particles.mid_position[now, k]
-            self.particles.mid_position[1 - now, k] = place
-            depth = ti.select(top == 1, place.y - self.domain.gap[None], -place.y)
-            displaced = 0.0
-            if k >= self.particles.fluid and depth > 0.0:
-                displaced = depth * depth * jump / self.liquid.kinematic_viscosity[None]
-            self.particles.mid_velocity[1 - now, k] = ti.Vector([displaced, 0.0])
-            self.particles.mid_pressure[1 - now, k] = 0.0
-            if ti.static(self.particles.carries_stress):
-                self.particles.mid_stress[1 - now, k] = ti.Vector([0.0, 0.0, 0.0])
-
-    @ti.kernel
-    def change(self, now: ti.i32):
-        """Add what the displacements do to the velocities."""
-        ti.loop_config(serialize=True)
-        for i in range(self.particles.fluid):
-            self.particles.mid_compression[1 - now, i] = 0.0
-            rates = self.operators.rates(1 - now, i)
-            self.particles.velocity[now, i] += rates.acceleration
-            self.particles.mid_velocity[now, i] += rates.acceleration
+    def change(self, now):
+        """Take what the displacements do to the velocities into buffer ``now``, and nothing else."""
+        kept = [*self.silent, *self.points]
+        values = [view(field).copy() for field in kept]
+        for field in self.silent:
+            view(field)[...] = 0.0
+        self.stepper.step(1 - now, 1.0, 0.0, 0.0, 0.0)
+        for field, value in zip(kept, values, strict=True):
+            view(field)[...] = value
+        for field in self.unchanged:
+            view(field)[now] = view(field)[1 - now]
+        for field in self.middles:
+            view(field)[now] = 0.0
+        self.particles.set_middle(now)

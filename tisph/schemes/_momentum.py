@@ -1,6 +1,6 @@
 """The balance of momentum along the channel: what walls and drive put in, against what the liquid has."""
 
-from tisph.runtime import ti
+from tisph.runtime import ti, view
 
 EVERY_STEP_UNTIL = 64
 STRIDE = 16
@@ -19,7 +19,7 @@ class WallForces:
     def __call__(self, now):
         """Return the acceleration along x summed over the particles, by the bottom and the top wall."""
         self.add_up(now)
-        return self.pull.to_numpy()
+        return view(self.pull).copy()
 
     @ti.kernel
     def add_up(self, now: ti.i32):
@@ -27,9 +27,9 @@ class WallForces:
         self.pull[0] = 0.0
         self.pull[1] = 0.0
         ti.loop_config(serialize=True)
-        for i in range(self.particles.fluid):
-            first_top = self.cells.start[self.cells.rows, 0]
-            if i < self.cells.start[1, self.cells.columns] or i >= first_top:
+        for i in range(self.particles.fluid_number[None]):
+            first_top = self.cells.start[self.cells.place(self.cells.rows[None], 0)]
+            if i < self.cells.start[self.cells.place(1, self.cells.columns[None])] or i >= first_top:
                 pull = self.operators.wall_pull(now, i)
                 self.pull[0] += pull[0]
                 self.pull[1] += pull[1]

@@ -35,15 +35,16 @@ class Stepper:
             self.stress_trace[None] = 0.0
         if ti.static(self.walls.tracks_walls):
             ti.loop_config(serialize=self.serial)
-            for k in range(self.walls.track.count):
+            for k in range(self.walls.track.count[None]):
                 for top in ti.static(range(2)):
                     self.walls.track.follow(now, k, top, length, half)
         ti.loop_config(serialize=self.serial)
-        for i in range(self.particles.fluid):
+        for i in range(self.particles.fluid_number[None]):
             self.advance(now, i, length, half, elapsed)
         if ti.static(self.walls.gathers):
             ti.loop_config(serialize=self.serial)
-            for k in range(self.particles.fluid, self.particles.mobile):
+            for number in range(self.particles.fluid_number[None], self.particles.mobile_number[None]):
+                k = self.particles.slot(number)
                 self.walls.advance(now, k, between)
                 self.walls.extrapolate(1 - now, k)
         if ti.static(self.walls.tracks_walls):

@@ -21,6 +21,7 @@ from tisph.liquid import Liquid
 from tisph.neighbours.cells import Cells
 from tisph.neighbours.verlet import VerletLists, reach
 from tisph.particles import Particles
+from tisph.runtime import view
 from tisph.schemes._estimate import explicit
 from tisph.schemes._impulse import ImpulsiveStart
 from tisph.schemes._momentum import MomentumBalance, WallForces
@@ -128,7 +129,7 @@ class Scheme:
         self.momentum.initial = float(velocity[:, 0].sum())
         self.rebuild()
         if self.walls.obeys_momentum and any(self.channel.wall_jumps):
-            impulse = ImpulsiveStart(self.operators, self.domain)
+            impulse = ImpulsiveStart(self.stepper)
             self.momentum.impulse = impulse.apply(self.now, self.channel.wall_jumps)
             self.walls.lay_out(self.now)
         self.proceed()
@@ -150,7 +151,7 @@ class Scheme:
 
     def proceed(self):
         """Evaluate the rates in the middle of the pending step, finish it, and predict the next middle."""
-        drift_squared = max(self.stepper.drift_squared[None], *(drift * drift for drift in self.wall_drift))
+        drift_squared = max(float(view(self.stepper.drift_squared)), *(drift * drift for drift in self.wall_drift))
         if self.lists.outdated(drift_squared, self.middle - self.built):
             self.rebuild()
         if self.length > 0.0 and self.momentum.due(self.steps):
@@ -179,16 +180,16 @@ class Scheme:
         Where they are not finite the step stays as it is: the guard, which looks as often, names the fault.
         """
         channel, stepper = self.channel, self.stepper
-        tension = max(0.0, stepper.stress_trace[None]) if self.particles.carries_stress else 0.0
+        tension = max(0.0, float(view(stepper.stress_trace))) if self.particles.carries_stress else 0.0
         limits = time_step_limits(
             self.cfl,
             smoothing_length=self.smoothing_length,
             sound_speed=self.sound_speed,
-            reference_velocity=max(channel.peak_velocity, math.sqrt(stepper.speed_squared[None])),
+            reference_velocity=max(channel.peak_velocity, math.sqrt(view(stepper.speed_squared))),
             kinematic_viscosity=effective_viscosity(
                 channel.solvent_viscosity, self.artificial_viscosity, self.smoothing_length, self.sound_speed
             ),
-            acceleration=math.sqrt(stepper.acceleration_squared[None]),
+            acceleration=math.sqrt(view(stepper.acceleration_squared)),
             elastic_speed=math.sqrt(channel.elastic_speed**2 + tension),
             relaxation_time=channel.polymer.relaxation_time if channel.polymer else math.inf,
         )
@@ -217,8 +218,8 @@ class Scheme:
 
     def most_crowded(self):
         """Return the number of the particle with the longest list of neighbours."""
-        count = self.lists.count.to_numpy()[: self.particles.fluid]
-        return int(self.particles.identity.to_numpy()[self.now, np.argmax(count)])
+        count = view(self.lists.count)[: self.particles.fluid]
+        return int(view(self.particles.identity)[self.now, np.argmax(count)])
 
     def output_times(self, due):
         """Return the times at which there is a snapshot for those that are ``due``: the end of the last step."""
@@ -251,8 +252,7 @@ class Scheme:
 
     def momentum_balance(self):
         """Return the balance of momentum along x up to ``time``, see ``MomentumBalance.report``."""
-        velocity = self.particles.velocity.to_numpy()[self.now, :, 0].astype(float)
-        return self.momentum.report(self.channel, self.time, float(velocity.sum()))
+        return self.momentum.report(self.channel, self.time, self.particles.momentum(self.now))
 
     def parts(self):
         """Return everything that holds fields, by name: what a checkpoint saves."""
@@ -291,7 +291,7 @@ class Scheme:
         return {
             "mach": self.channel.peak_velocity / self.sound_speed,
             "sound_speed": self.sound_speed,
-            "particles_wall": self.particles.mobile - self.particles.fluid + self.walls.present_images(),
+            "particles_wall": self.particles.dummies + self.walls.present_images(),
             "neighbours_mean": self.lists.mean_length(),
             "neighbour_rebuilds": self.rebuilds,
         }

@@ -9,7 +9,7 @@ import h5py
 
 from tisph.errors import ConfigError
 from tisph.observers._files import readable, replaced
-from tisph.runtime import ti
+from tisph.runtime import ti, view
 from tisph.simulation.resumption import require_fit
 
 DIGEST = hashlib.sha256
@@ -24,9 +24,9 @@ def save(path, scheme, config):
     with h5py.File(image, "w") as file:
         file.attrs["config"] = config
         file.attrs["host"] = json.dumps(scheme.host_state())
-        for name, field in _fields(scheme):
-            options = {} if field.shape == () else {"compression": "gzip", "compression_opts": 1}
-            file.create_dataset(name, data=field.to_numpy(), **options)
+        for name, values in _values(scheme):
+            options = {} if values.shape == () else {"compression": "gzip", "compression_opts": 1}
+            file.create_dataset(name, data=values, **options)
     with replaced(path) as new, new.open("wb") as file:
         file.write(image.getbuffer())
         file.write(DIGEST(image.getbuffer()).digest())
@@ -47,11 +47,10 @@ def restore(path, scheme, config, targets=()):
         made_with = file.attrs["config"]
         if made_with != config:
             require_fit(path, made_with, config, host["time"])
-        for name, field in _fields(scheme):
-            if field.shape == ():
-                field[None] = file[name][()]
-            else:
-                field.from_numpy(file[name][...])
+        for name, values in _values(scheme):
+            if file[name].shape != values.shape:
+                raise ValueError(f"{name} has the shape {file[name].shape}, not {values.shape}")
+            values[...] = file[name][()]
         scheme.restore_host_state(host)
     return made_with == config or scheme.aim(targets)
 
@@ -65,9 +64,13 @@ def _image(path):
     return content[:end]
 
 
-def _fields(scheme):
-    """Yield (name, field) for every Taichi field of the scheme and its parts."""
+def _values(scheme):
+    """Yield (name, array in place) for what is used of every Taichi field of the scheme and its parts.
+
+    A field may say so by an attribute ``used``, an index of NumPy; None for nothing that outlives a step.
+    """
     for part_name, part in scheme.parts().items():
         for name, field in sorted(vars(part).items()):
-            if isinstance(field, ti.Field):
-                yield f"{part_name}.{name}", field
+            used = getattr(field, "used", ...)
+            if isinstance(field, ti.Field) and used is not None:
+                yield f"{part_name}.{name}", view(field)[used]

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from tisph.runtime import ti
+from tisph.runtime import ti, view
 from tisph.walls._treatment import WallTreatment
 
 
@@ -26,26 +26,17 @@ class DummyWalls(WallTreatment):
         x = (column.ravel() + 0.5) * channel.spacing
         beyond = (layer.ravel() + 0.5) * channel.spacing
         places = np.concatenate([np.stack([x, -beyond], 1), np.stack([x, channel.gap + beyond], 1)])
-        self.lay(np.ascontiguousarray(places))
-
-    @ti.kernel
-    def lay(self, places: ti.types.ndarray()):
-        """Write the start positions, shape (dummies, 2), into buffer 0."""
-        for k in range(self.particles.fluid, self.particles.mobile):
-            row = k - self.particles.fluid
-            place = ti.Vector([places[row, 0], places[row, 1]])
-            self.particles.mid_position[0, k] = place
-            self.particles.mid_velocity[0, k] = ti.Vector([self.wall_velocity(place.y), 0.0])
-            self.particles.mid_pressure[0, k] = 0.0
-            if ti.static(self.particles.carries_stress):
-                self.particles.mid_stress[0, k] = ti.Vector([0.0, 0.0, 0.0])
+        first, last = self.particles.first_wall, self.particles.first_wall + self.particles.dummies
+        view(self.particles.mid_position)[0, first:last] = places
+        velocities = view(self.domain.bottom_velocity), view(self.domain.top_velocity)
+        view(self.particles.mid_velocity)[0, first:last, 0] = np.repeat(velocities, len(places) // 2)
 
     @ti.kernel
     def refresh(self, now: ti.i32):
         """Extrapolate to all dummy particles once their lists are built."""
         ti.loop_config(serialize=True)
-        for k in range(self.particles.fluid, self.particles.mobile):
-            self.extrapolate(now, k)
+        for number in range(self.particles.fluid_number[None], self.particles.mobile_number[None]):
+            self.extrapolate(now, self.particles.slot(number))
 
     @ti.func
     def publish(self, buffer, i, position, velocity, pressure, stress):

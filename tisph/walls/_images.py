@@ -7,7 +7,7 @@ wall is found without a search and the cells beyond the wall are known from thos
 import math
 
 from tisph.neighbours.cells import cell_rows
-from tisph.runtime import ti
+from tisph.runtime import integer, ti, view
 from tisph.walls._treatment import WallTreatment
 
 ROOM = 1.5
@@ -21,7 +21,7 @@ class ImageWalls(WallTreatment):
     def __init__(self, lists, kernel, liquid, parameters):
         super().__init__(lists, kernel, liquid, parameters)
         self.images = ti.field(ti.i32, shape=2)
-        self.first_top = ti.field(ti.i32, shape=())
+        self.first_top = integer(0)
 
     @staticmethod
     def wall_slots(channel, reach):
@@ -31,12 +31,12 @@ class ImageWalls(WallTreatment):
 
     def present_images(self):
         """Return the number of images in use."""
-        return self.images[0] + self.images[1]
+        return int(view(self.images).sum())
 
     def overflow(self):
         """Return the number of images if there was no room for them, else 0."""
         needed = self.present_images()
-        return needed if needed > self.particles.slots - self.particles.mobile else 0
+        return needed if needed > self.particles.slots - self.particles.first_wall else 0
 
     def lay_out(self, now):
         """Lay out the images after a sort, before the lists are built."""
@@ -45,22 +45,23 @@ class ImageWalls(WallTreatment):
     @ti.kernel
     def lay_out_images(self, now: ti.i32):
         """Find the cells of the images, then their mid-step values."""
-        rows = ti.static(self.cells.rows)
-        last = ti.static(self.cells.columns)
         ti.loop_config(serialize=True)
         for _ in range(1):
-            below = self.cells.start[1, last]
-            first = self.cells.start[rows, 0]
+            rows, last = self.cells.rows[None], self.cells.columns[None]
+            bottom, top = self.cells.place(1, 0), self.cells.place(rows, 0)
+            below_bottom, above_top = self.cells.place(0, 0), self.cells.place(rows + 1, 0)
+            below = self.cells.start[bottom + last]
+            first = self.cells.start[top]
             self.images[0] = below
-            self.images[1] = self.particles.fluid - first
+            self.images[1] = self.particles.fluid_number[None] - first
             self.first_top[None] = first
             for column in range(last + 1):
-                self.cells.start[0, column] = self.particles.mobile + self.cells.start[1, column]
-                self.cells.start[rows + 1, column] = (
-                    self.particles.mobile + below + self.cells.start[rows, column] - first
-                )
+                begin = self.particles.first_wall + self.cells.start[bottom + column]
+                self.cells.start[below_bottom + column] = begin
+                begin = self.particles.first_wall + below + self.cells.start[top + column] - first
+                self.cells.start[above_top + column] = begin
         ti.loop_config(serialize=True)
-        for i in range(self.particles.fluid):
+        for i in range(self.particles.fluid_number[None]):
             position = self.particles.mid_position[now, i]
             velocity = self.particles.mid_velocity[now, i]
             pressure = self.particles.mid_pressure[now, i]
@@ -78,7 +79,7 @@ class ImageWalls(WallTreatment):
     @ti.func
     def publish_images(self, buffer, i, position, velocity, pressure, stress):
         """Write the mid-step values of the images of fluid particle ``i``, if it has any, where there is room."""
-        slot = self.particles.mobile + i
+        slot = self.particles.first_wall + i
         if i < self.images[0] and slot < self.particles.slots:
             self.publish_image(buffer, slot, position, velocity, pressure, stress, 0)
         slot += self.images[0] - self.first_top[None]

@@ -21,7 +21,7 @@ distance d from the wall, with two rows in reach the one-sided difference (-8 f_
 
 import numpy as np
 
-from tisph.runtime import real, scalar, ti
+from tisph.runtime import integer, real, room, scalar, ti, view
 
 STEP = 1e-4
 """Of the gap: distance over which the slope of the initial stress at the walls is taken."""
@@ -31,22 +31,28 @@ STEP = 1e-4
 class WallTrack:
     """Points one spacing apart on both walls, index [top, k]: compression, stress, slope of the stress over y.
 
-    Point k of a wall is at ``origin[top]`` + k spacing. Stresses are over the reference density.
+    There are ``count`` of them on a wall, which is not compiled in; point k is at ``origin[top]`` + k spacing. Stresses
+    are over the reference density.
     """
 
-    def __init__(self, lists, liquid):
+    def __init__(self, lists, liquid, points):
         self.lists = lists
         self.particles, self.cells, self.domain, self.liquid = lists.particles, lists.cells, lists.domain, liquid
-        self.count = round(self.domain.length[None] / lists.spacing)
+        self.count = integer(points)
         self.spacing = scalar(lists.spacing)
         self.radius_squared = scalar(lists.cutoff**2)
         self.origin = ti.field(real(), shape=2)
-        self.column = ti.field(ti.i32, shape=(2, self.count))
-        self.compression = ti.field(real(), shape=(2, self.count))
+        shape = 2, room(points)
+        self.column = ti.field(ti.i32, shape=shape)
+        self.compression = ti.field(real(), shape=shape)
         tensor = ti.types.vector(3, real())
-        self.stress, self.mid_stress, self.slope, self.mid_slope = (
-            ti.field(tensor, shape=(2, self.count)) for _ in range(4)
-        )
+        self.stress, self.mid_stress, self.slope, self.mid_slope = (ti.field(tensor, shape=shape) for _ in range(4))
+        for field in (self.column, *self.fields()):
+            field.used = np.s_[:, :points]
+
+    def fields(self):
+        """Return the fields of what a step changes along the walls."""
+        return [self.compression, self.stress, self.mid_stress, self.slope, self.mid_slope]
 
     def load(self, channel):
         """Give the points the stress, and its slope, that the liquid at the walls starts with."""
@@ -60,17 +66,16 @@ class WallTrack:
             ((self.stress, self.mid_stress), (xx[:, 0], xy[:, 0])),
             ((self.slope, self.mid_slope), slopes),
         ):
-            everywhere = np.repeat(np.stack([first, second, 0.0 * first], 1)[:, None, :], self.count, axis=1)
             for field in fields:
-                field.from_numpy(everywhere)
-        self.origin.fill(0.5 * channel.spacing)
+                view(field)[...] = np.stack([first, second, 0.0 * first], 1)[:, None, :]
+        view(self.origin)[...] = 0.5 * channel.spacing
 
     @ti.kernel
     def locate(self):
         """Find the column of cells that each point is in, at the time of a sort."""
         for top in ti.static(range(2)):
             ti.loop_config(serialize=True)
-            for k in range(self.count):
+            for k in range(self.count[None]):
                 self.column[top, k] = self.cells.column_of(self.along(top, k))
 
     @ti.func
@@ -113,10 +118,11 @@ class WallTrack:
         second, third, fourth = 0.0, 0.0, 0.0
         once, twice = ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0])
         x = self.along(top, k)
-        row = self.cells.rows if ti.static(top) else 1
+        columns = self.cells.columns[None]
+        row = self.cells.place(self.cells.rows[None] if ti.static(top) else 1, 0)
         for side in range(-1, 2):
-            column = (self.column[top, k] + side + self.cells.columns) % self.cells.columns
-            for j in range(self.cells.start[row, column], self.cells.start[row, column + 1]):
+            cell = row + (self.column[top, k] + side + columns) % columns
+            for j in range(self.cells.start[cell], self.cells.start[cell + 1]):
                 place = self.particles.mid_position[now, j]
                 along = self.domain.nearest(place.x - x)
                 distance = self.domain.inside(top, place.y)
@@ -137,13 +143,13 @@ class WallTrack:
     def curvature_at(self, top: ti.template(), x):
         """Return the curvature of the velocity at a place along a wall, linear between points."""
         k, part = self.place(top, x)
-        return self.curvature(k, top) * (1.0 - part) + self.curvature((k + 1) % self.count, top) * part
+        return self.curvature(k, top) * (1.0 - part) + self.curvature((k + 1) % self.count[None], top) * part
 
     @ti.func
     def slope_at(self, top: ti.template(), x):
         """Return the slope of the stress over y at a place along a wall, linear between points."""
         k, part = self.place(top, x)
-        return self.mid_slope[top, k] * (1.0 - part) + self.mid_slope[top, (k + 1) % self.count] * part
+        return self.mid_slope[top, k] * (1.0 - part) + self.mid_slope[top, (k + 1) % self.count[None]] * part
 
     @ti.func
     def place(self, top: ti.template(), x):
@@ -151,4 +157,4 @@ class WallTrack:
         along = self.domain.wrapped(x - self.origin[top]) / self.spacing[None]
         k = ti.cast(along, ti.i32)
         part = along - k
-        return k % self.count, part
+        return k % self.count[None], part

@@ -44,7 +44,7 @@ class Treatment(ImageWalls):
         self.tracks_walls = liquid.carries_stress
         self.corrects = self.tracks_walls or self.domain.driven or self.domain.oscillates
         if self.tracks_walls:
-            self.track = WallTrack(lists, liquid)
+            self.track = WallTrack(lists, liquid, self.domain.columns)
 
     def load(self, channel):
         """Place the tracked points on the walls."""

@@ -1,0 +1,39 @@
+"""Compiled kernels serve runs of another size: what differs from run to run is no part of them."""
+
+import pytest
+
+from tisph import runtime
+
+POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.5}"
+OTHER = ("discretisation.particles_across=18", "geometry={gap: 3.0, length: 5.0}", "time.end=0.7")
+
+
+def compiled(folder):
+    """Return the names of the kernels in a cache: hashes of all that they are compiled from."""
+    return {path.name for path in folder.rglob("*.tic")}
+
+
+def use(scheme):
+    """Do what a run does: steps, new lists, the force on the walls, output."""
+    scheme.advance()
+    scheme.rebuild()
+    scheme.wall_forces(scheme.now)
+    scheme.snapshot()
+    scheme.numbers()
+    runtime.stop()
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        ("walls.treatment.type=consistent_image", POLYMER),
+        ("walls.treatment.type=adami", "scheme.operators=standard"),
+    ],
+)
+def test_another_resolution_length_gap_and_end_compile_nothing(make, tmp_path, monkeypatch, scene):
+    monkeypatch.setattr(runtime, "CACHE", tmp_path / "cache")
+    use(make(*scene))
+    first = compiled(tmp_path)
+    assert first
+    use(make(*scene, *OTHER))
+    assert compiled(tmp_path) == first

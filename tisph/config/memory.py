@@ -26,7 +26,7 @@ HOST_BYTES = 165
 MOST_PARTICLES = 20_000_000
 
 SMALL, MIDDLE, LARGE = 10_000, (24_000, 50_000), 100_000
-STEP = 1.15
+STEP = 1.1
 """Rungs of ``room``: a few for what runs in seconds, where compiling would take longest by comparison and memory is
 nothing, and from ``LARGE`` on never more than this factor apart, where it is the other way round."""
 

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from implicit_case import IMPLICIT, SLOW, exact_error
 
+from tisph.neighbours.points import used
+
 
 @pytest.fixture
 def make(make):
@@ -49,7 +51,7 @@ def in_steps_of(scheme, length, number, position, velocity):
     """Start again and take ``number`` steps of a given length."""
     scheme.reset()
     scheme.control.fixed = scheme.control.wish = length
-    scheme.place(position, velocity)
+    scheme.start(position, velocity)
     for _ in range(number):
         scheme.advance()
     assert scheme.time == pytest.approx(number * length, rel=1e-12)  # rounding of a sum
@@ -65,7 +67,7 @@ FLOWS = {
 @pytest.mark.parametrize("flow", FLOWS)
 def test_steps_are_of_third_order(make, flow):
     scheme = slow(make, *FLOWS[flow])
-    start = scheme.motion.position.to_numpy(), scheme.viscous.velocity.to_numpy().T
+    start = used(scheme.motion.position).copy(), used(scheme.viscous.velocity).T.copy()
     results = {}
     for length in (8.0, 4.0, 0.5):
         in_steps_of(scheme, length, int(24.0 / length), *start)
@@ -98,7 +100,7 @@ def test_output_at_the_ends_of_a_step_is_the_state_there(make):
 def test_output_within_a_step_is_of_the_order_of_the_steps(make):
     # a mode that decays as exp(-s t); its s on the lattice follows from a short step
     scheme = slow(make, sine, f"walls.top.velocity={SLOW}")
-    start = scheme.motion.position.to_numpy(), scheme.viscous.velocity.to_numpy().T
+    start = used(scheme.motion.position).copy(), used(scheme.viscous.velocity).T.copy()
     linear = SLOW * start[0][:, 1]
     profile = start[1][:, 0] - linear
     in_steps_of(scheme, 0.1, 1, *start)

@@ -5,7 +5,7 @@ fixed order, so that the result does not depend on the number of threads.
 """
 
 from tisph.least_squares.rows import LANES
-from tisph.runtime import real, scalar, ti
+from tisph.runtime import real, scalar, ti, view
 
 MOST_ITERATIONS = 200
 
@@ -20,26 +20,24 @@ class BiCGStab:
     def __init__(self, rows, ghosts, parity):
         self.rows, self.ghosts, self.points = rows, ghosts, rows.points
         self.parity = parity
-        self.fluid = rows.count
-        self.groups = -(-self.fluid // LANES)
-        padded, slots = self.groups * LANES, self.points.slots + 1
+        padded, slots = -(-self.points.most // LANES) * LANES, self.points.slots + 1
         self.x, self.search, self.half = (ti.field(real(), slots) for _ in range(3))
         self.b, self.residual, self.shadow, self.along, self.across = (ti.field(real(), padded) for _ in range(5))
         self.direction, self.inverse = (ti.field(real(), padded) for _ in range(2))
         self.coefficient, self.own = scalar(0.0), scalar(1.0)
         self.rho, self.alpha, self.omega, self.beta = (scalar(0.0) for _ in range(4))
-        self.norm = scalar(0.0)
+        self.size, self.norm = scalar(0.0), scalar(0.0)
 
     def solve(self, coefficient, tolerance, own=1.0, most=MOST_ITERATIONS):
         """Solve (``own`` - ``coefficient`` A) x = b to a residual of ``tolerance`` |b|; return whether it did."""
-        self.coefficient[None], self.own[None] = coefficient, own
+        view(self.coefficient)[()], view(self.own)[()] = coefficient, own
         self.start()
-        limit = tolerance * self.rho[None]
+        norm, limit = view(self.norm), tolerance * view(self.size)
         for _ in range(most):
-            if self.norm[None] <= limit:
+            if norm <= limit:
                 return True
             self.iterate()
-        return self.norm[None] <= limit
+        return bool(norm <= limit)
 
     @ti.func
     def product(self, values, i):
@@ -49,25 +47,26 @@ class BiCGStab:
     @ti.func
     def reflect(self, values, k):
         """Give ghost ``k`` its value."""
-        values[self.fluid + k] = self.parity * self.ghosts.value(values, k)
+        values[self.points.most + k] = self.parity * self.ghosts.value(values, k)
 
     @ti.func
     def dot(self, left: ti.template(), right: ti.template()):
         """Return the sum of products, in a fixed order."""
         part = ti.Vector([0.0] * LANES)
-        for group in range(self.groups):
+        for group in range((self.points.particles[None] + LANES - 1) // LANES):
             for lane in ti.static(range(LANES)):
                 part[lane] += left[group * LANES + lane] * right[group * LANES + lane]
         return part.sum()
 
     @ti.kernel
     def start(self):
-        """Residual of the guess, inverse diagonal, and |b|, in ``rho`` until the first iteration."""
+        """Residual of the guess and its ``norm``, inverse diagonal, and the ``size`` |b|."""
+        particles = self.points.particles[None]
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
             self.reflect(self.x, k)
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.fluid):
+        for i in range(particles):
             self.inverse[i] = 1.0 / (self.own[None] - self.coefficient[None] * self.rows.diagonal[i])
             residual = self.b[i] - self.product(self.x, i)
             self.residual[i] = residual
@@ -76,8 +75,9 @@ class BiCGStab:
             self.along[i] = 0.0
         ti.loop_config(serialize=True)
         for _ in range(1):
-            self.rho[None] = ti.sqrt(self.dot(self.b, self.b))
-            self.norm[None] = ti.sqrt(self.dot(self.residual, self.residual))
+            self.size[None] = ti.sqrt(self.dot(self.b, self.b))
+            self.rho[None] = self.dot(self.shadow, self.residual)
+            self.norm[None] = ti.sqrt(self.rho[None])
             self.beta[None] = 0.0
             self.omega[None] = 0.0
             self.alpha[None] = 1.0
@@ -85,8 +85,9 @@ class BiCGStab:
     @ti.kernel
     def iterate(self):
         """One iteration: two products, five sums."""
+        particles = self.points.particles[None]
         ti.loop_config(serialize=self.rows.serial_numbers)
-        for i in range(self.fluid):
+        for i in range(particles):
             direction = self.residual[i] + self.beta[None] * (self.direction[i] - self.omega[None] * self.along[i])
             self.direction[i] = direction
             self.search[i] = self.inverse[i] * direction
@@ -94,21 +95,20 @@ class BiCGStab:
         for k in range(self.ghosts.count[None]):
             self.reflect(self.search, k)
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.fluid):
+        for i in range(particles):
             self.along[i] = self.product(self.search, i)
         ti.loop_config(serialize=True)
         for _ in range(1):
-            self.rho[None] = self.dot(self.shadow, self.residual)
             self.alpha[None] = self.rho[None] / self.dot(self.shadow, self.along)
         ti.loop_config(serialize=self.rows.serial_numbers)
-        for i in range(self.fluid):
+        for i in range(particles):
             self.residual[i] -= self.alpha[None] * self.along[i]
             self.half[i] = self.inverse[i] * self.residual[i]
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
             self.reflect(self.half, k)
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.fluid):
+        for i in range(particles):
             self.across[i] = self.product(self.half, i)
         ti.loop_config(serialize=True)
         for _ in range(1):
@@ -116,7 +116,7 @@ class BiCGStab:
             # nothing is left where the first half of the iteration has met the solution
             self.omega[None] = self.dot(self.across, self.residual) / size if size > 0.0 else 0.0
         ti.loop_config(serialize=self.rows.serial_numbers)
-        for i in range(self.fluid):
+        for i in range(particles):
             self.x[i] += self.alpha[None] * self.search[i] + self.omega[None] * self.half[i]
             self.residual[i] -= self.omega[None] * self.across[i]
         ti.loop_config(serialize=True)
@@ -125,3 +125,4 @@ class BiCGStab:
             rho = self.dot(self.shadow, self.residual)
             ratio = rho / self.rho[None] * self.alpha[None] / self.omega[None]
             self.beta[None] = ratio if self.norm[None] > 0.0 else 0.0
+            self.rho[None] = rho

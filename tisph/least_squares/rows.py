@@ -17,9 +17,9 @@ Three loops, each in the form that compiles to the fastest code:
 3. rows: w P(x, y) by Horner's rule, in place.
 """
 
-from tisph.least_squares.elimination import Elimination, horner, moment_chains, moment_indices, powers
+from tisph.least_squares.elimination import horner, moment_chains, moment_indices, moment_of_entries, powers, units
 from tisph.neighbours.points import LANES
-from tisph.runtime import real, scalar, threads, ti
+from tisph.runtime import holding, integer, real, scalar, threads, ti
 
 SUPPORT = {2: 1.9, 4: 2.9}
 """Radius in particle spacings by order. About 10 and 27 neighbours: 0.1 less, and sheared disorder becomes singular."""
@@ -31,7 +31,7 @@ CHUNK = 512
 """Taichi gives a thread at least this many iterations of a parallel loop."""
 
 FEW = 10_000
-"""Particles below which a light loop, of one row for each, is over before a second thread has gained anything."""
+"""Particles up to which a light loop, of one row for each, is over before a second thread has gained anything."""
 
 FEW_NUMBERS = 10 * FEW
 """The same of a loop that goes over a few numbers of each particle only."""
@@ -39,6 +39,9 @@ FEW_NUMBERS = 10 * FEW
 SMALLEST_PIVOT = 1e-2
 """A pivot below this part of its diagonal entry: the neighbours hardly determine the unknown, and the entries of the
 row are many times the usual ones. On a lattice the smallest is 0.15; one neighbourhood in 1e4 is below in disorder."""
+
+LOWEST = 5
+"""Unknowns of order 2, the last ones of all."""
 
 LAPLACIAN, ALONG, ACROSS = range(3)
 
@@ -48,7 +51,7 @@ class LeastSquaresRows:
     """Rows ``laplacian[i, k]``, ``along[i, k]`` (d/dx) and ``across[i, k]`` (d/dy) of the neighbours ``points`` lists.
 
     What lies beyond ``support`` weighs nothing. Where order 4 is singular order 2 takes over, where that is singular
-    too the rows are zero: ``reduced`` and ``dropped`` count them. ``pivot`` holds the smallest pivot over its diagonal.
+    too the rows are zero: ``reduced`` and ``dropped`` count them.
     ``diagonal[i]``: minus the sum of ``laplacian[i, k]``, what it gives particle i of its own value.
 
     What is to be compiled for one thread: ``serial``: everything, loops of assembly too; ``serial_light``: loops over
@@ -57,66 +60,56 @@ class LeastSquaresRows:
 
     def __init__(self, points, support, order):
         self.points = points
-        self.count = points.fluid
         self.serial = points.serial
-        self.serial_light = self.serial or self.count < FEW
-        self.serial_numbers = self.serial or self.count < FEW_NUMBERS
-        self.blocks = -(-self.count // BLOCK)
-        # idle turns make the loop over the blocks long enough to be shared among the threads
-        self.stretch = 1 if self.serial else -(-threads() * CHUNK // self.blocks)
+        self.serial_light = self.serial or points.most <= FEW
+        self.serial_numbers = self.serial or points.most <= FEW_NUMBERS
+        self.workers = 1 if self.serial else threads()
         moments = moment_indices(order)
         self.zeros = [0.0] * len(moments)
         self.chains = moment_chains(order)
-        unknowns = powers(order)
-        self.full = Elimination(order, moments, unknowns)
-        self.low = Elimination(2, moments, unknowns)
+        self.unknowns = len(powers(order))
         self.horner = horner(order)
-        self.places = list(range(len(unknowns)))
-        self.no_coefficients = [[0.0] * len(unknowns) for _ in range(3)]
-        shape = (self.count, points.capacity)
+        self.places = list(range(self.unknowns))
+        self.lanes = list(range(BLOCK))
+        self.no_coefficients = [[0.0] * self.unknowns for _ in range(3)]
+        shape = (points.most, points.capacity)
         self.laplacian, self.along, self.across = (ti.field(real(), shape) for _ in range(3))
-        self.diagonal = ti.field(real(), self.count)
-        self.moments = ti.field(real(), (self.blocks, len(moments), BLOCK))
-        self.coefficients = ti.field(real(), (self.blocks, 3, len(unknowns), BLOCK))
-        self.pivot = ti.field(real(), (self.blocks, BLOCK))
+        self.diagonal = ti.field(real(), points.most)
+        self.lane = ti.types.vector(BLOCK, real())
+        blocks, entries = -(-points.most // BLOCK), moment_of_entries(order)
+        self.moments = ti.field(self.lane, (blocks, len(moments)))
+        self.coefficients = ti.field(self.lane, (blocks, 3, self.unknowns))
+        self.lower = ti.field(self.lane, (self.workers, len(entries)))
+        self.inverse = ti.field(self.lane, (self.workers, self.unknowns))
+        self.solution = ti.field(self.lane, (self.workers, 3, self.unknowns))
+        self.moment_of = holding(ti.field(ti.i32, len(entries)), entries)
+        self.units = holding(ti.field(real(), (3, self.unknowns)), units(order, 1.0 / support))
         self.per_support = scalar(1.0 / support)
-        self.reduced = ti.field(ti.i32, ())
-        self.dropped = ti.field(ti.i32, ())
-
-    def assemble(self):
-        """Compute all rows for the present places of the points."""
-        self.sum_moments()
-        self.solve()
-        self.evaluate()
+        self.reduced, self.dropped = integer(0), integer(0)
 
     @ti.kernel
-    def sum_moments(self):
-        """Put vectors and weights where the rows will be, and sum the moments."""
+    def assemble(self):
+        """Compute all rows for the present places of the points."""
+        particles = self.points.particles[None]
         ti.loop_config(serialize=self.serial)
-        for i in range(self.count):
+        for i in range(particles):
             self.measure(i)
-            total = ti.Vector(self.zeros)
-            for group in range(self.points.count[i] // LANES):
-                part = ti.Vector(self.zeros)
-                for lane in ti.static(range(LANES)):
-                    k = group * LANES + lane
-                    x, y, weighted = self.along[i, k], self.across[i, k], self.laplacian[i, k]
-                    for chain in ti.static(self.chains):
-                        product = weighted
-                        for index in ti.static(chain):
-                            if ti.static(index >= 0):
-                                part[index] += product
-                            product *= y
-                        weighted *= x
-                total += part
-            for chain in ti.static(self.chains):
-                for index in ti.static(chain):
-                    if ti.static(index >= 0):
-                        self.moments[i // BLOCK, index, i % BLOCK] = total[index]
+            self.sum_moments(i)
+        self.reduced[None] = 0
+        self.dropped[None] = 0
+        ti.loop_config(serialize=self.serial)
+        for turn in range(self.workers * CHUNK):  # a chunk for each thread, which works in its first turn
+            if turn % CHUNK == 0:
+                worker, blocks = turn // CHUNK, (particles + BLOCK - 1) // BLOCK
+                for block in range(worker * blocks // self.workers, (worker + 1) * blocks // self.workers):
+                    self.solve(worker, block, particles)
+        ti.loop_config(serialize=self.serial)
+        for i in range(particles):
+            self.evaluate(i)
 
     @ti.func
     def measure(self, i):
-        """Store the scaled vectors to the neighbours of particle ``i`` and their weights."""
+        """Store the scaled vectors to the neighbours of particle ``i`` and their weights, where the rows will be."""
         scale = self.per_support[None]
         for k in range(self.points.count[i]):
             apart = self.points.separation(i, self.points.table[i, k]) * scale
@@ -127,91 +120,112 @@ class LeastSquaresRows:
             self.along[i, k] = apart.x * inside
             self.across[i, k] = apart.y * inside
 
-    @ti.kernel
-    def solve(self):
-        """Solve all systems, singular ones again at order 2."""
-        self.reduced[None] = 0
-        self.dropped[None] = 0
-        ti.loop_config(serialize=self.serial)
-        for turn in range(self.blocks * self.stretch):
-            if turn % self.stretch == 0:
-                block = turn // self.stretch
-                for lane in range(BLOCK):
-                    self.pivot[block, lane] = self.solve_one(self.full, block, lane)
-        ti.loop_config(serialize=True)
-        for i in range(self.count):
-            block, lane = i // BLOCK, i % BLOCK
-            if self.pivot[block, lane] < SMALLEST_PIVOT:
-                if self.solve_one(self.low, block, lane) < SMALLEST_PIVOT:
-                    self.dropped[None] += 1
-                    for operator in ti.static(range(3)):
-                        for unknown in ti.static(self.places):
-                            self.coefficients[block, operator, unknown, lane] = 0.0
-                else:
-                    self.reduced[None] += 1
+    @ti.func
+    def sum_moments(self, i):
+        """Sum the moments of particle ``i``."""
+        total = ti.Vector(self.zeros)
+        for group in range(self.points.count[i] // LANES):
+            part = ti.Vector(self.zeros)
+            for lane in ti.static(range(LANES)):
+                k = group * LANES + lane
+                x, y, weighted = self.along[i, k], self.across[i, k], self.laplacian[i, k]
+                for chain in ti.static(self.chains):
+                    product = weighted
+                    for index in ti.static(chain):
+                        if ti.static(index >= 0):
+                            part[index] += product
+                        product *= y
+                    weighted *= x
+            total += part
+        for chain in ti.static(self.chains):
+            for index in ti.static(chain):
+                if ti.static(index >= 0):
+                    self.moments[i // BLOCK, index][i % BLOCK] = total[index]
 
     @ti.func
-    def solve_one(self, system: ti.template(), block, lane):
-        """Store the coefficients of one particle and return its smallest relative pivot (0 if not positive)."""
-        lower = ti.Vector(system.no_entries)
-        inverse = ti.Vector(system.no_unknowns)
-        for row in ti.static(system.fill):
-            for entry, moment in ti.static(row):
-                lower[entry] = self.moments[block, moment, lane]
-        smallest = 1.0
-        for k, entry, moment in ti.static(system.pivots):
-            pivot = lower[entry]
-            inverse[k] = 1.0 / pivot
-            relative = pivot / self.moments[block, moment, lane]
+    def solve(self, worker, block, particles):
+        """Solve all systems of a block, those of singular ones again at order 2."""
+        wanted = block * BLOCK + ti.Vector(self.lanes) < particles
+        for attempt in range(2):
+            first = attempt * (self.unknowns - LOWEST)
+            singular = self.eliminate(worker, block, first) < SMALLEST_PIVOT
+            self.substitute(worker, first)
+            for operator, unknown in ti.ndrange(3, self.unknowns):
+                found = self.solution[worker, operator, unknown]
+                if attempt == 1:
+                    found = ti.select(singular, 0.0, found)
+                    found = ti.select(wanted, found, self.coefficients[block, operator, unknown])
+                self.coefficients[block, operator, unknown] = found
+            if attempt == 1:
+                dropped = ti.cast(wanted & singular, ti.i32).sum()
+                self.dropped[None] += dropped
+                self.reduced[None] += ti.cast(wanted, ti.i32).sum() - dropped
+            wanted = wanted & singular
+            if not wanted.any():
+                break
+
+    @ti.func
+    def eliminate(self, worker, block, first):
+        """Factor M = L D L^T of the unknowns from ``first`` on; return the smallest pivots, 0 if not positive.
+
+        A pivot is taken relative to its diagonal entry.
+        """
+        for entry in range(ti.static(self.lower.shape[1])):
+            self.lower[worker, entry] = self.moments[block, self.moment_of[entry]]
+        smallest = self.lane(1.0)
+        for k in range(first, self.unknowns):
+            diagonal = _entry(k, k)
+            pivot = self.lower[worker, diagonal]
+            inverse = 1.0 / pivot
+            self.inverse[worker, k] = inverse
+            relative = pivot / self.moments[block, self.moment_of[diagonal]]
             smallest = ti.min(smallest, ti.select(relative > 0.0, relative, 0.0))  # 0 / 0 is not > 0
-            for left, updates in ti.static(system.columns[k]):
-                factor = lower[left] * inverse[k]
-                for target, right in ti.static(updates):
-                    lower[target] -= lower[right] * factor
-                lower[left] = factor
-        for operator in ti.static(range(3)):
-            self.substitute(system, operator, block, lane, lower, inverse)
+            for j in range(k + 1, self.unknowns):
+                left = _entry(j, k)
+                factor = self.lower[worker, left] * inverse
+                for i in range(j, self.unknowns):
+                    target = _entry(i, j)
+                    self.lower[worker, target] = self.lower[worker, target] - self.lower[worker, _entry(i, k)] * factor
+                self.lower[worker, left] = factor
         return smallest
 
     @ti.func
-    def substitute(
-        self, system: ti.template(), operator: ti.template(), block, lane, lower: ti.template(), inverse: ti.template()
-    ):
-        """Solve L D L^T z = e for one operator and store z."""
-        scale = self.per_support[None]
-        z = ti.Vector(system.no_unknowns)
-        for i, degree in ti.static(system.units[operator]):
-            z[i] = scale if ti.static(degree == 1) else 2.0 * scale * scale
-        for i, terms in ti.static(system.forward[operator]):
-            for k, entry in ti.static(terms):
-                z[i] -= lower[entry] * z[k]
-        for i, _ in ti.static(system.forward[operator]):
-            z[i] *= inverse[i]
-        for i, target, terms in ti.static(system.backward):
-            for k, entry in ti.static(terms):
-                z[i] -= lower[entry] * z[k]
-            self.coefficients[block, operator, target, lane] = z[i]
-        for target in ti.static(system.unused):
-            self.coefficients[block, operator, target, lane] = 0.0
+    def substitute(self, worker, first):
+        """Solve L D L^T z = e of all operators; the entries of e are zero before the last four."""
+        start = self.unknowns - 4
+        for operator in range(3):
+            for i in range(self.unknowns):
+                self.solution[worker, operator, i] = self.lane(0.0) + self.units[operator, i]
+            for i in range(start, self.unknowns):
+                value = self.solution[worker, operator, i]
+                for k in range(start, i):
+                    value -= self.lower[worker, _entry(i, k)] * self.solution[worker, operator, k]
+                self.solution[worker, operator, i] = value
+            for i in range(start, self.unknowns):
+                self.solution[worker, operator, i] = self.solution[worker, operator, i] * self.inverse[worker, i]
+            for back in range(self.unknowns - first):
+                i = self.unknowns - 1 - back
+                value = self.solution[worker, operator, i]
+                for k in range(i + 1, self.unknowns):
+                    value -= self.lower[worker, _entry(k, i)] * self.solution[worker, operator, k]
+                self.solution[worker, operator, i] = value
 
-    @ti.kernel
-    def evaluate(self):
-        """Turn the vectors and weights into rows."""
-        ti.loop_config(serialize=self.serial)
-        for i in range(self.count):
-            known = ti.Matrix(self.no_coefficients)  # local, or they would be read again for every neighbour
-            for operator in ti.static(range(3)):
-                for unknown in ti.static(self.places):
-                    known[operator, unknown] = self.coefficients[i // BLOCK, operator, unknown, i % BLOCK]
-            for k in range(self.points.count[i]):
-                x, y, weight = self.along[i, k], self.across[i, k], self.laplacian[i, k]
-                self.laplacian[i, k] = weight * self.polynomial(known, LAPLACIAN, x, y)
-                self.along[i, k] = weight * self.polynomial(known, ALONG, x, y)
-                self.across[i, k] = weight * self.polynomial(known, ACROSS, x, y)
-            total = 0.0
-            for k in range(self.points.count[i]):
-                total += self.laplacian[i, k]
-            self.diagonal[i] = -total
+    @ti.func
+    def evaluate(self, i):
+        """Turn the vectors and weights of particle ``i`` into its rows."""
+        known = ti.Matrix(self.no_coefficients)  # local, or they would be read again for every neighbour
+        for operator in ti.static(range(3)):
+            for unknown in ti.static(self.places):
+                known[operator, unknown] = self.coefficients[i // BLOCK, operator, unknown][i % BLOCK]
+        for k in range(self.points.count[i]):
+            x, y, weight = self.along[i, k], self.across[i, k], self.laplacian[i, k]
+            self.laplacian[i, k] = weight * self.polynomial(known, LAPLACIAN, x, y)
+            self.along[i, k] = weight * self.polynomial(known, ALONG, x, y)
+            self.across[i, k] = weight * self.polynomial(known, ACROSS, x, y)
+        total = 0.0
+        for k in range(self.points.count[i]):
+            total += self.laplacian[i, k]
+        self.diagonal[i] = -total
 
     @ti.func
     def polynomial(self, known, operator: ti.template(), x, y):
@@ -236,3 +250,9 @@ class LeastSquaresRows:
                 k = group * LANES + lane
                 total += rows[i, k] * (values[self.points.table[i, k]] - own)
         return total
+
+
+@ti.func
+def _entry(row, column):
+    """Return where an entry of a lower triangle is stored."""
+    return row * (row + 1) // 2 + column

@@ -1,5 +1,7 @@
 """The state within the last step: cubic in the velocities, so that output does not shorten the steps."""
 
+from tisph.neighbours.points import used
+
 
 class DenseOutput:
     """Positions and velocities at any time of the step that was taken last (Hermite interpolation).
@@ -33,4 +35,4 @@ class DenseOutput:
     def _read(self):
         viscous, motion = self.viscous, self.motion
         fields = (motion.start_velocity, viscous.end, viscous.start_rate, viscous.end_rate)
-        return [field.to_numpy().astype(float) for field in (*fields, motion.start_position, *self.others)]
+        return [used(field).astype(float) for field in (*fields, motion.start_position, *self.others)]

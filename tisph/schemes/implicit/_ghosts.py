@@ -12,9 +12,7 @@ where the ghosts stay on the lattice and u_F is interpolated at their mirror poi
 
 import math
 
-import numpy as np
-
-from tisph.runtime import real, ti
+from tisph.runtime import integer, real, scalar, ti, view
 
 
 @ti.data_oriented
@@ -28,13 +26,11 @@ class Ghosts:
     """Whether the points list the neighbours of mirror points."""
 
     def __init__(self, points, domain, reach):
-        self.points, self.domain, self.reach = points, domain, reach
-        room = points.slots - points.fluid
-        self.count = points.ghosts
-        self.side = ti.field(ti.i32, shape=room)
-        self.depth = ti.field(real(), shape=room)
+        self.points, self.domain, self.reach = points, domain, scalar(reach)
+        self.count, self.needed = points.ghosts, integer(0)
+        self.side = ti.field(ti.i32, shape=points.most_ghosts)
+        self.depth = ti.field(real(), shape=points.most_ghosts)
         self.series = ti.field(real(), shape=(2, 3))
-        self.given = None
 
     def find(self):
         """Place the ghosts for the present places of the particles, before neighbours are listed."""
@@ -44,34 +40,27 @@ class Ghosts:
 
     def overflow(self):
         """Return the number of ghosts if there was no room for them, else 0."""
-        return self.count[None] if self.count[None] > self.side.shape[0] else 0
+        needed = int(view(self.needed))
+        return needed if needed > self.points.room else 0
 
     @ti.func
     def follow(self, k):
         """Let ghost ``k`` follow particles that have been shifted."""
 
-    def lay(self, values, bottom, top):
-        """Set ``values`` of the ghosts of each wall to c0 + c1 d^2 + c2 d^4, the three numbers of that wall."""
-        given = [[float(number) for number in series] for series in (bottom, top)]
-        if given != self.given:  # a write to a field costs as much as the loop
-            self.given = given
-            for side, power in np.ndindex(2, 3):
-                self.series[side, power] = given[side][power]
-        self.evaluate_series(values)
+    def prescribe(self, bottom, top):
+        """Take up the series of each wall, c0 + c1 d^2 + c2 d^4: three numbers."""
+        view(self.series)[...] = bottom, top
 
-    @ti.kernel
-    def evaluate_series(self, values: ti.template()):
-        """Evaluate the series of the walls on their ghosts."""
-        ti.loop_config(serialize=True)
-        for k in range(self.count[None]):
-            square = self.depth[k] * self.depth[k]
-            side = self.side[k]
-            series = self.series[side, 0] + square * (self.series[side, 1] + square * self.series[side, 2])
-            values[self.points.fluid + k] = series
+    @ti.func
+    def given(self, k):
+        """Return what the series of its wall prescribes for ghost ``k``."""
+        square = self.depth[k] * self.depth[k]
+        side = self.side[k]
+        return self.series[side, 0] + square * (self.series[side, 1] + square * self.series[side, 2])
 
     @ti.func
     def series_slope(self, k):
-        """Return the derivative across the channel of the series that was laid last, at ghost ``k``."""
+        """Return the derivative across the channel of the series at ghost ``k``."""
         side, depth = self.side[k], self.depth[k]
         outwards = 2.0 * depth * (self.series[side, 1] + 2.0 * depth * depth * self.series[side, 2])
         return ti.select(side == 1, outwards, -outwards)
@@ -80,7 +69,7 @@ class Ghosts:
     def near(self, i):
         """Tell whether particle ``i`` is within reach of a wall."""
         y = self.points.place[i].y
-        return y < self.reach or self.domain.gap[None] - y < self.reach
+        return y < self.reach[None] or self.domain.gap[None] - y < self.reach[None]
 
 
 @ti.data_oriented
@@ -100,18 +89,20 @@ class MirrorGhosts(Ghosts):
     @ti.kernel
     def find(self):
         """Mirror every particle within reach of a wall."""
+        particles, reach = self.points.particles[None], self.reach[None]
         ti.loop_config(serialize=True)
         for _ in range(1):
             found = 0
             for top in ti.static(range(2)):
-                for i in range(self.points.fluid):
-                    if self.domain.inside(top, self.points.place[i].y) < self.reach:
+                for i in range(particles):
+                    if self.domain.inside(top, self.points.place[i].y) < reach:
                         k = ti.min(found, self.source.shape[0] - 1)
                         self.source[k] = i
                         self.side[k] = top
                         self.follow(k)
                         found += 1
-            self.count[None] = found
+            self.needed[None] = found
+            self.count[None] = ti.min(found, self.source.shape[0])
 
     @ti.func
     def follow(self, k):
@@ -120,7 +111,7 @@ class MirrorGhosts(Ghosts):
             if self.side[k] == top:
                 place = self.points.place[self.source[k]]
                 self.depth[k] = self.domain.inside(top, place.y)
-                self.points.place[self.points.fluid + k] = self.domain.mirrored(top, place)
+                self.points.place[self.points.most + k] = self.domain.mirrored(top, place)
 
     @ti.func
     def value(self, values: ti.template(), k):

@@ -10,64 +10,41 @@ which is what the layer that the particles cannot resolve yet has taken up (the 
 ``schemes/_impulse.py``).
 """
 
-from tisph.runtime import ti
+from tisph.neighbours.points import used
+from tisph.runtime import view
 
 
-@ti.data_oriented
 class Kick:
     """Applies the jumps of the walls to ``viscous.velocity``."""
 
     def __init__(self, viscous):
-        self.viscous, self.rows, self.solver = viscous, viscous.rows, viscous.solver
-        self.ghosts, self.fluid = viscous.ghosts, viscous.fluid
+        self.viscous, self.ghosts = viscous, viscous.ghosts
+        self.viscosity = float(view(viscous.viscosity))
 
     def apply(self, velocity_jumps, acceleration_jumps):
         """Change the velocities; return the velocity gained from the (bottom, top) wall, summed over the particles."""
-        gains = [0.0, 0.0]
+        gains, nu = [0.0, 0.0], self.viscosity
         for side, (jump, rate) in enumerate(zip(velocity_jumps, acceleration_jumps, strict=True)):
-            if jump == 0.0 and rate == 0.0:
-                continue
-            before = self.total()
-            self.add([0.0, jump, rate / self.viscous.viscosity[None] / 12.0], side, True)
-            self.add([0.0, 0.0, jump / 12.0], side, False)
-            gains[side] = self.total() - before
+            if jump != 0.0 or rate != 0.0:
+                gained = self.spread([0.0, jump, rate / nu / 12.0], side)
+                gained += self.laplacian(self.spread([0.0, 0.0, jump / 12.0], side))
+                used(self.viscous.velocity)[0] += gained
+                gains[side] = float(gained.sum(dtype=float))
         return gains
 
-    def total(self):
-        """Return the sum of the velocities along the channel."""
-        return float(self.viscous.velocity.to_numpy()[0].sum(dtype=float))
-
-    def add(self, series, side, direct):
-        """Add what the series of one wall gives: at once, or through the Laplacian of it."""
+    def spread(self, series, side):
+        """Return the sums over the ghosts of one wall, with the values that the series gives them."""
         both = [[0.0] * 3, [0.0] * 3]
         both[side] = series
-        self.ghosts.lay(self.viscous.data, *both)
-        self.spread()
-        if direct:
-            self.add_spread()
-        else:
-            self.add_laplacian()
+        self.ghosts.prescribe(*both)
+        self.viscous.gather_source(1, 0.0)
+        return used(self.viscous.source) / self.viscosity
 
-    @ti.kernel
-    def spread(self):
-        """Put the sums over the ghosts where the solver has its solution."""
-        ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.fluid):
-            self.solver.x[i] = self.rows.apply(self.rows.laplacian, self.viscous.data, i)
-
-    @ti.kernel
-    def add_spread(self):
-        """Add these sums to the velocities."""
-        ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.fluid):
-            self.viscous.velocity[0, i] += self.solver.x[i]
-
-    @ti.kernel
-    def add_laplacian(self):
-        """Add their Laplacian, with nothing on the walls, to the velocities."""
-        ti.loop_config(serialize=True)
-        for k in range(self.ghosts.count[None]):
-            self.solver.reflect(self.solver.x, k)
-        ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.fluid):
-            self.viscous.velocity[0, i] += self.rows.apply(self.rows.laplacian, self.solver.x, i)
+    def laplacian(self, values):
+        """Return the Laplacian of values that mirror oddly in the walls."""
+        velocity, source = used(self.viscous.velocity)[0], used(self.viscous.source)
+        before = velocity.copy()
+        velocity[:], source[:] = values, 0.0
+        self.viscous.begin(0)
+        velocity[:] = before
+        return used(self.viscous.start_rate)[0] / self.viscosity

@@ -11,15 +11,15 @@ class Motion:
         viscous = field.viscous
         self.field, self.domain = field, viscous.points.domain
         self.viscous, self.points, self.rows = viscous, viscous.points, viscous.rows
-        self.shift, self.fluid = shift, viscous.fluid
-        self.position, self.start_position = (ti.field(ti.types.vector(2, real()), self.fluid) for _ in range(2))
-        self.start_velocity = ti.field(real(), (2, self.fluid))
+        self.shift = shift
+        self.position, self.start_position = (self.points.field(ti.types.vector(2, real())) for _ in range(2))
+        self.start_velocity = self.points.field(real(), 2)
 
     @ti.kernel
     def predict(self, half: float):
         """Put the points where the particles are in the middle of a step twice as long as ``half``."""
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.fluid):
+        for i in range(self.points.particles[None]):
             velocity = ti.Vector([self.viscous.velocity[0, i], self.viscous.velocity[1, i]])
             place = self.position[i] + half * velocity
             self.points.place[i] = [self.domain.wrapped(place.x), place.y]
@@ -31,7 +31,7 @@ class Motion:
         A shift D in the middle of the step is one by D_x - ``half`` u_y D_y along the channel at its start.
         """
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.fluid):
+        for i in range(self.points.particles[None]):
             shift = self.shift.moved[i]
             if shift.x != 0.0 or shift.y != 0.0:
                 place = self.points.place[i]
@@ -47,7 +47,7 @@ class Motion:
     def move(self, length: float):
         """Move the particles over the step and take up the velocities at its end."""
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.fluid):
+        for i in range(self.points.particles[None]):
             mean = ti.Vector([0.0, 0.0])
             for component in ti.static(range(2)):
                 end = self.viscous.end[component, i]

@@ -21,27 +21,30 @@ class Projection:
 
     def __init__(self, viscous, field, gap):
         self.viscous, self.field, self.rows, self.ghosts = viscous, field, viscous.rows, viscous.ghosts
-        self.fluid = viscous.fluid
+        self.points = viscous.points
         self.shift = SINGULAR / gap**2
-        self.pressure = ti.field(real(), self.fluid)
-        self.values = ti.field(real(), viscous.points.slots + 1)
+        self.pressure = self.points.field(real())
+        self.values = ti.field(real(), self.points.slots + 1)
+        self.values.used = None
         self.solver = None
 
     @ti.kernel
     def lay(self):
         """Put the pressure and its mirror images where gradients are taken from."""
+        particles = self.points.particles[None]
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.fluid):
+        for i in range(particles):
             self.values[i] = self.pressure[i]
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
-            self.values[self.fluid + k] = self.ghosts.value(self.values, k)
+            self.values[self.points.most + k] = self.ghosts.value(self.values, k)
 
     @ti.kernel
     def push(self, component: ti.i32):
         """Take the gradient of the pressure off the sources of one component."""
+        particles = self.points.particles[None]
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.fluid):
+        for i in range(particles):
             self.viscous.source[i] -= self.slope(component, self.values, i)
 
     @ti.func
@@ -63,19 +66,21 @@ class Projection:
     @ti.kernel
     def prepare(self, length: float):
         """Right side and guess of the Poisson equation."""
+        particles = self.points.particles[None]
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.fluid):
+        for i in range(particles):
             self.solver.b[i] = (self.field.slope[0, i].x + self.field.slope[1, i].y) / length
             self.solver.x[i] = 0.0
 
     @ti.kernel
     def correct(self, length: float):
         """Correct velocities, rates and pressure."""
+        particles = self.points.particles[None]
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
             self.solver.reflect(self.solver.x, k)
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.fluid):
+        for i in range(particles):
             self.pressure[i] += self.solver.x[i]
             for component in ti.static(range(2)):
                 slope = self.slope(component, self.solver.x, i)

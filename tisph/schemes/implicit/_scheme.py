@@ -8,7 +8,8 @@ from tisph.domain import Domain
 from tisph.errors import DivergedError
 from tisph.least_squares.bicgstab import BiCGStab
 from tisph.least_squares.rows import SUPPORT, LeastSquaresRows
-from tisph.neighbours.points import Points
+from tisph.neighbours.points import Points, used
+from tisph.runtime import view
 from tisph.schemes._momentum import MomentumBalance
 from tisph.schemes._room import clustered
 from tisph.schemes.implicit._control import FIRST, StepControl
@@ -79,32 +80,17 @@ class Scheme:
         """Go back to before the first step."""
         self.time = self.channel.start_time
         self.steps = self.rejected = self.reduced = self.dropped = self.projections = 0
+        self.transverse = False
         self.shortest, self.longest = math.inf, 0.0
         self.momentum = MomentumBalance(self.time)
-        self.field.volume.fill(0.0)
-        self.projection.pressure.fill(0.0)
+        used(self.field.volume)[...] = 0.0
+        used(self.projection.pressure)[...] = 0.0
         self.viscous.push = None
 
     def start(self, position, velocity, stress=None):
-        """Place the particles, (particles, 2) arrays."""
-        self.place(position, velocity)
-        self.rehearse()
-        self.place(position, velocity)
-
-    def rehearse(self):
-        """Take a step with all that later ones may need, in order to compile its kernels, and forget it."""
-        control = dict(vars(self.control), targets=list(self.control.targets))
-        self.advance()
-        self.shift.spread()
-        self.motion.take_along(0.0)
-        self.wall_force.impulse(self.time, 0.0, resolved=True)
-        vars(self.control).update(control)
-        self.reset()
-
-    def place(self, position, velocity):
-        """Set positions and velocities; let walls that start at once give their impulse."""
-        self.motion.position.from_numpy(position)
-        self.viscous.velocity.from_numpy(np.ascontiguousarray(velocity.T))
+        """Place the particles, (particles, 2) arrays; let walls that start at once give their impulse."""
+        used(self.motion.position)[...] = position
+        used(self.viscous.velocity)[...] = velocity.T
         self.momentum.initial = float(velocity[:, 0].sum())
         self.transverse = bool(np.any(velocity[:, 1] != 0.0))
         if self.walls.obeys_momentum and self.walls.any_jump:
@@ -183,11 +169,11 @@ class Scheme:
         self.dense.keep(self.time, length)
         self.motion.move(length)
         self.time = end
-        self.control.step_taken(end, self.field.steepest[None])
+        self.control.step_taken(end, float(view(self.field.steepest)))
         self.steps += 1
         self.shortest, self.longest = min(self.shortest, length), max(self.longest, length)
-        self.reduced += self.rows.reduced[None]
-        self.dropped += self.rows.dropped[None]
+        self.reduced += int(view(self.rows.reduced))
+        self.dropped += int(view(self.rows.dropped))
 
     def project(self, end, length):
         """Project the velocities at the end of a step, at time ``end``; from then on there is a pressure."""
@@ -207,7 +193,7 @@ class Scheme:
         if time is None or time == self.time:
             time = self.time
             fields = (self.motion.position, self.viscous.velocity, self.field.volume, self.projection.pressure)
-            position, velocity, volume, pressure = (field.to_numpy().astype(float) for field in fields)
+            position, velocity, volume, pressure = (used(field).astype(float) for field in fields)
         else:
             position, velocity, volume, pressure = self.dense.at(time)
         with np.errstate(over="ignore"):  # of a run that diverges; the guard finds it
@@ -225,15 +211,15 @@ class Scheme:
 
     def momentum_balance(self):
         """Return the balance of momentum along x up to ``time``, see ``MomentumBalance.report``."""
-        velocity = self.viscous.velocity.to_numpy()[0].astype(float)
-        return self.momentum.report(self.channel, self.time, float(velocity.sum()))
+        total = used(self.viscous.velocity)[0].sum(dtype=float)
+        return self.momentum.report(self.channel, self.time, float(total))
 
     def numbers(self):
         """Return what ``summary.json`` says about this scheme."""
         return {
             "mach": 0.0,
             "sound_speed": None,
-            "particles_wall": self.ghosts.count[None],
+            "particles_wall": int(view(self.ghosts.count)),
             "neighbours_mean": self.points.mean_length(),
             "projections": self.projections,
             "steps_rejected": self.rejected,

@@ -5,7 +5,7 @@ the operators are to be assembled: no other matters. A sheared lattice has no ov
 there, exactly. The velocities follow by their Taylor series (``_motion.py``).
 """
 
-from tisph.runtime import real, scalar, ti
+from tisph.runtime import real, scalar, ti, view
 
 DIAMETER = 0.9
 """In particle spacings."""
@@ -29,24 +29,26 @@ class Shift:
         self.points, self.ghosts = points, ghosts
         self.spacing = scalar(spacing)
         vector = ti.types.vector(2, real())
-        self.move, self.moved = ti.field(vector, points.fluid), ti.field(vector, points.fluid)
+        self.move, self.moved = ti.field(vector, points.most), ti.field(vector, points.most)
         self.farthest = scalar(0.0)
 
     def spread(self):
         """Push points apart; return whether any moved."""
-        self.moved.fill(0.0)
+        view(self.moved)[: self.points.fluid] = 0.0
+        farthest = view(self.farthest)
         for sweep in range(SWEEPS):
             self.sweep()
-            if self.farthest[None] <= SMALLEST:
-                return sweep > 0 or self.farthest[None] > 0.0
+            if farthest <= SMALLEST:
+                return sweep > 0 or bool(farthest > 0.0)
         return True
 
     @ti.kernel
     def sweep(self):
         """One Jacobi sweep over all overlaps."""
         self.farthest[None] = 0.0
+        particles = self.points.particles[None]
         ti.loop_config(serialize=self.points.serial)
-        for i in range(self.points.fluid):
+        for i in range(particles):
             reach = DIAMETER * self.spacing[None]
             push = ti.Vector([0.0, 0.0])
             for k in range(self.points.count[i]):
@@ -58,7 +60,7 @@ class Shift:
             self.move[i] = push
             ti.atomic_max(self.farthest[None], size)
         ti.loop_config(serialize=self.points.serial)
-        for i in range(self.points.fluid):
+        for i in range(particles):
             self.points.place[i] += self.move[i]
             self.moved[i] += self.move[i]
         ti.loop_config(serialize=True)

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from tisph.runtime import real, ti
+from tisph.runtime import holding, real, ti
 from tisph.schemes.implicit._ghosts import Ghosts
 
 UNKNOWNS = 6
@@ -37,24 +37,23 @@ class VirtualGhosts(Ghosts):
 
     def settle(self, channel):
         """Lay out the layers; they stay where they are."""
-        layers = self.side.shape[0] // (2 * channel.columns)
+        layers = self.points.room // (2 * channel.columns)
         layer, column = np.divmod(np.arange(layers * channel.columns), channel.columns)
         x, depth = (column + 0.5) * channel.spacing, (layer + 0.5) * channel.spacing
-        place = self.points.place.to_numpy()
         heights, mirrored = np.concatenate([-depth, channel.gap + depth]), np.concatenate([depth, channel.gap - depth])
-        place[self.points.fluid : self.points.slots] = np.stack([np.tile(x, 2), heights], 1)
-        self.points.place.from_numpy(place)
-        self.points.mirror.from_numpy(np.stack([np.tile(x, 2), mirrored], 1))
-        self.depth.from_numpy(np.tile(depth, 2))
-        self.side.from_numpy(np.repeat(np.array([0, 1], dtype=np.int32), depth.size))
-        self.count[None] = 2 * depth.size
+        count, first = heights.size, self.points.most
+        holding(self.points.place, _padded(np.stack([np.tile(x, 2), heights], 1), first, self.points.slots + 1))
+        holding(self.points.mirror, _padded(np.stack([np.tile(x, 2), mirrored], 1), 0, self.points.most_ghosts))
+        holding(self.depth, _padded(np.tile(depth, 2), 0, self.points.most_ghosts))
+        holding(self.side, _padded(np.repeat([0, 1], depth.size), 0, self.points.most_ghosts))
+        holding(self.count, count)
 
     @ti.kernel
     def weigh(self):
         """Fit at all mirror points."""
         ti.loop_config(serialize=self.points.serial)
         for k in range(self.count[None]):
-            row = self.points.fluid + k
+            row = self.points.most + k
             moments = self.matrix(0.0)
             for n in range(self.points.count[row]):
                 basis, weight = self.weighted_basis(k, self.points.table[row, n])
@@ -68,7 +67,7 @@ class VirtualGhosts(Ghosts):
     def weighted_basis(self, k, j):
         """Return basis and weight of point ``j`` around mirror point ``k``; the sentinel has the weight 0."""
         apart = self.points.place[j] - self.points.mirror[k]
-        x, y = self.domain.nearest(apart.x) / self.reach, apart.y / self.reach
+        x, y = self.domain.nearest(apart.x) / self.reach[None], apart.y / self.reach[None]
         nearness = ti.max(0.0, 1.0 - x * x - y * y)
         inside = ti.cast(nearness > 0.0, self.share.dtype)
         x, y = x * inside, y * inside
@@ -98,8 +97,14 @@ class VirtualGhosts(Ghosts):
     @ti.func
     def value(self, values: ti.template(), k):
         """Return the value at the mirror point of ghost ``k``."""
-        row = self.points.fluid + k
+        row = self.points.most + k
         total = 0.0
         for n in range(self.points.count[row]):
             total += self.share[k, n] * values[self.points.table[row, n]]
         return total
+
+
+def _padded(values, first, size):
+    """Return an array of ``size`` with ``values`` from ``first`` on, else zeros."""
+    after = size - first - len(values)
+    return np.pad(values, [(first, after)] + [(0, 0)] * (values.ndim - 1))

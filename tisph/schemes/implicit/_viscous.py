@@ -1,8 +1,10 @@
 """One implicit step of the velocities, u' = nu A u + s(t), on a fixed arrangement of points (see ``_esdirk.py``)."""
 
+import math
+
 import numpy as np
 
-from tisph.runtime import real, scalar, ti
+from tisph.runtime import holding, real, scalar, ti, view
 from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, TIMES, WEIGHTS, guesses
 
 
@@ -20,25 +22,24 @@ class ViscousStep:
         self.solver, self.rows, self.points, self.ghosts = solver, solver.rows, solver.points, solver.ghosts
         self.wall_series, self.steady = wall_series, wall_series.steady
         self.push = None
-        self.fluid = solver.fluid
-        shape = (2, self.fluid)
-        self.velocity, self.end, self.start_rate, self.end_rate = (ti.field(real(), shape) for _ in range(4))
-        self.rates = ti.field(real(), (4, self.fluid))
-        self.known, self.source = (ti.field(real(), self.fluid) for _ in range(2))
+        self.velocity, self.end, self.start_rate, self.end_rate = (self.points.field(real(), 2) for _ in range(4))
+        self.rates = self.points.field(real(), 4)
+        self.known, self.source = self.points.field(real()), self.points.field(real())
         self.data, self.mean = (ti.field(real(), self.points.slots + 1) for _ in range(2))
-        self.stages, self.weights, self.defect = ti.field(real(), (4, 4)), ti.field(real(), 4), ti.field(real(), 4)
-        self.stages.from_numpy(np.array(STAGES))
-        self.guesses = ti.field(real(), (4, 4))
-        self.guesses.from_numpy(guesses())
-        self.weights.from_numpy(np.array(WEIGHTS))
-        self.defect.from_numpy(np.array(WEIGHTS) - np.array(EMBEDDED))
+        for scratch in (self.rates, self.known, self.data, self.mean):
+            scratch.used = None  # for checkpoints
+        self.stages, self.guesses = (
+            holding(ti.field(real(), (4, 4)), STAGES),
+            holding(ti.field(real(), (4, 4)), guesses()),
+        )
+        self.weights = holding(ti.field(real(), 4), WEIGHTS)
+        self.defect = holding(ti.field(real(), 4), np.subtract(WEIGHTS, EMBEDDED))
         self.viscosity = scalar(channel.kinematic_viscosity)
         self.acceleration = channel.acceleration
-        self.error = scalar(0.0)
 
     def advance(self, component, time, length, tolerance):
         """Compute ``end`` of one component; return the estimated error (root mean square), NaN where none was found."""
-        coefficient, sound = GAMMA * length * self.viscosity[None], True
+        coefficient, sound = GAMMA * length * float(view(self.viscosity)), True
         driven = component == 0
         self.set_source(component, time)
         self.begin(component)
@@ -47,39 +48,47 @@ class ViscousStep:
                 self.set_source(component, time + TIMES[stage] * length)
             self.prepare(component, stage, length)
             sound = self.solver.solve(coefficient, tolerance) and sound
-            self.finish(stage, length)
         self.conclude(component, length)
         sound = self.solver.solve(coefficient, 1e-2) and sound
-        self.measure_error()
-        return self.error[None] if sound else float("nan")
+        error = view(self.solver.x)[: self.points.fluid]
+        return math.sqrt(np.einsum("i,i", error, error, dtype=float) / error.size) if sound else float("nan")
 
     def set_source(self, component, time):
         """Evaluate what drives a component at ``time``: the walls' part of the ghosts, body acceleration, pressure."""
         if component == 0:
-            self.ghosts.lay(self.data, *self.wall_series(time))
-        self.gather_source(float(component == 0), self.acceleration)
+            self.ghosts.prescribe(*self.wall_series(time))
+        self.gather_source(component == 0, self.acceleration)
         if self.push:
             self.push(component)
 
     @ti.kernel
-    def gather_source(self, driven: float, acceleration: float):
+    def gather_source(self, driven: ti.i32, acceleration: float):
         """Sum the sources; ``driven`` is 0 across the channel, where nothing drives."""
+        particles = self.points.particles[None]
+        ti.loop_config(serialize=True)
+        for k in range(self.ghosts.count[None]):
+            self.data[self.points.most + k] = self.ghosts.given(k)
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.fluid):
-            walls = self.rows.apply(self.rows.laplacian, self.data, i)
-            self.source[i] = driven * (self.viscosity[None] * walls + acceleration)
+        for i in range(particles):
+            source = 0.0
+            if driven:
+                source = acceleration
+                if self.ghosts.near(i):
+                    source += self.viscosity[None] * self.rows.apply(self.rows.laplacian, self.data, i)
+            self.source[i] = source
 
     @ti.kernel
     def begin(self, component: ti.i32):
         """The explicit stage: rates at the start of the step."""
+        particles = self.points.particles[None]
         ti.loop_config(serialize=self.rows.serial_numbers)
-        for i in range(self.fluid):
+        for i in range(particles):
             self.solver.x[i] = self.velocity[component, i]
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
             self.solver.reflect(self.solver.x, k)
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.fluid):
+        for i in range(particles):
             viscous = self.viscosity[None] * self.rows.apply(self.rows.laplacian, self.solver.x, i)
             self.rates[0, i] = viscous + self.source[i]
             self.start_rate[component, i] = viscous + self.source[i]
@@ -88,8 +97,11 @@ class ViscousStep:
     @ti.kernel
     def prepare(self, component: ti.i32, stage: ti.i32, length: float):
         """Right side of an implicit stage; the guess is what the rates so far lead to."""
+        particles = self.points.particles[None]
         ti.loop_config(serialize=self.rows.serial_numbers)
-        for i in range(self.fluid):
+        for i in range(particles):
+            if stage > 1:
+                self.finish(i, stage - 1, length)
             known = self.velocity[component, i]
             guess = known
             for before in range(stage):
@@ -100,19 +112,19 @@ class ViscousStep:
             self.solver.b[i] = known + GAMMA * length * self.source[i]
             self.solver.x[i] = guess
 
-    @ti.kernel
-    def finish(self, stage: ti.i32, length: float):
-        """Rates of a stage from its solution."""
-        ti.loop_config(serialize=self.rows.serial_numbers)
-        for i in range(self.fluid):
-            self.rates[stage, i] = (self.solver.x[i] - self.known[i]) / (GAMMA * length)
-            self.mean[i] += self.weights[stage] * self.solver.x[i]
+    @ti.func
+    def finish(self, i, stage, length):
+        """Rate of particle ``i`` in a stage, from its solution."""
+        self.rates[stage, i] = (self.solver.x[i] - self.known[i]) / (GAMMA * length)
+        self.mean[i] += self.weights[stage] * self.solver.x[i]
 
     @ti.kernel
     def conclude(self, component: ti.i32, length: float):
         """Keep the last stage, which is the end of the step; set up the filter of the error."""
+        particles = self.points.particles[None]
         ti.loop_config(serialize=self.rows.serial_numbers)
-        for i in range(self.fluid):
+        for i in range(particles):
+            self.finish(i, 3, length)
             self.end[component, i] = self.solver.x[i]
             self.end_rate[component, i] = self.rates[3, i]
             defect = 0.0
@@ -120,13 +132,3 @@ class ViscousStep:
                 defect += length * self.defect[stage] * self.rates[stage, i]
             self.solver.b[i] = defect
             self.solver.x[i] = 0.0
-
-    @ti.kernel
-    def measure_error(self):
-        """Root mean square of the filtered error."""
-        ti.loop_config(serialize=True)
-        for _ in range(1):
-            total = 0.0
-            for i in range(self.fluid):
-                total += self.solver.x[i] * self.solver.x[i]
-            self.error[None] = ti.sqrt(total / self.fluid)

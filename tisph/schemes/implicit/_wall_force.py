@@ -9,7 +9,7 @@ least-squares operators do not conserve momentum pair by pair.
 
 import numpy as np
 
-from tisph.runtime import real, ti
+from tisph.runtime import real, ti, view
 from tisph.schemes.implicit._esdirk import TIMES, WEIGHTS
 
 
@@ -19,7 +19,7 @@ class WallForce:
 
     def __init__(self, viscous, channel):
         self.viscous, self.rows, self.points, self.ghosts = viscous, viscous.rows, viscous.points, viscous.ghosts
-        self.channel, self.fluid = channel, viscous.fluid
+        self.channel = channel
         self.walls = (channel.bottom, channel.top)
         self.sums = ti.field(real(), (2, 5))
         self.pull = ti.field(real(), 2)
@@ -31,67 +31,55 @@ class WallForce:
         """
         viscous, channel = self.viscous, self.channel
         stages = [(weight, time + part * length) for part, weight in zip(TIMES, WEIGHTS, strict=True)]
-        series = [weight * np.array(viscous.wall_series(moment)) for weight, moment in stages]
-        self.ghosts.lay(viscous.data, *sum(series))
-        self.close()
-        if not resolved:
-            self.sum_pull()
-            return [channel.kinematic_viscosity * length * self.pull[side] for side in range(2)]
+        self.ghosts.prescribe(*sum(weight * np.array(viscous.wall_series(moment)) for weight, moment in stages))
         relative = [sum(weight * wall.acceleration(moment) for weight, moment in stages) for wall in self.walls]
-        curvatures = [(rate - channel.acceleration) / channel.kinematic_viscosity for rate in relative]
-        self.add_up(*curvatures)
-        sums = self.sums.to_numpy().astype(float)
+        self.add_up(*((rate - channel.acceleration) / channel.kinematic_viscosity for rate in relative))
+        if not resolved:
+            return [channel.kinematic_viscosity * length * float(pull) for pull in view(self.pull)]
         area = channel.length / channel.spacing**2
-        return [-channel.kinematic_viscosity * length * area * _intercept(*row) for row in sums]
-
-    @ti.kernel
-    def close(self):
-        """Give the ghosts their mean velocities."""
-        ti.loop_config(serialize=True)
-        for k in range(self.ghosts.count[None]):
-            ghost = self.fluid + k
-            self.viscous.mean[ghost] = self.viscous.data[ghost] - self.ghosts.value(self.viscous.mean, k)
-
-    @ti.kernel
-    def sum_pull(self):
-        """Sum what the ghosts of each wall do to the particles."""
-        ti.loop_config(serialize=True)
-        for _ in range(1):
-            self.pull[0] = 0.0
-            self.pull[1] = 0.0
-            for i in range(self.fluid):
-                if self.ghosts.near(i):
-                    for k in range(self.points.count[i]):
-                        j = self.points.table[i, k]
-                        if self.fluid <= j < self.points.slots:
-                            difference = self.viscous.mean[j] - self.viscous.mean[i]
-                            self.pull[self.ghosts.side[j - self.fluid]] += self.rows.laplacian[i, k] * difference
+        return [-channel.kinematic_viscosity * length * area * _intercept(*row) for row in view(self.sums).tolist()]
 
     @ti.kernel
     def add_up(self, bottom: float, top: float):
-        """Sum what the fit of both walls needs, ``bottom`` and ``top`` being w_2."""
+        """Sum what the ghosts of each wall do to the particles, and what the fits need; w_2: ``bottom``, ``top``."""
+        ti.loop_config(serialize=True)
+        for k in range(self.ghosts.count[None]):
+            self.viscous.mean[self.points.most + k] = self.ghosts.given(k) - self.ghosts.value(self.viscous.mean, k)
         ti.loop_config(serialize=True)
         for _ in range(1):
             for side in range(2):
-                for term in ti.static(range(5)):
+                self.pull[side] = 0.0
+                for term in range(5):
                     self.sums[side, term] = 0.0
-            for i in range(self.fluid):
+            for i in range(self.points.particles[None]):
                 if self.ghosts.near(i):
                     below, slope = self.points.place[i].y, self.rows.apply(self.rows.across, self.viscous.mean, i)
-                    self.add(0, below, slope - bottom * below)
                     above = self.points.domain.gap[None] - below
-                    self.add(1, above, -slope - top * above)
+                    for side in range(2):
+                        distance = ti.select(side == 0, below, above)
+                        rise = ti.select(side == 0, slope - bottom * below, -slope - top * above)
+                        self.add(side, distance, rise)
+                    self.add_pull(i)
 
     @ti.func
     def add(self, side, distance, slope):
         """Add a particle to the sums of a wall if it is near that one."""
-        if distance < self.ghosts.reach:
+        if distance < self.ghosts.reach[None]:
             square = distance * distance
             self.sums[side, 0] += 1.0
             self.sums[side, 1] += square
             self.sums[side, 2] += square * square
             self.sums[side, 3] += slope
             self.sums[side, 4] += square * slope
+
+    @ti.func
+    def add_pull(self, i):
+        """Add what the ghosts do to a particle."""
+        for k in range(self.points.count[i]):
+            j = self.points.table[i, k]
+            if self.points.most <= j < self.points.slots:
+                difference = self.viscous.mean[j] - self.viscous.mean[i]
+                self.pull[self.ghosts.side[j - self.points.most]] += self.rows.laplacian[i, k] * difference
 
 
 def _intercept(count, second, fourth, total, moment):

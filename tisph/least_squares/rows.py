@@ -124,19 +124,15 @@ class LeastSquaresRows:
     def sum_moments(self, i):
         """Sum the moments of particle ``i``."""
         total = ti.Vector(self.zeros)
-        for group in range(self.points.count[i] // LANES):
-            part = ti.Vector(self.zeros)
-            for lane in ti.static(range(LANES)):
-                k = group * LANES + lane
-                x, y, weighted = self.along[i, k], self.across[i, k], self.laplacian[i, k]
-                for chain in ti.static(self.chains):
-                    product = weighted
-                    for index in ti.static(chain):
-                        if ti.static(index >= 0):
-                            part[index] += product
-                        product *= y
-                    weighted *= x
-            total += part
+        for k in range(self.points.count[i]):
+            x, y, weighted = self.along[i, k], self.across[i, k], self.laplacian[i, k]
+            for chain in ti.static(self.chains):
+                product = weighted
+                for index in ti.static(chain):
+                    if ti.static(index >= 0):
+                        total[index] += product
+                    product *= y
+                weighted *= x
         for chain in ti.static(self.chains):
             for index in ti.static(chain):
                 if ti.static(index >= 0):

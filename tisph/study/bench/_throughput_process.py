@@ -19,7 +19,7 @@ from tisph.schemes._momentum import EVERY_STEP_UNTIL
 from tisph.simulation.results import peak_memory_mb
 from tisph.simulation.run import start_values
 
-WARM_UP = {"wcsph": 3, "implicit": 1}
+WARM_UP = {"wcsph": 3, "implicit": 2}
 """Steps before the first that is timed: they compile what the start has not."""
 
 LEAST_STEPS = {"wcsph": 20, "implicit": 2}

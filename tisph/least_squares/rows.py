@@ -12,8 +12,8 @@ Three loops, each in the form that compiles to the fastest code:
 
 1. moments: the vectors and weights go to where the rows will be; all moments of a particle stay in local variables, and
    each is the one before times y;
-2. solve: M = L D L^T, unrolled without a branch, one particle per SIMD lane: the moments of BLOCK particles are
-   contiguous. The unknowns in demand come last, so that forward substitution is nearly free;
+2. solve: M = L D L^T without a branch, one particle per SIMD lane: each number is a vector of those of BLOCK particles.
+   The unknowns in demand come last, so that forward substitution is nearly free, and those of order 2 last of all;
 3. rows: w P(x, y) by Horner's rule, in place.
 """
 

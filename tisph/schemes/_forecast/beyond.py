@@ -12,15 +12,20 @@ ROUNDING = {"f32": 2.0**-25, "f64": 2.0**-54}
 """Rounding error of numbers below 1, at most."""
 
 
-STIRRED, STIRRED_BY_DRIVE = 0.2, 0.05
-"""Error that disorder leaves of the start of a flow in the implicit scheme, over (spacing/gap)^2: times the jump of a
-wall over the reference velocity, and of flows without one. Measured over the disordered cells of the stability matrix
-(8, 25 and 50 across, cell Reynolds numbers 2 to 400); after the start it falls as the slowest wave of the flow does.
+STIRRED, STIRRED_BY_DRIVE = 0.7, 0.17
+"""Error that disorder leaves of the start of a flow in the implicit scheme, over (spacing/gap)^2 and the jitter: times
+the jump of a wall over the reference velocity, and of flows without one. Measured over the disordered cells of the
+stability matrix (8, 25 and 50 across, cell Reynolds numbers 2 to 400), where it spreads as an impulse does that is put
+in too deep.
 """
 
 SLIDING = 28.0
 """Cell Reynolds number from which on it has this size, and below which it falls with the third power: as many spacings
 do rows slide past each other while the layer at the wall grows to the depth of one, and has no derivatives."""
+
+
+LARGEST_JITTER = 0.3
+"""Of the stability matrix, in spacings."""
 
 
 @dataclass(frozen=True)
@@ -75,19 +80,27 @@ def implicit(config, channel, residual, counts):
         return None
     times, steps = zip(*counts, strict=True)
     remembered = steps[-1] - float(np.interp(times[-1] - _memory(channel), times, steps))
-    age = (times[-1] - channel.start_time) / _memory(channel)
-    return Noise(
-        _rounding(config, remembered), _stirred(config, channel) * math.exp(-age), residual * (1.0 + remembered)
-    )
+    stirred = _stirred(config, channel) * _spread(channel, times[-1] - channel.start_time)
+    return Noise(_rounding(config, remembered), stirred, residual * (1.0 + remembered))
+
+
+def _spread(channel, age):
+    """Root mean square of a dipole of momentum at a wall, from when it is a spacing deep, over that of one wave.
+
+    Its waves k have amplitudes k exp(-(k pi)^2 t*), as the slope of the layer that an impulse makes.
+    """
+    exponent = 2.0 * math.pi**2 * max(age / channel.viscous_time, (channel.spacing / channel.gap) ** 2)
+    waves = np.arange(1.0, 2.0 + math.sqrt(20.0 / exponent))
+    return math.sqrt(float(np.sum(waves**2 * np.exp(-exponent * waves**2))))
 
 
 def _stirred(config, channel):
-    """Error that disorder leaves of the start; rounding makes disorder too where it is not damped."""
-    number = cell_reynolds(channel)
-    if not (config.initial.jitter > 0 or (config.discretisation.precision == "f32" and number > MIXED)):
-        return 0.0
+    """Error that disorder leaves of the start; rounding makes as much of it in the end where it is not damped."""
+    number, jitter = cell_reynolds(channel), config.initial.jitter
+    if config.discretisation.precision == "f32" and number > MIXED:
+        jitter = max(jitter, LARGEST_JITTER)
     jump = max(abs(one) for one in channel.wall_jumps) / channel.reference_velocity
-    size = max(STIRRED * jump, STIRRED_BY_DRIVE) * (channel.spacing / channel.gap) ** 2
+    size = jitter * max(STIRRED * jump, STIRRED_BY_DRIVE) * (channel.spacing / channel.gap) ** 2
     return size / (1.0 + (SLIDING / number) ** 3)
 
 

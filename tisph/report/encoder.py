@@ -17,10 +17,11 @@ _COLOURS = (
     "setparams=colorspace=bt709:color_primaries=bt709:color_trc=iec61966-2-1:range=tv"
 )
 
-# As near to what was drawn (by PSNR) as preset veryfast at crf 23, in half of its time and 1.6 times its bytes.
+# Couette flow, beside preset veryfast at crf 23: PSNR 34.7 dB instead of 35.4, three quarters of the time and 1.2 times
+# the bytes. What is left out searches for what particles on a plain ground do not have.
 _QUALITY = (
-    *("-preset", "superfast", "-crf", "24"),
-    *("-x264-params", "cabac=0:bframes=0:subme=0:rc-lookahead=0:mbtree=0:weightp=0"),
+    *("-preset", "superfast", "-crf", "25"),
+    *("-x264-params", "bframes=0:subme=1:rc-lookahead=0:mbtree=0:weightp=0"),
 )
 
 

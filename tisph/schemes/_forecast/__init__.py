@@ -131,4 +131,6 @@ def _forecast(channel, heights, time, steps, velocity, noise, finer=1.0):
     sure = math.hypot(own, noise.error)
     possible = math.hypot(noise.residual / scale / TYPICAL if scale else 0.0, noise.stirred, DIGITS if own else 0.0)
     rms = math.hypot(sure, possible)
-    return Forecast(time, steps, rms * scale if scale else None, rms, possible > sure)
+    # disorder has either sign: a few times as much as is usual may take away two thirds of the rest
+    cancels = possible > sure or TYPICAL * noise.stirred > 2.0 / 3.0 * sure
+    return Forecast(time, steps, rms * scale if scale else None, rms, cancels)

@@ -24,6 +24,9 @@ SLIDING = 28.0
 do rows slide past each other while the layer at the wall grows to the depth of one, and has no derivatives."""
 
 
+AT_REST = 0.03
+"""What is left of it where rows do not slide, measured likewise."""
+
 LARGEST_JITTER = 0.3
 """Of the stability matrix, in spacings."""
 
@@ -101,7 +104,7 @@ def _stirred(config, channel):
         jitter = max(jitter, LARGEST_JITTER)
     jump = max(abs(one) for one in channel.wall_jumps) / channel.reference_velocity
     size = jitter * max(STIRRED * jump, STIRRED_BY_DRIVE) * (channel.spacing / channel.gap) ** 2
-    return size / (1.0 + (SLIDING / number) ** 3)
+    return size * (AT_REST + 1.0 / (1.0 + (SLIDING / number) ** 3))
 
 
 def _memory(channel):

@@ -4,6 +4,7 @@ import pytest
 
 from tisph import config, families, runtime
 from tisph.runtime import ti
+from tisph.scenes._motion import WallMotion
 from tisph.scenes.channel import Channel
 from tisph.simulation.run import start_values
 
@@ -19,21 +20,31 @@ runtime: {threads: 1}
 """
 
 
+class Together(Channel):
+    """Walls and liquid that all move at one velocity, as seen from rest: a config of that is refused."""
+
+    frame_velocity = 0.0
+
+
 @pytest.fixture(scope="session")
 def make_any(tmp_path_factory):
     """Return a function that builds a Scheme from ``key.path=value`` overrides of a small Couette case.
 
     ``jitter`` is short for ``initial.jitter``. ``moved(x, y)`` and ``velocity(x, y)`` return other places and
     velocities (particles, 2) than those of the config. With ``started=False`` there are no particles in it yet;
-    with ``fresh=False`` earlier Schemes, of the same precision and threads, can still be used.
+    with ``fresh=False`` earlier Schemes, of the same precision and threads, can still be used. ``together`` is a
+    velocity that both walls and, in ``initial.state=developed``, the liquid have.
     """
 
     path = tmp_path_factory.mktemp("case") / "case.yaml"
     path.write_text(CASE)
 
-    def build(*overrides, jitter=None, moved=None, velocity=None, started=True, fresh=True):
+    def build(*overrides, jitter=None, moved=None, velocity=None, started=True, fresh=True, together=None):
         settings = config.load(path, overrides if jitter is None else (*overrides, f"initial.jitter={jitter}"))
         channel = Channel.from_config(settings)
+        if together is not None:
+            wall = WallMotion(together)
+            channel = Together(**{**vars(channel), "bottom": wall, "top": wall})
         threads = settings.runtime.threads
         if fresh:
             runtime.start(settings.discretisation.precision, threads)

@@ -37,12 +37,8 @@ def test_developed_couette_flow_is_kept_on_a_jittered_arrangement(make, order, t
 
 @pytest.mark.parametrize("treatment", ["comoving_image", "consistent_image"])
 def test_a_uniform_translation_is_kept_exactly(make, treatment):
-    translation = (
-        "walls={bottom: {velocity: 0.3}, top: {velocity: 0.3}}",
-        f"walls.treatment.type={treatment}",
-        "time.end=7.0",
-    )
-    last = run(make(*translation, "initial={state: developed, jitter: 0.2}"))
+    translation = (f"walls.treatment.type={treatment}", "initial={state: developed, jitter: 0.2}", "time.end=7.0")
+    last = run(make(*translation, together=0.3))
     # all differences that rows are applied to are 0, and what walls give cancels what images take, to the last bit
     assert np.all(last.u == 0.3)
     assert np.all(last.v == 0.0)
@@ -50,7 +46,7 @@ def test_a_uniform_translation_is_kept_exactly(make, treatment):
 
 
 def test_a_lattice_that_is_carried_along_stays_one(make):
-    scheme = make("initial.state=developed", "walls={bottom: {velocity: 0.3}, top: {velocity: 0.3}}", "time.end=7.0")
+    scheme = make("initial.state=developed", "time.end=7.0", together=0.3)
     before, last = scheme.snapshot(), run(scheme)
     assert np.array_equal(last.y, before.y)
     behind = last.x - before.x - 0.3 * 7.0

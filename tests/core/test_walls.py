@@ -70,10 +70,10 @@ def test_dummy_particles_move_with_their_wall(make):
 def test_a_liquid_that_moves_with_both_walls_stays_as_it_is(make, treatment):
     scheme = make(
         f"walls.treatment.type={treatment}",
-        "walls.bottom.velocity=0.5",
         "initial.state=developed",
         "time.end=0.5",
         jitter=0.3,
+        together=0.5,
     )
     while not scheme.finished:
         scheme.advance()

@@ -72,7 +72,7 @@ def test_error_of_the_stress_is_named(painter):
     snapshot = make_snapshot(channel, 5.0)
     label = shear_stress_error_label(channel)
     assert label(replace(snapshot, stress_xy=1.02 * snapshot.stress_xy)) == f"L2 error of Sxy 2.0{TIMES}10⁻²"
-    assert label(make_snapshot(channel, 0.0)) == "L2 error of Sxy: none yet"
+    assert label(make_snapshot(channel, 0.0)) == "unresolved: 0.0 spacings"
 
 
 def test_particles_with_wrong_stress_do_not_stop_the_picture(painter):
@@ -103,4 +103,4 @@ def test_flows_that_cross_zero_or_die_away_are_known(flow, expected):
 
 def test_error_is_a_multiple_of_the_reference_velocity_where_u_crosses_zero():
     channel = make_channel(bottom=WallMotion(-0.002))
-    assert velocity_error_label(channel)(make_snapshot(channel, 1.0, slip=3e-3)) == f"rms error 3.0{TIMES}10⁻³ U"
+    assert velocity_error_label(channel)(make_snapshot(channel, 5.0, slip=3e-3)) == f"rms error 3.0{TIMES}10⁻³ U"

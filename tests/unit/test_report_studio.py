@@ -42,7 +42,7 @@ def frame_count(path):
 
 def test_a_picture_is_the_one_that_is_drawn_here(drawing, channel):
     snapshot = make_snapshot(channel, 1.0)
-    image = drawing.ask("still", *described(channel, VIDEO), "test", END, snapshot).result()
+    image = drawing.ask("still", *described(channel, VIDEO), "test", END, snapshot).result()["still"]
     here = Movie("unused.mp4", channel, VIDEO, "test", END).frame(snapshot)
     assert np.array_equal(np.asarray(Image.open(io.BytesIO(image))), here)
 
@@ -56,10 +56,10 @@ def test_a_movie_has_every_frame_once_it_is_closed(drawing, channel, tmp_path):
 
 
 def test_answers_can_be_taken_in_any_order(drawing, channel):
-    first = drawing.ask("profiles", channel, [make_snapshot(channel, 1.0)])
-    second = drawing.ask("profiles", channel, [make_snapshot(channel, 5.0)])
+    first = drawing.ask("plots", channel, {"profiles": ([make_snapshot(channel, 1.0)],)})
+    second = drawing.ask("plots", channel, {"profiles": ([make_snapshot(channel, 5.0)],)})
     late, early = second.result(), first.result()
-    assert late != early == drawing.ask("profiles", channel, [make_snapshot(channel, 1.0)]).result()
+    assert late != early == drawing.ask("plots", channel, {"profiles": ([make_snapshot(channel, 1.0)],)}).result()
 
 
 def test_a_movie_that_fails_says_so_once_and_only_when_it_is_closed(drawing, channel, tmp_path):
@@ -73,9 +73,9 @@ def test_a_movie_that_fails_says_so_once_and_only_when_it_is_closed(drawing, cha
 
 
 def test_an_error_in_drawing_has_a_name_and_ends_nothing(drawing, channel):
-    with pytest.raises(TisphError, match=r"profiles: \w+Error: "):
-        drawing.ask("profiles", channel, [None]).result()
-    assert drawing.ask("profiles", channel, [make_snapshot(channel, 1.0)]).result()
+    with pytest.raises(TisphError, match=r"plots: \w+Error: "):
+        drawing.ask("plots", channel, {"profiles": ([None],)}).result()
+    assert drawing.ask("plots", channel, {"profiles": ([make_snapshot(channel, 1.0)],)}).result()
 
 
 def test_a_process_that_has_gone_is_one_error_and_keeps_nobody_waiting(channel, tmp_path, monkeypatch):
@@ -111,7 +111,7 @@ channel, studio = make_channel(), Studio()
 movie = DistantMovie(studio, Path(sys.argv[1]), channel, VIDEO, "test", END)
 for t in (1.0, 2.0, 5.0):
     movie.add(make_snapshot(channel, t))
-studio.ask("profiles", channel, [make_snapshot(channel, 1.0)]).result()  # the frames before it are drawn
+studio.ask("plots", channel, {"profiles": ([make_snapshot(channel, 1.0)],)}).result()  # the frames before it are drawn
 print(studio._process.pid, flush=True)
 time.sleep(60)
 """

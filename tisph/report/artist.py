@@ -9,12 +9,16 @@ import os
 import pickle
 import signal
 import sys
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from typing import BinaryIO
 
 from tisph.errors import TisphError
 from tisph.report.history import plot_history
 from tisph.report.movie import Movie
 from tisph.report.profiles import plot_profiles
+
+PLOTS = {"profiles": plot_profiles, "history": plot_history}
 
 
 class Artist:
@@ -50,17 +54,23 @@ class Artist:
         with contextlib.suppress(Exception):
             self.close()
 
-    def still(self, channel, video, title, end, snapshot) -> bytes:
-        """Return the picture of ``snapshot`` as PNG."""
-        return _png(Movie("", channel, video, title, end).save_frame, snapshot)
+    def still(self, channel, video, title, end, snapshot) -> dict[str, bytes]:
+        """Return the picture of ``snapshot`` as PNG, by the name ``still``."""
+        return {"still": _png(Movie("", channel, video, title, end).save_frame, snapshot)}
 
-    def profiles(self, channel, snapshots) -> bytes:
-        """Return the picture of ``plot_profiles`` as PNG."""
-        return _png(plot_profiles, channel, snapshots)
+    def plots(self, channel, wanted) -> dict[str, bytes]:
+        """Return the pictures ``wanted`` as PNG: arguments beside the channel by name, of ``PLOTS``.
 
-    def history(self, channel, times, heights, velocities) -> bytes:
-        """Return the picture of ``plot_history`` as PNG."""
-        return _png(plot_history, channel, times, heights, velocities)
+        They are drawn side by side, where a process can be forked: at the end of a run all processors are free.
+        """
+        pictures = [(PLOTS[name], channel, *arguments) for name, arguments in wanted.items()]
+        if len(pictures) == 1 or not hasattr(os, "fork"):
+            return dict(zip(wanted, [_png(*picture) for picture in pictures], strict=True))
+        *others, last = pictures
+        with ProcessPoolExecutor(len(others), get_context("fork")) as pool:
+            drawn = [pool.submit(_png, *picture) for picture in others]
+            images = [_png(*last), *(image.result() for image in drawn)]
+        return dict(zip(wanted, [*images[1:], images[0]], strict=True))
 
     @contextlib.contextmanager
     def _remembered(self):

@@ -91,10 +91,13 @@ class Answer:
 
     def __init__(self, studio: Studio, number: int):
         self._studio, self._number = studio, number
+        self._result = None
 
     def result(self):
         """Wait for the result and return it; TisphError where there is none."""
-        return self._studio.wait_for(self._number)
+        if self._result is None:
+            self._result = self._studio.wait_for(self._number)
+        return self._result
 
 
 class DistantMovie:

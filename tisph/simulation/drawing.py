@@ -14,14 +14,15 @@ from tisph.report.studio import Answer, DistantMovie, described, shared
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture that is being drawn, for the file ``path``."""
+    """A picture that is being drawn, for the file ``path``: what ``name`` stands for in what is ``drawn``."""
 
     path: Path
     drawn: Answer
+    name: str
 
     def write(self):
         """Wait for it and write it. TisphError where it could not be drawn or cannot be written."""
-        image = self.drawn.result()
+        image = self.drawn.result()[self.name]
         with replaced(self.path) as new:
             new.write_bytes(image)
 
@@ -57,19 +58,20 @@ def movie(folder, settings, channel):
 
 def begin_pictures(folder, settings, channel):
     """Let profiles.png and history.png be drawn from the stored samples and history; return those there will be."""
-    scene, pictures = described(channel)[0], []
+    wanted, paths = {}, {"profiles": folder.profiles_picture, "history": folder.history_picture}
     snapshots = read_samples(folder.samples)
     if snapshots:
-        pictures.append(Picture(folder.profiles_picture, shared().ask("profiles", scene, snapshots)))
+        wanted["profiles"] = (snapshots,)
     times, velocities = read_history(folder.history)
     if len(times):
         heights = channel.tracer_positions(settings.tracers.count, settings.tracers.x)[1]
-        pictures.append(Picture(folder.history_picture, shared().ask("history", scene, times, heights, velocities)))
-    return pictures
+        wanted["history"] = times, heights, velocities
+    drawn = shared().ask("plots", described(channel)[0], wanted) if wanted else None
+    return [Picture(paths[name], drawn, name) for name in wanted]
 
 
 def begin_still(path, settings, channel, snapshot):
     """Let the frame of ``snapshot`` be drawn for the file ``path``."""
     video = settings.output.video or type(settings.output).model_fields["video"].default
     scene = described(channel, video)
-    return Picture(path, shared().ask("still", *scene, settings.name, settings.time.end, snapshot))
+    return Picture(path, shared().ask("still", *scene, settings.name, settings.time.end, snapshot), "still")

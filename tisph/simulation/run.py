@@ -229,8 +229,8 @@ class Run:
             raise KeyboardInterrupt
         if self.status == "diverged" and self.guard.last_good is not None:
             yield lambda: write_last_good(self.folder, self.channel, self.config, self.guard.last_good)
-        yield from (picture.write for picture in self.pictures)
         yield from (observer.close for observer in self.observers)
+        yield from (picture.write for picture in self.pictures)
 
     def _summarise(self):
         self.summary = summarise(self)

@@ -66,7 +66,9 @@ class Member:
 
     def model(self, value: object) -> type[Model] | None:
         """Parameter model that the raw map ``value`` names by its ``type``, None where it names none."""
-        name = value.get("type", self._meant(value)) if isinstance(value, dict) else None
+        if not isinstance(value, dict):
+            return None
+        name = value["type"] if "type" in value else self._meant(value)
         if name not in families.names(self.family):
             return None
         return families.load(self.family, name).Parameters

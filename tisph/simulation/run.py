@@ -130,7 +130,9 @@ class Run:
             self._observe()
         else:
             with self._timed("output"):
-                self._show(start_snapshot(self.channel, values, self.config.discretisation.precision))
+                start = start_snapshot(self.channel, values, self.config.discretisation.precision)
+                self.guard.check(start)
+                self._show(start)
         with RunProgress(self.scheme.time, self.config.time.end, self.particles, self.channel.units.time) as progress:
             self._loop(progress)
 
@@ -174,14 +176,20 @@ class Run:
         return seen_from_config(self.scheme.snapshot(at), self.channel)
 
     def _observe(self):
-        """Give every observer the states that it waits for, up to now; let the guard see them, or the present one."""
+        """Give every observer the states that it waits for, up to now, once the guard has seen the last of them.
+
+        Those before it lie between that one and a state that was sound.
+        """
         with self._timed("output"):
             due = sorted({time for observer in self.observers for time in observer.schedule.pending(self.scheme.time)})
-            for time_ in self.scheme.output_times(due) or [self.scheme.time]:
+            *before, last = self.scheme.output_times(due) or [self.scheme.time]
+            latest = self._snapshot(last)
+            self.guard.check(latest)
+            for time_ in before:
                 self._show(self._snapshot(time_))
+            self._show(latest)
 
     def _show(self, snapshot):
-        self.guard.check(snapshot)
         for observer in self.observers:
             if observer.schedule.due(snapshot.t):
                 observer.observe(snapshot)

@@ -36,13 +36,16 @@ class Probes:
         across = (snapshot.y[near] - self.y[:, None]) / self._radius
         along = self._periodic(snapshot.x[near] - self.x[:, None]) / self._radius
         distance = np.minimum(np.sqrt(along * along + across * across), 1.0)
-        weight = (1 - distance) ** 4 * (1 + 4 * distance)
+        square = (1 - distance) * (1 - distance)
+        weight = square * square * (1 + 4 * distance)
         ones = np.ones_like(along)
         basis = np.stack([ones, along, across, along * along, along * across, across * across], axis=1)
         weighted = basis * weight[:, None, :]
-        # a pseudo-inverse, so that a hole in a flow that goes wrong gives a value and not an exception
-        inverse = np.linalg.pinv(weighted @ basis.transpose(0, 2, 1), rcond=1e-12, hermitian=True)
-        values = (inverse[:, 0, :] * (weighted @ snapshot.u[near])).sum(axis=1)
+        moments, sums = weighted @ basis.transpose(0, 2, 1), (weighted @ snapshot.u[near])[..., None]
+        try:
+            values = np.linalg.solve(moments, sums)[:, 0, 0]
+        except np.linalg.LinAlgError:  # a hole in a flow that goes wrong shall give a value and not an exception
+            values = (np.linalg.pinv(moments, rcond=1e-12, hermitian=True) @ sums)[:, 0, 0]
         return np.where(weight.any(axis=1), values, np.nan)
 
     def _near(self, snapshot):

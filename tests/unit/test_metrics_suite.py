@@ -1,6 +1,8 @@
 """The verification suite: its runs, and how they are run and judged. Nothing is simulated."""
 
+import json
 import math
+from pathlib import Path
 
 import pytest
 from ruamel.yaml import YAML
@@ -9,6 +11,28 @@ from tisph.config import load
 from tisph.study import verify
 from tisph.verification import suite
 from tisph.verification.criteria import at_most, near
+
+
+def listed(quick):
+    """Every run and every bound of the suite, a line each."""
+    criteria = [f"{one.case}: {one.quantity} {one.bound}" for one in suite.criteria(quick)]
+    return [*criteria, *(f"{name}: {json.dumps(config)}" for name, config in suite.runs(quick).items())]
+
+
+@pytest.mark.parametrize("quick", [True, False])
+def test_cases_and_bounds_are_those_that_the_words_about_them_quote(quick):
+    """README.md and docs quote what these runs gave: whoever changes a case or a bound changes it here and there."""
+    path = Path(__file__).parent / "data" / f"suite_{'quick' if quick else 'full'}.txt"
+    assert listed(quick) == path.read_text(encoding="utf-8").splitlines()
+
+
+@pytest.mark.parametrize("quick", [True, False])
+def test_runs_that_show_an_order_differ_in_their_spacing_only(quick):
+    runs = suite.runs(quick)
+    for criterion in suite.criteria(quick):
+        if "order" in criterion.quantity:
+            rest = [{**runs[name], "discretisation": None} for name in criterion.runs]
+            assert all(config == rest[0] for config in rest)
 
 
 @pytest.mark.parametrize("quick", [True, False])
@@ -28,6 +52,26 @@ def test_all_couette_runs_are_the_same_flow(quick):
         speed = max(abs(config["walls"][name]["velocity"]) for name in ("bottom", "top"))
         reynolds = speed * config["geometry"]["gap"] / config["fluid"]["kinematic_viscosity"]
         assert reynolds == pytest.approx(50, rel=1e-14)
+
+
+def test_the_creeping_flow_and_the_fast_one_have_the_reynolds_numbers_that_they_are_named_for():
+    runs = suite.runs(quick=False)
+    for name, expected in (("implicit_creeping", 0.0125), ("implicit_re_1000", 1000.0)):
+        config = runs[name]
+        speed, gap = config["walls"]["top"]["velocity"], config["geometry"]["gap"]
+        assert speed * gap / config["fluid"]["kinematic_viscosity"] == pytest.approx(expected, rel=1e-14)
+
+
+@pytest.mark.parametrize("quick", [True, False])
+def test_the_si_run_is_the_base_in_other_units(quick):
+    """1 cm = 0.01 m, mass and time the same."""
+    runs = suite.runs(quick)
+    ours, base = runs["si"], runs["across_25" if quick else "across_50"]
+    powers = {"density": -3, "kinematic_viscosity": 2, "gap": 1, "length": 1}
+    for part in ("fluid", "geometry"):
+        for key, value in base[part].items():
+            assert ours[part][key] == pytest.approx(value * 0.01 ** powers[key], rel=1e-14)
+    assert ours["walls"]["top"]["velocity"] == pytest.approx(0.01 * base["walls"]["top"]["velocity"], rel=1e-14)
 
 
 @pytest.mark.parametrize("quick", [True, False])

@@ -65,6 +65,17 @@ def test_what_the_walls_give_is_what_the_liquid_gains(make, jitter):
     assert abs(balance["closure"]) < (1e-6 if jitter == 0.0 else 5e-2)
 
 
+@pytest.mark.parametrize("jitter", [0.0, 0.2])
+def test_walls_pull_developed_flow_with_the_stress_of_the_parabola(make, jitter):
+    walls = "walls={bottom: {velocity: -0.1}, top: {velocity: 0.5}}"
+    scheme = make(walls, "drive.acceleration=0.02", f"initial={{state: developed, jitter: {jitter}}}", "time.end=1.0")
+    run(scheme)
+    balance = scheme.momentum_balance()
+    # nu u' of u = -0.1 + 1.6 y - y^2, over a channel 1 long for 1 s; rows are exact for it, systems solved to 1e-8
+    assert balance["bottom_wall"] == pytest.approx(-0.01 * 1.6, rel=1e-6)
+    assert balance["top_wall"] == pytest.approx(-0.01 * 0.4, rel=1e-6)
+
+
 # --- symmetries
 
 TIGHT = "time={end: 2.0, tolerance: 1.0e-7}"

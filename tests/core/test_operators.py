@@ -79,6 +79,19 @@ def test_a_sheared_lattice_feels_no_force(make, operators):
     assert np.abs(compression).max() < 1e-12
 
 
+def test_what_pressure_does_goes_with_one_over_the_density(make):
+    # of standard operators, on particles and through the walls: the same pressures at compression 0 and 0.5
+    scheme = make(LINEAR_EOS, "scheme.operators=standard", jitter=0.2)
+    impose(scheme, lambda x, y: (0 * y, 0 * y), lambda x, y: 0.01 * np.sin(2 * np.pi * x) + 0.02 * y)
+    found = []
+    for compression in (0.0, 0.5):
+        scheme.particles.mid_compression.fill(compression)
+        acceleration = RatesOf(scheme).arrays()[0]
+        found.append(np.append(acceleration, scheme.wall_forces(scheme.now)))
+    assert np.abs(found[0][-2:]).min() > 1e-4
+    assert np.allclose(found[0], 1.5 * found[1], rtol=1e-12, atol=1e-12)  # rounding of sums of numbers up to 1e2
+
+
 def test_artificial_viscosity_pushes_only_approaching_pairs(make):
     # a pure compression along y and its opposite: only the first is resisted
     rates = []

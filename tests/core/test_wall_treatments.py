@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from rates import LINEAR_EOS, impose, slots_in_use
 
+from tisph import families
+
 DRIVEN = "drive.acceleration=0.02"
 TREATMENTS = ("adami", "comoving_image", "consistent_image", "fixed_image", "virtual_image")
 
@@ -92,6 +94,26 @@ def test_fixed_images_take_the_nearest_particle_and_cap_its_distance(make):
         wall, speed = (0.0, 0.0) if place[1] < 0 else (1.0, 0.5)
         ratio = 1.0 + abs(place[1] - wall) / max(abs(y[i] - wall), 1 / 12)
         assert np.allclose(found, own[i] + ratio * (np.array([speed, 0.0]) - own[i]), atol=1e-12)
+
+
+def test_virtual_images_reflect_the_weighted_fit_at_their_mirror_point(make):
+    # a velocity different at every particle: c0 of the fit c0 + c1 x + c2 y with the kernel of 0.75 cutoffs for weight
+    scheme = make(LINEAR_EOS, "walls.treatment.type=virtual_image", jitter=0.3)
+    field = lambda x, y: (np.sin(2 * np.pi * x) + y**2, np.cos(2 * np.pi * x) * y)  # noqa: E731
+    x, y = impose(scheme, field, lambda x, y: 0.01 * np.sin(2 * np.pi * x))
+    scheme.walls.refresh(scheme.now)
+    places, velocities, pressures = walls_of(scheme)
+    kernel = families.load("kernels", "quintic_spline")
+    radius, near = 0.75 * scheme.lists.cutoff, first_layers(places)
+    for place, velocity, pressure in zip(places[near], velocities[near], pressures[near], strict=True):
+        mirrored, speed = (-place[1], 0.0) if place[1] < 0 else (2.0 - place[1], 0.5)
+        across, along = y - mirrored, x - place[0] - np.round(x - place[0])
+        q = kernel.SUPPORT / radius * np.hypot(along, across)
+        root = np.sqrt([kernel.value(one) if one < kernel.SUPPORT else 0.0 for one in q])
+        values = np.stack([*field(x, y), 25.0 * 0.01 * np.sin(2 * np.pi * x)], 1)
+        basis = np.stack([np.ones_like(x), along, across], 1)
+        u, v, p = np.linalg.lstsq(root[:, None] * basis, root[:, None] * values, rcond=None)[0][0]
+        assert np.allclose([*velocity, pressure], [2 * speed - u, -v, p], atol=1e-12)
 
 
 def test_virtual_points_list_the_fluid_around_them(make):

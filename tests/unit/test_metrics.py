@@ -1,6 +1,7 @@
 """Error measures: interpolation and wall shear on known fields, and every number of a sample."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from tisph.scenes._motion import Polymer, WallMotion
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Snapshot
 from tisph.verification.interpolation import Probes, interpolate
-from tisph.verification.metrics import fit_line, sample_metrics
+from tisph.verification.metrics import ROUNDINGS, fit_line, relative_error, sample_metrics
 
 
 def make_channel(rows=50, **changes):
@@ -141,6 +142,15 @@ def test_rms_is_a_measure_where_the_velocity_vanishes():
     numbers = measure(channel, make_snapshot(channel, lambda x, y: np.full_like(x, 0.005), t=0.0))
     off = np.sqrt(np.mean((0.005 - channel.exact_velocity(channel.jittered(0, 0.2)[1], 0.0)) ** 2))
     assert numbers["rms"] == pytest.approx(off / 0.5, rel=1e-12)
+
+
+def test_what_rounds_away_in_the_frame_is_nothing_to_be_relative_to():
+    """100 particles that all move with twice, and with half, of what the frame's rounding leaves of a velocity."""
+    nothing = ROUNDINGS * np.spacing(1e6)
+    for factor, expected in ((2.0, 0.5), (0.5, None)):
+        exact = np.full(100, 1e6 + factor * nothing)
+        snapshot = SimpleNamespace(u=exact + nothing, reference={"u": exact})
+        assert relative_error(SimpleNamespace(frame_velocity=1e6), snapshot) == expected
 
 
 def polymer_snapshot(channel, t, shear_factor=1.0, normal_shift=0.0):

@@ -41,7 +41,7 @@ TESTS = {
     "verification": [UNIT + "metrics*", UNIT + "study_walls"],
     "least_squares": [CORE + "least_squares", *IMPLICIT],
     "schemes": [UNIT + "scheme*", UNIT + "plan", *EXPLICIT],
-    "schemes/_forecast": [UNIT + "error_estimate", UNIT + "cli_check", UNIT + "estimates"],
+    "schemes/_forecast": [UNIT + "error_estimate", CORE + "forecast_rows", UNIT + "cli_check", UNIT + "estimates"],
     "schemes/_estimate": [UNIT + "plan", UNIT + "cli_check", UNIT + "stress_cells", UNIT + "estimates"],
     "schemes/implicit": [UNIT + "esdirk", UNIT + "step_control", *IMPLICIT, CORE + "implicit_limits"],
     "rheology": [CORE + "stress"],

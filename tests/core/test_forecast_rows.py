@@ -1,0 +1,88 @@
+"""The rows that `tisph check` computes with do what the particles of a run do, while they stand on their lattice."""
+
+import numpy as np
+import pytest
+
+from tisph import config, families, runtime
+from tisph.scenes.channel import Channel
+from tisph.schemes._forecast import explicit_rows, implicit_rows
+from tisph.schemes.implicit._scheme import control
+from tisph.simulation.run import start_values
+
+CASE = """
+scene: channel
+fluid: {density: 2.0, kinematic_viscosity: 0.01}
+geometry: {gap: 0.5, length: 0.5}
+discretisation: {particles_across: 10}
+time: {end: 0.3}
+runtime: {threads: 1}
+"""
+STEADY = "walls={bottom: {velocity: -1e-5}, top: {velocity: 5e-5}}"
+SWINGING = "walls={bottom: {velocity: -1e-5}, top: {amplitude: 5e-5, angular_frequency: 9.0, phase: sin}}"
+POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.2, solvent_fraction: 0.3}"
+DRIVEN = "drive.acceleration=2e-5"
+SPEED = 5e-5
+"""Of the top wall: so slow that rows do not slide past each other."""
+
+
+@pytest.fixture
+def case(tmp_path):
+    """Return a function that gives a config and its channel, in the flow's own frame, of overrides."""
+
+    def build(*overrides):
+        path = tmp_path / "case.yaml"
+        path.write_text(CASE)
+        settings = config.load(path, overrides)
+        return settings, Channel.from_config(settings).in_own_frame()
+
+    return build
+
+
+def profiles(settings, channel, times):
+    """Yield the scheme at every one of ``times``, and the velocities (rows,) of its rows of particles."""
+    runtime.start("f64", 1)
+    scheme = families.load("schemes", settings.scheme.type).Scheme(settings, channel, times, True)
+    scheme.start(*start_values(channel, settings.initial))
+    for time in times:
+        while scheme.time < time:
+            scheme.advance()
+        last = scheme.snapshot()
+        yield scheme, np.array([last.u[row].mean() for row in np.array_split(np.argsort(last.y, kind="stable"), 10)])
+
+
+@pytest.mark.parametrize(
+    "flow",
+    [
+        (STEADY, DRIVEN),
+        (SWINGING, DRIVEN),
+        (STEADY, DRIVEN, "walls.treatment.type=comoving_image", "scheme.operators.order=2"),
+    ],
+)
+def test_rows_of_the_implicit_scheme(case, flow):
+    settings, channel = case("scheme={type: implicit}", *flow, "time.tolerance=1e-5")
+    times = [0.1, 0.3]
+    rows = implicit_rows.Rows(settings, channel, control(settings, channel, times))
+    for scheme, velocity in profiles(settings, channel, times):
+        rows.run_to(scheme.time)
+        assert rows.steps == scheme.steps
+        # systems are solved to 1e-3 of the tolerance
+        assert np.abs(rows.velocity - velocity).max() < 1e-6 * SPEED
+
+
+@pytest.mark.parametrize(
+    "flow",
+    [
+        (SWINGING, DRIVEN, "walls.treatment.type=consistent_image"),
+        (STEADY, "scheme.operators=standard", "walls.treatment.type=comoving_image"),
+        (STEADY, "walls.treatment.type=fixed_image"),
+        (STEADY, "walls.treatment.type=virtual_image"),
+        (STEADY, POLYMER, "walls.treatment.type=adami"),
+        (STEADY, DRIVEN, POLYMER, "walls.treatment.type=consistent_image"),
+    ],
+)
+def test_rows_of_the_explicit_scheme(case, flow):
+    settings, channel = case("scheme={type: wcsph}", *flow)
+    rows = explicit_rows.Rows(settings, channel)
+    for scheme, velocity in profiles(settings, channel, list(np.arange(1, 61) * 5e-3)):
+        # second order in steps of 0.005, against rows that decay at a rate of 30: 0.15^2 / 24 in the first of them
+        assert np.abs(rows.velocity(scheme.time) - velocity).max() < 1e-3 * SPEED

@@ -11,7 +11,7 @@ import pytest
 from implicit_case import IMPLICIT, SLOW
 from scipy.optimize import brentq
 
-from tisph.schemes.implicit._control import FIRST, SAFETY
+from tisph.schemes.implicit._control import SAFETY
 from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, WEIGHTS
 
 NU, ROWS = 0.01, 12
@@ -126,7 +126,7 @@ def test_the_error_estimate_of_a_step_is_that_of_the_embedded_method(make, modes
     # of one mode: the difference of the two results, filtered, is E(z); the second step is as long as it allows
     values, _ = modes
     mode, tolerance = 3, 1e-4
-    first = FIRST / ROWS**2 / NU
+    first = 0.25 / ROWS**2 / NU
     z = values[mode - 1] * NU * first
     error = abs((np.array(WEIGHTS) - np.array(EMBEDDED)) @ stages(z)) / (1 - GAMMA * z)
     rms = np.sqrt((MODES[mode - 1] ** 2).mean())

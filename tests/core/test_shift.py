@@ -5,6 +5,7 @@ import pytest
 from rates import RatesOf
 
 from tisph import families
+from tisph.runtime import view
 from tisph.schemes._shift import SHIFT, shift_speed, stiffness
 
 KERNELS = ["quintic_spline", "wendland_c2"]
@@ -48,6 +49,20 @@ def test_no_small_displacement_of_the_lattice_relaxes_faster_than_the_stiffest_w
         # the table of weights is piecewise linear: its slopes, unlike its values, are off by 1 %
         assert -0.01 * rate < found < 1.02 * rate
     assert largest > 0.95 * rate
+
+
+def test_the_implicit_scheme_tells_that_points_moved_however_little(make):
+    # discs of 0.9 spacings that overlap by 4e-4 spacings, on a lattice that has no overlap: one sweep is enough
+    scheme = make("scheme={type: implicit}")
+    scheme.assemble(0.0)
+    assert not scheme.shift.spread()
+    place = view(scheme.points.place)
+    place[66, 0] += (0.1 + 4e-4) / 12
+    before = place[:144].copy()
+    assert scheme.shift.spread()
+    moved = 12 * (view(scheme.points.place)[:144] - before)
+    assert np.flatnonzero(np.abs(moved).max(axis=1) > 1e-12).tolist() == [66, 67]
+    assert moved[66:68, 0] == pytest.approx([-2e-4, 2e-4], rel=1e-9)  # half of the overlap each
 
 
 def test_disorder_drives_no_particle_through_a_wall_at_a_high_cell_reynolds_number(make):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rates import LINEAR_EOS, RatesOf, impose
 
-from tisph.runtime import real, ti
+from tisph.runtime import real, ti, view
 
 OLDROYD = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4}"
 WALLS = "walls.treatment.type=consistent_image"
@@ -69,6 +69,32 @@ def test_stress_at_the_walls_of_a_driven_flow_bends_as_its_own_law_says(make):
     slopes = scheme.walls.track.slope.to_numpy()[:, :12, 1]
     # midpoint steps of 0.01 against a decay in 0.2: (dt/tau)^2/6 of the change
     assert np.allclose(slopes, expected, rtol=1e-3)
+
+
+def test_walls_are_periodic_and_linear_between_their_points(make):
+    scheme = make(OLDROYD, WALLS, "drive.acceleration=0.02", jitter=0.2)
+    for _ in range(3):  # the upper wall is on its way
+        scheme.advance()
+    track, random = scheme.walls.track, np.random.default_rng(0)
+    slope, compression = random.normal(size=(2, 12, 3)), 0.1 * random.normal(size=(2, 12))
+    view(track.mid_slope)[:, :12], view(track.compression)[:, :12] = slope, compression
+    x = np.linspace(0.0, 1.0, 41)
+    found = ti.field(real(), shape=(2, 41, 2))
+
+    @ti.kernel
+    def evaluate():
+        for n in range(41):
+            for top in ti.static(range(2)):
+                found[top, n, 0] = track.curvature_at(top, n / 40)
+                found[top, n, 1] = track.slope_at(top, n / 40)[1]
+
+    evaluate()
+    viscosity = 0.4 * 0.01
+    for top in range(2):
+        points = view(track.origin)[top] + np.arange(12) / 12
+        curvature = (-0.02 - slope[top, :, 1] / (1.0 + compression[top])) / viscosity
+        for part, values in enumerate((curvature, slope[top, :, 1])):
+            assert np.allclose(found.to_numpy()[top, :, part], np.interp(x, points, values, period=1.0), rtol=1e-9)
 
 
 def test_wall_stress_obeys_the_law_under_a_steady_shear(make):

@@ -116,6 +116,18 @@ def test_virtual_images_reflect_the_weighted_fit_at_their_mirror_point(make):
         assert np.allclose([*velocity, pressure], [2 * speed - u, -v, p], atol=1e-12)
 
 
+@pytest.mark.parametrize("treatment", ["adami", "fixed_image", "virtual_image"])
+def test_wall_particles_without_fluid_in_reach_move_with_their_wall(make, treatment):
+    scheme = make(LINEAR_EOS, f"walls.treatment.type={treatment}", "walls.bottom.velocity=-0.1")
+    impose(scheme, lambda x, y: (1.0 + x, 1.0 + y), lambda x, y: 1.0 + 0 * y)
+    scheme.lists.count.fill(0)
+    scheme.walls.refresh(scheme.now)
+    places, velocities, pressures = walls_of(scheme)
+    assert np.array_equal(velocities[:, 0], np.where(places[:, 1] < 0, -0.1, 0.5))
+    assert not velocities[:, 1].any()
+    assert not pressures.any()
+
+
 def test_virtual_points_list_the_fluid_around_them(make):
     scheme = make("walls.treatment.type=virtual_image", jitter=0.3)
     particles = scheme.particles

@@ -11,7 +11,8 @@ import pytest
 from tisph import families, schemes
 from tisph.cli.check import estimates
 from tisph.kernels import quintic_spline, wendland_c2
-from tisph.schemes._forecast import explicit_rows, implicit_rows
+from tisph.schemes._estimate import EXPLICIT_COST, IMPLICIT_COST, IMPLICIT_OVERHEAD
+from tisph.schemes._forecast import beyond, explicit_rows, implicit_rows
 from tisph.schemes._forecast.images import images
 from tisph.schemes._forecast.linear import LinearFlow
 from tisph.schemes._forecast.stencils import kernel_sums, least_squares, sliding_viscosity
@@ -106,6 +107,19 @@ def test_many_steps_at_once_are_what_they_are_one_by_one(case, monkeypatch):
     assert leaping.velocity == pytest.approx(walking.velocity, abs=3e-7)  # the tolerance of a step
 
 
+@pytest.mark.parametrize("treatment", ["consistent_image", "comoving_image"])
+def test_what_is_left_after_a_long_time_solves_the_equations(case, treatment):
+    """x' = rates x + source(t), of both walls and the drive, to fourth order in the step of the difference."""
+    wall = "walls.{}={{amplitude: 0.5, angular_frequency: {}, phase: sin}}"
+    drive = ("drive.acceleration=0.3", f"walls.treatment.type={treatment}")
+    rows = rows_of(case, IMPLICIT, COARSE, *drive, wall.format("top", 1.0), wall.format("bottom", 0.7))
+    time, step = 2.0, 0.01
+    around = [rows._settled(time + k * step) for k in (-2, -1, 1, 2)]
+    rate = np.dot([1.0, -8.0, 8.0, -1.0], around) / (12 * step)
+    expected = rows.rates * rows._settled(time) + rows._source(time)
+    assert rate == pytest.approx(expected, abs=1e-8 * np.abs(rows._source(time)).max())
+
+
 def test_whole_periods_are_left_out_of_a_long_run(case):
     """The flow of a wall that oscillates is the same after each; steps go on as before."""
     wall = "walls.top={amplitude: 0.5, angular_frequency: 1.0, phase: sin}"
@@ -168,6 +182,34 @@ def test_no_estimate_where_the_model_cannot_tell(last, overrides):
     sample = last(*overrides)
     assert (sample.l2, sample.rms) == (None, None)
     assert sample.steps > 0
+
+
+@pytest.mark.parametrize(
+    ("scheme", "cost", "overhead"), [(EXPLICIT, EXPLICIT_COST, 0.0), (IMPLICIT, IMPLICIT_COST, IMPLICIT_OVERHEAD)]
+)
+def test_steps_and_cost_of_a_run_are_those_up_to_its_last_sample(case, scheme, cost, overhead):
+    numbers = estimates(case(scheme, COARSE, "time.end=2", "time.samples=[0, 1, 2]"))
+    assert numbers["samples"][-1].steps == numbers["steps"]
+    assert numbers["run_time"] == pytest.approx(numbers["steps"] * (overhead + 25 * 50 * cost), rel=1e-14)
+
+
+def test_what_disorder_leaves_is_that_of_a_dipole_at_the_wall(case):
+    """sum k^2 exp(-2 (k pi)^2 t*), from t* = (spacing/gap)^2 on."""
+    channel = families.load("scenes", "channel").Scene.from_config(case(COARSE))
+    waves = np.arange(1.0, 1000.0)
+    for t_star, effective in ((0.0, 0.04**2), (1e-3, 0.04**2), (0.01, 0.01), (0.3, 0.3)):
+        expected = np.sum(waves**2 * np.exp(-2 * (waves * np.pi) ** 2 * effective))
+        assert beyond._spread(channel, 100.0 * t_star) ** 2 == pytest.approx(expected, rel=1e-6)  # exp(-20) is left out
+
+
+def test_disorder_leaves_more_where_rows_slide(case):
+    """Its two limits: AT_REST of it where they do not, and all of it besides where they do."""
+    found = []
+    for viscosity in (1e3, 1e-9):
+        config = case(IMPLICIT, COARSE, DISORDER, f"fluid.kinematic_viscosity={viscosity}")
+        found.append(beyond._stirred(config, families.load("scenes", "channel").Scene.from_config(config)))
+    whole = 0.3 * beyond.STIRRED * 0.04**2
+    assert found == pytest.approx([beyond.AT_REST * whole, (1.0 + beyond.AT_REST) * whole], rel=1e-6)
 
 
 def test_a_start_has_no_error(case):

@@ -129,8 +129,9 @@ def test_whole_periods_are_left_out_of_a_long_run(case):
     assert last.rms == pytest.approx(first.rms, rel=1.0)  # another phase
 
 
+@pytest.mark.timeout(120)  # it takes a tenth of a second, or weeks
 def test_the_end_of_a_long_run_is_told_at_once(case):
-    """Rows are not stepped one by one; ."""
+    """Rows are not stepped one by one."""
     for scheme in (EXPLICIT, IMPLICIT):
         assert estimates(case(scheme, "time.end=1e12"))["steps"] > 1e11
 

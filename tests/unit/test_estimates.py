@@ -1,4 +1,4 @@
-"""What `tisph check` states of runs that were measured: the bound of issue 12, and the table that prints it.
+"""What `tisph check` states of runs that were measured: the factors it is held to, and the table that prints them.
 
 ``data/measured.json`` is ``estimates.json`` of ``tisph verify --estimates``; ``data/matrix.json`` the errors that
 docs/stability.md prints, to one digit, of cells at the end of their runs, with that end.
@@ -45,6 +45,12 @@ def test_stated_errors_and_steps_are_within_the_factors(name, tmp_path):
     run = MEASURED[name]
     found = study.compare(stated(name, run["end"], tmp_path), run["samples"])
     assert [each for each in found if each.verdict == "FAIL"] == []
+
+
+def test_every_sample_of_a_cell_has_its_forecast(tmp_path):
+    case = next(case for case in study._cells(forecast, tmp_path, quick=True) if case.refusal is None)
+    assert [sample.t for sample in case.samples] == pytest.approx(case.config["time"]["samples"], rel=1e-12)
+    assert len(case.samples) > 1
 
 
 def test_every_config_is_measured_and_has_an_estimate():

@@ -17,7 +17,7 @@ from ruamel.yaml import YAML
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.study.processes import run_side_by_side
-from tisph.study.store import Store, claimed
+from tisph.study.store import Store, claimed, config_text
 from tisph.study.stress import matrix
 from tisph.study.stress.plan import plan
 from tisph.verification.table import format_header, format_row
@@ -76,7 +76,7 @@ def within(factor, largest):
 
 def compare(forecasts, samples):
     """Return a ``Comparison`` of every sample that a run took steps to; a run that was stopped has fewer."""
-    pairs = zip(forecasts, samples, strict=False)
+    pairs = zip(forecasts[: len(samples)], samples, strict=True)
     return [Comparison(stated, found) for stated, found in pairs if stated.steps and found["step"]]
 
 
@@ -134,8 +134,12 @@ def _configs(forecast):
 def _cells(forecast, scratch, quick):
     """Yield a ``Case`` for every cell of the stability matrix."""
     for cell in matrix.cells(matrix.sub_matrices(quick)):
-        found = plan(cell, forecast, scratch)
-        yield Case(cell.name, found.config, found.samples, found.refusal)
+        found, samples = plan(cell, forecast, scratch), ()
+        if found.refusal is None:  # the plan is about the last sample only, by which the cell is judged
+            path = scratch / "config.yaml"
+            path.write_text(config_text(cell.name, found.config), encoding="utf-8")
+            samples = tuple(forecast(load(path))[0]["samples"])
+        yield Case(cell.name, found.config, samples, found.refusal)
 
 
 def _outcomes(cases, store, processes):

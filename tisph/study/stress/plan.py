@@ -22,8 +22,7 @@ with them all results, must not depend on the machine."""
 class Plan:
     """The run of a cell: its config, its end t*, its estimated ``seconds``, and what ``tisph check`` says of it.
 
-    ``stated``: estimated error, ``refusal``: why it is refused, both None where there is none; ``warnings``: texts;
-    ``samples``: a ``Forecast`` of each.
+    ``stated``: estimated error, ``refusal``: why it is refused, both None where there is none; ``warnings``: texts.
     """
 
     cell: Cell
@@ -33,7 +32,6 @@ class Plan:
     stated: float | None = 0.0
     warnings: tuple[str, ...] = ()
     refusal: str | None = None
-    samples: tuple = ()
 
 
 def plan(cell, forecast, folder):
@@ -50,9 +48,8 @@ def plan(cell, forecast, folder):
             numbers, warnings = _checked(cell, t_star, forecast, folder)
     except ConfigError as error:
         return Plan(cell, cell.config(t_star), t_star, refusal=str(error).partition(": ")[2])
-    samples = tuple(numbers["samples"])
-    stated = getattr(samples[-1], cell.measure)
-    return Plan(cell, cell.config(t_star), t_star, _seconds(cell, numbers), stated, tuple(warnings), samples=samples)
+    stated = getattr(numbers["samples"][-1], cell.measure)
+    return Plan(cell, cell.config(t_star), t_star, _seconds(cell, numbers), stated, tuple(warnings))
 
 
 def _checked(cell, t_star, forecast, folder):

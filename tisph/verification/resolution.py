@@ -10,8 +10,8 @@ with polymer the wall shear errs by 5 %. ``benchmarks/resolution.py`` measures i
 
 def resolution(channel, t):
     """Tell whether the flow of a scene is resolved at time ``t``, and why not: (True, None) or (False, reason)."""
-    place = channel.thinnest_layer(t)[1]
-    spacings = layer_spacings(channel, t)
+    depth, place = channel.thinnest_layer(t)
+    spacings = depth / channel.spacing
     if spacings >= LEAST_DEPTH:
         return True, None
     return False, f"{place} is {spacings:.2g} spacings thin; resolved from {LEAST_DEPTH:g} spacings on"

@@ -6,7 +6,9 @@ by changing one line, and so that its banner never reaches the user's terminal.
 
 import atexit
 import contextlib
+import inspect
 import io
+import linecache
 import os
 import shutil
 import tempfile
@@ -43,7 +45,28 @@ os.environ.update(
 )
 os.environ.pop("TI_ARCH", None)  # a run depends on its config alone
 
-import taichi as ti  # noqa: E402 (it reads the environment while it is imported)
+
+
+@contextlib.contextmanager
+def _frames_in_short():
+    """Let Taichi find in a moment the line that a frame is at, which it asks for at each function that it decorates.
+
+    ``inspect`` looks through all modules for it, which is a third of the time that importing Taichi takes.
+    """
+
+    def in_short(frame, context=1):
+        file, line = frame.f_code.co_filename, frame.f_lineno
+        return inspect.Traceback(file, line, frame.f_code.co_name, [linecache.getline(file, line)], 0)
+
+    whole, inspect.getframeinfo = inspect.getframeinfo, in_short
+    try:
+        yield
+    finally:
+        inspect.getframeinfo = whole
+
+
+with _frames_in_short():
+    import taichi as ti  # it reads the environment while it is imported
 
 from tisph.config.memory import room  # noqa: E402
 from tisph.runtime import _fields, _reading  # noqa: E402 (they import Taichi)

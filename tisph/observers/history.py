@@ -46,8 +46,12 @@ class History:
 
     def observe(self, snapshot):
         """Append one line."""
-        self.schedule.mark(snapshot.t)
-        self._append(self._line(snapshot.t, self.probes.velocity(snapshot)).encode())
+        self.record([snapshot.t], [self.probes.velocity(snapshot)])
+
+    def record(self, times, velocities):
+        """Append lines of the velocities (times, tracers) at ``times``."""
+        self.schedule.mark(times[-1])
+        self._append("".join(map(self._line, times, velocities)).encode())
 
     def tracers(self, snapshot):
         """Return the pair (y, u) at the tracers, arrays of shape (tracers,)."""
@@ -71,13 +75,13 @@ class History:
         resolved = str(int(resolution(self.channel, t)[0]))
         return ",".join([*map(_digits, (t, *velocities)), resolved, *map(_digits, exact)]) + "\n"
 
-    def _append(self, line):
-        """Add all of ``line`` to the file, or nothing."""
+    def _append(self, lines):
+        """Add all of ``lines`` to the file, or nothing."""
         with written(self.path), io.FileIO(self.path, "r+") as file:
             end = file.seek(0, os.SEEK_END)
             try:
-                while line:  # a disk may have room for a part, and fails with the rest
-                    line = line[file.write(line) :]
+                while lines:  # a disk may have room for a part, and fails with the rest
+                    lines = lines[file.write(lines) :]
             except OSError:
                 file.truncate(end)
                 raise

@@ -6,6 +6,8 @@ import sys
 import time
 from contextlib import contextmanager
 
+import numpy as np
+
 from tisph import PROCESS_START, families, runtime, schemes
 from tisph.endings import endings
 from tisph.errors import DivergedError, TisphError
@@ -185,9 +187,19 @@ class Run:
             *before, last = self.scheme.output_times(due) or [self.scheme.time]
             latest = self._snapshot(last)
             self.guard.check(latest)
+            self._record([time_ for time_ in self.history.schedule.pending(self.scheme.time) if time_ in before])
             for time_ in before:
-                self._show(self._snapshot(time_))
+                if any(observer.schedule.due(time_) for observer in self.observers):
+                    self._show(self._snapshot(time_))
             self._show(latest)
+
+    def _record(self, times):
+        """Give the history its lines at ``times`` of the last step, which need the particles around the tracers alone."""
+        if times:
+            probes, velocity = self.history.probes, self.channel.frame_velocity
+            travelled = velocity * (np.array(times) - self.channel.start_time)
+            when, x, y, u = self.scheme.around(times, probes.centre - travelled, probes.half_width)
+            self.history.record(times, probes.velocities(len(times), when, x + travelled[when], y, u + velocity))
 
     def _show(self, snapshot):
         for observer in self.observers:

@@ -19,7 +19,8 @@ RADIUS = 3.0
 class Probes:
     """Fixed points that read the velocity along x from the particles around them.
 
-    ``x`` and ``y`` of shape (points,), inside the channel, which is periodic in x.
+    ``x`` and ``y`` of shape (points,), inside the channel, which is periodic in x. Only particles within ``half_width``
+    of ``centre`` along x count.
     """
 
     def __init__(self, channel, x, y):
@@ -27,37 +28,54 @@ class Probes:
         self.y = np.asarray(y, dtype=float)
         self._length = channel.length
         self._radius = RADIUS * channel.spacing
-        self._centre = 0.5 * (self.x.min() + self.x.max())
-        self._half_width = 0.5 * np.ptp(self.x) + self._radius
+        self.centre = 0.5 * (self.x.min() + self.x.max())
+        self.half_width = 0.5 * np.ptp(self.x) + self._radius
 
     def velocity(self, snapshot):
         """Velocity along x at the points, shape (points,); NaN where no particle is within the radius."""
-        near = self._near(snapshot)
-        across = (snapshot.y[near] - self.y[:, None]) / self._radius
-        along = self._periodic(snapshot.x[near] - self.x[:, None]) / self._radius
-        distance = np.minimum(np.sqrt(along * along + across * across), 1.0)
+        near = np.abs(self._periodic(snapshot.x - self.centre)) < self.half_width
+        near &= snapshot.y > self.y.min() - self._radius
+        near &= snapshot.y < self.y.max() + self._radius
+        when = np.zeros(np.count_nonzero(near), dtype=int)
+        return self.velocities(1, when, snapshot.x[near], snapshot.y[near], snapshot.u[near])[0]
+
+    def velocities(self, times, when, x, y, u):
+        """Velocities along x at the points at several ``times`` (their number), shape (times, points).
+
+        ``x``, ``y`` and ``u``, flat, are particles around ``centre``, within ``half_width`` at least; ``when`` (ascending)
+        is the time at which each is seen.
+        """
+        particle, point = np.nonzero(np.abs(y[:, None] - self.y) < self._radius)
+        along = self._periodic(x[particle] - self.x[point]) / self._radius
+        across = (y[particle] - self.y[point]) / self._radius
+        distance = np.sqrt(along * along + across * across)
+        where = when[particle] * self.x.size + point
+        order = np.flatnonzero(distance < 1.0)
+        order = order[np.argsort(where[order], kind="stable")]
+        along, across, distance, particle = along[order], across[order], distance[order], particle[order]
+        found, first = np.unique(where[order], return_index=True)
         square = (1 - distance) * (1 - distance)
         weight = square * square * (1 + 4 * distance)
         ones = np.ones_like(along)
         basis = np.stack([ones, along, across, along * along, along * across, across * across], axis=1)
-        weighted = basis * weight[:, None, :]
-        moments, sums = weighted @ basis.transpose(0, 2, 1), (weighted @ snapshot.u[near])[..., None]
-        try:
-            values = np.linalg.solve(moments, sums)[:, 0, 0]
-        except np.linalg.LinAlgError:  # a hole in a flow that goes wrong shall give a value and not an exception
-            values = (np.linalg.pinv(moments, rcond=1e-12, hermitian=True) @ sums)[:, 0, 0]
-        return np.where(weight.any(axis=1), values, np.nan)
-
-    def _near(self, snapshot):
-        """Indices of the particles in the smallest box around all points and their radius."""
-        inside = np.abs(self._periodic(snapshot.x - self._centre)) < self._half_width
-        inside &= snapshot.y > self.y.min() - self._radius
-        inside &= snapshot.y < self.y.max() + self._radius
-        return np.flatnonzero(inside)
+        weighted = basis * weight[:, None]
+        values = np.full((times, self.x.size), np.nan)
+        if found.size:
+            moments = np.add.reduceat(weighted[:, :, None] * basis[:, None, :], first)
+            values.flat[found] = _solved(moments, np.add.reduceat(weighted * u[particle, None], first))
+        return values
 
     def _periodic(self, difference):
         """Differences in x to the nearest periodic copy."""
         return difference - self._length * np.round(difference / self._length)
+
+
+def _solved(moments, sums):
+    """First of the coefficients of each fit: of ``moments`` (fits, 6, 6) c = ``sums`` (fits, 6)."""
+    try:
+        return np.linalg.solve(moments, sums[..., None])[:, 0, 0]
+    except np.linalg.LinAlgError:  # a hole in a flow that goes wrong shall give a value and not an exception
+        return (np.linalg.pinv(moments, rcond=1e-12, hermitian=True) @ sums[..., None])[:, 0, 0]
 
 
 def interpolate(snapshot, channel, x, y):

@@ -209,6 +209,13 @@ class Scheme:
             pressure=self.channel.density * pressure,
         )
 
+    def around(self, times, x, half_width):
+        """Return the particles within ``half_width`` of ``x`` (times,) at ``times`` of the last step, as flat arrays.
+
+        Which time (ascending), x, y and u of each; only x less its period counts.
+        """
+        return self.dense.around(times, x, half_width, self.channel.length)
+
     def momentum_balance(self):
         """Return the balance of momentum along x up to ``time``, see ``MomentumBalance.report``."""
         total = used(self.viscous.velocity)[0].sum(dtype=float)

@@ -46,7 +46,6 @@ os.environ.update(
 os.environ.pop("TI_ARCH", None)  # a run depends on its config alone
 
 
-
 @contextlib.contextmanager
 def _frames_in_short():
     """Let Taichi find in a moment the line that a frame is at, which it asks for at each function that it decorates.
@@ -68,8 +67,9 @@ def _frames_in_short():
 with _frames_in_short():
     import taichi as ti  # it reads the environment while it is imported
 
-from tisph.config.memory import room  # noqa: E402
-from tisph.runtime import _fields, _reading  # noqa: E402 (they import Taichi)
+    from tisph.runtime import _fields, _reading
+
+from tisph.config.memory import room  # noqa: E402 (what follows imports Taichi)
 from tisph.runtime._fields import holding, integer, real, scalar, view  # noqa: E402
 from tisph.runtime._reading import compile_seconds  # noqa: E402
 

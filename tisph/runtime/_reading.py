@@ -3,8 +3,8 @@
 Each process translates every kernel that it launches from Python source, expression by expression, before it knows
 whether the compiled kernel is in the cache, and then turns what the cache has into machine code. What Taichi does
 beside that took half of the translation: it looked up and parsed the source of a function at every call of it, and drew
-source lines for error messages that are never shown; and at each decorator it looked through all modules. Replaced here,
-for all kernels of the process.
+source lines for error messages that are never shown; and at each decorator it looked through all modules. Replaced
+here, for all kernels of the process.
 """
 
 import ast

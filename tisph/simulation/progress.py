@@ -3,9 +3,6 @@
 import sys
 import time
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
-
 REFRESH = 0.2
 """Seconds between two updates of the bar."""
 
@@ -32,14 +29,7 @@ class RunProgress:
         self.lines = 0
         self.bar = None
         if sys.stderr.isatty():
-            self.bar = Progress(
-                BarColumn(bar_width=None),  # the only one that shrinks where columns are few
-                TaskProgressColumn(),
-                TextColumn("{task.fields[state]}"),
-                TimeRemainingColumn(elapsed_when_finished=True),
-                console=Console(stderr=True),
-                refresh_per_second=5,
-            )
+            self.bar = _bar()
             self.task = self.bar.add_task("", total=1.0, state="")
 
     def __enter__(self):
@@ -84,3 +74,17 @@ class RunProgress:
                 break
             state = longer
         return state
+
+
+def _bar():
+    from rich.console import Console  # where there is no terminal nothing waits for it
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    return Progress(
+        BarColumn(bar_width=None),  # the only one that shrinks where columns are few
+        TaskProgressColumn(),
+        TextColumn("{task.fields[state]}"),
+        TimeRemainingColumn(elapsed_when_finished=True),
+        console=Console(stderr=True),
+        refresh_per_second=5,
+    )

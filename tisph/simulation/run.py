@@ -194,7 +194,7 @@ class Run:
             self._show(latest)
 
     def _record(self, times):
-        """Give the history its lines at ``times`` of the last step, which need the particles around the tracers alone."""
+        """Give the history its lines at ``times`` of the last step, from the particles around its tracers."""
         if times:
             probes, velocity = self.history.probes, self.channel.frame_velocity
             travelled = velocity * (np.array(times) - self.channel.start_time)

@@ -42,8 +42,8 @@ class Probes:
     def velocities(self, times, when, x, y, u):
         """Velocities along x at the points at several ``times`` (their number), shape (times, points).
 
-        ``x``, ``y`` and ``u``, flat, are particles around ``centre``, within ``half_width`` at least; ``when`` (ascending)
-        is the time at which each is seen.
+        ``x``, ``y`` and ``u``, flat, are particles around ``centre``, within ``half_width`` at least; ``when``
+        (ascending) is the time at which each is seen.
         """
         particle, point = np.nonzero(np.abs(y[:, None] - self.y) < self._radius)
         along = self._periodic(x[particle] - self.x[point]) / self._radius

@@ -50,7 +50,7 @@ def listed(scheme):
     """
     points, ghosts = scheme.points, scheme.ghosts
     table, count = view(points.table), view(points.count)
-    source, side = view(ghosts.source), view(ghosts.side)
+    source, side = view(ghosts.source), ghosts.side
     result = np.zeros((points.fluid, 3, points.fluid), dtype=bool)
     for i in range(points.fluid):
         row = table[i, : count[i]]

@@ -22,7 +22,6 @@ def use(scheme):
         scheme.wall_forces(scheme.now)
     else:
         scheme.advance()  # the first step does not shift
-        scheme.motion.take_along(0.0)
         scheme.project(scheme.time, 1.0)
         scheme.field.stretch(1.0)
         scheme.advance()

@@ -169,6 +169,10 @@ class Points:
         apart.x = self.domain.nearest(apart.x)
         return apart
 
+    def listed(self, rows):
+        """Return the table of the chosen ``rows`` and where it holds points and no left-overs, (chosen, capacity)."""
+        return view(self.table)[rows], np.arange(self.capacity) < view(self.count)[rows, None]
+
     def mean_length(self):
         """Return the mean number of neighbours within reach of a fluid particle, padding not counted."""
         count, table = view(self.count)[: self.fluid], view(self.table)[: self.fluid]

@@ -2,7 +2,10 @@
 
 import math
 
-from tisph.runtime import real, scalar, ti, view
+import numpy as np
+
+from tisph.neighbours.points import used
+from tisph.runtime import real, ti, view
 
 EVENED = 0.5
 """Part of the difference of a particle's volume from the mean around it that a step takes away."""
@@ -22,8 +25,9 @@ class VelocityField:
         self.curvature = self.points.field(ti.types.vector(3, real()), 2)
         self.volume = self.points.field(real())
         self.values = ti.field(real(), self.points.slots + 1)
-        self.values.used = None
-        self.steepest, self.divergence_squared, self.gradient_squared = (scalar(0.0) for _ in range(3))
+        self.found = ti.field(ti.types.vector(2, real()), self.points.most)
+        self.values.used = self.found.used = None
+        self.steepest = self.divergence_squared = self.gradient_squared = 0.0
 
     def measure(self, time, transverse):
         """Take up the derivatives of the velocities at the end of the step, at ``time``.
@@ -32,66 +36,47 @@ class VelocityField:
         """
         self.ghosts.prescribe(*self.viscous.wall_series(time))
         for component in range(1 + transverse):
-            self.differentiate(component, component == 0)
+            self.differentiate(component)
+        along, across = used(self.slope)
+        volume_rate = along[:, 0] + across[:, 1]
+        square = np.einsum("nk,nk->n", along, along) + np.einsum("nk,nk->n", across, across)
+        self.divergence_squared = float(np.einsum("n,n", volume_rate, volume_rate))
+        self.gradient_squared = float(square.sum())
+        self.steepest = math.sqrt(square.max())
+
+    def differentiate(self, component):
+        """Compute slopes and curvatures of one component; the walls drive the first alone."""
+        slope, curvature = used(self.slope)[component], used(self.curvature)[component]
+        given, given_slope = (self.ghosts.given(), self.ghosts.series_slope()) if component == 0 else (0.0, 0.0)
+        slope[...] = self.gradient(used(self.viscous.end)[component], -1.0, given)
+        curvature[:, :2] = self.gradient(slope[:, 0], -1.0, 0.0)
+        curvature[:, 2] = self.gradient(slope[:, 1], 1.0, given_slope)[:, 1]
+
+    def gradient(self, values, parity, given):
+        """Return the gradient (fluid, 2) of ``values`` (fluid), until the next one is computed.
+
+        Ghosts have ``parity`` times what they take from the fluid, and what they are ``given``.
+        """
+        everywhere = view(self.values)
+        everywhere[: self.points.fluid] = values
+        self.ghosts.part(everywhere)[...] = parity * self.ghosts.taken(everywhere) + given
+        self.apply()
+        return view(self.found)[: self.points.fluid]
+
+    @ti.kernel
+    def apply(self):
+        """Compute the gradient of ``values``."""
+        particles = self.points.particles[None]
+        ti.loop_config(serialize=self.rows.serial_light)
+        for i in range(particles):
+            along = self.rows.apply(self.rows.along, self.values, i)
+            self.found[i] = [along, self.rows.apply(self.rows.across, self.values, i)]
 
     @property
     def residual(self):
         """Divergence over the gradient, both as root mean squares: 0 for an incompressible flow."""
-        gradient = float(view(self.gradient_squared))
-        return math.sqrt(float(view(self.divergence_squared)) / gradient) if gradient > 0.0 else 0.0
-
-    @ti.kernel
-    def differentiate(self, component: ti.i32, driven: float):
-        """Compute slopes and curvatures of one component; ``driven`` is 1 for the one that the walls drive, else 0."""
-        particles = self.points.particles[None]
-        ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(particles):
-            self.values[i] = self.viscous.end[component, i]
-        ti.loop_config(serialize=True)
-        for k in range(self.ghosts.count[None]):
-            self.values[self.points.most + k] = driven * self.ghosts.given(k) - self.ghosts.value(self.values, k)
-        ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(particles):
-            self.slope[component, i] = [
-                self.rows.apply(self.rows.along, self.values, i),
-                self.rows.apply(self.rows.across, self.values, i),
-            ]
-        for part in ti.static(range(2)):
-            ti.loop_config(serialize=self.rows.serial_light)
-            for i in range(particles):
-                self.values[i] = self.slope[component, i][part]
-            ti.loop_config(serialize=True)
-            for k in range(self.ghosts.count[None]):
-                source = self.ghosts.value(self.values, k)
-                if ti.static(part == 0):
-                    self.values[self.points.most + k] = -source
-                else:
-                    self.values[self.points.most + k] = source + driven * self.ghosts.series_slope(k)
-            ti.loop_config(serialize=self.rows.serial_light)
-            for i in range(particles):
-                across = self.rows.apply(self.rows.across, self.values, i)
-                if ti.static(part == 0):
-                    self.curvature[component, i] = [self.rows.apply(self.rows.along, self.values, i), across, 0.0]
-                else:
-                    self.curvature[component, i].z = across
-        ti.loop_config(serialize=True)
-        for _ in range(1):
-            self.add_up(particles)
-
-    @ti.func
-    def add_up(self, particles):
-        """Sum the squares, in a fixed order."""
-        divergence, gradient, steepest = 0.0, 0.0, 0.0
-        for i in range(particles):
-            along, across = self.slope[0, i], self.slope[1, i]
-            volume_rate = along.x + across.y
-            square = along.dot(along) + across.dot(across)
-            divergence += volume_rate * volume_rate
-            gradient += square
-            steepest = ti.max(steepest, square)
-        self.divergence_squared[None] = divergence
-        self.gradient_squared[None] = gradient
-        self.steepest[None] = ti.sqrt(steepest)
+        gradient = self.gradient_squared
+        return math.sqrt(self.divergence_squared / gradient) if gradient > 0.0 else 0.0
 
     @ti.kernel
     def stretch(self, length: float):

@@ -8,77 +8,83 @@ wall gives for a particle F and its mirror image I
 (the odd terms cancel; p_x = 0 at the wall as in ``walls/consistent_image.py``, of which this is the continuation to
 the order of the operators): ``consistent_image``. Without the terms in w: ``comoving_image``, and ``virtual_image``,
 where the ghosts stay on the lattice and u_F is interpolated at their mirror points.
+
+There are few of them: what is not asked for in each iteration of a solver is computed by NumPy, for all at once.
 """
 
 import math
 
-from tisph.runtime import integer, real, scalar, ti, view
+import numpy as np
+
+from tisph.runtime import ti, view
 
 
 @ti.data_oriented
 class Ghosts:
-    """What all ghosts have: ``depth[k]`` of ghost k beyond wall ``side[k]``, ``count`` of them, series in the depth.
+    """What all ghosts have; arrays ``depth`` beyond wall ``side`` (0 bottom, 1 top), in the order of their slots.
 
-    ``reach``: how far from a wall a particle has ghosts among its neighbours.
+    ``count``: how many there are. ``near``: the particles within ``reach`` of a wall, which have ghosts among their
+    neighbours; ``offset``: their distance from each wall (2, near).
     """
 
     mirrors = False
     """Whether the points list the neighbours of mirror points."""
 
-    def __init__(self, points, domain, reach):
-        self.points, self.domain, self.reach = points, domain, scalar(reach)
-        self.count, self.needed = points.ghosts, integer(0)
-        self.side = ti.field(ti.i32, shape=points.most_ghosts)
-        self.depth = ti.field(real(), shape=points.most_ghosts)
-        self.series = ti.field(real(), shape=(2, 3))
+    def __init__(self, points, channel, reach):
+        self.points, self.gap, self.reach = points, channel.gap, reach
+        self.count, self.needed = points.ghosts, 0
+        self.side, self.depth = np.empty(0, dtype=np.int32), np.empty(0)
+        self.series = np.zeros((2, 3))
 
     def find(self):
         """Place the ghosts for the present places of the particles, before neighbours are listed."""
 
+    def follow(self):
+        """Let the ghosts follow particles that have been shifted."""
+
     def weigh(self):
-        """Prepare what ghosts take from their neighbours, for the final places of the particles."""
+        """Take note of the particles near walls, and prepare what ghosts take from them, at their final places."""
+        height = self.heights()
+        self.near = np.flatnonzero((height < self.reach) | (self.gap - height < self.reach))
+        below = height[self.near].astype(float)
+        self.offset = np.stack([below, self.gap - below])
+
+    def heights(self):
+        """Return the y of the particles (fluid), in place."""
+        return view(self.points.place)[: self.points.fluid, 1]
+
+    def part(self, values):
+        """Return the part of an array over the slots that belongs to the ghosts, in place."""
+        return values[self.points.most :][: self.side.size]
 
     def overflow(self):
         """Return the number of ghosts if there was no room for them, else 0."""
-        needed = int(view(self.needed))
-        return needed if needed > self.points.room else 0
-
-    @ti.func
-    def follow(self, k):
-        """Let ghost ``k`` follow particles that have been shifted."""
+        return self.needed if self.needed > self.points.room else 0
 
     def prescribe(self, bottom, top):
         """Take up the series of each wall, c0 + c1 d^2 + c2 d^4: three numbers."""
-        view(self.series)[...] = bottom, top
+        self.series[...] = bottom, top
 
-    @ti.func
-    def given(self, k):
-        """Return what the series of its wall prescribes for ghost ``k``."""
-        square = self.depth[k] * self.depth[k]
-        side = self.side[k]
-        return self.series[side, 0] + square * (self.series[side, 1] + square * self.series[side, 2])
+    def given(self):
+        """Return what the series of its wall prescribes for each ghost."""
+        constant, second, fourth = self.series[self.side].T
+        square = self.depth * self.depth
+        return constant + square * (second + square * fourth)
 
-    @ti.func
-    def series_slope(self, k):
-        """Return the derivative across the channel of the series at ghost ``k``."""
-        side, depth = self.side[k], self.depth[k]
-        outwards = 2.0 * depth * (self.series[side, 1] + 2.0 * depth * depth * self.series[side, 2])
-        return ti.select(side == 1, outwards, -outwards)
-
-    @ti.func
-    def near(self, i):
-        """Tell whether particle ``i`` is within reach of a wall."""
-        y = self.points.place[i].y
-        return y < self.reach[None] or self.domain.gap[None] - y < self.reach[None]
+    def series_slope(self):
+        """Return the derivative across the channel of the series at each ghost."""
+        _, second, fourth = self.series[self.side].T
+        outwards = 2.0 * self.depth * (second + 2.0 * self.depth * self.depth * fourth)
+        return np.where(self.side == 1, outwards, -outwards)
 
 
 @ti.data_oriented
 class MirrorGhosts(Ghosts):
     """Mirror images: ghost k is that of particle ``source[k]``."""
 
-    def __init__(self, points, domain, reach, channel):
-        super().__init__(points, domain, reach)
-        self.source = ti.field(ti.i32, shape=self.side.shape)
+    def __init__(self, points, channel, reach):
+        super().__init__(points, channel, reach)
+        self.source = ti.field(ti.i32, shape=points.most_ghosts)
 
     @staticmethod
     def room(channel, reach):
@@ -86,32 +92,29 @@ class MirrorGhosts(Ghosts):
         rows = math.ceil(1.5 * reach / channel.spacing) + 1
         return 2 * min(rows, channel.rows) * channel.columns
 
-    @ti.kernel
     def find(self):
         """Mirror every particle within reach of a wall."""
-        particles, reach = self.points.particles[None], self.reach[None]
-        ti.loop_config(serialize=True)
-        for _ in range(1):
-            found = 0
-            for top in ti.static(range(2)):
-                for i in range(particles):
-                    if self.domain.inside(top, self.points.place[i].y) < reach:
-                        k = ti.min(found, self.source.shape[0] - 1)
-                        self.source[k] = i
-                        self.side[k] = top
-                        self.follow(k)
-                        found += 1
-            self.needed[None] = found
-            self.count[None] = ti.min(found, self.source.shape[0])
+        height = self.heights()
+        sources = [np.flatnonzero(height < self.reach), np.flatnonzero(self.gap - height < self.reach)]
+        self.needed = sum(map(len, sources))
+        count = min(self.needed, self.points.most_ghosts)
+        self.side = np.repeat([0, 1], list(map(len, sources)))[:count]
+        view(self.source)[:count] = np.concatenate(sources)[:count]
+        view(self.count)[()] = count
+        self.follow()
 
-    @ti.func
-    def follow(self, k):
-        """Place ghost ``k`` where the mirror image of its source is."""
-        for top in ti.static(range(2)):
-            if self.side[k] == top:
-                place = self.points.place[self.source[k]]
-                self.depth[k] = self.domain.inside(top, place.y)
-                self.points.place[self.points.most + k] = self.domain.mirrored(top, place)
+    def follow(self):
+        """Place the ghosts where the mirror images of their sources are."""
+        count, first, places = self.side.size, self.points.most, view(self.points.place)
+        place = places[view(self.source)[:count]]
+        height, top = place[:, 1].astype(float), self.side == 1
+        self.depth = np.where(top, self.gap - height, height)
+        place[:, 1] = np.where(top, 2.0 * self.gap - height, -height)
+        places[first : first + count] = place
+
+    def taken(self, values):
+        """Return the values of an array over the slots that the ghosts mirror."""
+        return values[view(self.source)[: self.side.size]]
 
     @ti.func
     def value(self, values: ti.template(), k):

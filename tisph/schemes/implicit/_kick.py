@@ -10,6 +10,8 @@ which is what the layer that the particles cannot resolve yet has taken up (the 
 ``schemes/_impulse.py``).
 """
 
+import numpy as np
+
 from tisph.neighbours.points import used
 from tisph.runtime import view
 
@@ -37,8 +39,9 @@ class Kick:
         both = [[0.0] * 3, [0.0] * 3]
         both[side] = series
         self.ghosts.prescribe(*both)
-        self.viscous.gather_source(1, 0.0)
-        return used(self.viscous.source) / self.viscosity
+        sums = np.zeros(self.viscous.points.fluid)
+        sums[self.ghosts.near] = self.viscous.from_walls()
+        return sums
 
     def laplacian(self, values):
         """Return the Laplacian of values that mirror oddly in the walls."""

@@ -1,59 +1,53 @@
 """Positions of the particles, and how a step moves them."""
 
-from tisph.runtime import real, ti
+import numpy as np
+
+from tisph.neighbours.points import used
+from tisph.runtime import real, ti, view
 
 
-@ti.data_oriented
 class Motion:
-    """Positions (fluid), the kernels that move them, and positions and velocities (2, fluid) before the last step."""
+    """Positions (fluid), what moves them, and positions and velocities (2, fluid) before the last step."""
 
-    def __init__(self, field, shift):
+    def __init__(self, field, shift, period):
         viscous = field.viscous
-        self.field, self.domain = field, viscous.points.domain
-        self.viscous, self.points, self.rows = viscous, viscous.points, viscous.rows
-        self.shift = shift
+        self.field, self.viscous, self.points, self.shift = field, viscous, viscous.points, shift
+        self.period = period
         self.position, self.start_position = (self.points.field(ti.types.vector(2, real())) for _ in range(2))
         self.start_velocity = self.points.field(real(), 2)
 
-    @ti.kernel
-    def predict(self, half: float):
+    def predict(self, half):
         """Put the points where the particles are in the middle of a step twice as long as ``half``."""
-        ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.points.particles[None]):
-            velocity = ti.Vector([self.viscous.velocity[0, i], self.viscous.velocity[1, i]])
-            place = self.position[i] + half * velocity
-            self.points.place[i] = [self.domain.wrapped(place.x), place.y]
+        place = used(self.position) + half * used(self.viscous.velocity).T
+        place[:, 0] = self.wrapped(place[:, 0])
+        view(self.points.place)[: self.points.fluid] = place
 
-    @ti.kernel
-    def take_along(self, half: float):
+    def take_along(self, half):
         """Let positions and velocities follow the shift of the points: by the Taylor series of the velocities.
 
         A shift D in the middle of the step is one by D_x - ``half`` u_y D_y along the channel at its start.
         """
-        ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.points.particles[None]):
-            shift = self.shift.moved[i]
-            if shift.x != 0.0 or shift.y != 0.0:
-                place = self.points.place[i]
-                shift.x -= half * self.field.slope[0, i].y * shift.y
-                squares = ti.Vector([0.5 * shift.x * shift.x, shift.x * shift.y, 0.5 * shift.y * shift.y])
-                for component in ti.static(range(2)):
-                    change = self.field.slope[component, i].dot(shift) + self.field.curvature[component, i].dot(squares)
-                    self.viscous.velocity[component, i] += change
-                    place[component] -= half * self.viscous.velocity[component, i]
-                self.position[i] = place
+        shift = view(self.shift.moved)[: self.points.fluid]
+        moved = np.flatnonzero(shift.any(axis=1))
+        x, y = shift[moved].T
+        slope, curvature = used(self.field.slope)[:, moved], used(self.field.curvature)[:, moved]
+        x = x - half * slope[0, :, 1] * y
+        squares = np.stack([0.5 * x * x, x * y, 0.5 * y * y], axis=1)
+        change = slope[..., 0] * x + slope[..., 1] * y + np.einsum("cnk,nk->cn", curvature, squares)
+        velocity = used(self.viscous.velocity)
+        velocity[:, moved] += change
+        used(self.position)[moved] = view(self.points.place)[moved] - half * velocity[:, moved].T
 
-    @ti.kernel
-    def move(self, length: float):
+    def move(self, length):
         """Move the particles over the step and take up the velocities at its end."""
-        ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.points.particles[None]):
-            mean = ti.Vector([0.0, 0.0])
-            for component in ti.static(range(2)):
-                end = self.viscous.end[component, i]
-                mean[component] = 0.5 * (self.viscous.velocity[component, i] + end)
-                self.start_velocity[component, i] = self.viscous.velocity[component, i]
-                self.viscous.velocity[component, i] = end
-            self.start_position[i] = self.position[i]
-            place = self.position[i] + length * mean
-            self.position[i] = [self.domain.wrapped(place.x), place.y]
+        position, velocity, end = (used(field) for field in (self.position, self.viscous.velocity, self.viscous.end))
+        used(self.start_position)[...] = position
+        used(self.start_velocity)[...] = velocity
+        position += (0.5 * length) * (velocity + end).T
+        position[:, 0] = self.wrapped(position[:, 0])
+        velocity[...] = end
+
+    def wrapped(self, x):
+        """Return ``x`` moved by whole periods into [0, period)."""
+        inside = x - np.floor(x / self.period) * self.period
+        return np.where(inside < self.period, inside, 0.0)

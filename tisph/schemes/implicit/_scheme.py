@@ -62,7 +62,7 @@ class Scheme:
         treatment = config.walls.treatment.type
         kind = VirtualGhosts if treatment == "virtual_image" else MirrorGhosts
         self.points = Points(channel, self.domain, reach, kind.room(channel, reach), serial, kind.mirrors)
-        self.ghosts = kind(self.points, self.domain, reach, channel)
+        self.ghosts = kind(self.points, channel, reach)
         self.rows = LeastSquaresRows(self.points, SUPPORT[order] * channel.spacing, order)
         self.solver = BiCGStab(self.rows, self.ghosts, -1.0)
         self.walls = WallSeries(channel, treatment)
@@ -71,7 +71,7 @@ class Scheme:
         self.field = VelocityField(self.viscous)
         self.shift = Shift(self.points, self.ghosts, channel.spacing)
         self.projection = Projection(self.viscous, self.field, channel.gap)
-        self.motion = Motion(self.field, self.shift)
+        self.motion = Motion(self.field, self.shift, channel.length)
         self.dense = DenseOutput(self.viscous, self.motion, (self.field.volume, self.projection.pressure))
         self.control = control(config, channel, targets)
         self.reset()
@@ -169,7 +169,7 @@ class Scheme:
         self.dense.keep(self.time, length)
         self.motion.move(length)
         self.time = end
-        self.control.step_taken(end, float(view(self.field.steepest)))
+        self.control.step_taken(end, self.field.steepest)
         self.steps += 1
         self.shortest, self.longest = min(self.shortest, length), max(self.longest, length)
         self.reduced += int(view(self.rows.reduced))

@@ -38,6 +38,7 @@ class Shift:
         farthest = view(self.farthest)
         for sweep in range(SWEEPS):
             self.sweep()
+            self.ghosts.follow()
             if farthest <= SMALLEST:
                 return sweep > 0 or bool(farthest > 0.0)
         return True
@@ -63,6 +64,3 @@ class Shift:
         for i in range(particles):
             self.points.place[i] += self.move[i]
             self.moved[i] += self.move[i]
-        ti.loop_config(serialize=True)
-        for k in range(self.ghosts.count[None]):
-            self.ghosts.follow(k)

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from tisph.runtime import holding, real, ti
+from tisph.runtime import holding, real, scalar, ti, view
 from tisph.schemes.implicit._ghosts import Ghosts
 
 UNKNOWNS = 6
@@ -24,9 +24,10 @@ class VirtualGhosts(Ghosts):
 
     mirrors = True
 
-    def __init__(self, points, domain, reach, channel):
-        super().__init__(points, domain, reach)
-        self.share = ti.field(real(), shape=(self.side.shape[0], points.capacity))
+    def __init__(self, points, channel, reach):
+        super().__init__(points, channel, reach)
+        self.share = ti.field(real(), shape=(points.most_ghosts, points.capacity))
+        self.radius = scalar(reach)
         self.vector, self.matrix = ti.types.vector(UNKNOWNS, real()), ti.types.matrix(UNKNOWNS, UNKNOWNS, real())
         self.settle(channel)
 
@@ -44,13 +45,17 @@ class VirtualGhosts(Ghosts):
         count, first = heights.size, self.points.most
         holding(self.points.place, _padded(np.stack([np.tile(x, 2), heights], 1), first, self.points.slots + 1))
         holding(self.points.mirror, _padded(np.stack([np.tile(x, 2), mirrored], 1), 0, self.points.most_ghosts))
-        holding(self.depth, _padded(np.tile(depth, 2), 0, self.points.most_ghosts))
-        holding(self.side, _padded(np.repeat([0, 1], depth.size), 0, self.points.most_ghosts))
         holding(self.count, count)
+        self.depth, self.side = np.tile(depth, 2), np.repeat([0, 1], depth.size)
 
-    @ti.kernel
     def weigh(self):
         """Fit at all mirror points."""
+        super().weigh()
+        self.fit()
+
+    @ti.kernel
+    def fit(self):
+        """Compute all shares."""
         ti.loop_config(serialize=self.points.serial)
         for k in range(self.count[None]):
             row = self.points.most + k
@@ -67,7 +72,7 @@ class VirtualGhosts(Ghosts):
     def weighted_basis(self, k, j):
         """Return basis and weight of point ``j`` around mirror point ``k``; the sentinel has the weight 0."""
         apart = self.points.place[j] - self.points.mirror[k]
-        x, y = self.domain.nearest(apart.x) / self.reach[None], apart.y / self.reach[None]
+        x, y = self.points.domain.nearest(apart.x) / self.radius[None], apart.y / self.radius[None]
         nearness = ti.max(0.0, 1.0 - x * x - y * y)
         inside = ti.cast(nearness > 0.0, self.share.dtype)
         x, y = x * inside, y * inside
@@ -93,6 +98,12 @@ class VirtualGhosts(Ghosts):
                 first[k] -= lower[k, j] * first[j]
             first[k] *= usable / ti.select(usable > 0.0, lower[k, k], 1.0)
         return first
+
+    def taken(self, values):
+        """Return the values at the mirror points, of an array over the slots."""
+        count = self.side.size
+        table, listed = self.points.listed(slice(self.points.most, self.points.most + count))
+        return np.einsum("nk,nk->n", np.where(listed, view(self.share)[:count], 0.0), values[table])
 
     @ti.func
     def value(self, values: ti.template(), k):

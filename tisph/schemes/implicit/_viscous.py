@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from tisph.neighbours.points import used
 from tisph.runtime import holding, real, scalar, ti, view
 from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, TIMES, WEIGHTS, guesses
 
@@ -25,8 +26,8 @@ class ViscousStep:
         self.velocity, self.end, self.start_rate, self.end_rate = (self.points.field(real(), 2) for _ in range(4))
         self.rates = self.points.field(real(), 4)
         self.known, self.source = self.points.field(real()), self.points.field(real())
-        self.data, self.mean = (ti.field(real(), self.points.slots + 1) for _ in range(2))
-        for scratch in (self.rates, self.known, self.data, self.mean):
+        self.mean = ti.field(real(), self.points.slots + 1)
+        for scratch in (self.rates, self.known, self.mean):
             scratch.used = None  # for checkpoints
         self.stages, self.guesses = (
             holding(ti.field(real(), (4, 4)), STAGES),
@@ -55,27 +56,20 @@ class ViscousStep:
 
     def set_source(self, component, time):
         """Evaluate what drives a component at ``time``: the walls' part of the ghosts, body acceleration, pressure."""
+        source = used(self.source)
+        source[...] = 0.0  # across the channel nothing drives
         if component == 0:
             self.ghosts.prescribe(*self.wall_series(time))
-        self.gather_source(component == 0, self.acceleration)
+            source[...] = self.acceleration
+            source[self.ghosts.near] += view(self.viscosity) * self.from_walls()
         if self.push:
             self.push(component)
 
-    @ti.kernel
-    def gather_source(self, driven: ti.i32, acceleration: float):
-        """Sum the sources; ``driven`` is 0 across the channel, where nothing drives."""
-        particles = self.points.particles[None]
-        ti.loop_config(serialize=True)
-        for k in range(self.ghosts.count[None]):
-            self.data[self.points.most + k] = self.ghosts.given(k)
-        ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(particles):
-            source = 0.0
-            if driven:
-                source = acceleration
-                if self.ghosts.near(i):
-                    source += self.viscosity[None] * self.rows.apply(self.rows.laplacian, self.data, i)
-            self.source[i] = source
+    def from_walls(self):
+        """Return the Laplacian of what the series prescribes for the ghosts, for the particles near walls."""
+        values = np.zeros(self.points.slots + 1)
+        self.ghosts.part(values)[...] = self.ghosts.given()
+        return self.rows.apply_to(self.ghosts.near, self.rows.laplacian, values)
 
     @ti.kernel
     def begin(self, component: ti.i32):

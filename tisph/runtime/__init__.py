@@ -67,13 +67,14 @@ def _frames_in_short():
 with _frames_in_short():
     import taichi as ti  # it reads the environment while it is imported
 
-    from tisph.runtime import _fields, _reading
+    from tisph.runtime import _fields, _launching, _reading
 
 from tisph.config.memory import room  # noqa: E402 (what follows imports Taichi)
 from tisph.runtime._fields import holding, integer, real, scalar, view  # noqa: E402
 from tisph.runtime._reading import compile_seconds  # noqa: E402
 
 _fields.install()
+_launching.install()
 _reading.install()
 
 __all__ = [

@@ -24,9 +24,10 @@ class VelocityField:
         self.slope = self.points.field(ti.types.vector(2, real()), 2)
         self.curvature = self.points.field(ti.types.vector(3, real()), 2)
         self.volume = self.points.field(real())
-        self.values = ti.field(real(), self.points.slots + 1)
-        self.found = ti.field(ti.types.vector(2, real()), self.points.most)
-        self.values.used = self.found.used = None
+        self.values = ti.field(ti.types.vector(2, real()), self.points.slots + 1)
+        self.found = ti.field(ti.types.matrix(2, 2, real()), self.points.most)
+        self.volumes = ti.field(real(), self.points.most)
+        self.values.used = self.found.used = self.volumes.used = None
         self.steepest = self.divergence_squared = self.gradient_squared = 0.0
 
     def measure(self, time, transverse):
@@ -35,48 +36,49 @@ class VelocityField:
         ``transverse``: whether there are velocities across the channel.
         """
         self.ghosts.prescribe(*self.viscous.wall_series(time))
+        slope, curvature = used(self.slope), used(self.curvature)
+        slope[...] = self.gradients(used(self.viscous.end).T, -1.0, [self.ghosts.given(), 0.0])
         for component in range(1 + transverse):
-            self.differentiate(component)
-        along, across = used(self.slope)
+            given = self.ghosts.series_slope() if component == 0 else 0.0  # the walls drive the first alone
+            along, across = self.gradients(slope[component], np.array([-1.0, 1.0]), [0.0, given])
+            curvature[component, :, :2] = along
+            curvature[component, :, 2] = across[:, 1]
+        along, across = slope
         volume_rate = along[:, 0] + across[:, 1]
         square = np.einsum("nk,nk->n", along, along) + np.einsum("nk,nk->n", across, across)
         self.divergence_squared = float(np.einsum("n,n", volume_rate, volume_rate))
         self.gradient_squared = float(square.sum())
         self.steepest = math.sqrt(square.max())
 
-    def differentiate(self, component):
-        """Compute slopes and curvatures of one component; the walls drive the first alone."""
-        slope, curvature = used(self.slope)[component], used(self.curvature)[component]
-        given, given_slope = (self.ghosts.given(), self.ghosts.series_slope()) if component == 0 else (0.0, 0.0)
-        slope[...] = self.gradient(used(self.viscous.end)[component], -1.0, given)
-        curvature[:, :2] = self.gradient(slope[:, 0], -1.0, 0.0)
-        curvature[:, 2] = self.gradient(slope[:, 1], 1.0, given_slope)[:, 1]
+    def gradients(self, values, parity, given):
+        """Return the gradients of two fields, ``values`` (fluid, 2), until the next are computed: (field, fluid, 2).
 
-    def gradient(self, values, parity, given):
-        """Return the gradient (fluid, 2) of ``values`` (fluid), until the next one is computed.
-
-        Ghosts have ``parity`` times what they take from the fluid, and what they are ``given``.
+        Ghosts have ``parity`` times what they take from the fluid, and what they are ``given`` more, for each field.
         """
         everywhere = view(self.values)
         everywhere[: self.points.fluid] = values
-        self.ghosts.part(everywhere)[...] = parity * self.ghosts.taken(everywhere) + given
-        self.apply()
-        return view(self.found)[: self.points.fluid]
-
-    @ti.kernel
-    def apply(self):
-        """Compute the gradient of ``values``."""
-        particles = self.points.particles[None]
-        ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(particles):
-            along = self.rows.apply(self.rows.along, self.values, i)
-            self.found[i] = [along, self.rows.apply(self.rows.across, self.values, i)]
+        ghosts = self.ghosts.part(everywhere)
+        ghosts[...] = parity * self.ghosts.taken(everywhere)
+        for field, more in enumerate(given):
+            ghosts[:, field] += more
+        self.differentiate()
+        return view(self.found)[: self.points.fluid].transpose(1, 0, 2)
 
     @property
     def residual(self):
         """Divergence over the gradient, both as root mean squares: 0 for an incompressible flow."""
         gradient = self.gradient_squared
         return math.sqrt(self.divergence_squared / gradient) if gradient > 0.0 else 0.0
+
+    @ti.kernel
+    def differentiate(self):
+        """Compute the gradients of ``values``."""
+        particles = self.points.particles[None]
+        ti.loop_config(serialize=self.rows.serial_light)
+        for i in range(particles):
+            along = self.rows.apply(self.rows.along, self.values, i)
+            across = self.rows.apply(self.rows.across, self.values, i)
+            self.found[i] = [[along[0], across[0]], [along[1], across[1]]]
 
     @ti.kernel
     def stretch(self, length: float):
@@ -88,14 +90,14 @@ class VelocityField:
         particles = self.points.particles[None]
         ti.loop_config(serialize=self.rows.serial_light)
         for i in range(particles):
-            self.values[i] = self.volume[i] + length * (self.slope[0, i].x + self.slope[1, i].y)
+            self.volumes[i] = self.volume[i] + length * (self.slope[0, i].x + self.slope[1, i].y)
         ti.loop_config(serialize=self.rows.serial_light)
         for i in range(particles):
             total, number = 0.0, 0
             for k in range(self.points.count[i]):
                 j = self.points.table[i, k]
                 if j < self.points.most:
-                    total += self.values[j]
+                    total += self.volumes[j]
                     number += 1
             mean = total / ti.max(number, 1)
-            self.volume[i] = self.values[i] + EVENED * (mean - self.values[i])
+            self.volume[i] = self.volumes[i] + EVENED * (mean - self.volumes[i])

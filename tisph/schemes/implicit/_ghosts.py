@@ -24,7 +24,8 @@ class Ghosts:
     """What all ghosts have; arrays ``depth`` beyond wall ``side`` (0 bottom, 1 top), in the order of their slots.
 
     ``count``: how many there are. ``near``: the particles within ``reach`` of a wall, which have ghosts among their
-    neighbours; ``offset``: their distance from each wall (2, near).
+    neighbours; ``offset``: their distance from each wall (2, near). ``listed``: those neighbours one after another, in
+    the lists of the near particles ``row``.
     """
 
     mirrors = False
@@ -48,6 +49,17 @@ class Ghosts:
         self.near = np.flatnonzero((height < self.reach) | (self.gap - height < self.reach))
         below = height[self.near].astype(float)
         self.offset = np.stack([below, self.gap - below])
+        table, listed = self.points.listed(self.near)
+        self.row, self.entry = np.nonzero(listed & (table >= self.points.most) & (table < self.points.slots))
+        self.listed = table[self.row, self.entry] - self.points.most
+
+    def sums(self, rows, differences):
+        """Return the sums of what ghosts contribute to ``rows``, by near particle and by wall.
+
+        ``differences`` of the value of each ghost in the lists of the near particles from that particle's.
+        """
+        shares = view(rows)[self.near[self.row], self.entry] * differences
+        return np.bincount(self.row, shares, self.near.size), np.bincount(self.side[self.listed], shares, 2)
 
     def heights(self):
         """Return the y of the particles (fluid), in place."""

@@ -100,10 +100,10 @@ class VirtualGhosts(Ghosts):
         return first
 
     def taken(self, values):
-        """Return the values at the mirror points, of an array over the slots."""
+        """Return the values at the mirror points, of an array over the slots or of two, (slots + 1, 2)."""
         count = self.side.size
         table, listed = self.points.listed(slice(self.points.most, self.points.most + count))
-        return np.einsum("nk,nk->n", np.where(listed, view(self.share)[:count], 0.0), values[table])
+        return np.einsum("nk,nk...->n...", np.where(listed, view(self.share)[:count], 0.0), values[table])
 
     @ti.func
     def value(self, values: ti.template(), k):

@@ -17,7 +17,7 @@ class WallForce:
     """Fits the mean velocities of a step."""
 
     def __init__(self, viscous, channel):
-        self.viscous, self.rows, self.points, self.ghosts = viscous, viscous.rows, viscous.points, viscous.ghosts
+        self.viscous, self.rows, self.ghosts = viscous, viscous.rows, viscous.ghosts
         self.channel = channel
         self.walls = (channel.bottom, channel.top)
 
@@ -30,9 +30,12 @@ class WallForce:
         stages = [(weight, time + part * length) for part, weight in zip(TIMES, WEIGHTS, strict=True)]
         ghosts.prescribe(*sum(weight * np.array(viscous.wall_series(moment)) for weight, moment in stages))
         mean = view(viscous.mean)
-        ghosts.part(mean)[...] = ghosts.given() - ghosts.taken(mean)
+        beyond = ghosts.part(mean)
+        beyond[...] = ghosts.given() - ghosts.taken(mean)
         if not resolved:
-            return [channel.kinematic_viscosity * length * float(pull) for pull in self.pull(mean)]
+            differences = beyond[ghosts.listed] - mean[ghosts.near[ghosts.row]]
+            pulls = ghosts.sums(self.rows.laplacian, differences)[1]
+            return [channel.kinematic_viscosity * length * float(pull) for pull in pulls]
         relative = [sum(weight * wall.acceleration(moment) for weight, moment in stages) for wall in self.walls]
         second = [(rate - channel.acceleration) / channel.kinematic_viscosity for rate in relative]
         slope = self.rows.apply_to(ghosts.near, self.rows.across, mean)
@@ -40,15 +43,6 @@ class WallForce:
         area = channel.length / channel.spacing**2
         slopes = [_intercept(*fit, ghosts.reach) for fit in zip(ghosts.offset, rises, strict=True)]
         return [-channel.kinematic_viscosity * length * area * slope for slope in slopes]
-
-    def pull(self, mean):
-        """Return what the ghosts of the (bottom, top) wall do to the particles."""
-        near, first = self.ghosts.near, self.points.most
-        table, listed = self.points.listed(near)
-        given = listed & (table >= first) & (table < self.points.slots)
-        differences = (mean[table] - mean[near, None])[given]
-        sides = self.ghosts.side[table[given] - first]
-        return np.bincount(sides, view(self.rows.laplacian)[near][given] * differences, 2)
 
 
 def _intercept(distance, slope, reach):

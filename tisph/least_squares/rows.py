@@ -135,10 +135,8 @@ class LeastSquaresRows:
                         total[index] += product
                     product *= y
                 weighted *= x
-        for chain in ti.static(self.chains):
-            for index in ti.static(chain):
-                if ti.static(index >= 0):
-                    self.moments[i // BLOCK, index][i % BLOCK] = total[index]
+        for index in range(ti.static(len(self.zeros))):
+            self.moments[i // BLOCK, index][i % BLOCK] = total[index]
 
     @ti.func
     def solve(self, worker, block, particles):
@@ -212,8 +210,8 @@ class LeastSquaresRows:
     def evaluate(self, i):
         """Turn the vectors and weights of particle ``i`` into its rows."""
         known = ti.Matrix(self.no_coefficients)  # local, or they would be read again for every neighbour
-        for operator in ti.static(range(3)):
-            for unknown in ti.static(self.places):
+        for operator in range(3):
+            for unknown in range(ti.static(self.unknowns)):
                 known[operator, unknown] = self.coefficients[i // BLOCK, operator, unknown][i % BLOCK]
         for k in range(self.points.count[i]):
             x, y, weight = self.along[i, k], self.across[i, k], self.laplacian[i, k]

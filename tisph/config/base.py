@@ -14,6 +14,9 @@ Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
 Signed = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 """A physical quantity of either sign, such as a velocity."""
 
+Problem = tuple[str, str] | tuple[str, str, str]
+"""Dotted key and what is wrong with its value; a second key where it is as much the other one's fault."""
+
 REFUSED = "refused"
 """Type of the errors whose text is complete: the loader shows it as it stands."""
 

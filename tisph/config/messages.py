@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 
 from tisph.config.base import REFUSED, SMALLEST, Model
 from tisph.config.fields import NUMBER_TAG_START, WORD_TAG, Member, nearest
-from tisph.config.schema import Config
+from tisph.config.schema import Config, model_of
 from tisph.config.yaml_text import KeyPath, in_one_line
 
 TEXTS = {
@@ -83,12 +83,13 @@ def _text(details: Any, place: KeyPath, data: Any) -> str:
 
 
 def _unknown_key(place: KeyPath, data: Any) -> str:
-    model: type[Model] = Config
+    whole = model_of(data)
+    model: type[Model] = whole
     for part in place[:-1]:
         data = data[part]
         model = _model_below(model.model_fields[part], data)
-    allowed = list(model.model_fields)
-    elsewhere = (f"; nearest: {key}" for key in _dotted_keys(Config) if key.endswith(f".{place[-1]}"))
+    allowed = model.keys() if issubclass(model, Config) else list(model.model_fields)
+    elsewhere = (f"; nearest: {key}" for key in _dotted_keys(whole) if key.endswith(f".{place[-1]}"))
     suggestion = nearest(place[-1], allowed) or next(elsewhere, "")
     return f"unknown key{suggestion}; allowed: {', '.join(allowed)}"
 

@@ -1,24 +1,25 @@
-"""What a config may say: keys, types, ranges and defaults. Units are any self-consistent system.
+"""What every config may say: keys, types, ranges and defaults. Units are any self-consistent system.
 
-Conditions between keys are in ``checks.py``; parameters of wall treatments, rheologies and schemes are in the
-files of the members themselves.
+The sections of a scene are in its file in ``tisph/scenes``. Conditions between keys are in ``checks.py`` and
+``lattice.py``; parameters of wall treatments, rheologies and schemes are in the files of the members themselves.
 """
 
 import re
-from typing import Annotated, Any, Literal
+from collections.abc import Callable, Iterator
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from tisph import families
 from tisph.config import checks, yaml_text
-from tisph.config.base import LARGEST, SMALLEST, Model, Positive, Signed, refusal, refusals
+from tisph.config.base import LARGEST, SMALLEST, Model, Positive, Problem, refusal
 from tisph.config.fields import Member, member_name, number_or
+from tisph.config.lattice import LEAST_PARTICLES_ACROSS
 
 FrameWidth = Annotated[int, Field(ge=640, le=4096, multiple_of=2)]
 FrameHeight = Annotated[int, Field(ge=320, le=4096, multiple_of=2)]
-Count = Annotated[int, Field(ge=checks.LEAST_PARTICLES_ACROSS, le=10**12)]
+Count = Annotated[int, Field(ge=LEAST_PARTICLES_ACROSS, le=10**12)]
 
-WallTreatment = Member("walls", usual="consistent_image")
 Rheology = Member("rheology", usual="newtonian")
 Scheme = Member("schemes", usual="auto", untyped="wcsph")
 
@@ -32,12 +33,6 @@ def _text(pattern: str, allowed: str) -> Any:
         return value
 
     return Annotated[str, AfterValidator(check)]
-
-
-def _not_zero(value: float) -> float:
-    if value == 0:
-        raise refusal("must not be 0: for a wall at rest give velocity: 0")
-    return value
 
 
 FolderName = _text(
@@ -66,87 +61,8 @@ class Fluid(Model):
     rheology: Annotated[Model, Rheology] = Field(default_factory=Rheology.default)
 
 
-class Geometry(Model):
-    """Distance between the walls and period along them [length]."""
-
-    gap: Positive
-    length: Positive
-
-
-class Wall(Model):
-    """Velocity of a wall along x from t = 0 on, of either sign: constant, or oscillating.
-
-    ``velocity`` [length/time], with ``velocity_before`` for a wall that had another velocity before t = 0; or
-    ``amplitude`` [length/time] * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t.
-    """
-
-    exclusive_keys = ("velocity", "amplitude")
-    unset_keys = ("velocity_before", "angular_frequency", "phase")
-
-    velocity: Signed | None = None
-    velocity_before: Signed | None = None
-    amplitude: Annotated[Signed, AfterValidator(_not_zero)] | None = None
-    angular_frequency: Positive | None = None
-    phase: Literal["cos", "sin"] | None = None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _fill_in_velocity_or_phase(cls, data: Any) -> Any:
-        if not isinstance(data, dict):
-            return data
-        if all(data.get(key) is None for key in ("velocity", "amplitude", "angular_frequency", "phase")):
-            return {**data, "velocity": 0.0}
-        if data.get("amplitude") is not None and data.get("phase") is None:
-            return {**data, "phase": "cos"}
-        return data
-
-    @model_validator(mode="after")
-    def _check_forms(self) -> "Wall":
-        oscillates = self.amplitude is not None
-        alien = ("velocity_before",) if oscillates else ("angular_frequency", "phase")
-        form = "of constant velocity; this one oscillates" if oscillates else "that oscillates, which has an amplitude"
-        values = {key: getattr(self, key) for key in alien}
-        found = [((key,), f"is only for a wall {form}", value) for key, value in values.items() if value is not None]
-        if oscillates and self.angular_frequency is None:
-            found.append((("angular_frequency",), "is missing: a wall with an amplitude oscillates", {}))
-        if found:
-            raise refusals(found)
-        return self
-
-
-class Walls(Model):
-    """Wall treatment, and the walls at y = 0 (``bottom``) and y = gap (``top``)."""
-
-    treatment: Annotated[Model, WallTreatment] = Field(default_factory=WallTreatment.default)
-    bottom: Wall = Wall()
-    top: Wall = Wall()
-
-
-class Drive(Model):
-    """Body acceleration along x [length/time^2], of either sign: -(dp/dx) / density of a pressure gradient."""
-
-    acceleration: Signed = 0.0
-
-
-class Initial(Model):
-    """Start: at rest, developed, or ``exact``: the exact flow at ``time`` that started at t = 0.
-
-    Motion starts, or changes, at t = 0. ``developed``: the steady flow of the velocities before t = 0, the
-    periodic flow of walls that oscillate. ``exact`` started from rest, or from the developed flow where a wall
-    has a ``velocity_before``.
-
-    ``jitter``: uniform random displacement of every particle, +- that many spacings in x and y; the same
-    ``seed`` gives the same displacements.
-    """
-
-    state: Literal["rest", "developed", "exact"] = "rest"
-    time: Annotated[float, Field(ge=0, le=LARGEST)] = 0.0
-    jitter: Annotated[float, Field(ge=0, lt=0.5)] = 0.0
-    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
-
-
 class Discretisation(Model):
-    """Particle spacing [length] or number across the gap (50), smoothing kernel, smoothing length over spacing."""
+    """Particle spacing [length] or number across (50), smoothing kernel, smoothing length over spacing."""
 
     exclusive_keys = ("particles_across", "spacing")
 
@@ -187,13 +103,6 @@ class Time(Model):
         return data
 
 
-class Tracers(Model):
-    """Probes on a vertical line at ``x`` [length], whose velocities go to history.csv."""
-
-    count: Annotated[int, Field(ge=2, le=1000)] = 10
-    x: number_or(Annotated[float, Field(ge=0)], "centre") = "centre"
-
-
 class Video(Model):
     """Movie: frames a second, number of frames, size in pixels (even, as H.264 wants it), what colours show."""
 
@@ -202,7 +111,7 @@ class Video(Model):
     width: FrameWidth = 1280
     height: FrameHeight = 640
     renderer: Literal["raster"] = "raster"
-    color_by: Literal["speed", "shear_stress"] = "speed"
+    color_by: str = "speed"
 
 
 class Output(Model):
@@ -220,27 +129,48 @@ class Runtime(Model):
 
 
 class Config(Model):
-    """A whole run, checked; every key as in the YAML file, every default filled in."""
+    """A whole run, checked; every key as in the YAML file, every default filled in.
+
+    This is what all scenes have. The class ``Config`` of a scene's file adds its sections and says which of its numbers
+    a resolution, a lattice and a movie go by; validated as this class, a config comes out as that of its scene.
+    """
 
     name: FolderName
     scene: member_name("scenes")
     units: Units = Units()
     fluid: Fluid
-    geometry: Geometry
-    walls: Walls
-    drive: Drive = Drive()
-    initial: Initial = Initial()
     discretisation: Discretisation = Discretisation.model_validate({})
     scheme: Annotated[Model, Scheme] = Field(default_factory=Scheme.default)
     time: Time
-    tracers: Tracers = Tracers()
     output: Output = Output()
     runtime: Runtime = Runtime()
+
+    periodic: ClassVar[tuple[bool, bool]]
+    """Whether the box is periodic in x and y."""
+    across_name: ClassVar[str]
+    """What ``across`` is, in words."""
+    colours: ClassVar[tuple[str, ...]]
+    """What the particles of a movie may be coloured by."""
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _take_sections_of_scene(cls, data: Any, handler: Callable[[Any], "Config"]) -> "Config":
+        if cls is not Config or not isinstance(data, dict):
+            return handler(data)
+        own = model_of(data)
+        if own is Config:  # there is no such scene: what its sections are nobody knows
+            return handler({key: value for key, value in data.items() if key in cls.model_fields})
+        return own.model_validate(data)
 
     @model_validator(mode="after")
     def _check_between_keys(self) -> "Config":
         checks.raise_problems(self)
         return self
+
+    @classmethod
+    def keys(cls) -> list[str]:
+        """All keys in the order of a resolved config, those of a scene alone in their usual places."""
+        return sorted(cls.model_fields, key=lambda key: ORDER.index(key if key in ORDER else "geometry"))
 
     @property
     def kinematic_viscosity(self) -> float:
@@ -253,19 +183,39 @@ class Config(Model):
         return self.fluid.dynamic_viscosity or self.fluid.kinematic_viscosity * self.fluid.density
 
     @property
+    def across(self) -> float:
+        """The length that ``discretisation.particles_across`` counts [length]."""
+        raise NotImplementedError
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Width and height of the box [length]."""
+        raise NotImplementedError
+
+    @property
+    def aspect(self) -> float:
+        """The side of the box over ``across`` that ``across`` may not divide; 1 where it divides both."""
+        return 1.0
+
+    @property
     def particles_across(self) -> int:
-        """Rows of particles between the walls."""
-        return self.discretisation.particles_across or round(self.geometry.gap / self.discretisation.spacing)
+        """Particles in the length ``across``."""
+        return self.discretisation.particles_across or round(self.across / self.discretisation.spacing)
 
     @property
     def spacing(self) -> float:
-        """Particle spacing [length], exactly gap / particles_across."""
-        return self.geometry.gap / self.particles_across
+        """Particle spacing [length], exactly across / particles_across."""
+        return self.across / self.particles_across
 
     @property
     def columns(self) -> int:
-        """Particles along x in one period."""
-        return round(self.geometry.length / self.spacing)
+        """Particles along x."""
+        return round(self.extent[0] / self.spacing)
+
+    @property
+    def rows(self) -> int:
+        """Particles along y."""
+        return round(self.extent[1] / self.spacing)
 
     @property
     def support(self) -> float:
@@ -275,9 +225,36 @@ class Config(Model):
 
     @property
     def start_time(self) -> float:
-        """Time at which the run's clock starts [time]: ``initial.time`` for state ``exact``, else 0."""
-        return self.initial.time
+        """Time at which the run's clock starts [time]."""
+        return 0.0
+
+    @property
+    def members(self) -> dict[str, Model]:
+        """Parameters of the chosen members by their family."""
+        return {"rheology": self.fluid.rheology, "schemes": self.scheme}
+
+    def problems(self) -> Iterator[Problem]:
+        """What the scene has against the config."""
+        return iter(())
+
+    def misfits(self) -> Iterator[Problem]:
+        """What keeps the lattice, whose spacing divides ``across``, from filling the box."""
+        return iter(())
 
     def resolved_yaml(self) -> str:
         """The config as YAML with every default filled in; loading it gives an equal config."""
-        return yaml_text.dump(self.model_dump())
+        data = self.model_dump()
+        return yaml_text.dump({key: data[key] for key in self.keys()})
+
+
+ORDER = (
+    "name", "scene", "units", "fluid", "geometry", "walls", "drive", "initial", "discretisation", "scheme", "time",
+    "tracers", "output", "runtime",
+)  # fmt: skip
+"""Keys as a resolved config gives them; others come with ``geometry``."""
+
+
+def model_of(data: Any) -> type[Config]:
+    """The model of the scene that the raw ``data`` of a config names; that of all scenes where there is none."""
+    name = data.get("scene") if isinstance(data, dict) else None
+    return families.load("scenes", name).Config if name in families.names("scenes") else Config

@@ -3,218 +3,205 @@
 The walls are the planes y = 0 and y = gap; fluid particles start at cell centres, (i + 1/2) spacing. Motion
 starts, or changes, at t = 0. The run's clock starts at ``start_time``: at the initial time of the config for the
 state ``exact``, else at 0.
+
+Here is what a config says of it; the flow itself is in ``_channel``.
 """
 
-from dataclasses import dataclass, replace
-from typing import Any
+import math
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
 
-import numpy as np
+from pydantic import AfterValidator, Field, model_validator
 
-from tisph.scenes._flow import NewtonianFlow, OldroydFlow
-from tisph.scenes._layers import thinnest_layer
-from tisph.scenes._motion import Polymer, WallMotion
+from tisph.config import lattice, schema
+from tisph.config.base import LARGEST, Model, Positive, Problem, Signed, refusal, refusals
+from tisph.config.fields import Member, number_or
+from tisph.scenes._channel.scene import Channel
 
-
-@dataclass(frozen=True, kw_only=True)
-class Channel:
-    """Geometry, wall motion, drive, liquid and exact solution; every number in the config's units.
-
-    ``kinematic_viscosity`` is the total one, of solvent and ``polymer`` (None without); ``acceleration`` acts
-    on the liquid along x. ``initial_state`` is ``rest`` (the liquid starts from rest at t = 0), ``developed`` (the
-    flow has developed before t = 0, under the walls' velocities before) or ``exact`` (the flow that started at
-    t = 0, taken up at ``start_time``). ``rows`` and ``columns`` count the fluid particles across and along the
-    channel, ``units`` holds the labels for plots and tables.
-    """
-
-    gap: float
-    length: float
-    density: float
-    kinematic_viscosity: float
-    bottom: WallMotion
-    top: WallMotion
-    acceleration: float = 0.0
-    polymer: Polymer | None = None
-    initial_state: str
-    start_time: float
-    spacing: float
-    columns: int
-    rows: int
-    units: Any
-
-    @classmethod
-    def from_config(cls, config):
-        """The scene that a validated config describes."""
-        rheology = config.fluid.rheology
-        return cls(
-            gap=config.geometry.gap,
-            length=config.geometry.length,
-            density=config.fluid.density,
-            kinematic_viscosity=config.kinematic_viscosity,
-            bottom=WallMotion.from_config(config.walls.bottom),
-            top=WallMotion.from_config(config.walls.top),
-            acceleration=config.drive.acceleration,
-            polymer=Polymer(rheology.relaxation_time, rheology.solvent_fraction) if rheology.carries_stress else None,
-            initial_state=config.initial.state,
-            start_time=config.start_time,
-            spacing=config.spacing,
-            columns=config.columns,
-            rows=config.particles_across,
-            units=config.units,
-        )
-
-    @property
-    def frame_velocity(self):
-        """Velocity along x of the frame that the flow has of its own, to which speeds and errors refer.
-
-        Of a liquid at rest before the start it is that rest, 0. In one that has settled between walls it is the
-        velocity of the first wall, from the bottom, that keeps it, or of the bottom wall before it changes; 0 where a
-        wall oscillates, which it does about rest.
-        """
-        walls = (self.bottom, self.top)
-        if not self.settled or any(wall.oscillates for wall in walls):
-            return 0.0
-        before = [self._velocity_before(wall) for wall in walls]
-        kept = [old for wall, old in zip(walls, before, strict=True) if wall.cosine == old]
-        return (kept or before)[0]
-
-    @property
-    def wall_speed(self):
-        """The largest speed that a wall has, or had before t = 0, relative to ``frame_velocity``."""
-        return max(wall.seen_from(self.frame_velocity).largest_speed for wall in (self.bottom, self.top))
-
-    @property
-    def reference_velocity(self):
-        """The largest of ``wall_speed`` and of |acceleration| gap^2 / (12 nu), the mean speed of the driven flow."""
-        return max(self.wall_speed, abs(self.acceleration) * self.gap**2 / (12 * self.kinematic_viscosity))
-
-    @property
-    def peak_velocity(self):
-        """Bound of the developed flow's speed: ``wall_speed`` + |acceleration| gap^2 / (8 nu)."""
-        return self.wall_speed + abs(self.acceleration) * self.gap**2 / (8 * self.kinematic_viscosity)
-
-    @property
-    def reynolds(self):
-        """Reynolds number, reference velocity * gap / kinematic viscosity."""
-        return self.reference_velocity * self.gap / self.kinematic_viscosity
-
-    @property
-    def weissenberg(self):
-        """Weissenberg number, relaxation time * reference velocity / gap; 0 without polymer."""
-        return self.polymer.relaxation_time * self.reference_velocity / self.gap if self.polymer else 0.0
-
-    @property
-    def elasticity(self):
-        """Elasticity number, relaxation time * kinematic viscosity / gap^2; 0 without polymer."""
-        return self.polymer.relaxation_time / self.viscous_time if self.polymer else 0.0
-
-    @property
-    def viscous_time(self):
-        """Time gap^2 / kinematic viscosity in which momentum diffuses across the channel; t* = t / this."""
-        return self.gap**2 / self.kinematic_viscosity
-
-    @property
-    def dynamic_viscosity(self):
-        """Density * kinematic viscosity, in total."""
-        return self.density * self.kinematic_viscosity
-
-    @property
-    def solvent_viscosity(self):
-        """Kinematic viscosity of the solvent alone."""
-        return self.kinematic_viscosity * (self.polymer.solvent_fraction if self.polymer else 1.0)
-
-    @property
-    def polymer_viscosity(self):
-        """Kinematic viscosity that the polymer adds; 0 without polymer."""
-        return self.kinematic_viscosity * (1.0 - self.polymer.solvent_fraction) if self.polymer else 0.0
-
-    @property
-    def elastic_speed(self):
-        """Speed sqrt(polymer viscosity / relaxation time) of shear waves in the polymer; 0 without polymer."""
-        return float(np.sqrt(self.polymer_viscosity / self.polymer.relaxation_time)) if self.polymer else 0.0
-
-    @property
-    def settled(self):
-        """Whether the flow before t = 0 is a developed one, not rest."""
-        given = self.bottom.before is not None or self.top.before is not None
-        return self.initial_state == "developed" or (self.initial_state == "exact" and given)
-
-    @property
-    def wall_jumps(self):
-        """By how much the velocities of the (bottom, top) wall jump when the run starts, from those of the liquid."""
-        if self.start_time > 0:
-            return 0.0, 0.0
-        return tuple(wall.velocity(0.0) - self._velocity_before(wall) for wall in (self.bottom, self.top))
-
-    def _velocity_before(self, wall):
-        if wall.before is not None:
-            return wall.before
-        return wall.velocity(0.0) if self.settled else 0.0
-
-    def thinnest_layer(self, t):
-        """Depth [length] of the thinnest layer in the flow at time ``t`` and where it is; see ``_layers.py``."""
-        return thinnest_layer(self, t)
-
-    def in_own_frame(self):
-        """The same flow as it is seen from a frame that moves with ``frame_velocity``."""
-        bottom, top = (wall.seen_from(self.frame_velocity) for wall in (self.bottom, self.top))
-        return replace(self, bottom=bottom, top=top)
-
-    def exact_velocity(self, y, t):
-        """Exact velocity along x at heights ``y`` and times ``t`` (they broadcast), on the run's clock."""
-        return self._flow.velocity(y, t)
-
-    def exact_wall_shear(self, t):
-        """Exact shear stress, of solvent and polymer together, at (bottom, top) wall at time(s) ``t``.
-
-        Infinite at t = 0 on a wall whose velocity jumps then.
-        """
-        return tuple(self._flow.shear_stress(wall, t) for wall in (0.0, self.gap))
-
-    def exact_polymer_stress(self, y, t):
-        """Exact polymer stresses (S_xx, S_xy) [mass/(length time^2)], shaped as ``exact_velocity``; S_yy is 0."""
-        return self._flow.polymer_stress(y, t)
-
-    def exact_polymer_shear_stress(self, y, t):
-        """Exact polymer stress S_xy alone, of a liquid with polymer: cheap enough for every frame of a movie."""
-        return self._flow.polymer_shear_stress(y, t)
-
-    def initial_velocity(self, y):
-        """Velocity along x at heights ``y`` when the run starts."""
-        return self.exact_velocity(y, self.start_time)
-
-    def initial_polymer_stress(self, y):
-        """Polymer stresses (S_xx, S_xy) at heights ``y`` when the run starts."""
-        return self.exact_polymer_stress(y, self.start_time)
-
-    def lattice(self):
-        """Cell centres as arrays (x, y) of shape (rows * columns,), row by row from the bottom wall."""
-        y, x = np.meshgrid(np.arange(self.rows) + 0.5, np.arange(self.columns) + 0.5, indexing="ij")
-        return self.spacing * x.ravel(), self.spacing * y.ravel()
-
-    def jittered(self, seed, jitter):
-        """Cell centres displaced at random, uniformly within +- ``jitter`` * spacing in x and y.
-
-        ``0 <= jitter < 0.5`` (else ValueError), so that each particle stays in its cell: inside the walls and
-        inside [0, length). The same ``seed`` gives the same positions.
-        """
-        if not 0 <= jitter < 0.5:
-            raise ValueError(f"jitter {jitter} is outside [0, 0.5)")
-        x, y = self.lattice()
-        shift_x, shift_y = np.random.default_rng(seed).uniform(-1.0, 1.0, (2, x.size))
-        return x + jitter * self.spacing * shift_x, y + jitter * self.spacing * shift_y
-
-    def tracer_positions(self, count, x="centre"):
-        """Arrays (x, y) of ``count`` probes on a vertical line, at heights (k + 1/2) gap / count.
-
-        ``x`` is a distance along the channel, or ``centre``.
-        """
-        position = 0.5 * self.length if x == "centre" else x
-        return np.full(count, float(position)), (np.arange(count) + 0.5) * self.gap / count
-
-    @property
-    def _flow(self):
-        return OldroydFlow(self) if self.polymer else NewtonianFlow(self)
-
+__all__ = ["Channel", "Config", "Scene"]
 
 Scene = Channel
 """The name under which a run asks a module of this folder for its scene."""
+
+WallTreatment = Member("walls", usual="consistent_image")
+
+
+def _not_zero(value: float) -> float:
+    if value == 0:
+        raise refusal("must not be 0: for a wall at rest give velocity: 0")
+    return value
+
+
+class Geometry(Model):
+    """Distance between the walls and period along them [length]."""
+
+    gap: Positive
+    length: Positive
+
+
+class Wall(Model):
+    """Velocity of a wall along x from t = 0 on, of either sign: constant, or oscillating.
+
+    ``velocity`` [length/time], with ``velocity_before`` for a wall that had another velocity before t = 0; or
+    ``amplitude`` [length/time] * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t.
+    """
+
+    exclusive_keys = ("velocity", "amplitude")
+    unset_keys = ("velocity_before", "angular_frequency", "phase")
+
+    velocity: Signed | None = None
+    velocity_before: Signed | None = None
+    amplitude: Annotated[Signed, AfterValidator(_not_zero)] | None = None
+    angular_frequency: Positive | None = None
+    phase: Literal["cos", "sin"] | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fill_in_velocity_or_phase(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        if all(data.get(key) is None for key in ("velocity", "amplitude", "angular_frequency", "phase")):
+            return {**data, "velocity": 0.0}
+        if data.get("amplitude") is not None and data.get("phase") is None:
+            return {**data, "phase": "cos"}
+        return data
+
+    @model_validator(mode="after")
+    def _check_forms(self) -> "Wall":
+        oscillates = self.amplitude is not None
+        alien = ("velocity_before",) if oscillates else ("angular_frequency", "phase")
+        form = "of constant velocity; this one oscillates" if oscillates else "that oscillates, which has an amplitude"
+        values = {key: getattr(self, key) for key in alien}
+        found = [((key,), f"is only for a wall {form}", value) for key, value in values.items() if value is not None]
+        if oscillates and self.angular_frequency is None:
+            found.append((("angular_frequency",), "is missing: a wall with an amplitude oscillates", {}))
+        if found:
+            raise refusals(found)
+        return self
+
+
+class Walls(Model):
+    """Wall treatment, and the walls at y = 0 (``bottom``) and y = gap (``top``)."""
+
+    treatment: Annotated[Model, WallTreatment] = Field(default_factory=WallTreatment.default)
+    bottom: Wall = Wall()
+    top: Wall = Wall()
+
+
+class Drive(Model):
+    """Body acceleration along x [length/time^2], of either sign: -(dp/dx) / density of a pressure gradient."""
+
+    acceleration: Signed = 0.0
+
+
+class Initial(Model):
+    """Start: at rest, developed, or ``exact``: the exact flow at ``time`` that started at t = 0.
+
+    Motion starts, or changes, at t = 0. ``developed``: the steady flow of the velocities before t = 0, the
+    periodic flow of walls that oscillate. ``exact`` started from rest, or from the developed flow where a wall
+    has a ``velocity_before``.
+
+    ``jitter``: uniform random displacement of every particle, +- that many spacings in x and y; the same
+    ``seed`` gives the same displacements.
+    """
+
+    state: Literal["rest", "developed", "exact"] = "rest"
+    time: Annotated[float, Field(ge=0, le=LARGEST)] = 0.0
+    jitter: Annotated[float, Field(ge=0, lt=0.5)] = 0.0
+    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
+
+
+class Tracers(Model):
+    """Probes on a vertical line at ``x`` [length], whose velocities go to history.csv."""
+
+    count: Annotated[int, Field(ge=2, le=1000)] = 10
+    x: number_or(Annotated[float, Field(ge=0)], "centre") = "centre"
+
+
+class Config(schema.Config):
+    """A whole run in the channel."""
+
+    geometry: Geometry
+    walls: Walls
+    drive: Drive = Drive()
+    initial: Initial = Initial()
+    tracers: Tracers = Tracers()
+
+    periodic = (True, False)
+    across_name = "the gap"
+    colours = ("speed", "shear_stress")
+
+    @property
+    def across(self) -> float:
+        """The gap."""
+        return self.geometry.gap
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Length and gap."""
+        return self.geometry.length, self.geometry.gap
+
+    @property
+    def aspect(self) -> float:
+        """Length over gap."""
+        return self.geometry.length / self.geometry.gap
+
+    @property
+    def start_time(self) -> float:
+        """Time at which the run's clock starts [time]: ``initial.time`` for state ``exact``, else 0."""
+        return self.initial.time
+
+    @property
+    def members(self) -> dict[str, Model]:
+        """Those of every scene, and the wall treatment."""
+        return {"walls": self.walls.treatment, **super().members}
+
+    def problems(self) -> Iterator[Problem]:
+        """What the channel has against the config."""
+        yield from _motion(self)
+        yield from _start(self)
+        video, rheology = self.output.video, self.fluid.rheology
+        if video and video.color_by == "shear_stress" and not rheology.carries_stress:
+            text = f"needs a rheology with a stress of its own, such as oldroyd_b; {rheology.type} has none"
+            yield "output.video.color_by", f"{text}: take speed"
+        if self.tracers.x != "centre" and self.tracers.x > self.geometry.length:
+            yield "tracers.x", f"must be inside the channel: centre, or 0 to {self.geometry.length:g}"
+
+    def misfits(self) -> Iterator[Problem]:
+        """A length that the spacing does not divide, or that is too short."""
+        rows, gap, length = lattice.across(self), self.geometry.gap, self.geometry.length
+        columns, least = rows * length / gap, lattice.least_in_period(self)
+        if not lattice.is_whole(columns):
+            wholes = sorted({max(whole, least) for whole in (math.floor(columns), math.ceil(columns))})
+            lengths = " or ".join(f"{whole * gap / rows:.12g}" for whole in wholes)
+            text = f"{round(rows)} particles across make {columns:.6g} columns in the length {length:g}"
+            nearest = lattice.nearest_valid(self)
+            text = f"{text}, no whole number; nearest valid geometry.length: {lengths}{nearest and f'; {nearest}'}"
+            yield lattice.resolution_key(self), text, "geometry.length"
+        elif round(columns) < least:
+            text = f"must be at least {least * self.spacing:.6g}, {least} particle spacings"
+            yield "geometry.length", f"{text}: the periodic neighbour search needs three cells along x"
+
+
+def _motion(config: Config) -> Iterator[Problem]:
+    walls = (config.walls.bottom, config.walls.top)
+    if config.drive.acceleration or any(wall.amplitude for wall in walls):
+        return
+    velocities = {velocity for wall in walls for velocity in (wall.velocity, wall.velocity_before)} - {None}
+    settled = config.initial.state == "developed" or any(wall.velocity_before is not None for wall in walls)
+    if len(velocities | (set() if settled else {0.0})) == 1:
+        text = "nothing moves: give walls.bottom or walls.top a velocity other than 0, or drive.acceleration"
+        together = f"{text}; walls and liquid move together at {walls[0].velocity:g}"
+        yield "walls", together if walls[0].velocity else text
+
+
+def _start(config: Config) -> Iterator[Problem]:
+    state = config.initial.state
+    if state == "exact" and config.initial.time == 0:
+        yield "initial.time", "must be greater than 0 with state exact (from rest: state rest)"
+    if state != "exact" and config.initial.time != 0:
+        yield "initial.time", f"is allowed only with state exact, not with state {state}"
+    for side in ("bottom", "top"):
+        if state == "rest" and getattr(config.walls, side).velocity_before is not None:
+            text = "is not allowed with initial.state rest, in which nothing moves before t = 0"
+            yield f"walls.{side}.velocity_before", f"{text}: take state developed, or exact with a time"

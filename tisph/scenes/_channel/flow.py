@@ -1,7 +1,7 @@
 """Exact flow in a channel, put together from the solutions of tisph.exact; u obeys a linear law, so they add up.
 
 A flow that is ``settled`` had developed before t = 0 under the walls' velocities before; all others start from
-rest at t = 0. ``channel`` is a scenes.channel.Channel; heights ``y`` and times ``t`` broadcast.
+rest at t = 0. ``channel`` is a ``scene.Channel``; heights ``y`` and times ``t`` broadcast.
 """
 
 import numpy as np

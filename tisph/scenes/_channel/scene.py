@@ -1,0 +1,216 @@
+"""Plane channel 0 <= y <= gap, periodic in x: flow driven by its walls (steady or oscillating) and an acceleration.
+
+The walls are the planes y = 0 and y = gap; fluid particles start at cell centres, (i + 1/2) spacing. Motion
+starts, or changes, at t = 0. The run's clock starts at ``start_time``: at the initial time of the config for the
+state ``exact``, else at 0.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from tisph.scenes._channel.flow import NewtonianFlow, OldroydFlow
+from tisph.scenes._channel.layers import thinnest_layer
+from tisph.scenes._motion import Polymer, WallMotion
+
+
+@dataclass(frozen=True, kw_only=True)
+class Channel:
+    """Geometry, wall motion, drive, liquid and exact solution; every number in the config's units.
+
+    ``kinematic_viscosity`` is the total one, of solvent and ``polymer`` (None without); ``acceleration`` acts
+    on the liquid along x. ``initial_state`` is ``rest`` (the liquid starts from rest at t = 0), ``developed`` (the
+    flow has developed before t = 0, under the walls' velocities before) or ``exact`` (the flow that started at
+    t = 0, taken up at ``start_time``). ``rows`` and ``columns`` count the fluid particles across and along the
+    channel, ``units`` holds the labels for plots and tables.
+    """
+
+    gap: float
+    length: float
+    density: float
+    kinematic_viscosity: float
+    bottom: WallMotion
+    top: WallMotion
+    acceleration: float = 0.0
+    polymer: Polymer | None = None
+    initial_state: str
+    start_time: float
+    spacing: float
+    columns: int
+    rows: int
+    units: Any
+
+    @classmethod
+    def from_config(cls, config):
+        """The scene that a validated config describes."""
+        rheology = config.fluid.rheology
+        return cls(
+            gap=config.geometry.gap,
+            length=config.geometry.length,
+            density=config.fluid.density,
+            kinematic_viscosity=config.kinematic_viscosity,
+            bottom=WallMotion.from_config(config.walls.bottom),
+            top=WallMotion.from_config(config.walls.top),
+            acceleration=config.drive.acceleration,
+            polymer=Polymer(rheology.relaxation_time, rheology.solvent_fraction) if rheology.carries_stress else None,
+            initial_state=config.initial.state,
+            start_time=config.start_time,
+            spacing=config.spacing,
+            columns=config.columns,
+            rows=config.particles_across,
+            units=config.units,
+        )
+
+    @property
+    def frame_velocity(self):
+        """Velocity along x of the frame that the flow has of its own, to which speeds and errors refer.
+
+        Of a liquid at rest before the start it is that rest, 0. In one that has settled between walls it is the
+        velocity of the first wall, from the bottom, that keeps it, or of the bottom wall before it changes; 0 where a
+        wall oscillates, which it does about rest.
+        """
+        walls = (self.bottom, self.top)
+        if not self.settled or any(wall.oscillates for wall in walls):
+            return 0.0
+        before = [self._velocity_before(wall) for wall in walls]
+        kept = [old for wall, old in zip(walls, before, strict=True) if wall.cosine == old]
+        return (kept or before)[0]
+
+    @property
+    def wall_speed(self):
+        """The largest speed that a wall has, or had before t = 0, relative to ``frame_velocity``."""
+        return max(wall.seen_from(self.frame_velocity).largest_speed for wall in (self.bottom, self.top))
+
+    @property
+    def reference_velocity(self):
+        """The largest of ``wall_speed`` and of |acceleration| gap^2 / (12 nu), the mean speed of the driven flow."""
+        return max(self.wall_speed, abs(self.acceleration) * self.gap**2 / (12 * self.kinematic_viscosity))
+
+    @property
+    def peak_velocity(self):
+        """Bound of the developed flow's speed: ``wall_speed`` + |acceleration| gap^2 / (8 nu)."""
+        return self.wall_speed + abs(self.acceleration) * self.gap**2 / (8 * self.kinematic_viscosity)
+
+    @property
+    def reynolds(self):
+        """Reynolds number, reference velocity * gap / kinematic viscosity."""
+        return self.reference_velocity * self.gap / self.kinematic_viscosity
+
+    @property
+    def weissenberg(self):
+        """Weissenberg number, relaxation time * reference velocity / gap; 0 without polymer."""
+        return self.polymer.relaxation_time * self.reference_velocity / self.gap if self.polymer else 0.0
+
+    @property
+    def elasticity(self):
+        """Elasticity number, relaxation time * kinematic viscosity / gap^2; 0 without polymer."""
+        return self.polymer.relaxation_time / self.viscous_time if self.polymer else 0.0
+
+    @property
+    def viscous_time(self):
+        """Time gap^2 / kinematic viscosity in which momentum diffuses across the channel; t* = t / this."""
+        return self.gap**2 / self.kinematic_viscosity
+
+    @property
+    def dynamic_viscosity(self):
+        """Density * kinematic viscosity, in total."""
+        return self.density * self.kinematic_viscosity
+
+    @property
+    def solvent_viscosity(self):
+        """Kinematic viscosity of the solvent alone."""
+        return self.kinematic_viscosity * (self.polymer.solvent_fraction if self.polymer else 1.0)
+
+    @property
+    def polymer_viscosity(self):
+        """Kinematic viscosity that the polymer adds; 0 without polymer."""
+        return self.kinematic_viscosity * (1.0 - self.polymer.solvent_fraction) if self.polymer else 0.0
+
+    @property
+    def elastic_speed(self):
+        """Speed sqrt(polymer viscosity / relaxation time) of shear waves in the polymer; 0 without polymer."""
+        return float(np.sqrt(self.polymer_viscosity / self.polymer.relaxation_time)) if self.polymer else 0.0
+
+    @property
+    def settled(self):
+        """Whether the flow before t = 0 is a developed one, not rest."""
+        given = self.bottom.before is not None or self.top.before is not None
+        return self.initial_state == "developed" or (self.initial_state == "exact" and given)
+
+    @property
+    def wall_jumps(self):
+        """By how much the velocities of the (bottom, top) wall jump when the run starts, from those of the liquid."""
+        if self.start_time > 0:
+            return 0.0, 0.0
+        return tuple(wall.velocity(0.0) - self._velocity_before(wall) for wall in (self.bottom, self.top))
+
+    def _velocity_before(self, wall):
+        if wall.before is not None:
+            return wall.before
+        return wall.velocity(0.0) if self.settled else 0.0
+
+    def thinnest_layer(self, t):
+        """Depth [length] of the thinnest layer in the flow at time ``t`` and where it is; see ``layers.py``."""
+        return thinnest_layer(self, t)
+
+    def in_own_frame(self):
+        """The same flow as it is seen from a frame that moves with ``frame_velocity``."""
+        bottom, top = (wall.seen_from(self.frame_velocity) for wall in (self.bottom, self.top))
+        return replace(self, bottom=bottom, top=top)
+
+    def exact_velocity(self, y, t):
+        """Exact velocity along x at heights ``y`` and times ``t`` (they broadcast), on the run's clock."""
+        return self._flow.velocity(y, t)
+
+    def exact_wall_shear(self, t):
+        """Exact shear stress, of solvent and polymer together, at (bottom, top) wall at time(s) ``t``.
+
+        Infinite at t = 0 on a wall whose velocity jumps then.
+        """
+        return tuple(self._flow.shear_stress(wall, t) for wall in (0.0, self.gap))
+
+    def exact_polymer_stress(self, y, t):
+        """Exact polymer stresses (S_xx, S_xy) [mass/(length time^2)], shaped as ``exact_velocity``; S_yy is 0."""
+        return self._flow.polymer_stress(y, t)
+
+    def exact_polymer_shear_stress(self, y, t):
+        """Exact polymer stress S_xy alone, of a liquid with polymer: cheap enough for every frame of a movie."""
+        return self._flow.polymer_shear_stress(y, t)
+
+    def initial_velocity(self, y):
+        """Velocity along x at heights ``y`` when the run starts."""
+        return self.exact_velocity(y, self.start_time)
+
+    def initial_polymer_stress(self, y):
+        """Polymer stresses (S_xx, S_xy) at heights ``y`` when the run starts."""
+        return self.exact_polymer_stress(y, self.start_time)
+
+    def lattice(self):
+        """Cell centres as arrays (x, y) of shape (rows * columns,), row by row from the bottom wall."""
+        y, x = np.meshgrid(np.arange(self.rows) + 0.5, np.arange(self.columns) + 0.5, indexing="ij")
+        return self.spacing * x.ravel(), self.spacing * y.ravel()
+
+    def jittered(self, seed, jitter):
+        """Cell centres displaced at random, uniformly within +- ``jitter`` * spacing in x and y.
+
+        ``0 <= jitter < 0.5`` (else ValueError), so that each particle stays in its cell: inside the walls and
+        inside [0, length). The same ``seed`` gives the same positions.
+        """
+        if not 0 <= jitter < 0.5:
+            raise ValueError(f"jitter {jitter} is outside [0, 0.5)")
+        x, y = self.lattice()
+        shift_x, shift_y = np.random.default_rng(seed).uniform(-1.0, 1.0, (2, x.size))
+        return x + jitter * self.spacing * shift_x, y + jitter * self.spacing * shift_y
+
+    def tracer_positions(self, count, x="centre"):
+        """Arrays (x, y) of ``count`` probes on a vertical line, at heights (k + 1/2) gap / count.
+
+        ``x`` is a distance along the channel, or ``centre``.
+        """
+        position = 0.5 * self.length if x == "centre" else x
+        return np.full(count, float(position)), (np.arange(count) + 0.5) * self.gap / count
+
+    @property
+    def _flow(self):
+        return OldroydFlow(self) if self.polymer else NewtonianFlow(self)

@@ -16,8 +16,8 @@ PACKAGE = Path(tisph.__file__).parent
 LEVELS = [
     ["endings", "errors", "folder", "snapshot", "families"],
     ["config", "exact"],
-    ["equation_of_state", "scenes"],
-    ["verification"],
+    ["equation_of_state", "verification"],
+    ["scenes"],
     ["report"],
     ["runtime"],
     ["domain", "liquid", "particles"],

@@ -8,29 +8,28 @@ from tisph import __version__
 
 @dataclass(frozen=True)
 class Description:
-    """Of the run of ``config`` in the scene ``channel``; the same for the same config, whenever it runs."""
+    """Of the run of ``config`` in ``scene``; the same for the same config, whenever it runs."""
 
     config: Any
-    channel: Any
+    scene: Any
 
     def attributes(self, content):
         """Return names and values, text and numbers in the config's units, of a file with this ``content``."""
-        channel, units = self.channel, self.config.units
+        scene, units = self.scene, self.config.units
         return {
             "content": content,
             "name": self.config.name,
             "tisph_version": __version__,
             "scene": self.config.scene,
             "units": f"length {units.length}, mass {units.mass}, time {units.time}",
-            "gap": channel.gap,
-            "length": channel.length,
-            "spacing": channel.spacing,
-            "density": channel.density,
-            "kinematic_viscosity": channel.kinematic_viscosity,
+            **scene.description(),
+            "spacing": scene.spacing,
+            "density": scene.density,
+            "kinematic_viscosity": scene.kinematic_viscosity,
             "rheology": self.config.fluid.rheology.type,
-            **(vars(channel.polymer) if channel.polymer else {}),
-            "reference_velocity": channel.reference_velocity,
-            "frame_velocity": channel.frame_velocity,
+            **(vars(scene.polymer) if scene.polymer else {}),
+            "reference_velocity": scene.reference_velocity,
+            "frame_velocity": scene.frame_velocity,
             "config": self.config.resolved_yaml(),
         }
 

@@ -26,9 +26,9 @@ that did (docs/stability.md).
 class Guard:
     """Checks every snapshot for numbers that are none, compression, break-up, and particles beyond a wall."""
 
-    def __init__(self, channel):
-        self.channel = channel
-        self.settled_from = channel.start_time + SETTLING * channel.spacing**2 / channel.solvent_viscosity
+    def __init__(self, scene):
+        self.scene = scene
+        self.settled_from = scene.start_time + SETTLING * scene.spacing**2 / scene.solvent_viscosity
         self.last_good = None
 
     def check(self, snapshot):
@@ -36,15 +36,17 @@ class Guard:
         stresses = STRESSES if snapshot.stress_xx is not None else ()
         for field in ("x", "y", "u", "v", "density", *stresses):
             self._refuse(snapshot, field, ~np.isfinite(getattr(snapshot, field)), "is not a finite number")
-        off = np.abs(snapshot.density / self.channel.density - 1.0) > DENSITY_LIMIT
-        limit = f"is off the reference density {self.channel.density:.6g} by more than {DENSITY_LIMIT:.0%}"
+        off = np.abs(snapshot.density / self.scene.density - 1.0) > DENSITY_LIMIT
+        limit = f"is off the reference density {self.scene.density:.6g} by more than {DENSITY_LIMIT:.0%}"
         self._refuse(snapshot, "density", off, limit)
-        across = np.abs(snapshot.v) > TRANSVERSE_LIMIT * self.channel.peak_velocity
-        across &= snapshot.t >= self.settled_from
-        limit = f"is more than {TRANSVERSE_LIMIT:.0%} of the fastest velocity along x: the parallel flow breaks up"
-        self._refuse(snapshot, "v", across, limit)
-        outside = (snapshot.y < 0.0) | (snapshot.y > self.channel.gap)
-        self._refuse(snapshot, "y", outside, f"lies beyond a wall (0 to {self.channel.gap:.6g})")
+        if self.scene.parallel and snapshot.t >= self.settled_from:
+            across = np.abs(snapshot.v) > TRANSVERSE_LIMIT * self.scene.peak_velocity
+            limit = f"is more than {TRANSVERSE_LIMIT:.0%} of the fastest velocity along x: the parallel flow breaks up"
+            self._refuse(snapshot, "v", across, limit)
+        for axis, size, periodic in zip("xy", self.scene.extent, self.scene.periodic, strict=True):
+            if not periodic:
+                place = getattr(snapshot, axis)
+                self._refuse(snapshot, axis, (place < 0.0) | (place > size), f"lies beyond a wall (0 to {size:.6g})")
         self.last_good = snapshot
 
     def _refuse(self, snapshot, field, bad, reason):

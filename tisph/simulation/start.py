@@ -4,22 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 
+from tisph.observers._storage import STRESSES
 from tisph.snapshot import Snapshot
 
 
-def start_values(channel, initial):
+def start_values(scene, initial):
     """Return positions and velocities (particles, 2) and polymer stresses (particles, 3) or None at the start."""
-    x, y = channel.jittered(initial.seed, initial.jitter)
-    u = channel.initial_velocity(y)
-    stress = None
-    if channel.polymer:
-        xx, xy = channel.initial_polymer_stress(y)
-        stress = np.stack([xx, xy, np.zeros_like(xx)], 1)
-    return np.stack([x, y], 1), np.stack([u, np.zeros_like(u)], 1), stress
+    x, y = scene.jittered(initial.seed, initial.jitter)
+    fields = scene.initial(x, y)
+    stress = np.stack([fields[name] for name in STRESSES], 1) if scene.polymer else None
+    return np.stack([x, y], 1), np.stack([fields["u"], fields["v"]], 1), stress
 
 
-def start_snapshot(channel, values, precision):
-    """Return the ``start_values`` of ``channel.in_own_frame()`` as a Snapshot in the frame of ``channel``.
+def start_snapshot(scene, values, precision):
+    """Return the ``start_values`` of ``scene.in_own_frame()`` as a Snapshot in the frame of ``scene``.
 
     It is the start as the config says, before walls give their impulse. ``precision``: ``f64`` or ``f32``, in which a
     scheme holds positions and velocities.
@@ -28,17 +26,22 @@ def start_snapshot(channel, values, precision):
     kind = np.float32 if precision == "f32" else np.float64
     x, y, u, v = (column.astype(kind) for column in (*position.T, *velocity.T))
     nothing = np.zeros(len(x))
-    stresses = {} if stress is None else dict(zip(("stress_xx", "stress_xy", "stress_yy"), stress.T, strict=True))
-    state = {"x": x % channel.length, "y": y, "u": u, "v": v, "density": nothing + channel.density}
-    snapshot = Snapshot(t=channel.start_time, step=0, pressure=nothing, **state, **stresses)
-    return seen_from_config(snapshot, channel)
+    stresses = {} if stress is None else dict(zip(STRESSES, stress.T, strict=True))
+    x, y = (
+        place % size if periodic else place
+        for place, size, periodic in zip((x, y), scene.extent, scene.periodic, strict=True)
+    )
+    state = {"x": x, "y": y, "u": u, "v": v, "density": nothing + scene.density, "pressure": nothing}
+    if "pressure" in scene.fields:
+        state["pressure"] = scene.exact("pressure", x, y, scene.start_time)
+    return seen_from_config(Snapshot(t=scene.start_time, step=0, **state, **stresses), scene)
 
 
-def seen_from_config(snapshot, channel):
-    """Return ``snapshot`` of a run in the frame of ``channel.in_own_frame()`` as the config's ``channel`` sees it."""
-    velocity = channel.frame_velocity
+def seen_from_config(snapshot, scene):
+    """Return ``snapshot`` of a run in the frame of ``scene.in_own_frame()`` as the config's ``scene`` sees it."""
+    velocity = scene.frame_velocity
     if velocity == 0.0:
         return snapshot
-    travelled = velocity * (snapshot.t - channel.start_time)
-    x = (snapshot.x.astype(float) + travelled) % channel.length
+    travelled = velocity * (snapshot.t - scene.start_time)
+    x = (snapshot.x.astype(float) + travelled) % scene.extent[0]
     return replace(snapshot, x=x, u=snapshot.u.astype(float) + velocity)

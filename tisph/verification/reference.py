@@ -1,16 +1,14 @@
-"""The exact solution at the particles of a snapshot, beside what they have."""
+"""The reference solution at the particles of a snapshot, beside what they have."""
 
 from dataclasses import replace
 
-import numpy as np
 
+def with_reference(scene, snapshot, fields=None):
+    """Return ``snapshot`` with its ``reference``: arrays (particles,) of all fields that the scene has one of.
 
-def with_reference(channel, snapshot):
-    """Return ``snapshot`` with its ``reference``: exact u, with polymer also the stresses, arrays (particles,)."""
+    Of these only ``fields``, where they are given and the snapshot has no reference yet.
+    """
     if snapshot.reference is not None:
         return snapshot
-    reference = {"u": channel.exact_velocity(snapshot.y, snapshot.t)}
-    if channel.polymer:
-        xx, xy = channel.exact_polymer_stress(snapshot.y, snapshot.t)
-        reference |= {"stress_xx": xx, "stress_xy": xy, "stress_yy": np.zeros_like(xy)}
-    return replace(snapshot, reference=reference)
+    names = scene.fields if fields is None else fields
+    return replace(snapshot, reference={name: scene.exact(name, snapshot.x, snapshot.y, snapshot.t) for name in names})

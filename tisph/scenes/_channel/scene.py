@@ -1,9 +1,4 @@
-"""Plane channel 0 <= y <= gap, periodic in x: flow driven by its walls (steady or oscillating) and an acceleration.
-
-The walls are the planes y = 0 and y = gap; fluid particles start at cell centres, (i + 1/2) spacing. Motion
-starts, or changes, at t = 0. The run's clock starts at ``start_time``: at the initial time of the config for the
-state ``exact``, else at 0.
-"""
+"""The flow in a plane channel: geometry, wall motion, drive, liquid and exact solution."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -12,11 +7,13 @@ import numpy as np
 
 from tisph.scenes._channel.flow import NewtonianFlow, OldroydFlow
 from tisph.scenes._channel.layers import thinnest_layer
+from tisph.scenes._channel.measures import measures
 from tisph.scenes._motion import Polymer, WallMotion
+from tisph.scenes._scene import Scene
 
 
 @dataclass(frozen=True, kw_only=True)
-class Channel:
+class Channel(Scene):
     """Geometry, wall motion, drive, liquid and exact solution; every number in the config's units.
 
     ``kinematic_viscosity`` is the total one, of solvent and ``polymer`` (None without); ``acceleration`` acts
@@ -62,6 +59,25 @@ class Channel:
             units=config.units,
         )
 
+    periodic = (True, False)
+    parallel = True
+    time_formula = "νt/H²"
+
+    @property
+    def extent(self):
+        """Length and gap."""
+        return self.length, self.gap
+
+    @property
+    def walls(self):
+        """Both walls, the upper one first."""
+        return ("top", self.top), ("bottom", self.bottom)
+
+    @property
+    def fields(self):
+        """The velocity along x, and the stresses of a polymer."""
+        return ("u", "stress_xx", "stress_xy", "stress_yy") if self.polymer else ("u",)
+
     @property
     def frame_velocity(self):
         """Velocity along x of the frame that the flow has of its own, to which speeds and errors refer.
@@ -93,14 +109,9 @@ class Channel:
         return self.wall_speed + abs(self.acceleration) * self.gap**2 / (8 * self.kinematic_viscosity)
 
     @property
-    def reynolds(self):
-        """Reynolds number, reference velocity * gap / kinematic viscosity."""
-        return self.reference_velocity * self.gap / self.kinematic_viscosity
-
-    @property
-    def weissenberg(self):
-        """Weissenberg number, relaxation time * reference velocity / gap; 0 without polymer."""
-        return self.polymer.relaxation_time * self.reference_velocity / self.gap if self.polymer else 0.0
+    def reference_length(self):
+        """The gap."""
+        return self.gap
 
     @property
     def elasticity(self):
@@ -113,14 +124,9 @@ class Channel:
         return self.gap**2 / self.kinematic_viscosity
 
     @property
-    def dynamic_viscosity(self):
-        """Density * kinematic viscosity, in total."""
-        return self.density * self.kinematic_viscosity
-
-    @property
-    def solvent_viscosity(self):
-        """Kinematic viscosity of the solvent alone."""
-        return self.kinematic_viscosity * (self.polymer.solvent_fraction if self.polymer else 1.0)
+    def time_scale(self):
+        """``viscous_time``."""
+        return self.viscous_time
 
     @property
     def polymer_viscosity(self):
@@ -178,6 +184,31 @@ class Channel:
         """Exact polymer stress S_xy alone, of a liquid with polymer: cheap enough for every frame of a movie."""
         return self._flow.polymer_shear_stress(y, t)
 
+    def exact(self, field, x, y, t):
+        """Exact value of one of ``fields``, which do not depend on ``x``."""
+        if field == "u":
+            return self.exact_velocity(y, t)
+        if field == "stress_xy":
+            return self.exact_polymer_shear_stress(y, t)
+        return self.exact_polymer_stress(y, t)[0] if field == "stress_xx" else np.zeros(np.shape(y + 0.0 * t))
+
+    def initial(self, x, y):
+        """Velocities, and stresses of a polymer, when the run starts."""
+        u = self.initial_velocity(y)
+        fields = {"u": u, "v": np.zeros_like(u)}
+        if self.polymer:
+            xx, xy = self.initial_polymer_stress(y)
+            fields |= {"stress_xx": xx, "stress_xy": xy, "stress_yy": np.zeros_like(xx)}
+        return fields
+
+    def measures(self, snapshot, followed):
+        """Errors of stresses, lines through the tracers, centreline, wall shear; see ``measures.py``."""
+        return measures(self, snapshot, followed)
+
+    def description(self):
+        """Gap and length."""
+        return {"gap": self.gap, "length": self.length}
+
     def initial_velocity(self, y):
         """Velocity along x at heights ``y`` when the run starts."""
         return self.exact_velocity(y, self.start_time)
@@ -185,23 +216,6 @@ class Channel:
     def initial_polymer_stress(self, y):
         """Polymer stresses (S_xx, S_xy) at heights ``y`` when the run starts."""
         return self.exact_polymer_stress(y, self.start_time)
-
-    def lattice(self):
-        """Cell centres as arrays (x, y) of shape (rows * columns,), row by row from the bottom wall."""
-        y, x = np.meshgrid(np.arange(self.rows) + 0.5, np.arange(self.columns) + 0.5, indexing="ij")
-        return self.spacing * x.ravel(), self.spacing * y.ravel()
-
-    def jittered(self, seed, jitter):
-        """Cell centres displaced at random, uniformly within +- ``jitter`` * spacing in x and y.
-
-        ``0 <= jitter < 0.5`` (else ValueError), so that each particle stays in its cell: inside the walls and
-        inside [0, length). The same ``seed`` gives the same positions.
-        """
-        if not 0 <= jitter < 0.5:
-            raise ValueError(f"jitter {jitter} is outside [0, 0.5)")
-        x, y = self.lattice()
-        shift_x, shift_y = np.random.default_rng(seed).uniform(-1.0, 1.0, (2, x.size))
-        return x + jitter * self.spacing * shift_x, y + jitter * self.spacing * shift_y
 
     def tracer_positions(self, count, x="centre"):
         """Arrays (x, y) of ``count`` probes on a vertical line, at heights (k + 1/2) gap / count.

@@ -1,0 +1,141 @@
+"""What a run asks of a scene, whatever it is: its box, liquid, start, scales, reference, and what is looked at.
+
+A scene is one file of this folder with two names: ``Config``, the model of its config (``tisph/config/schema.py``),
+and ``Scene``, a frozen dataclass derived from the ``Scene`` here. Everything above it, from the observers to the
+pictures, asks no more than what is here; what a scene leaves out has the answer of a liquid in a periodic box.
+"""
+
+import math
+
+import numpy as np
+
+
+class Scene:
+    """A liquid in the box 0 <= x <= width, 0 <= y <= height; every number in the config's units.
+
+    Attributes that each scene has: ``density``, ``kinematic_viscosity`` (total), ``polymer`` (``_motion.Polymer``, or
+    None), ``spacing`` of the particles and how many ``columns`` along x and ``rows`` along y there are at the start,
+    ``start_time`` of the run's clock, ``units`` with the labels for plots and tables.
+    """
+
+    polymer = None
+    acceleration = 0.0
+    """Body acceleration along x."""
+
+    periodic = (True, True)
+    """Whether the box is periodic in x and y."""
+
+    parallel = False
+    """Whether all flow is along x, so that a scheme may leave out what only crossing flow needs."""
+
+    fields = ()
+    """Those fields of a snapshot, by name, that ``exact`` knows; none without a reference solution."""
+
+    frame_velocity = 0.0
+    """Velocity along x of the frame that the flow has of its own, to which speeds and errors refer."""
+
+    time_formula = "Ut/L"
+    """Time over ``time_scale``, in words."""
+
+    @property
+    def extent(self):
+        """Width and height of the box."""
+        raise NotImplementedError
+
+    @property
+    def particles(self):
+        """Number of fluid particles."""
+        return self.rows * self.columns
+
+    @property
+    def walls(self):
+        """Pairs (side, ``WallMotion``) of the plane walls, from top to bottom, side being ``top`` or ``bottom``."""
+        return ()
+
+    @property
+    def reference_length(self):
+        """Length of the Reynolds number."""
+        raise NotImplementedError
+
+    @property
+    def reference_velocity(self):
+        """Velocity over which errors are given."""
+        raise NotImplementedError
+
+    @property
+    def peak_velocity(self):
+        """Bound of the speed in the flow."""
+        return self.reference_velocity
+
+    @property
+    def time_scale(self):
+        """Time of the dimensionless time t* = t / this."""
+        return self.reference_length / self.reference_velocity
+
+    @property
+    def reynolds(self):
+        """Reynolds number, reference velocity * reference length / kinematic viscosity."""
+        return self.reference_velocity * self.reference_length / self.kinematic_viscosity
+
+    @property
+    def dynamic_viscosity(self):
+        """Density * kinematic viscosity, in total."""
+        return self.density * self.kinematic_viscosity
+
+    @property
+    def solvent_viscosity(self):
+        """Kinematic viscosity of the solvent alone."""
+        return self.kinematic_viscosity * (self.polymer.solvent_fraction if self.polymer else 1.0)
+
+    @property
+    def weissenberg(self):
+        """Weissenberg number, relaxation time * reference velocity / reference length; 0 without polymer."""
+        if self.polymer is None:
+            return 0.0
+        return self.polymer.relaxation_time * self.reference_velocity / self.reference_length
+
+    def in_own_frame(self):
+        """The same scene as it is seen from a frame that moves with ``frame_velocity``."""
+        return self
+
+    def thinnest_layer(self, t):
+        """Depth [length] of the thinnest layer in the flow at time ``t`` and where it is; infinite without one."""
+        return math.inf, ""
+
+    def lattice(self):
+        """Cell centres as arrays (x, y) of shape (particles,), row by row from the bottom."""
+        y, x = np.meshgrid(np.arange(self.rows) + 0.5, np.arange(self.columns) + 0.5, indexing="ij")
+        return self.spacing * x.ravel(), self.spacing * y.ravel()
+
+    def jittered(self, seed, jitter):
+        """Cell centres displaced at random, uniformly within +- ``jitter`` * spacing in x and y.
+
+        ``0 <= jitter < 0.5`` (else ValueError), so that each particle stays in its cell, and in the box. The same
+        ``seed`` gives the same positions.
+        """
+        if not 0 <= jitter < 0.5:
+            raise ValueError(f"jitter {jitter} is outside [0, 0.5)")
+        x, y = self.lattice()
+        shift_x, shift_y = np.random.default_rng(seed).uniform(-1.0, 1.0, (2, x.size))
+        return x + jitter * self.spacing * shift_x, y + jitter * self.spacing * shift_y
+
+    def initial(self, x, y):
+        """Fields at the places ``x``, ``y`` when the run starts, by name: at least ``u`` and ``v``."""
+        raise NotImplementedError
+
+    def exact(self, field, x, y, t):
+        """Reference for one of ``fields`` at places ``x``, ``y`` and times ``t``, which broadcast."""
+        raise NotImplementedError
+
+    def measures(self, snapshot, followed):
+        """What ``summary.json`` gets of a sample beside the errors: numbers by name, None for what does not exist.
+
+        ``snapshot`` has its ``reference``, as far as there is one; ``followed`` is the pair of places and values of
+        what is followed in time.
+        """
+        return {}
+
+    def description(self):
+        """Sizes of the scene by name, for the files of a run."""
+        width, height = self.extent
+        return {"width": width, "height": height}

@@ -17,12 +17,12 @@ def painter_of(**changes):
 
 
 def frame_at(painter, t):
-    return painter.paint(particles(painter.channel, t, [0.0], [0.005], [0.0])).copy()
+    return painter.paint(particles(painter.scene, t, [0.0], [0.005], [0.0])).copy()
 
 
 def arrow_directions(painter, t):
     """Of each white arrow left of the words on the upper wall: +1 if its head is at the right, -1 at the left."""
-    bar, words = painter.layout.top_wall, wall_labels(painter.channel, painter.layout)[0].box
+    bar, words = painter.layout.top_wall, wall_labels(painter.scene, painter.layout)[0].box
     height = (frame_at(painter, t)[bar.top + 2 : bar.bottom - 2, bar.left : words.left, 0] > 200).sum(axis=0)
     columns = np.flatnonzero(height)
     arrows = np.split(columns, np.flatnonzero(np.diff(columns) > 1) + 1) if columns.size else []
@@ -33,7 +33,7 @@ def test_labels_and_arrows_follow_a_wall_that_oscillates():
     painter = painter_of(top=WallMotion(0.004, 0.0, FREQUENCY))
     directions = {t: set(arrow_directions(painter, t)) for t in (0.0, 0.5, 1.0, 1.5, 2.0)}
     assert directions == {0.0: {1}, 0.5: set(), 1.0: {-1}, 1.5: set(), 2.0: {1}}
-    label = wall_labels(painter.channel, painter.layout)[0]
+    label = wall_labels(painter.scene, painter.layout)[0]
     assert [label.words(t) for t in (0.0, 0.5, 1.0, 1.25)] == [
         "0.00400 m/s",
         "0.00000 m/s",
@@ -44,7 +44,7 @@ def test_labels_and_arrows_follow_a_wall_that_oscillates():
 
 def test_arrows_are_as_long_as_the_wall_is_fast():
     painter = painter_of(top=WallMotion(0.004, 0.0, FREQUENCY))
-    bar, box = painter.layout.top_wall, wall_labels(painter.channel, painter.layout)[0].box
+    bar, box = painter.layout.top_wall, wall_labels(painter.scene, painter.layout)[0].box
     left_of_words = slice(bar.left, box.left)
     lengths = []
     for t in (0.0, 1.0 / 3.0, 5.0 / 3.0):  # velocity 1, 1/2 and 1/2 of the amplitude
@@ -59,17 +59,17 @@ def test_arrows_are_as_long_as_the_wall_is_fast():
 def test_only_a_wall_that_oscillates_changes_with_time():
     painter = painter_of(bottom=WallMotion(0.0, 0.002, FREQUENCY), top=WallMotion(0.005), acceleration=1e-3)
     layout = painter.layout
-    one, other = (painter.paint(make_snapshot(painter.channel, t, slip=0.1 * t)).copy() for t in (0.5, 1.5))
+    one, other = (painter.paint(make_snapshot(painter.scene, t, slip=0.1 * t)).copy() for t in (0.5, 1.5))
     changed = np.any(one != other, axis=2)
     assert changed[layout.bottom_wall.slices].any()
-    for part in (layout.bottom_wall, layout.channel, layout.profile, layout.time_label, layout.error_label):
+    for part in (layout.bottom_wall, layout.box, layout.profile, layout.time_label, layout.error_label):
         changed[part.slices] = False
     assert not changed.any()
 
 
 def test_stopped_wall_is_light_without_arrows_and_says_what_it_did():
     painter = painter_of(top=WallMotion(0.0, before=0.005), **DEVELOPED)
-    label = wall_labels(painter.channel, painter.layout)[0]
+    label = wall_labels(painter.scene, painter.layout)[0]
     assert label.words(0.0) == "stopped (0.005 m/s before t = 0)"
     frame, bar = frame_at(painter, 0.0), painter.layout.top_wall
     assert frame[bar.slices].mean() > 180  # no dark bar
@@ -81,7 +81,7 @@ def test_stopped_wall_is_light_without_arrows_and_says_what_it_did():
 
 def test_words_beside_a_short_wall_stand_on_white():
     painter = painter_of(top=WallMotion(0.0, before=0.005), length=0.003, **DEVELOPED)
-    box = wall_labels(painter.channel, painter.layout)[0].box
+    box = wall_labels(painter.scene, painter.layout)[0].box
     assert box.left >= painter.layout.top_wall.right
     place = frame_at(painter, 0.0)[box.slices]
     assert np.all(place[0] == 255)
@@ -90,7 +90,7 @@ def test_words_beside_a_short_wall_stand_on_white():
 
 def test_wall_that_changed_its_velocity_names_both():
     painter = painter_of(top=WallMotion(0.002, before=-0.005), **DEVELOPED)
-    label = wall_labels(painter.channel, painter.layout)[0]
+    label = wall_labels(painter.scene, painter.layout)[0]
     assert label.words(0.0) == "0.002 m/s (\N{MINUS SIGN}0.005 before t = 0)"
     assert set(arrow_directions(painter, 1.0)) == {1}
 
@@ -98,7 +98,7 @@ def test_wall_that_changed_its_velocity_names_both():
 @pytest.mark.parametrize("acceleration", [2e-3, -2e-3])
 def test_drive_has_an_arrow_in_its_direction(acceleration):
     painter = painter_of(acceleration=acceleration)
-    box = DriveLabel(painter.channel, painter.layout).box
+    box = DriveLabel(painter.scene, painter.layout).box
     arrow = box.right - painter.layout.pixels(34)
     ink = (frame_at(painter, 1.0)[box.top : box.bottom, arrow : box.right, 0] < 90).sum(axis=0)
     columns = np.flatnonzero(ink)
@@ -108,5 +108,5 @@ def test_drive_has_an_arrow_in_its_direction(acceleration):
 
 def test_without_drive_its_place_is_empty():
     painter = painter_of(top=WallMotion(0.005))
-    box = DriveLabel(painter.channel, painter.layout).box
+    box = DriveLabel(painter.scene, painter.layout).box
     assert np.all(frame_at(painter, 1.0)[box.slices] == 255)

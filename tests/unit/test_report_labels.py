@@ -72,7 +72,7 @@ def test_axis_labels_name_power_and_unit():
     ],
 )
 def test_time_label_resolves_a_ten_thousandth_of_the_viscous_time(viscous_time, t, text):
-    label = time_label(viscous_time, "s")(t)
+    label = time_label(viscous_time, "s", "νt/H²")(t)
     assert label == f"{text}     t* = {NU}t/H² = {t / viscous_time:.4f}"
 
 

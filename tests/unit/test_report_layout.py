@@ -23,7 +23,7 @@ SIZES = [(1280, 640), (1920, 1080), (640, 480), (480, 960), (2000, 400)]
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_parts_lie_inside_the_frame_and_apart(ratio, size):
     layout = arrange(ratio, 1.0, *size)
-    parts = [layout.channel, layout.profile, layout.colour_bar, layout.time_label, layout.error_label]
+    parts = [layout.box, layout.profile, layout.colour_bar, layout.time_label, layout.error_label]
     for part in parts:
         assert 0 <= part.left < part.right <= size[0]
         assert 0 <= part.top < part.bottom <= size[1]
@@ -36,8 +36,8 @@ def test_channel_has_one_scale_in_both_directions_and_long_ones_are_cut(ratio):
     layout = arrange(ratio, 1.0, 1280, 640)
     assert layout.shown_length == min(ratio, 4.0)
     # Whole pixels: half a pixel of rounding at most.
-    assert abs(layout.channel.width - layout.shown_length * layout.pixels_per_length) <= 0.5
-    assert abs(layout.channel.height - layout.pixels_per_length) <= 0.5
+    assert abs(layout.box.width - layout.shown_length * layout.pixels_per_length) <= 0.5
+    assert abs(layout.box.height - layout.pixels_per_length) <= 0.5
 
 
 def visible_texts(figure) -> list[Text]:

@@ -23,19 +23,19 @@ def painter():
 
 def pixel(painter, x, y):
     """Row and column in the frame of a place in the channel."""
-    rect, scale = painter.layout.channel, painter.layout.pixels_per_length
-    return rect.top + int((painter.channel.gap - y) * scale), rect.left + int(x * scale)
+    rect, scale = painter.layout.box, painter.layout.pixels_per_length
+    return rect.top + int((painter.scene.gap - y) * scale), rect.left + int(x * scale)
 
 
 def test_frame_has_the_size_asked_for_in_bytes(painter):
-    frame = painter.paint(make_snapshot(painter.channel, 1.0))
+    frame = painter.paint(make_snapshot(painter.scene, 1.0))
     assert frame.shape == (HEIGHT, WIDTH, 3)
     assert frame.dtype == np.uint8
 
 
 @pytest.mark.parametrize("fraction", [0.0, 0.3, 0.7, 1.0, 1.5])
 def test_disc_has_the_colour_of_its_speed(painter, fraction):
-    channel = painter.channel
+    channel = painter.scene
     speed = fraction * channel.reference_velocity
     frame = painter.paint(particles(channel, 1.0, [0.004], [0.006], [-speed]))
     expected = 255 * np.array(matplotlib.colormaps["viridis"](min(fraction, 1.0))[:3])
@@ -45,35 +45,35 @@ def test_disc_has_the_colour_of_its_speed(painter, fraction):
 
 def test_disc_stands_at_its_particle_and_the_rest_of_the_channel_is_white(painter):
     x, y = 0.0137, 0.0031
-    frame = painter.paint(particles(painter.channel, 1.0, [x], [y], [0.0]))
-    ink = 255.0 - frame[painter.layout.channel.slices][:, :, 0]
+    frame = painter.paint(particles(painter.scene, 1.0, [x], [y], [0.0]))
+    ink = 255.0 - frame[painter.layout.box.slices][:, :, 0]
     rows, columns = np.mgrid[: ink.shape[0], : ink.shape[1]] + 0.5
     scale = painter.layout.pixels_per_length
     # Rim sampling as in the raster tests, and bytes: a twentieth of a pixel.
     assert (ink * columns).sum() / ink.sum() == pytest.approx(x * scale, abs=0.05)
-    assert (ink * rows).sum() / ink.sum() == pytest.approx((painter.channel.gap - y) * scale, abs=0.05)
+    assert (ink * rows).sum() / ink.sum() == pytest.approx((painter.scene.gap - y) * scale, abs=0.05)
     assert np.count_nonzero(ink) < 4 * (2 * painter.disc_radius + 2) ** 2
 
 
 def test_two_snapshots_differ_only_where_something_moves(painter):
-    channel, layout = painter.channel, painter.layout
+    channel, layout = painter.scene, painter.layout
     early, late = make_snapshot(channel, 1.0), make_snapshot(channel, 20.0, slip=0.1)
     changed = np.any(painter.paint(early).copy() != painter.paint(late), axis=2)
-    for part in (layout.channel, layout.profile, layout.time_label, layout.error_label):
+    for part in (layout.box, layout.profile, layout.time_label, layout.error_label):
         assert changed[part.slices].any()
         changed[part.slices] = False
     assert not changed.any()
 
 
 def test_same_snapshot_gives_the_same_frame(painter):
-    snapshot = make_snapshot(painter.channel, 1.0)
+    snapshot = make_snapshot(painter.scene, 1.0)
     first = painter.paint(snapshot).copy()
-    painter.paint(make_snapshot(painter.channel, 5.0, slip=0.2))
+    painter.paint(make_snapshot(painter.scene, 5.0, slip=0.2))
     assert np.array_equal(first, painter.paint(snapshot))
 
 
 def test_exact_curve_and_dots_stand_at_their_velocity(painter):
-    channel, rect = painter.channel, painter.layout.profile
+    channel, rect = painter.scene, painter.layout.profile
     lowest, highest = painter.quantity.profile_range
     shift = 0.5
     frame = painter.paint(make_snapshot(channel, 1.0, slip=shift)).astype(float)
@@ -89,13 +89,13 @@ def test_exact_curve_and_dots_stand_at_their_velocity(painter):
 
 
 def test_periodic_edge_shows_both_parts_of_a_disc_unless_the_channel_is_cut(painter):
-    frame = painter.paint(particles(painter.channel, 1.0, [0.0], [0.005], [0.0]))
-    panel = frame[painter.layout.channel.slices]
+    frame = painter.paint(particles(painter.scene, 1.0, [0.0], [0.005], [0.0]))
+    panel = frame[painter.layout.box.slices]
     middle = panel.shape[0] // 2
     assert panel[middle, 0, 0] < 100
     assert panel[middle, -1, 0] < 100
     long = FramePainter(make_channel(length=0.1), VIDEO, "test", END)
-    panel = long.paint(particles(long.channel, 1.0, [0.0], [0.005], [0.0]))[long.layout.channel.slices]
+    panel = long.paint(particles(long.scene, 1.0, [0.0], [0.005], [0.0]))[long.layout.box.slices]
     assert panel[panel.shape[0] // 2, 0, 0] < 100
     assert panel[panel.shape[0] // 2, -1, 0] == 255
 
@@ -103,8 +103,8 @@ def test_periodic_edge_shows_both_parts_of_a_disc_unless_the_channel_is_cut(pain
 @pytest.mark.parametrize("velocity", [0.005, -0.005])
 def test_arrows_point_where_a_wall_goes_and_a_wall_at_rest_has_none(velocity):
     painter = FramePainter(make_channel(top=WallMotion(velocity)), VIDEO, "test", END)
-    frame = painter.paint(make_snapshot(painter.channel, 1.0))
-    layout, rect = painter.layout, painter.layout.channel
+    frame = painter.paint(make_snapshot(painter.scene, 1.0))
+    layout, rect = painter.layout, painter.layout.box
     wall = frame[rect.top - layout.wall_thickness + 2 : rect.top - 2, rect.left : rect.left + rect.width // 3, 0]
     white = (wall > 200).sum(axis=0)
     arrows = np.flatnonzero(white)
@@ -116,7 +116,7 @@ def test_arrows_point_where_a_wall_goes_and_a_wall_at_rest_has_none(velocity):
 
 
 def test_particles_gone_wrong_do_not_stop_the_picture(painter):
-    channel = painter.channel
+    channel = painter.scene
     wrong = particles(channel, 1.0, [0.001, np.nan, 0.003, 0.007], [0.005, 0.005, np.inf, 0.005], [0, 0, 0, np.nan])
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -126,8 +126,8 @@ def test_particles_gone_wrong_do_not_stop_the_picture(painter):
 
 def test_user_settings_of_matplotlib_do_not_reach_the_picture(painter):
     with matplotlib.rc_context({"font.size": 30, "axes.facecolor": "black", "figure.facecolor": "black"}):
-        other = FramePainter(painter.channel, VIDEO, "test", END)
-    snapshot = make_snapshot(painter.channel, 1.0)
+        other = FramePainter(painter.scene, VIDEO, "test", END)
+    snapshot = make_snapshot(painter.scene, 1.0)
     assert np.array_equal(other.paint(snapshot), painter.paint(snapshot))
 
 

@@ -32,8 +32,8 @@ def legend_texts(figure):
 
 
 def history(channel, count, times):
-    y = (np.arange(count) + 0.5) * channel.gap / count
-    return times, y, np.array([channel.exact_velocity(y, t) for t in times])
+    y = channel.tracer_positions(count)[1]
+    return {"count": count}, times, np.array([channel.exact_velocity(y, t) for t in times])
 
 
 def test_profiles_show_particles_on_the_exact_curve_and_their_error(tmp_path, figures):
@@ -90,8 +90,9 @@ def test_profiles_of_a_perfect_run_and_of_the_start_can_be_drawn(tmp_path):
 
 def test_history_shows_tracers_on_the_exact_history(tmp_path, figures):
     channel = make_channel()
-    times, y, u = history(channel, 5, np.linspace(0.0, 20.0, 30))
-    plot_history(tmp_path / "history.png", channel, times, y, u)
+    settings, times, u = history(channel, 5, np.linspace(0.0, 20.0, 30))
+    y = channel.tracer_positions(5)[1]
+    plot_history(tmp_path / "history.png", channel, settings, times, u)
     assert Image.open(tmp_path / "history.png").size == PNG_SIZE
     markers, curve = figures[0].axes[0].lines[:2]
     t, velocity = markers.get_data()

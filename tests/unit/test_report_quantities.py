@@ -81,8 +81,8 @@ def test_quantities_take_discs_and_profile_from_the_snapshot():
     object.__setattr__(snapshot, "v", snapshot.u * 0.75)
     speed, stress = (quantity(name, channel, 1.0) for name in ("speed", "shear_stress"))
     assert np.allclose(speed.of_discs(snapshot), 1.25 * np.abs(snapshot.u), rtol=1e-14)
-    assert np.array_equal(speed.of_profile(snapshot), snapshot.u)
+    assert np.array_equal(speed.profile.of(snapshot), snapshot.u)
     assert np.array_equal(stress.of_discs(snapshot), snapshot.stress_xy)
-    assert np.array_equal(stress.of_profile(snapshot), snapshot.stress_xy)
+    assert np.array_equal(stress.profile.of(snapshot), snapshot.stress_xy)
     y = np.array([0.0, 0.01])
-    assert stress.exact(y, 1.0).tolist() == [4e-4, -4e-4]
+    assert stress.profile.exact(None, y, 1.0).tolist() == [4e-4, -4e-4]

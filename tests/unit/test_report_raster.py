@@ -17,7 +17,7 @@ LEVEL = 0.5 / LEVELS  # of coverage, to the nearest
 SHARE = 0.5 / 4095  # of value, likewise
 
 
-def paint(place, value, radius, shape=SHAPE, *, periodic=False):
+def paint(place, value, radius, shape=SHAPE, *, periodic=(False, False)):
     """Coverage (0 to 1) and mean value in every pixel."""
     coverage, mean = np.zeros(shape), np.zeros(shape)
     for rows, *found in Discs(radius, shape).means(place, value, periodic=periodic):
@@ -29,7 +29,7 @@ def cover(place, radius, shape):
     return Discs(radius, shape).cover(place) / LEVELS
 
 
-def disc(column, row, radius=3.5, value=1.0, *, periodic=False):
+def disc(column, row, radius=3.5, value=1.0, *, periodic=(False, False)):
     place = points(column, row)
     values = np.broadcast_to(np.asarray(value, float), place[0].shape)
     return paint(place, values, radius, periodic=periodic)
@@ -55,8 +55,8 @@ def test_disc_is_symmetric_about_its_centre():
 
 
 def test_disc_across_the_periodic_edge_is_the_same_disc_rolled():
-    middle, _ = disc([30.25, 33.0], [20.5, 12.0], periodic=True)
-    edge, _ = disc([0.25, 3.0], [20.5, 12.0], periodic=True)
+    middle, _ = disc([30.25, 33.0], [20.5, 12.0], periodic=(True, False))
+    edge, _ = disc([0.25, 3.0], [20.5, 12.0], periodic=(True, False))
     assert np.array_equal(edge, np.roll(middle, 30, axis=1))  # 30 columns are half the panel
     assert edge[20, -1] > 0.9
 
@@ -86,7 +86,7 @@ def test_value_under_a_disc_is_its_own_and_a_mean_between_two():
 
 
 def test_particles_at_nan_or_infinity_or_outside_leave_no_trace():
-    coverage, _ = disc([np.nan, np.inf, -np.inf, 30.0, -50.0], [20.0, 20.0, 20.0, np.nan, 20.0], periodic=True)
+    coverage, _ = disc([np.nan, np.inf, -np.inf, 30.0, -50.0], [20.0, 20.0, 20.0, np.nan, 20.0], periodic=(True, False))
     assert coverage.max() == 0.0
 
 
@@ -97,7 +97,7 @@ def test_any_number_of_discs_that_tile_the_panel_cover_it(count):
     across = max(1, round(shape[0] / spacing))
     rows, columns = np.mgrid[:across, : 2 * across] + 0.5
     place = points(columns.ravel() * shape[1] / (2 * across), rows.ravel() * shape[0] / across)
-    coverage, _ = paint(place, np.ones(place[0].size), max(1.5, spacing) / 2, shape, periodic=True)
+    coverage, _ = paint(place, np.ones(place[0].size), max(1.5, spacing) / 2, shape, periodic=(True, False))
     # Touching discs cover pi / 4 of the plane; the soft rim adds, and the smallest discs overlap.
     assert 0.75 < coverage.mean() <= 1.0
 

@@ -8,7 +8,7 @@ import pytest
 from report_scene import END, make_channel, make_polymer_channel, make_snapshot, make_video, particles
 
 from tisph.report import style
-from tisph.report.error_label import loses_its_scale, shear_stress_error_label, velocity_error_label
+from tisph.report.error_label import field_error_label, velocity_error_label
 from tisph.report.painter import FramePainter
 from tisph.scenes._motion import WallMotion
 
@@ -28,15 +28,15 @@ def with_stress(channel, stress):
 
 
 def colour_under_the_particle(painter, snapshot):
-    rect, scale = painter.layout.channel, painter.layout.pixels_per_length
-    gap = painter.channel.gap
+    rect, scale = painter.layout.box, painter.layout.pixels_per_length
+    gap = painter.scene.gap
     row, column = rect.top + int((gap - snapshot.y[0]) * scale), rect.left + int(snapshot.x[0] * scale)
     return painter.paint(snapshot)[row, column].astype(float)
 
 
 @pytest.mark.parametrize("share", [-1.5, -1.0, -0.3, 0.0, 0.7, 1.0])
 def test_disc_has_the_colour_of_its_stress(painter, share):
-    colour = colour_under_the_particle(painter, with_stress(painter.channel, share * LARGEST))
+    colour = colour_under_the_particle(painter, with_stress(painter.scene, share * LARGEST))
     expected = 255 * np.array(matplotlib.colormaps[style.DIVERGING_MAP](0.5 + 0.5 * np.clip(share, -1, 1))[:3])
     # The look-up table has 256 stresses and 256 coverages: neighbouring entries differ by at most 3 levels.
     assert np.abs(colour - expected).max() <= 3
@@ -44,7 +44,7 @@ def test_disc_has_the_colour_of_its_stress(painter, share):
 
 def test_both_signs_and_none_can_be_told_apart_and_from_the_background(painter):
     minus, none, plus = (
-        colour_under_the_particle(painter, with_stress(painter.channel, share * LARGEST)) for share in (-1, 0, 1)
+        colour_under_the_particle(painter, with_stress(painter.scene, share * LARGEST)) for share in (-1, 0, 1)
     )
     assert minus[2] - minus[0] > 100  # blue, ...
     assert plus[0] - plus[2] > 100  # ... red: the two colours that all kinds of colour-blind eyes tell apart
@@ -53,7 +53,7 @@ def test_both_signs_and_none_can_be_told_apart_and_from_the_background(painter):
 
 
 def test_profile_panel_shows_the_stress_of_particles_and_the_exact_one(painter):
-    channel, rect = painter.channel, painter.layout.profile
+    channel, rect = painter.scene, painter.layout.profile
     lowest, highest = painter.quantity.profile_range
     shift = 0.5 * LARGEST
     snapshot = make_snapshot(channel, 5.0)
@@ -68,15 +68,15 @@ def test_profile_panel_shows_the_stress_of_particles_and_the_exact_one(painter):
 
 
 def test_error_of_the_stress_is_named(painter):
-    channel = painter.channel
+    channel = painter.scene
     snapshot = make_snapshot(channel, 5.0)
-    label = shear_stress_error_label(channel)
+    label = field_error_label(channel, "stress_xy", "Sxy")
     assert label(replace(snapshot, stress_xy=1.02 * snapshot.stress_xy)) == f"L2 error of Sxy 2.0{TIMES}10⁻²"
     assert label(make_snapshot(channel, 0.0)) == "unresolved: 0.0 spacings"
 
 
 def test_particles_with_wrong_stress_do_not_stop_the_picture(painter):
-    colour = colour_under_the_particle(painter, with_stress(painter.channel, np.nan))
+    colour = colour_under_the_particle(painter, with_stress(painter.scene, np.nan))
     assert colour[0] - colour[2] > 100  # the colour of the largest
 
 
@@ -98,7 +98,7 @@ def test_particles_with_wrong_stress_do_not_stop_the_picture(painter):
     ],
 )
 def test_flows_that_cross_zero_or_die_away_are_known(flow, expected):
-    assert loses_its_scale(make_channel(**flow)) == expected
+    assert make_channel(**flow).loses_its_scale == expected
 
 
 def test_error_is_a_multiple_of_the_reference_velocity_where_u_crosses_zero():

@@ -45,11 +45,12 @@ def check(config: ConfigFile, overrides: Overrides = None) -> None:
     from tisph.config import load
 
     loaded = load(config, overrides or ())
-    typer.echo(f"{loaded.name}: valid ({loaded.scene}, {loaded.scheme.type}, {loaded.walls.treatment.type})")
+    walls = [loaded.members["walls"].type] if "walls" in loaded.members else []
+    typer.echo(f"{loaded.name}: valid ({', '.join([loaded.scene, loaded.scheme.type, *walls])})")
     channel = _scene(loaded)
     numbers, texts = forecast(loaded)
     samples = _sample_lines(channel, numbers["samples"])
-    for label, text in [*_flow_lines(channel), *_run_lines(loaded, numbers), *samples]:
+    for label, text in [*channel.facts(), *_run_lines(loaded, numbers), *samples]:
         typer.echo(f"  {label:22} {text}")
     for text in texts:
         typer.echo(f"  warning: {text}")
@@ -92,32 +93,6 @@ def _scene(config: Any) -> Any:
     from tisph import families
 
     return families.load("scenes", config.scene).Scene.from_config(config)
-
-
-def _flow_lines(channel: Any) -> list[tuple[str, str]]:
-    """What the flow is, independent of particles."""
-    length, time = channel.units.length, channel.units.time
-    by_walls = channel.reference_velocity == channel.wall_speed
-    moving = f", in a frame that moves with {channel.frame_velocity:.6g} {length}/{time}"
-    frame = moving if channel.frame_velocity else ""
-    lines = [
-        ("Reynolds number", f"{channel.reynolds:.6g}  (U H / nu)"),
-        (f"{'wall' if by_walls else 'mean'} speed U", f"{channel.reference_velocity:.6g} {length}/{time}{frame}"),
-        ("kinematic viscosity nu", f"{channel.kinematic_viscosity:.6g} {length}^2/{time}"),
-        ("viscous time H^2/nu", f"{channel.viscous_time:.6g} {time}"),
-    ]
-    if channel.acceleration:
-        drive = f"{channel.acceleration:.6g} {length}/{time}^2 along x"
-        mean = channel.acceleration * channel.gap**2 / (12 * channel.kinematic_viscosity)
-        lines.append(("drive", f"{drive}, of which the developed flow has the mean speed {mean:.6g} {length}/{time}"))
-    for name, wall in _oscillating_walls(channel):
-        depth = wall.penetration_depth(channel.kinematic_viscosity)
-        text = f"{depth:.4g} {length}, {depth / channel.spacing:.3g} spacings  (sqrt(2 nu / w), {name} wall)"
-        lines.append(("penetration depth", text))
-    if channel.polymer:
-        lines.append(("Weissenberg number", f"{channel.weissenberg:.4g}  (relaxation time * U / H)"))
-        lines.append(("elasticity number", f"{channel.elasticity:.4g}  (relaxation time * nu / H^2)"))
-    return lines
 
 
 def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
@@ -197,10 +172,6 @@ def _unresolved(config: Any, channel: Any) -> Iterator[str]:
     early = [t for t, reason in reasons.items() if reason]
     if early:
         yield f"samples not resolved: {len(early)} of {len(reasons)}; at t = {early[0]:g} {reasons[early[0]]}"
-
-
-def _oscillating_walls(channel: Any) -> list[tuple[str, Any]]:
-    return [(name, wall) for name, wall in (("bottom", channel.bottom), ("top", channel.top)) if wall.oscillates]
 
 
 def _duration(seconds: float) -> str:

@@ -233,6 +233,11 @@ class Config(Model):
         """Parameters of the chosen members by their family."""
         return {"rheology": self.fluid.rheology, "schemes": self.scheme}
 
+    @property
+    def followed(self) -> dict[str, Any]:
+        """What is said of the numbers that the scene follows in time, as plain values."""
+        return {}
+
     def problems(self) -> Iterator[Problem]:
         """What the scene has against the config."""
         return iter(())

@@ -1,4 +1,4 @@
-"""History: velocities at the tracers on a vertical line, in ``history.csv``."""
+"""History: what a scene follows in time, in ``history.csv``."""
 
 import io
 import os
@@ -7,73 +7,69 @@ import numpy as np
 
 from tisph.observers._files import readable, replaced, written
 from tisph.observers._schedule import Schedule, even_times
-from tisph.verification.interpolation import Probes
 from tisph.verification.resolution import resolution
 
 RECORDS = 401
 """Lines of the history, evenly spaced in time."""
 
-MEASURED = "u(y="
-"""What the name of a column with the velocity at a tracer begins with."""
-
-CONTENT = "velocities u along x over time t at tracers at heights y"
+RESOLVED = "resolved"
+"""Name of the column after those that are followed; in files of older versions they are the last."""
 
 
 class History:
-    """Appends a line ``t, u at each tracer, resolved`` at evenly spaced times from the start of the run to ``end``.
+    """Appends a line ``t, NUMBERS, resolved`` at evenly spaced times from the start of the run to ``end``.
 
-    ``tracers`` is the pair of arrays x, y of their positions. The header names the heights; ``resolved`` is 1 or 0, see
-    ``verification/resolution.py``. ``close`` adds the exact u at each tracer, of all lines at once, which costs little.
+    ``followed`` (``scenes/_views.py: Followed``) says which numbers. ``resolved`` is 1 or 0, see
+    ``verification/resolution.py``. ``close`` adds their references, of all lines at once, which costs little.
     Lines of an interrupted run up to ``resumed_at`` are kept. ``about`` is the ``Description`` of the run, if the file
     is to say what it is, in lines that begin with ``#``.
     """
 
-    def __init__(self, path, channel, tracers, end, resumed_at=None, about=None):
+    def __init__(self, path, scene, followed, end, resumed_at=None, about=None):
         self.path = path
-        self.channel = channel
-        self.heights = tracers[1]
-        self.probes = Probes(channel, *tracers)
-        self.schedule = Schedule(even_times(channel.start_time, end, RECORDS))
+        self.scene = scene
+        self.followed = followed
+        self.schedule = Schedule(even_times(scene.start_time, end, RECORDS))
         kept = []
         if resumed_at is not None:
-            times, velocities = read_history(path)
-            kept = [(t, row) for t, row in zip(times, velocities, strict=True) if t <= resumed_at]
+            times, values = read_history(path)
+            kept = [(t, row) for t, row in zip(times, values, strict=True) if t <= resumed_at]
             self.schedule.mark(resumed_at)
-        names = [f"{MEASURED}{y:.6g})" for y in self.heights]
-        self.header = ("" if about is None else about.comment(CONTENT)) + ",".join(["t", *names, "resolved"])
+        names = ",".join(["t", *followed.columns, RESOLVED])
+        self.header = ("" if about is None else about.comment(followed.content)) + names
         with replaced(path) as new:
             new.write_text(f"{self.header}\n" + "".join(self._line(*record) for record in kept), encoding="utf-8")
 
     def observe(self, snapshot):
         """Append one line."""
-        self.record([snapshot.t], [self.probes.velocity(snapshot)])
+        self.record([snapshot.t], [self.followed.measure(snapshot)])
 
-    def record(self, times, velocities):
-        """Append lines of the velocities (times, tracers) at ``times``."""
+    def record(self, times, values):
+        """Append lines of ``values`` (times, numbers) at ``times``."""
         self.schedule.mark(times[-1])
-        self._append("".join(map(self._line, times, velocities)).encode())
+        self._append("".join(map(self._line, times, values)).encode())
 
-    def tracers(self, snapshot):
-        """Return the pair (y, u) at the tracers, arrays of shape (tracers,)."""
-        return self.heights, self.probes.velocity(snapshot)
+    def reading(self, snapshot):
+        """Return the pair of places and values of what is followed, arrays of shape (numbers,)."""
+        return self.followed.places, self.followed.measure(snapshot)
 
     def flush(self):
         """Do nothing: what was observed is in the file."""
 
     def close(self):
-        """Add the exact velocities."""
-        times, velocities = read_history(self.path)
-        if not len(times):
+        """Add the references."""
+        times, values = read_history(self.path)
+        exact = self.followed.exact(times) if len(times) else None
+        if exact is None:
             return
-        exact = self.channel.exact_velocity(self.heights, times[:, None])
-        names = ",".join(f"u_exact(y={y:.6g})" for y in self.heights)
-        lines = [self._line(*record) for record in zip(times, velocities, exact, strict=True)]
+        names = ",".join(self.followed.exact_columns)
+        lines = [self._line(*record) for record in zip(times, values, exact, strict=True)]
         with replaced(self.path) as new:
             new.write_text(f"{self.header},{names}\n" + "".join(lines), encoding="utf-8")
 
-    def _line(self, t, velocities, exact=()):
-        resolved = str(int(resolution(self.channel, t)[0]))
-        return ",".join([*map(_digits, (t, *velocities)), resolved, *map(_digits, exact)]) + "\n"
+    def _line(self, t, values, exact=()):
+        resolved = str(int(resolution(self.scene, t)[0]))
+        return ",".join([*map(_digits, (t, *values)), resolved, *map(_digits, exact)]) + "\n"
 
     def _append(self, lines):
         """Add all of ``lines`` to the file, or nothing."""
@@ -92,7 +88,7 @@ def _digits(value):
 
 
 def read_history(path):
-    """Return times (records,) and tracer velocities (records, tracers) of a ``history.csv``.
+    """Return times (records,) and what was followed (records, numbers) of a ``history.csv``.
 
     Lines that begin with ``#`` and other columns do not count, nor does a last line without its end, which a killed run
     may leave. ConfigError where lines are damaged.
@@ -102,6 +98,7 @@ def read_history(path):
         lines = [line for line in text[: text.rfind("\n") + 1].splitlines() if not line.startswith("#")]
         if len(lines) < 2:
             return np.empty(0), np.empty((0, 0))
-        tracers = lines[0].count(f",{MEASURED}")
+        _, *names = lines[0].split(",")
+        count = names.index(RESOLVED) if RESOLVED in names else len(names)
         table = np.loadtxt(lines[1:], delimiter=",", ndmin=2)
-    return table[:, 0], table[:, 1 : 1 + tracers]
+    return table[:, 0], table[:, 1 : 1 + count]

@@ -80,17 +80,16 @@ class WallLabel:
         self._arrows = [Rect(x - arrow // 2, top, arrow, px(_HEAD)) for x in centres] if self._speed else []
 
 
-def wall_labels(channel, layout: Layout) -> list[WallLabel]:
-    """Return the labels of both walls of ``channel``."""
-    walls = zip((layout.top_wall, layout.bottom_wall), (channel.top, channel.bottom), strict=True)
-    return [WallLabel(layout, bar, motion, channel.units) for bar, motion in walls]
+def wall_labels(scene, layout: Layout) -> list[WallLabel]:
+    """Return the labels of the walls of ``scene``."""
+    return [WallLabel(layout, layout.wall(side), motion, scene.units) for side, motion in scene.walls]
 
 
 @dataclass(frozen=True)
 class DriveLabel:
     """The body acceleration with an arrow, above the upper wall; nothing without one."""
 
-    channel: object
+    scene: object
     layout: Layout
 
     @property
@@ -103,14 +102,14 @@ class DriveLabel:
 
     def paint(self, frame: np.ndarray) -> None:
         """Lay words and arrow over ``frame``."""
-        if self.channel.acceleration == 0.0:
+        if self.scene.acceleration == 0.0:
             return
         box, px = self.box, self.layout.pixels
         words = Rect(box.left, box.top, box.width - px(10 + _ARROW), box.height)
         paint_text(frame, words, self._words, fitting_size(self._words, px(14), words.width), "left")
         arrow = Rect(box.right - px(_ARROW), box.top + (box.height - px(_HEAD)) // 2, px(_ARROW), px(_HEAD))
-        paint_arrow(frame, arrow, math.copysign(1.0, self.channel.acceleration), style.TEXT)
+        paint_arrow(frame, arrow, math.copysign(1.0, self.scene.acceleration), style.TEXT)
 
     @property
     def _words(self) -> str:
-        return f"drive {number(self.channel.acceleration)} {acceleration_unit(self.channel.units)}"
+        return f"drive {number(self.scene.acceleration)} {acceleration_unit(self.scene.units)}"

@@ -7,7 +7,6 @@ import numpy as np
 
 MINUS = "\N{MINUS SIGN}"
 TIMES = "\N{MULTIPLICATION SIGN}"
-_VISCOSITY = "\N{GREEK SMALL LETTER NU}"
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -90,14 +89,23 @@ def fixed_point(largest: float, digits: int, smallest_plain: float = 1e-3) -> Ca
     return text
 
 
-def time_label(viscous_time: float, unit: str) -> Callable[[float], str]:
+def unit_label(kind: str, units) -> str:
+    """Return the label of the unit of a ``kind`` of quantity, as the views of a scene name it."""
+    if kind == "velocity":
+        return velocity_unit(units)
+    if kind == "stress":
+        return stress_unit(units)
+    return {"rate": f"1/{units.time}", "energy": f"{units.length}²/{units.time}²"}[kind]
+
+
+def time_label(time_scale: float, unit: str, formula: str) -> Callable[[float], str]:
     """Return a function t -> ``t = 1.80 s   t* = νt/H² = 0.0180`` with a fixed number of decimals.
 
-    The steps of t and of t* = t / ``viscous_time`` are about a ten-thousandth of the viscous time H²/ν.
+    The steps of t and of t* = t / ``time_scale``, for which ``formula`` stands, are about a ten-thousandth of that.
     """
-    clock = fixed_point(viscous_time, 5, smallest_plain=1.0)
+    clock = fixed_point(time_scale, 5, smallest_plain=1.0)
 
     def label(t: float) -> str:
-        return f"t = {clock(t)} {unit}     t* = {_VISCOSITY}t/H² = {t / viscous_time:.4f}"
+        return f"t = {clock(t)} {unit}     t* = {formula} = {t / time_scale:.4f}"
 
     return label

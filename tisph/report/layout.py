@@ -1,8 +1,8 @@
-"""Where everything stands in a movie frame: pixel rectangles for any frame size and channel shape."""
+"""Where everything stands in a movie frame: pixel rectangles for any frame size and any shape of the box."""
 
 from dataclasses import dataclass
 
-LONGEST_SHOWN = 4.0  # gaps: of a longer channel this much is shown, or its discs would be too small to see
+LONGEST_SHOWN = 4.0  # heights: of a longer box this much is shown, or its discs would be too small to see
 
 
 @dataclass(frozen=True)
@@ -35,9 +35,9 @@ class Layout:
     """The parts of a frame of ``width`` x ``height`` pixels.
 
     ``scale`` is the size of text and lines relative to a frame of 1280 x 640; ``shown_length`` (length) is
-    the part of the channel along x that is drawn, ``pixels_per_length`` the same along x and y.
-    ``channel``, ``profile``, ``time_label``, ``error_label`` and the velocities on walls that oscillate are all that
-    changes from frame to frame. The columns left of ``split`` belong to the channel, those right of it to the profile.
+    the part of the box along x that is drawn, ``pixels_per_length`` the same along x and y.
+    ``box``, ``profile``, ``time_label``, ``error_label`` and the velocities on walls that oscillate are all that
+    changes from frame to frame. The columns left of ``split`` belong to the box, those right of it to the profile.
     """
 
     width: int
@@ -46,50 +46,57 @@ class Layout:
     split: int
     shown_length: float
     pixels_per_length: float
-    channel: Rect
+    box: Rect
     profile: Rect
     colour_bar: Rect
     time_label: Rect
     error_label: Rect
     wall_thickness: int
 
+    def wall(self, side: str) -> Rect:
+        """The bar of the ``top`` or ``bottom`` wall."""
+        return {"top": self.top_wall, "bottom": self.bottom_wall}[side]
+
     @property
     def top_wall(self) -> Rect:
         """The bar of the upper wall."""
-        return self._wall(self.channel.top - self.wall_thickness)
+        return self._wall(self.box.top - self.wall_thickness)
 
     @property
     def bottom_wall(self) -> Rect:
         """The bar of the lower wall."""
-        return self._wall(self.channel.bottom)
+        return self._wall(self.box.bottom)
 
     def _wall(self, top: int) -> Rect:
-        return Rect(self.channel.left, top, self.channel.width, self.wall_thickness)
+        return Rect(self.box.left, top, self.box.width, self.wall_thickness)
 
     def pixels(self, size: float) -> int:
         """Return ``size``, given in pixels of a frame of 1280 x 640, in pixels of this frame."""
         return max(1, round(size * self.scale))
 
 
-def arrange(length: float, gap: float, width: int, height: int) -> Layout:
-    """Return the layout of a frame for a channel of ``length`` and ``gap``: both axes to the same scale."""
+def arrange(length: float, gap: float, width: int, height: int, *, walls: bool = True) -> Layout:
+    """Return the layout of a frame for a box of ``length`` and ``gap``, in x and y: both axes to the same scale.
+
+    Without ``walls`` there is no room for them.
+    """
     scale = min(width / 1280.0, height / 640.0)
 
     def px(size: float) -> int:
         return max(1, round(size * scale))
 
-    split = round(0.62 * width)  # channel to the left, profile to the right
-    wall = px(22)
+    split = round(0.62 * width)  # box to the left, profile to the right
+    wall = px(22) if walls else 0
     left, right, top, bottom = px(84), split - px(8), px(92) + wall, height - px(142) - wall
     shown = min(length, LONGEST_SHOWN * gap)
     pixels_per_length = min((right - left) / shown, (bottom - top) / gap)
-    channel = _centred(left, right, (top + bottom) // 2, shown * pixels_per_length, gap * pixels_per_length)
-    profile_height = max(channel.height, round(0.8 * (bottom - top)))
+    box = _centred(left, right, (top + bottom) // 2, shown * pixels_per_length, gap * pixels_per_length)
+    profile_height = max(box.height, round(0.8 * (bottom - top)))
     profile = _centred(split + px(88), width - px(26), (top + bottom) // 2, width, profile_height)
     half = profile.width // 2
     return Layout(
-        width, height, scale, split, shown, pixels_per_length, channel, profile,
-        colour_bar=_centred(left, right, height - px(57), max(channel.width, px(360)), px(12)),
+        width, height, scale, split, shown, pixels_per_length, box, profile,
+        colour_bar=_centred(left, right, height - px(57), max(box.width, px(360)), px(12)),
         time_label=Rect(px(24), px(47), split - px(24), px(26)),
         error_label=Rect(profile.right - half, profile.top - px(31), half, px(24)),
         wall_thickness=wall,

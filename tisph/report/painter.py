@@ -4,7 +4,7 @@ import numpy as np
 
 from tisph.report import style
 from tisph.report.driving import DriveLabel, wall_labels
-from tisph.report.error_label import shear_stress_error_label, velocity_error_label
+from tisph.report.error_label import field_error_label, velocity_error_label
 from tisph.report.labels import time_label
 from tisph.report.layout import arrange
 from tisph.report.quantities import quantity
@@ -15,51 +15,51 @@ from tisph.snapshot import Snapshot
 
 _SMALLEST_DIAMETER = 1.5  # pixels: below it discs would fade away
 _CURVE_POINTS = 600  # about two a pixel row at the usual size
-_ERROR_LABELS = {"speed": velocity_error_label, "shear_stress": shear_stress_error_label}
 
 
 class FramePainter:
     """Draws the frames of one run, each uint8 of shape (height, width, 3).
 
-    ``channel`` is the scene (``tisph.scenes.channel.Channel``), ``video`` the config's ``output.video`` (width,
-    height, color_by), ``title`` the name of the run. All axes and colours fit what the exact solution does until
-    ``end``, the time at which the run ends.
+    ``scene`` is a ``tisph.scenes._scene.Scene``, ``video`` the config's ``output.video`` (width, height, color_by),
+    ``title`` the name of the run. All axes and colours fit what the exact solution does until ``end``, the time at
+    which the run ends.
     """
 
-    def __init__(self, channel, video, title: str, end: float):
-        self.channel = channel
-        self.layout = arrange(channel.length, channel.gap, video.width, video.height)
-        self.quantity = quantity(video.color_by, channel, end)
-        labels = wall_labels(channel, self.layout)
-        self._background = draw_background(channel, self.layout, self.quantity, title)
-        DriveLabel(channel, self.layout).paint(self._background)
+    def __init__(self, scene, video, title: str, end: float):
+        self.scene = scene
+        self.layout = arrange(*scene.extent, video.width, video.height, walls=bool(scene.walls))
+        self.quantity = quantity(video.color_by, scene, end)
+        labels = wall_labels(scene, self.layout)
+        self._background = draw_background(scene, self.layout, self.quantity, title)
+        DriveLabel(scene, self.layout).paint(self._background)
         for label in labels:
             if not label.changes:
-                label.paint(self._background, channel.start_time)
+                label.paint(self._background, scene.start_time)
         self._changing_labels = [label for label in labels if label.changes]
         self._changing_boxes = [self.layout.profile, self.layout.time_label, self.layout.error_label]
         self._changing_boxes += [box for label in self._changing_labels for box in label.boxes]
         self._frame = self._background.copy()
         self._table = _colour_table(self.quantity.colour_map)
-        self._time_label = time_label(channel.viscous_time, channel.units.time)
-        self._error_label = _ERROR_LABELS[video.color_by](channel)
-        self._heights = np.linspace(0.0, channel.gap, _CURVE_POINTS)
+        self._time_label = time_label(scene.time_scale, scene.units.time, scene.time_formula)
+        error = self.quantity.error
+        self._error_label = field_error_label(scene, *error) if error else velocity_error_label(scene)
+        self._coordinates = self.quantity.profile.line.coordinates(_CURVE_POINTS)
         panel, scale = self.layout.profile, self.layout.scale
         inside = panel.height - 2, panel.width - 2  # the axes' lines are on the border
-        self._discs = Discs(self.disc_radius, (self.layout.channel.height, self.layout.channel.width))
+        self._discs = Discs(self.disc_radius, (self.layout.box.height, self.layout.box.width))
         self._dots, self._line = Discs(3.0 * scale, inside), Discs(max(0.5, 0.9 * scale), inside)
 
     @property
     def disc_radius(self) -> float:
         """Radius of a particle's disc in pixels: neighbours on a lattice touch."""
-        return max(_SMALLEST_DIAMETER, self.channel.spacing * self.layout.pixels_per_length) / 2.0
+        return max(_SMALLEST_DIAMETER, self.scene.spacing * self.layout.pixels_per_length) / 2.0
 
     def paint(self, snapshot: Snapshot) -> np.ndarray:
         """Return the picture of ``snapshot``, in an array that the next call reuses (a new one costs 3 ms)."""
         frame = self._frame
         for box in self._changing_boxes:
             frame[box.slices] = self._background[box.slices]
-        self._paint_channel(frame, snapshot)
+        self._paint_box(frame, snapshot)
         self._paint_profile(frame, snapshot)
         for label in self._changing_labels:
             label.paint(frame, snapshot.t)
@@ -68,30 +68,35 @@ class FramePainter:
         paint_text(frame, self.layout.error_label, error, self.layout.pixels(14), "right")
         return frame
 
-    def _paint_channel(self, frame: np.ndarray, snapshot: Snapshot) -> None:
-        rect, scale = self.layout.channel, self.layout.pixels_per_length
-        points = snapshot.x * scale, (self.channel.gap - snapshot.y) * scale
+    def _paint_box(self, frame: np.ndarray, snapshot: Snapshot) -> None:
+        rect, scale = self.layout.box, self.layout.pixels_per_length
+        width, height = self.scene.extent
+        points = snapshot.x * scale, (height - snapshot.y) * scale
         lowest, highest = self.quantity.colour_range
         share = (self.quantity.of_discs(snapshot) - lowest) / (highest - lowest)
         share = np.clip(np.nan_to_num(share, nan=1.0), 0.0, 1.0)  # a run that went wrong still gets its picture
-        panel, periodic = frame[rect.slices], self.layout.shown_length == self.channel.length
+        panel = frame[rect.slices]
+        periodic = self.layout.shown_length == width and self.scene.periodic[0], self.scene.periodic[1]
         for rows, coverage, mean in self._discs.means(points, share, periodic=periodic):
             entry = (256.0 * coverage + np.minimum(255.0 * mean + 0.5, 255.0)).astype(np.intp)
             panel[rows] = np.take(self._table, entry, axis=0)
 
     def _paint_profile(self, frame: np.ndarray, snapshot: Snapshot) -> None:
         panel = frame[self.layout.profile.slices][1:-1, 1:-1]
-        dots = self._profile_pixels(self.quantity.of_profile(snapshot), snapshot.y)
+        profile = self.quantity.profile
+        near = profile.line.near(snapshot)
+        dots = self._profile_pixels(profile.of(snapshot)[near], getattr(snapshot, profile.line.along)[near])
         blend(panel, self._dots.cover(dots), style.rgb(style.PARTICLES))
-        exact = self.quantity.exact(self._heights, snapshot.t)
-        line = dense_line(self._profile_pixels(exact, self._heights))
+        exact = profile.exact(*profile.line.points(self._coordinates), snapshot.t)
+        line = dense_line(self._profile_pixels(exact, self._coordinates))
         blend(panel, self._line.cover(line), style.rgb(style.EXACT))
 
-    def _profile_pixels(self, values: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _profile_pixels(self, values: np.ndarray, along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return columns and rows inside the profile panel, whose first pixel is on the axes' lines."""
         rect, (lowest, highest) = self.layout.profile, self.quantity.profile_range
+        first, last = self.quantity.profile.line.ends
         column = (values - lowest) / (highest - lowest) * rect.width - 1.0
-        return column, (1.0 - y / self.channel.gap) * rect.height - 1.0
+        return column, (1.0 - (along - first) / (last - first)) * rect.height - 1.0
 
 
 def _colour_table(colour_map: str) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Profiles at the samples: particles against exact curves, of the velocity, its error and the polymer's stresses."""
+"""Profiles at the samples: particles against exact curves along the lines of a scene, and their errors."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,8 +10,9 @@ from matplotlib.ticker import FuncFormatter
 
 from tisph.report import style
 from tisph.report.error_label import velocity_error_label
-from tisph.report.labels import MINUS, axis_exponent, axis_label, number, stress_unit, tick_text, velocity_unit
+from tisph.report.labels import MINUS, axis_exponent, axis_label, number, tick_text, unit_label
 from tisph.report.room import make_room
+from tisph.scenes._views import Profile
 from tisph.snapshot import Snapshot
 
 _DOTS = 400  # particles drawn a sample: more only hide each other
@@ -20,30 +21,31 @@ _LEGEND_ENTRIES = 12
 _MARKERS = "osD^v"
 _SMALLEST, _LARGEST = 3.5, 8.0  # markers: later samples have smaller ones, so that both show where curves coincide
 
+Panel = tuple[Profile, bool]
+"""A profile, and whether its error over its scale is shown."""
 
-def plot_profiles(path: Path | str, channel, snapshots: Sequence[Snapshot]) -> None:
-    """Write a PNG of u(y) at every snapshot with the exact curves, and of (u - u_exact) / reference velocity.
 
-    With polymer also of its shear stress S_xy and first normal stress difference N1 = S_xx - S_yy. ``channel`` is
-    the scene, which knows exact solution and units. Of more than twelve snapshots the legend names twelve, evenly
-    chosen.
+def plot_profiles(path: Path | str, scene, snapshots: Sequence[Snapshot]) -> None:
+    """Write a PNG of the profiles of ``scene`` at every snapshot with the exact curves, and of their errors.
+
+    There are two panels a row. Of more than twelve snapshots the legend names twelve, evenly chosen.
     """
+    panels = [(profile, error) for profile in scene.profiles() for error in (False, True) if profile.scale or not error]
+    rows = -(-len(panels) // 2)
     with style.plot_style():
-        figure = style.plot_figure(rows=2 if channel.polymer else 1)
-        grid = figure.subplots(2 if channel.polymer else 1, 2, sharey=True, squeeze=False)
+        figure = style.plot_figure(rows=rows)
+        grid = figure.subplots(rows, 2, sharey="row", squeeze=False)
         axes = grid.ravel()
         named = style.evenly_chosen(len(snapshots), _LEGEND_ENTRIES)
-        error_label = velocity_error_label(channel)
+        error_label = velocity_error_label(scene)
         looks = _looks(len(snapshots))
         for index, snapshot in enumerate(snapshots):
-            dots = _plot_velocity(axes[:2], channel, snapshot, looks[index])
-            if channel.polymer:
-                _plot_stresses(axes[2:], channel, snapshot, looks[index])
+            drawn = [_plot(one, panel, snapshot, looks[index]) for one, panel in zip(axes, panels, strict=True)]
             if index in named:
-                t_star = number(snapshot.t / channel.viscous_time, 3)
-                time = f"t = {number(snapshot.t)} {channel.units.time},  t* = {t_star}"
-                dots.set_label(f"{time},  {error_label(snapshot)}")
-        _label_axes(axes, channel)
+                t_star = number(snapshot.t / scene.time_scale, 3)
+                time = f"t = {number(snapshot.t)} {scene.units.time},  t* = {t_star}"
+                drawn[0].set_label(f"{time},  {error_label(snapshot)}".rstrip(", "))
+        _label_axes(axes, panels, scene)
         axes[0].plot([], [], "-", color=style.TEXT, linewidth=0.9, label="exact")
         legend = figure.legend(loc="lower center", ncols=3, frameon=False, fontsize=10)
         make_room(figure, grid, legend, below=True)
@@ -59,57 +61,39 @@ def _looks(count: int) -> list[dict]:
     ]
 
 
-def _plot_velocity(axes: Sequence[Axes], channel, snapshot: Snapshot, look: dict) -> Line2D:
-    """Draw velocity and error of one sample; return the dots of the velocity for the legend."""
-    chosen = _chosen(snapshot)
-    y, u = snapshot.y[chosen], snapshot.u[chosen]
-    heights = np.linspace(0.0, channel.gap, _CURVE_POINTS)
-    dots = _plot_dots_and_curve(axes[0], (u, y), (channel.exact_velocity(heights, snapshot.t), heights), look)
-    error = (u - channel.exact_velocity(y, snapshot.t)) / channel.reference_velocity
-    axes[1].plot(error, y, linestyle="", alpha=0.8, **{**look, "markersize": 0.7 * look["markersize"]})
+def _plot(axes: Axes, panel: Panel, snapshot: Snapshot, look: dict) -> Line2D:
+    """Draw one sample into one panel; return its dots."""
+    profile, error = panel
+    chosen = profile.line.particles(snapshot)
+    chosen = chosen[style.evenly_chosen(len(chosen), _DOTS)]
+    along, values = getattr(snapshot, profile.line.along)[chosen], profile.of(snapshot)[chosen]
+    if error:
+        exact = profile.exact(snapshot.x[chosen], snapshot.y[chosen], snapshot.t)
+        look = {**look, "markersize": 0.7 * look["markersize"]}
+        return axes.plot((values - exact) / profile.scale[0], along, linestyle="", alpha=0.8, **look)[0]
+    dots = axes.plot(values, along, linestyle="", **look)[0]
+    coordinates = profile.line.coordinates(_CURVE_POINTS)
+    exact = profile.exact(*profile.line.points(coordinates), snapshot.t)
+    axes.plot(exact, coordinates, "-", color=style.TEXT, linewidth=0.9)
     return dots
 
 
-def _plot_stresses(axes: Sequence[Axes], channel, snapshot: Snapshot, look: dict) -> None:
-    """Draw shear stress and first normal stress difference of one sample."""
-    chosen = _chosen(snapshot)
-    y = snapshot.y[chosen]
-    heights = np.linspace(0.0, channel.gap, _CURVE_POINTS)
-    normal_exact, shear_exact = channel.exact_polymer_stress(heights, snapshot.t)
-    normal = snapshot.stress_xx[chosen] - snapshot.stress_yy[chosen]
-    _plot_dots_and_curve(axes[0], (snapshot.stress_xy[chosen], y), (shear_exact, heights), look)
-    _plot_dots_and_curve(axes[1], (normal, y), (normal_exact, heights), look)
-
-
-def _chosen(snapshot: Snapshot) -> np.ndarray:
-    """Return the indices of the particles to draw, from bottom to top."""
-    order = np.argsort(snapshot.y, kind="stable")
-    return order[style.evenly_chosen(len(order), _DOTS)]
-
-
-def _plot_dots_and_curve(axes: Axes, dots: tuple, curve: tuple, look: dict) -> Line2D:
-    """Draw (values, heights) of particles and of the exact curve; return the particles' dots."""
-    drawn = axes.plot(*dots, linestyle="", **look)[0]
-    axes.plot(*curve, "-", color=style.TEXT, linewidth=0.9)
-    return drawn
-
-
-def _label_axes(axes: Sequence[Axes], channel) -> None:
-    speed, stress = velocity_unit(channel.units), stress_unit(channel.units)
-    names = [("u", speed), (f"(u {MINUS} u exact) / reference velocity U", "")]
-    names += [("polymer shear stress Sxy", stress), (f"first normal stress difference N1 = Sxx {MINUS} Syy", stress)]
-    for panel, (name, unit) in zip(axes, names, strict=False):
-        exponent = axis_exponent(float(np.max(np.abs(panel.dataLim.intervalx))))
-        panel.set_xlabel(axis_label(name, unit, exponent), parse_math=False)
-        _format(panel.xaxis, exponent)
-        panel.grid(True)
-        panel.locator_params(axis="x", nbins=7)
-    length_exponent = axis_exponent(channel.gap)
-    for panel in axes[::2]:
-        panel.set_ylabel(axis_label("y", channel.units.length, length_exponent), parse_math=False)
-        _format(panel.yaxis, length_exponent)
-    axes[0].set_ylim(0.0, channel.gap)
-    axes[1].axvline(0.0, color=style.MUTED, linewidth=0.8)
+def _label_axes(axes: Sequence[Axes], panels: Sequence[Panel], scene) -> None:
+    for index, (one, (profile, error)) in enumerate(zip(axes, panels, strict=True)):
+        name, unit = profile.name, unit_label(profile.unit, scene.units)
+        if error:
+            name, unit = f"({name} {MINUS} {name} exact) / {profile.scale[1]}", ""
+            one.axvline(0.0, color=style.MUTED, linewidth=0.8)
+        exponent = axis_exponent(float(np.max(np.abs(one.dataLim.intervalx))))
+        one.set_xlabel(axis_label(name, unit, exponent), parse_math=False)
+        _format(one.xaxis, exponent)
+        one.grid(True)
+        one.locator_params(axis="x", nbins=7)
+        if index % 2 == 0:
+            exponent = axis_exponent(profile.line.ends[1])
+            one.set_ylabel(axis_label(profile.line.along, scene.units.length, exponent), parse_math=False)
+            _format(one.yaxis, exponent)
+            one.set_ylim(*profile.line.ends)
 
 
 def _format(axis, exponent: int) -> None:

@@ -1,4 +1,4 @@
-"""What colours the particles of a movie and fills its profile panel: speed, or polymer shear stress."""
+"""What colours the particles of a movie and fills its profile panel, with names, units and ranges over the run."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from tisph.report import style
-from tisph.report.labels import stress_unit, velocity_unit
+from tisph.report.labels import unit_label
+from tisph.scenes._views import Profile
 from tisph.snapshot import Snapshot
 
-_TIMES, _HEIGHTS = 60, 101  # at which the exact solution is looked at
-_WALL_TIMES = 2000  # a wall that oscillates is looked at more often: it costs nothing, and there speeds peak
 _MARGIN = 0.08  # of the range of the profile panel, at both ends: overshoot stays in sight
 
 
@@ -19,9 +18,9 @@ _MARGIN = 0.08  # of the range of the profile panel, at both ends: overshoot sta
 class Quantity:
     """A quantity with its names, its unit and its ranges over the run.
 
-    ``colour_name``, ``colour_map`` and ``colour_range`` are for the discs, ``profile_name`` and
-    ``profile_range`` for the profile panel; ``of_discs`` and ``of_profile`` take both values from a snapshot,
-    arrays of shape (particles,), and ``exact`` the profile's exact values at heights and times.
+    ``colour_name``, ``colour_map`` and ``colour_range`` are for the discs, whose values ``of_discs`` takes from a
+    snapshot, array (particles,); ``profile`` and ``profile_range`` are for the profile panel. ``error`` names the field
+    whose error is given, in words; None for the velocity.
     """
 
     unit: str
@@ -29,69 +28,25 @@ class Quantity:
     colour_map: str
     colour_range: tuple[float, float]
     of_discs: Callable[[Snapshot], np.ndarray]
-    profile_name: str
+    profile: Profile
     profile_range: tuple[float, float]
-    of_profile: Callable[[Snapshot], np.ndarray]
-    exact: Callable[[np.ndarray, float], np.ndarray]
+    error: tuple[str, str] | None
 
 
-def quantity(name: str, channel, end: float) -> Quantity:
-    """Return the quantity that ``output.video.color_by`` calls ``name``, for a run of ``channel`` to time ``end``."""
-    return {"speed": _speed, "shear_stress": _shear_stress}[name](channel, end)
-
-
-def _speed(channel, end: float) -> Quantity:
-    ends = [*_extremes(channel.exact_velocity, channel, end), *_wall_extremes(channel, end)]
-    largest = _largest(ends, channel.reference_velocity)
+def quantity(name: str, scene, end: float) -> Quantity:
+    """Return the quantity that ``output.video.color_by`` calls ``name``, for a run of ``scene`` to time ``end``."""
+    shown = scene.shown(name, end)
+    largest = _largest(shown.ends, shown.otherwise)
     return Quantity(
-        unit=velocity_unit(channel.units),
-        colour_name="speed",
-        colour_map=style.COLOUR_MAP,
-        colour_range=(0.0, largest),
-        of_discs=lambda snapshot: np.hypot(snapshot.u, snapshot.v),
-        profile_name="u",
-        profile_range=_with_margin(ends, largest),
-        of_profile=lambda snapshot: snapshot.u,
-        exact=channel.exact_velocity,
+        unit=unit_label(shown.profile.unit, scene.units),
+        colour_name=shown.name,
+        colour_map=style.DIVERGING_MAP if shown.signed else style.COLOUR_MAP,
+        colour_range=(-largest if shown.signed else 0.0, largest),
+        of_discs=shown.of,
+        profile=shown.profile,
+        profile_range=_with_margin(shown.ends, largest),
+        error=shown.error,
     )
-
-
-def _shear_stress(channel, end: float) -> Quantity:
-    ends = _extremes(channel.exact_polymer_shear_stress, channel, end)
-    largest = _largest(ends, channel.dynamic_viscosity * channel.reference_velocity / channel.gap)
-    return Quantity(
-        unit=stress_unit(channel.units),
-        colour_name="polymer shear stress Sxy",
-        colour_map=style.DIVERGING_MAP,
-        colour_range=(-largest, largest),
-        of_discs=lambda snapshot: snapshot.stress_xy,
-        profile_name="polymer shear stress Sxy",
-        profile_range=_with_margin(ends, largest),
-        of_profile=lambda snapshot: snapshot.stress_xy,
-        exact=channel.exact_polymer_shear_stress,
-    )
-
-
-def _extremes(exact: Callable, channel, end: float) -> tuple[float, float]:
-    """Return the smallest and largest finite value that ``exact`` takes from the start of the run to ``end``.
-
-    More times early on, where a start changes fastest. Between the last two times lies 1/30 of the run: what
-    peaks there in between can pass the range by little.
-    """
-    times = channel.start_time + (end - channel.start_time) * np.linspace(0.0, 1.0, _TIMES) ** 2
-    heights = np.linspace(0.0, channel.gap, _HEIGHTS)
-    values = exact(heights[:, None], times[None, :])
-    values = values[np.isfinite(values)]
-    return float(values.min()), float(values.max())
-
-
-def _wall_extremes(channel, end: float) -> tuple[float, float]:
-    times = np.linspace(channel.start_time, end, _WALL_TIMES)
-    walls = (channel.bottom, channel.top)
-    velocities = np.concatenate([wall.velocity(times) for wall in walls])
-    if channel.start_time == 0.0:  # the liquid still has the velocity that a wall had before
-        velocities = np.append(velocities, [wall.before for wall in walls if wall.before is not None])
-    return float(velocities.min()), float(velocities.max())
 
 
 def _largest(ends: Sequence[float], otherwise: float) -> float:

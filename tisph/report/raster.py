@@ -41,13 +41,13 @@ class Discs:
         self._count = max(1, _CHUNK // len(self._offsets))
 
     def means(
-        self, points: Points, value: np.ndarray, *, periodic: bool
+        self, points: Points, value: np.ndarray, *, periodic: tuple[bool, bool]
     ) -> Iterator[tuple[slice, np.ndarray, np.ndarray]]:
         """Yield, for some rows of the panel at a time, coverage (0 to 255) and mean ``value`` (0 to 1), float64.
 
         Where discs meet, coverages add up to at most 255 and the value is the mean weighted by coverage, so the
-        picture does not depend on which disc is drawn last. With ``periodic``, what leaves the panel at one
-        side enters at the other; else it is cut off, as it always is at the top and bottom.
+        picture does not depend on which disc is drawn last. What leaves the panel at one side enters at the
+        other where it is ``periodic``, along columns and along rows; else it is cut off.
         """
         kept = self._touching(points)
         weight = np.rint(_SHARES * value[kept]) + _SHIFT
@@ -55,8 +55,10 @@ class Discs:
         for part, index, coverage in self._pixels((points[0][kept], points[1][kept])):
             coverage *= weight[part, None]
             np.add.at(flat, index.ravel(), coverage.ravel())
-        if periodic:
-            _wrap_margins(flat.reshape(self._margined), self._side, self.panel[1])
+        panel = flat.reshape(self._margined)
+        for along, wide, wraps in zip((panel, panel.T), reversed(self.panel), periodic, strict=True):
+            if wraps:
+                _wrap_margins(along, self._side, wide)
         total = self._inner(flat)
         for top in range(0, self.panel[0], _BAND):
             rows = slice(top, min(top + _BAND, self.panel[0]))

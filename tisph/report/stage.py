@@ -9,7 +9,6 @@ from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from tisph.report import style
-from tisph.report.error_label import loses_its_scale
 from tisph.report.labels import TIMES, axis_exponent, axis_label, number, tick_text, velocity_unit
 from tisph.report.layout import Layout, Rect
 from tisph.report.quantities import Quantity
@@ -17,23 +16,23 @@ from tisph.report.quantities import Quantity
 _PIXELS_PER_INCH = 72  # then matplotlib's points are pixels, and every size below is in pixels
 
 
-def draw_background(channel, layout: Layout, quantity: Quantity, title: str) -> np.ndarray:
+def draw_background(scene, layout: Layout, quantity: Quantity, title: str) -> np.ndarray:
     """Return the frame without particles and without labels on walls, uint8 of shape (height, width, 3).
 
     ``quantity`` is what colours the particles and fills the profile panel.
     """
     with style.plot_style():
-        figure = build_figure(channel, layout, quantity, title)
+        figure = build_figure(scene, layout, quantity, title)
         figure.canvas.draw()
         return np.ascontiguousarray(np.asarray(figure.canvas.buffer_rgba())[:, :, :3])
 
 
-def build_figure(channel, layout: Layout, quantity: Quantity, title: str) -> Figure:
+def build_figure(scene, layout: Layout, quantity: Quantity, title: str) -> Figure:
     """Return the background as a matplotlib figure, not drawn yet; arguments as for ``draw_background``."""
     figure = Figure((layout.width / _PIXELS_PER_INCH, layout.height / _PIXELS_PER_INCH), dpi=_PIXELS_PER_INCH)
     FigureCanvasAgg(figure)
-    stage = _Stage(figure, channel, layout)
-    stage.channel_axes()
+    stage = _Stage(figure, scene, layout)
+    stage.box_axes()
     stage.walls()
     stage.colour_bar(quantity)
     stage.profile_axes(quantity)
@@ -45,32 +44,35 @@ def build_figure(channel, layout: Layout, quantity: Quantity, title: str) -> Fig
 class _Stage:
     """The figure being drawn; ``overlay`` covers it all, in pixels from the top-left corner."""
 
-    def __init__(self, figure: Figure, channel, layout: Layout):
-        self.figure, self.channel, self.layout = figure, channel, layout
+    def __init__(self, figure: Figure, scene, layout: Layout):
+        self.figure, self.scene, self.layout = figure, scene, layout
         self.overlay = figure.add_axes((0, 0, 1, 1), xlim=(0, layout.width), ylim=(layout.height, 0))
         self.overlay.set_axis_off()
-        self.length_exponent = axis_exponent(max(layout.shown_length, channel.gap))
+        self.length_exponent = axis_exponent(max(layout.shown_length, scene.extent[1]))
 
-    def channel_axes(self) -> None:
-        """Axes of the channel: x below the lower wall, y at the left."""
-        layout, unit = self.layout, self.channel.units.length
-        axes = self._axes(layout.channel, (0.0, layout.shown_length), (0.0, self.channel.gap))
-        for name in ("top", "bottom"):
-            axes.spines[name].set_visible(False)
-        for name in ("left", "right"):
-            axes.spines[name].set(linestyle=(0, (4, 3)), color=style.MUTED)
-            axes.spines[name].set_position(("outward", layout.pixels(1)))  # beside the discs, not below them
-        axes.spines["bottom"].set_position(("outward", layout.wall_thickness))
-        self._ticks(axes, layout.channel, self.length_exponent, self.length_exponent)
+    def box_axes(self) -> None:
+        """Axes of the box: x below it, y at the left."""
+        layout, unit = self.layout, self.scene.units.length
+        width, height = self.scene.extent
+        axes = self._axes(layout.box, (0.0, layout.shown_length), (0.0, height))
+        beside = layout.pixels(1)  # the discs, not below them
+        for sides, periodic, walls in zip(
+            (("left", "right"), ("top", "bottom")), self.scene.periodic, (0, layout.wall_thickness), strict=True
+        ):
+            for side in sides:
+                axes.spines[side].set_visible(periodic)
+                axes.spines[side].set(linestyle=(0, (4, 3)), color=style.MUTED)
+                axes.spines[side].set_position(("outward", beside if periodic else walls))
+        self._ticks(axes, layout.box, self.length_exponent, self.length_exponent)
         label = axis_label("x", unit, self.length_exponent)
-        if layout.shown_length < self.channel.length:
-            shown, whole = number(layout.shown_length, 3), number(self.channel.length, 3)
-            label += f"     (shown: {shown} of {whole} {unit})"
+        if layout.shown_length < width:
+            label += f"     (shown: {number(layout.shown_length, 3)} of {number(width, 3)} {unit})"
         self._label(axes, label, axis_label("y", unit, self.length_exponent))
 
     def walls(self) -> None:
-        """Bars above and below the channel: hatched at rest, dark where they move."""
-        for bar, motion in ((self.layout.top_wall, self.channel.top), (self.layout.bottom_wall, self.channel.bottom)):
+        """Bars beside the box: hatched at rest, dark where they move."""
+        for side, motion in self.scene.walls:
+            bar = self.layout.wall(side)
             if motion.cosine or motion.sine:
                 self._bar(bar, facecolor=style.WALL_MOVING, linewidth=0)
             else:
@@ -86,15 +88,15 @@ class _Stage:
         self._label(axes, axis_label(quantity.colour_name, quantity.unit, exponent), None)
 
     def profile_axes(self, quantity: Quantity) -> None:
-        """Axes of the live profile: the quantity along, height across, as in the channel beside it."""
-        exponent = axis_exponent(quantity.colour_range[1])
-        axes = self._axes(self.layout.profile, quantity.profile_range, (0.0, self.channel.gap))
+        """Axes of the live profile: the quantity along, the coordinate of its line upwards."""
+        exponent, profile = axis_exponent(quantity.colour_range[1]), quantity.profile
+        axes = self._axes(self.layout.profile, quantity.profile_range, profile.line.ends)
         axes.grid(True, linewidth=self.layout.pixels(1))
         self._ticks(axes, self.layout.profile, exponent, self.length_exponent)
         self._label(
             axes,
-            axis_label(quantity.profile_name, quantity.unit, exponent),
-            axis_label("y", self.channel.units.length, self.length_exponent),
+            axis_label(profile.name, quantity.unit, exponent),
+            axis_label(profile.line.along, self.scene.units.length, self.length_exponent),
         )
 
     def legend(self) -> None:
@@ -119,12 +121,12 @@ class _Stage:
             name.set_text(title + "…")
 
     def _facts(self) -> list[str]:
-        channel = self.channel
-        facts = [f"Re = {number(channel.reynolds)}", f"{channel.columns} {TIMES} {channel.rows} particles"]
-        if channel.polymer:
-            facts.insert(1, f"Wi = {number(channel.weissenberg)}")
-        if loses_its_scale(channel):  # then errors are given as multiples of it
-            facts.insert(0, f"U = {number(channel.reference_velocity)} {velocity_unit(channel.units)}")
+        scene = self.scene
+        facts = [f"Re = {number(scene.reynolds)}", f"{scene.columns} {TIMES} {scene.rows} particles"]
+        if scene.polymer:
+            facts.insert(1, f"Wi = {number(scene.weissenberg)}")
+        if scene.loses_its_scale:  # then errors are given as multiples of it
+            facts.insert(0, f"U = {number(scene.reference_velocity)} {velocity_unit(scene.units)}")
         return facts
 
     def _axes(self, rect: Rect, x_range: tuple[float, float], y_range: tuple[float, float]) -> Axes:

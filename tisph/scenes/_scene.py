@@ -9,6 +9,8 @@ import math
 
 import numpy as np
 
+from tisph.scenes._views import Followed, Profile, Shown
+
 
 class Scene:
     """A liquid in the box 0 <= x <= width, 0 <= y <= height; every number in the config's units.
@@ -94,6 +96,11 @@ class Scene:
             return 0.0
         return self.polymer.relaxation_time * self.reference_velocity / self.reference_length
 
+    @property
+    def loses_its_scale(self):
+        """Whether the velocity crosses zero or dies away, so that an error relative to it says little."""
+        return False
+
     def in_own_frame(self):
         """The same scene as it is seen from a frame that moves with ``frame_velocity``."""
         return self
@@ -130,8 +137,8 @@ class Scene:
     def measures(self, snapshot, followed):
         """What ``summary.json`` gets of a sample beside the errors: numbers by name, None for what does not exist.
 
-        ``snapshot`` has its ``reference``, as far as there is one; ``followed`` is the pair of places and values of
-        what is followed in time.
+        ``snapshot`` has its ``reference``, as far as there is one; ``followed`` is the pair of ``Followed.places`` and
+        of what ``Followed.measure`` returns for it.
         """
         return {}
 
@@ -139,3 +146,19 @@ class Scene:
         """Sizes of the scene by name, for the files of a run."""
         width, height = self.extent
         return {"width": width, "height": height}
+
+    def facts(self):
+        """Pairs (label, text) of what the flow is, independent of particles, for ``tisph check``."""
+        raise NotImplementedError
+
+    def profiles(self) -> list[Profile]:
+        """What ``profiles.png`` shows."""
+        raise NotImplementedError
+
+    def followed(self, **settings) -> Followed:
+        """What ``history.csv`` and ``history.png`` show; ``settings`` are those of ``Config.followed``."""
+        raise NotImplementedError
+
+    def shown(self, name, end) -> Shown:
+        """What a movie to time ``end`` shows whose particles are coloured by ``name``."""
+        raise NotImplementedError

@@ -156,6 +156,11 @@ class Config(schema.Config):
         """Those of every scene, and the wall treatment."""
         return {"walls": self.walls.treatment, **super().members}
 
+    @property
+    def followed(self) -> dict[str, Any]:
+        """The tracers."""
+        return {"count": self.tracers.count, "x": self.tracers.x}
+
     def problems(self) -> Iterator[Problem]:
         """What the channel has against the config."""
         yield from _motion(self)

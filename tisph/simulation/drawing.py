@@ -62,10 +62,9 @@ def begin_pictures(folder, settings, channel):
     snapshots = read_samples(folder.samples)
     if snapshots:
         wanted["profiles"] = (snapshots,)
-    times, velocities = read_history(folder.history)
+    times, values = read_history(folder.history)
     if len(times):
-        heights = channel.tracer_positions(settings.tracers.count, settings.tracers.x)[1]
-        wanted["history"] = times, heights, velocities
+        wanted["history"] = settings.followed, times, values
     drawn = shared().ask("plots", described(channel)[0], wanted) if wanted else None
     return [Picture(paths[name], drawn, name) for name in wanted]
 

@@ -142,10 +142,10 @@ class Run:
         with replaced(self.folder.config) as new:
             new.write_text(self.resolved, encoding="utf-8")
         end = self.config.time.end
-        tracers = self.channel.tracer_positions(self.config.tracers.count, self.config.tracers.x)
+        followed = self.channel.followed(**self.config.followed)
         about = Description(self.config, self.channel)
         self.samples = Samples(self.folder.samples, self.channel, self.config.time.samples, resumed_at, about)
-        self.history = History(self.folder.history, self.channel, tracers, end, resumed_at, about)
+        self.history = History(self.folder.history, self.channel, followed, end, resumed_at, about)
         self.observers = [self.samples, self.history]
         if self.movie:
             times = frame_times(self.channel, end, self.config.output.video.frames)
@@ -187,7 +187,8 @@ class Run:
             *before, last = self.scheme.output_times(due) or [self.scheme.time]
             latest = self._snapshot(last)
             self.guard.check(latest)
-            self._record([time_ for time_ in self.history.schedule.pending(self.scheme.time) if time_ in before])
+            if self.history.followed.probes:
+                self._record([time_ for time_ in self.history.schedule.pending(self.scheme.time) if time_ in before])
             for time_ in before:
                 if any(observer.schedule.due(time_) for observer in self.observers):
                     self._show(self._snapshot(time_))
@@ -196,7 +197,7 @@ class Run:
     def _record(self, times):
         """Give the history its lines at ``times`` of the last step, from the particles around its tracers."""
         if times:
-            probes, velocity = self.history.probes, self.channel.frame_velocity
+            probes, velocity = self.history.followed.probes, self.channel.frame_velocity
             travelled = velocity * (np.array(times) - self.channel.start_time)
             when, x, y, u = self.scheme.around(times, probes.centre - travelled, probes.half_width)
             self.history.record(times, probes.velocities(len(times), when, x + travelled[when], y, u + velocity))

@@ -18,7 +18,7 @@ def summarise(job):
         "status": job.status,
         **({"message": job.message} if job.message else {}),
         "samples": [
-            sample_metrics(job.channel, snapshot, job.history.tracers(snapshot)) for snapshot in job.samples.snapshots
+            sample_metrics(job.channel, snapshot, job.history.reading(snapshot)) for snapshot in job.samples.snapshots
         ],
         "numbers": _numbers(job),
         "momentum": _momentum(job),

@@ -70,6 +70,16 @@ def _squared_errors(scene, snapshot):
     return np.square(values - exact).sum(axis=0) if len(exact) else None
 
 
+def field_error(scene, snapshot, field):
+    """L2 error sqrt(sum (f - f_exact)^2 / sum f_exact^2) of one field over the particles; None if that should be zero.
+
+    Of the pressure, of which only differences count, the mean of f - f_exact is taken away first.
+    """
+    exact = with_reference(scene, snapshot, (field,)).reference[field]
+    values = getattr(snapshot, field)
+    return relative_difference(values - np.mean(values - exact) if field == "pressure" else values, exact)
+
+
 def velocities(scene, snapshot):
     """Velocities and their references, arrays (components that have one, particles)."""
     names = [name for name in ("u", "v") if name in scene.fields]

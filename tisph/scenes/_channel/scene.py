@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from tisph.scenes._channel import views
 from tisph.scenes._channel.flow import NewtonianFlow, OldroydFlow
 from tisph.scenes._channel.layers import thinnest_layer
 from tisph.scenes._channel.measures import measures
@@ -204,6 +205,27 @@ class Channel(Scene):
     def measures(self, snapshot, followed):
         """Errors of stresses, lines through the tracers, centreline, wall shear; see ``measures.py``."""
         return measures(self, snapshot, followed)
+
+    @property
+    def loses_its_scale(self):
+        """Whether the velocity takes both signs at any time, or dies away."""
+        return views.loses_its_scale(self)
+
+    def profiles(self):
+        """Velocity and stresses across the channel."""
+        return views.profiles(self)
+
+    def followed(self, count, x="centre"):
+        """Velocities at tracers; arguments as ``tracer_positions``."""
+        return views.tracers(self, count, x)
+
+    def shown(self, name, end):
+        """Speed, or shear stress of a polymer."""
+        return views.shown(self, name, end)
+
+    def facts(self):
+        """Numbers of the flow and of what drives it."""
+        return views.facts(self)
 
     def description(self):
         """Gap and length."""

@@ -59,9 +59,9 @@ class Stepping:
 
     def records(self, times):
         """Write lines of the history: read the state, interpolate to the tracers, append."""
-        tracers = self.channel.tracer_positions(self.config.tracers.count, self.config.tracers.x)
+        followed = self.channel.followed(**self.config.followed)
         with tempfile.TemporaryDirectory() as folder:
-            history = History(Path(folder) / "history.csv", self.channel, tracers, self.config.time.end)
+            history = History(Path(folder) / "history.csv", self.channel, followed, self.config.time.end)
             history.observe(self.scheme.snapshot())  # what compiles, does so now
             seconds = _seconds_each(lambda: history.observe(self.scheme.snapshot()), times)
             return {"seconds": seconds, "bytes": history.path.stat().st_size / (times + 1)}

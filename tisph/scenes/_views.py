@@ -1,0 +1,116 @@
+"""What a scene wants looked at: along which lines, what is followed in time, what a movie shows."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+_TIMES, _POINTS = 60, 101  # at which a reference is looked at
+
+
+@dataclass(frozen=True)
+class Line:
+    """A straight line through the box ``along`` the axis ``x`` or ``y``, and the particles on it.
+
+    ``ends`` are the first and the last coordinate along the line. The particles on it are those no further than
+    ``half_width`` from ``place``, the other coordinate: all of them where nothing depends on that.
+    """
+
+    along: str
+    ends: tuple[float, float]
+    place: float
+    half_width: float = math.inf
+
+    def near(self, snapshot) -> np.ndarray | slice:
+        """Index of the particles on the line, in the order in which they are."""
+        if self.half_width == math.inf:
+            return slice(None)
+        across = getattr(snapshot, "x" if self.along == "y" else "y")
+        return np.abs(across - self.place) <= self.half_width
+
+    def particles(self, snapshot) -> np.ndarray:
+        """Indices of the particles on the line, in the order of their coordinate along it."""
+        chosen = np.arange(len(snapshot.x))[self.near(snapshot)]
+        return chosen[np.argsort(getattr(snapshot, self.along)[chosen], kind="stable")]
+
+    def coordinates(self, count: int) -> np.ndarray:
+        """``count`` evenly spaced coordinates from end to end."""
+        return np.linspace(*self.ends, count)
+
+    def points(self, coordinates) -> tuple[np.ndarray | float, np.ndarray | float]:
+        """Places (x, y) at ``coordinates`` along the line; they broadcast."""
+        return (coordinates, self.place) if self.along == "x" else (self.place, coordinates)
+
+
+@dataclass(frozen=True)
+class Profile:
+    """A quantity along a line: ``of`` takes it from a snapshot, array (particles,), ``exact`` is its reference.
+
+    ``exact`` takes places x and y and times, which broadcast. ``unit`` is a kind of unit that ``report/labels.py``
+    knows. With a ``scale`` (a value and its name) errors are shown over it.
+    """
+
+    name: str
+    unit: str
+    line: Line
+    of: Callable
+    exact: Callable
+    scale: tuple[float, str] | None = None
+
+    def extremes(self, start: float, end: float) -> tuple[float, float]:
+        """The smallest and largest finite value that the reference takes on the line from time ``start`` to ``end``.
+
+        More times early on, where a start changes fastest. Between the last two times lies 1/30 of the run: what
+        peaks there in between can pass the range by little.
+        """
+        times = start + (end - start) * np.linspace(0.0, 1.0, _TIMES) ** 2
+        places = self.line.points(self.line.coordinates(_POINTS)[:, None])
+        values = self.exact(*places, times[None, :])
+        values = values[np.isfinite(values)]
+        return float(values.min()), float(values.max())
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What colours the particles of a movie, and the profile beside them.
+
+    ``of`` takes the colours' quantity from a snapshot; with ``signed`` they go from minus to plus the largest size of
+    ``ends``, else from 0. ``ends`` are the smallest and largest value of the profile in the run, ``otherwise`` is its
+    size where both are 0. ``error`` names the field whose error is written beside it, in words; None for the velocity.
+    """
+
+    name: str
+    signed: bool
+    of: Callable
+    profile: Profile
+    ends: Sequence[float]
+    otherwise: float
+    error: tuple[str, str] | None = None
+
+
+@dataclass(frozen=True)
+class Followed:
+    """Numbers that are followed in time: ``measure`` takes them from a snapshot, array (numbers,).
+
+    ``content`` says in words what they are, ``places`` where they are read, if that is somewhere. ``columns`` are their
+    names in ``history.csv``, ``exact_columns`` those of their references, which ``exact`` returns for times (records,)
+    as an array (records, numbers), or None; ``labels`` are pairs for the legend: a name, and a value or None. ``name``
+    and ``unit`` are for the axis of the plot, ``scale`` is the size of the values, ``angular_frequency`` that of their
+    fastest oscillation, or 0. ``probes`` (``verification/interpolation.py``) read them from the particles around places,
+    if they are velocities at places: a scheme need not give the others then.
+    """
+
+    content: str
+    name: str
+    unit: str
+    scale: float
+    columns: Sequence[str]
+    labels: Sequence[str]
+    exact_columns: Sequence[str]
+    measure: Callable
+    exact: Callable
+    places: Sequence[float] = ()
+    angular_frequency: float = 0.0
+    probes: Any = None

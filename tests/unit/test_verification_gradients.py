@@ -1,0 +1,81 @@
+"""Velocity gradients and the spread of particles: exact on polynomials and lattices, and of the order they claim."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from tisph.verification.gradients import velocity_gradients
+from tisph.verification.spread import largest_hole, nearest_two
+
+WAVE = 2 * np.pi
+
+
+def box(rows, periodic=(True, True)):
+    return SimpleNamespace(extent=(1.0, 1.0), periodic=periodic, spacing=1.0 / rows)
+
+
+def scattered(rows, jitter=0.2, seed=0):
+    y, x = (np.indices((rows, rows)) + 0.5) / rows
+    shift = jitter / rows * np.random.default_rng(seed).uniform(-1.0, 1.0, (2, rows * rows))
+    return x.ravel() + shift[0], y.ravel() + shift[1]
+
+
+def snapshot(x, y, u, v):
+    return SimpleNamespace(x=x, y=y, u=u, v=v)
+
+
+@pytest.mark.parametrize("degree", [2, 4])
+def test_polynomials_are_differentiated_exactly(degree):
+    x, y = scattered(12, jitter=0.3)
+    u, v = x**degree - 2 * x * y, 3 * y**degree + x
+    found = velocity_gradients(box(12, periodic=(False, False)), snapshot(x, y, u, v), degree)
+    exact = degree * x ** (degree - 1) - 2 * y, -2 * x, 1.0, 3 * degree * y ** (degree - 1)
+    # velocities of order 1, fitted over a few spacings of 1/12 by matrices of condition numbers up to 1e6
+    assert [np.abs(one - other).max() < 1e-9 for one, other in zip(found, exact, strict=True)] == [True] * 4
+
+
+def gradient_error(rows, degree):
+    x, y = scattered(rows)
+    u, v = np.sin(WAVE * x) * np.cos(WAVE * y), np.cos(WAVE * (x + y))
+    found = velocity_gradients(box(rows), snapshot(x, y, u, v), degree)
+    exact = (
+        WAVE * np.cos(WAVE * x) * np.cos(WAVE * y),
+        -WAVE * np.sin(WAVE * x) * np.sin(WAVE * y),
+        -WAVE * np.sin(WAVE * (x + y)),
+        -WAVE * np.sin(WAVE * (x + y)),
+    )
+    return max(np.abs(one - other).max() for one, other in zip(found, exact, strict=True)) / WAVE
+
+
+@pytest.mark.parametrize("degree", [2, 4])
+def test_errors_fall_with_the_degree_across_periodic_edges(degree):
+    errors = [gradient_error(rows, degree) for rows in (16, 32, 64)]
+    # of random arrangements, whose worst place is another one each time: half an order of play
+    assert np.log2(errors[0] / errors[2]) / 2 > degree - 0.5
+
+
+def test_what_is_no_number_has_no_gradient():
+    x, y = scattered(12)
+    assert np.isnan(velocity_gradients(box(12), snapshot(x, y, np.full_like(x, np.nan), x))).all()
+
+
+@pytest.mark.parametrize("periodic", [(True, True), (True, False), (False, False)])
+def test_spread_of_a_lattice(periodic):
+    x, y = scattered(12, jitter=0.0)
+    scene = box(12, periodic)
+    # coordinates of order 1 round to 1e-16, distances are a twelfth
+    assert nearest_two(scene, snapshot(x, y, x, x)) == pytest.approx(1.0, rel=1e-13)
+    assert largest_hole(scene, snapshot(x, y, x, x)) == pytest.approx(np.sqrt(0.5), rel=1e-12)
+
+
+@pytest.mark.parametrize("place", [0, 77])
+def test_a_missing_particle_is_a_hole_wherever_it_is(place):
+    x, y = (np.delete(values, place) for values in scattered(12, jitter=0.0))
+    assert largest_hole(box(12), snapshot(x, y, x, x)) == pytest.approx(1.0, rel=1e-12)  # as above
+
+
+def test_the_nearest_two_are_found_across_an_edge():
+    x, y = scattered(12, jitter=0.0)
+    x[0], x[11] = 0.01, 0.99  # both of the lowest row
+    assert nearest_two(box(12), snapshot(x, y, x, x)) == pytest.approx(0.02 * 12, rel=1e-12)  # as above

@@ -1,0 +1,40 @@
+"""How evenly particles fill a box: the nearest two of them, and the largest hole between them."""
+
+import numpy as np
+
+from tisph.verification.gradients import periodic_tree
+
+MARGIN = 4.0
+"""Spacings by which a periodic box is continued: wider than any hole of a liquid that has not broken up."""
+
+
+def nearest_two(scene, snapshot):
+    """Smallest distance of two particles over the spacing; 1 on a lattice."""
+    tree, places = periodic_tree(scene, _places(snapshot))
+    return tree.query(places, 2)[0][:, 1].min() / scene.spacing
+
+
+def largest_hole(scene, snapshot):
+    """Radius over the spacing of the largest circle in the box without a particle; sqrt(1/2) on a lattice.
+
+    Its centre is a corner of the Voronoi cells of the particles. Where the box is not periodic, only circles around
+    centres in between particles count.
+    """
+    from scipy.spatial import Voronoi  # a fifth of a second to import, which only some runs need
+
+    sizes = np.asarray(scene.extent)
+    places = _places(snapshot) % np.where(scene.periodic, sizes, np.inf)
+    for axis in (0, 1):
+        if scene.periodic[axis]:
+            copies = [places + shift * sizes[axis] * np.eye(2)[axis] for shift in (-1, 0, 1)]
+            places = np.concatenate(copies)
+            near = np.abs(places[:, axis] - 0.5 * sizes[axis]) <= 0.5 * sizes[axis] + MARGIN * scene.spacing
+            places = places[near]
+    cells = Voronoi(places)
+    centres = cells.vertices[((cells.vertices >= 0) & (cells.vertices <= sizes)).all(axis=1)]
+    tree, _ = periodic_tree(scene, _places(snapshot))
+    return tree.query(centres % np.where(scene.periodic, sizes, np.inf))[0].max() / scene.spacing
+
+
+def _places(snapshot):
+    return np.stack([snapshot.x, snapshot.y], axis=1).astype(float)

@@ -29,6 +29,7 @@ def problems(config: Any) -> Iterator[Problem]:
     yield from _times(config)
     yield from _video(config)
     yield from _members(config)
+    yield from _scheme(config)
     too_large = list(_size(config))
     yield from too_large or lattice.problems(config)
 
@@ -68,8 +69,32 @@ def _video(config: Any) -> Iterator[Problem]:
 def _members(config: Any) -> Iterator[Problem]:
     """What the chosen members of families say: each may have a function ``problems(config)``."""
     for family, parameters in config.members.items():
-        find = getattr(families.load(family, parameters.type), "problems", None)
-        yield from find(config) if find else ()
+        yield from _said_by(family, parameters.type, config)
+
+
+def _said_by(family: str, name: str, config: Any) -> Iterator[Problem]:
+    find = getattr(families.load(family, name), "problems", None)
+    return find(config) if find else iter(())
+
+
+def _scheme(config: Any) -> Iterator[Problem]:
+    """What the scheme says, where it can have a box that is periodic as that of the scene is.
+
+    Which boxes a scheme can have is its literal ``PERIODIC``, pairs for x and y as in ``Config.periodic``.
+    """
+    chosen = config.scheme.type
+    if config.periodic in _boxes(chosen):
+        yield from _said_by("schemes", chosen, config)
+        return
+    able = [name for name in families.names("schemes") if config.periodic in _boxes(name)]
+    if able:
+        yield "scheme.type", f"has no box as that of {config.scene}; take {' or '.join(able)}"
+    else:
+        yield "scene", "no scheme can run it yet: they all need walls"
+
+
+def _boxes(scheme: str) -> list[tuple[bool, bool]]:
+    return families.constant("schemes", scheme, "PERIODIC")
 
 
 def _size(config: Any) -> Iterator[Problem]:

@@ -230,8 +230,8 @@ class Config(Model):
 
     @property
     def members(self) -> dict[str, Model]:
-        """Parameters of the chosen members by their family."""
-        return {"rheology": self.fluid.rheology, "schemes": self.scheme}
+        """Parameters of the chosen members by their family, but for the scheme."""
+        return {"rheology": self.fluid.rheology}
 
     @property
     def followed(self) -> dict[str, Any]:

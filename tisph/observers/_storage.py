@@ -122,12 +122,12 @@ def write_snapshot(group, snapshot):
 
 
 def read_snapshots(path, fields=FIELDS):
-    """Yield the snapshots in a file, in the order of time; fields other than ``fields`` are empty.
+    """Yield the snapshots in a file, in the order of time; fields other than ``fields`` may be missing, and are empty.
 
     ConfigError where the file is damaged.
     """
     with readable(path), h5py.File(path, "r") as file:
         for group in sorted(file.values(), key=lambda group: group.attrs["t"]):
-            stored = {name: group[name][...] if name in fields else np.empty(0) for name in FIELDS}
+            stored = {name: group[name][...] if name in fields or name in group else np.empty(0) for name in FIELDS}
             stored |= {name: group[name][...] for name in STRESSES if name in group}
             yield Snapshot(t=float(group.attrs["t"]), step=int(group.attrs["step"]), **stored)

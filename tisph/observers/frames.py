@@ -6,7 +6,7 @@ from tisph.observers._schedule import Schedule, even_times
 from tisph.observers._storage import Storage, read_snapshots
 
 FIELDS = ("x", "y", "u", "v", "stress_xy")
-"""What a movie may show; the stress is there only with polymer."""
+"""What every movie may show; the stress is there only with polymer."""
 
 DELAY = 1.0
 """Seconds of the clock after which a frame is in its file at the latest, if the next one comes: writing one at a time
@@ -18,14 +18,14 @@ class Frames:
 
     The stored frames let ``tisph render`` draw the movie again and an interrupted run go on with it; those up
     to ``resumed_at``, as far as there are any, are drawn first. ``flush`` belongs before a checkpoint: a run that goes
-    on from there has no other way to them.
+    on from there has no other way to them. ``more`` are fields beside ``FIELDS`` that this movie shows.
     """
 
-    def __init__(self, path, movie, times, resumed_at=None):
+    def __init__(self, path, movie, times, resumed_at=None, more=()):
         self.path = path
         self.movie = movie
         self.schedule = Schedule(times)
-        self.storage = Storage(path, "frame_{:05d}", FIELDS, np.float32, DELAY)
+        self.storage = Storage(path, "frame_{:05d}", (*FIELDS, *more), np.float32, DELAY)
         if resumed_at is not None:
             self.schedule.mark(resumed_at)
         self.storage.start(self._drawn_again(resumed_at))
@@ -63,7 +63,7 @@ def frame_times(channel, end, count):
 
 
 def read_frames(path):
-    """Yield the stored frames as snapshots; density and pressure, which no frame shows, are empty.
+    """Yield the stored frames as snapshots; fields that they do not show are empty.
 
     ConfigError where the file is damaged.
     """

@@ -25,7 +25,8 @@ ROOM = 256 * 2**20
 """Bytes that may wait for the process that draws: then the run waits for it."""
 
 _PROGRAM = "import sys; sys.path[:] = sys.argv[1:]; from tisph.report.artist import main; main()"
-_NOTHING = np.empty(0)
+_UNSEEN = {"density": np.empty(0), "pressure": np.empty(0), "stress_xx": None, "stress_yy": None}
+"""What stands for the fields of a snapshot that no picture shows, unless the scene says so."""
 
 
 class Studio:
@@ -105,12 +106,13 @@ class DistantMovie:
 
     def __init__(self, studio: Studio, path, channel, video, title: str, end: float):
         self._studio = studio
+        shown = channel.shown_fields(video.color_by)
+        self._unseen = {name: nothing for name, nothing in _UNSEEN.items() if name not in shown}
         studio.tell("movie", path, *described(channel, video), title, end)
 
     def add(self, snapshot) -> None:
         """Append the picture of ``snapshot``, some time."""
-        kept = {"density": _NOTHING, "pressure": _NOTHING, "stress_xx": None, "stress_yy": None}
-        self._studio.tell("frame", replace(snapshot, **kept))
+        self._studio.tell("frame", replace(snapshot, **self._unseen))
 
     def close(self) -> None:
         """Wait until the file is finished."""

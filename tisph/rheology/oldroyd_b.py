@@ -7,8 +7,7 @@ eta_s = solvent_fraction * eta acts as in a Newtonian liquid (J. G. Oldroyd, Pro
 523-541). S [mass/(length time^2)] is symmetric; d/dt follows a particle.
 """
 
-from collections.abc import Iterator
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator
 
@@ -33,14 +32,6 @@ class Parameters(Model):
     type: Literal["oldroyd_b"] = "oldroyd_b"
     relaxation_time: Positive
     solvent_fraction: Annotated[float, AfterValidator(_share)]
-
-
-def problems(config: Any) -> Iterator[tuple[str, str]]:
-    """Dotted key and text of everything in a config that this liquid cannot serve."""
-    for side in ("bottom", "top"):
-        if getattr(config.walls, side).amplitude is not None:
-            text = "no exact solution is built in for walls that oscillate in an Oldroyd-B liquid"
-            yield f"walls.{side}.amplitude", f"{text}: give a constant velocity, or fluid.rheology {{type: newtonian}}"
 
 
 @ti.data_oriented

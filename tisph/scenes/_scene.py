@@ -17,10 +17,14 @@ class Scene:
 
     Attributes that each scene has: ``density``, ``kinematic_viscosity`` (total), ``polymer`` (``_motion.Polymer``, or
     None), ``spacing`` of the particles and how many ``columns`` along x and ``rows`` along y there are at the start,
-    ``start_time`` of the run's clock, ``units`` with the labels for plots and tables.
+    ``units`` with the labels for plots and tables.
     """
 
     polymer = None
+
+    start_time = 0.0
+    """Time at which the run's clock starts."""
+
     acceleration = 0.0
     """Body acceleration along x."""
 
@@ -73,6 +77,11 @@ class Scene:
     def time_scale(self):
         """Time of the dimensionless time t* = t / this."""
         return self.reference_length / self.reference_velocity
+
+    @property
+    def viscous_time(self):
+        """Time reference length^2 / kinematic viscosity in which momentum diffuses that far."""
+        return self.reference_length**2 / self.kinematic_viscosity
 
     @property
     def reynolds(self):
@@ -158,6 +167,10 @@ class Scene:
     def followed(self, **settings) -> Followed:
         """What ``history.csv`` and ``history.png`` show; ``settings`` are those of ``Config.followed``."""
         raise NotImplementedError
+
+    def shown_fields(self, name):
+        """Fields of a snapshot that a movie coloured by ``name`` needs beside places, velocities and shear stress."""
+        return ()
 
     def shown(self, name, end) -> Shown:
         """What a movie to time ``end`` shows whose particles are coloured by ``name``."""

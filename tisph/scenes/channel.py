@@ -165,6 +165,7 @@ class Config(schema.Config):
         """What the channel has against the config."""
         yield from _motion(self)
         yield from _start(self)
+        yield from _polymer(self)
         video, rheology = self.output.video, self.fluid.rheology
         if video and video.color_by == "shear_stress" and not rheology.carries_stress:
             text = f"needs a rheology with a stress of its own, such as oldroyd_b; {rheology.type} has none"
@@ -210,3 +211,10 @@ def _start(config: Config) -> Iterator[Problem]:
         if state == "rest" and getattr(config.walls, side).velocity_before is not None:
             text = "is not allowed with initial.state rest, in which nothing moves before t = 0"
             yield f"walls.{side}.velocity_before", f"{text}: take state developed, or exact with a time"
+
+
+def _polymer(config: Config) -> Iterator[Problem]:
+    for side in ("bottom", "top"):
+        if config.fluid.rheology.carries_stress and getattr(config.walls, side).amplitude is not None:
+            text = "no exact solution is built in for walls that oscillate in an Oldroyd-B liquid"
+            yield f"walls.{side}.amplitude", f"{text}: give a constant velocity, or fluid.rheology {{type: newtonian}}"

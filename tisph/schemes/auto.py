@@ -9,6 +9,9 @@ from typing import Literal
 from tisph import families
 from tisph.config.base import Model
 
+PERIODIC = [(True, False)]
+"""Boxes that it can have, by whether they are periodic in x and y: those of what it chooses from."""
+
 STEPS = {"fast": (3e-4, 1.5), "balanced": (3e-5, 0.7), "high": (3e-7, 0.5)}
 """Tolerance of a step, and its largest strain, by accuracy."""
 

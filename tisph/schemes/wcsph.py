@@ -32,6 +32,9 @@ from tisph.schemes._stepper import Stepper
 from tisph.schemes._time_step import effective_viscosity, time_step_limits
 from tisph.snapshot import Snapshot
 
+PERIODIC = [(True, False)]
+"""Boxes that it can have, by whether they are periodic in x and y."""
+
 CONTROL_INTERVAL = 50
 """Steps between two looks at speeds and accelerations for the time step."""
 

@@ -148,8 +148,9 @@ class Run:
         self.history = History(self.folder.history, self.channel, followed, end, resumed_at, about)
         self.observers = [self.samples, self.history]
         if self.movie:
-            times = frame_times(self.channel, end, self.config.output.video.frames)
-            self.observers.append(Frames(self.folder.frames, self.movie, times, resumed_at))
+            video = self.config.output.video
+            times, more = frame_times(self.channel, end, video.frames), self.channel.shown_fields(video.color_by)
+            self.observers.append(Frames(self.folder.frames, self.movie, times, resumed_at, more))
         self.guard = Guard(self.channel)
         every = self.config.output.checkpoint_every
         self.next_checkpoint = self.scheme.time + every if every else math.inf

@@ -9,8 +9,6 @@ Source: P. Lancaster and K. Salkauskas, Math. Comput. 37 (1981) 141-158; weight:
 Math. 4 (1995) 389-396.
 """
 
-from functools import lru_cache
-
 import numpy as np
 
 NEIGHBOURS = {2: 18, 4: 44}
@@ -53,14 +51,17 @@ def _gradients(scene, tree, places, velocity, degree):
     fraction = distance / radius
     weight = (1 - fraction) ** 4 * (1 + 4 * fraction)
     along, across = (offset[..., axis] / radius for axis in (0, 1))
-    basis = np.stack([along**a * across**b for a, b in _powers(degree)], axis=1)
+    basis = np.stack(_terms(along, across, degree), axis=1)
     weighted = basis * weight[:, None]
     coefficients = np.linalg.solve(weighted @ basis.transpose(0, 2, 1), weighted @ velocity[near])
     slopes = coefficients[:, 1:3] / radius[:, :, None]  # (particles, along x or y, u or v)
     return slopes.transpose(2, 1, 0).reshape(4, -1)
 
 
-@lru_cache
-def _powers(degree):
-    """Exponents of x and y of the terms up to ``degree``: the constant, x, y, and then the rest."""
-    return [(total - b, b) for total in range(degree + 1) for b in range(total + 1)]
+def _terms(along, across, degree):
+    """Return the products of powers up to ``degree``: the constant, x, y, and then the rest."""
+    terms = last = [np.ones_like(along)]
+    for _ in range(degree):
+        last = [*(term * along for term in last), last[-1] * across]
+        terms = terms + last
+    return terms

@@ -120,13 +120,8 @@ class Channel(Scene):
         return self.polymer.relaxation_time / self.viscous_time if self.polymer else 0.0
 
     @property
-    def viscous_time(self):
-        """Time gap^2 / kinematic viscosity in which momentum diffuses across the channel; t* = t / this."""
-        return self.gap**2 / self.kinematic_viscosity
-
-    @property
     def time_scale(self):
-        """``viscous_time``."""
+        """``viscous_time``, in which momentum diffuses across the channel."""
         return self.viscous_time
 
     @property

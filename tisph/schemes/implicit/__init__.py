@@ -19,6 +19,9 @@ from tisph.schemes.implicit._walls import OBEY_MOMENTUM
 
 __all__ = ["Parameters", "Scheme", "estimates", "problems"]
 
+PERIODIC = [(True, False)]
+"""Boxes that it can have, by whether they are periodic in x and y."""
+
 LEAST_COLUMNS = math.ceil(3 * (max(SUPPORT.values()) + SKIN))
 
 

@@ -1,0 +1,274 @@
+"""Taylor-Green vortices in a doubly periodic box: liquid that turns, and that viscosity alone brings to rest.
+
+The box holds n x m periods; particles start at cell centres, (i + 1/2) spacing, or displaced at random, with the exact
+velocity. The liquid is a Newtonian one. See ``tisph/exact/taylor_green.py`` for the solution.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from tisph.config import schema
+from tisph.config.base import Model, Positive, Problem
+from tisph.exact import taylor_green
+from tisph.scenes._scene import Scene as AnyScene
+from tisph.scenes._views import Followed, Line, Profile, Shown
+from tisph.verification.gradients import velocity_gradients
+from tisph.verification.metrics import field_error, velocities
+from tisph.verification.spread import largest_hole, nearest_two
+
+Cells = Annotated[int, Field(ge=1, le=1000)]
+
+
+class Geometry(Model):
+    """Period of the vortices [length], and how many periods there are along x and y (``cells``)."""
+
+    length: Positive
+    cells: Annotated[tuple[Cells, Cells], Field(strict=False)] = (1, 1)
+
+
+class Initial(Model):
+    """Largest speed at t = 0 [length/time].
+
+    ``jitter``: uniform random displacement of every particle, +- that many spacings in x and y; the same ``seed`` gives
+    the same displacements.
+    """
+
+    velocity: Positive
+    jitter: Annotated[float, Field(ge=0, lt=0.5)] = 0.0
+    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
+
+
+class Config(schema.Config):
+    """A whole run of decaying vortices."""
+
+    geometry: Geometry
+    initial: Initial
+
+    periodic = (True, True)
+    across_name = "the period"
+    colours = ("speed", "vorticity", "pressure")
+
+    @property
+    def across(self) -> float:
+        """The period."""
+        return self.geometry.length
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Width and height of all periods."""
+        return tuple(number * self.geometry.length for number in self.geometry.cells)
+
+    def problems(self) -> Iterator[Problem]:
+        """What the scene has against the config."""
+        if self.fluid.rheology.carries_stress:
+            text = f"must be newtonian: of {self.fluid.rheology.type} the decay of these vortices is not known"
+            yield "fluid.rheology.type", text
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene(AnyScene):
+    """The vortices; every number in the config's units. ``speed`` is the largest one at t = 0."""
+
+    length: float
+    cells: tuple[int, int]
+    speed: float
+    density: float
+    kinematic_viscosity: float
+    spacing: float
+    columns: int
+    rows: int
+    units: Any
+
+    fields = ("u", "v", "pressure")
+
+    @classmethod
+    def from_config(cls, config):
+        """The scene that a validated config describes."""
+        return cls(
+            length=config.geometry.length,
+            cells=config.geometry.cells,
+            speed=config.initial.velocity,
+            density=config.fluid.density,
+            kinematic_viscosity=config.kinematic_viscosity,
+            spacing=config.spacing,
+            columns=config.columns,
+            rows=config.rows,
+            units=config.units,
+        )
+
+    @property
+    def extent(self):
+        """Width and height of all periods."""
+        return tuple(number * self.length for number in self.cells)
+
+    @property
+    def reference_length(self):
+        """The period."""
+        return self.length
+
+    @property
+    def reference_velocity(self):
+        """The largest speed at t = 0."""
+        return self.speed
+
+    def exact(self, field, x, y, t):
+        """Exact value of one of ``fields``; of zero mean for the pressure."""
+        if field == "pressure":
+            return taylor_green.pressure(x, y, t, density=self.density, **self._flow)
+        return taylor_green.velocity(x, y, t, **self._flow)["uv".index(field)]
+
+    def exact_vorticity(self, x, y, t):
+        """Exact vorticity dv/dx - du/dy (1/time)."""
+        return taylor_green.vorticity(x, y, t, **self._flow)
+
+    def initial(self, x, y):
+        """The exact velocity when the run starts."""
+        u, v = taylor_green.velocity(x, y, self.start_time, **self._flow)
+        return {"u": u, "v": v}
+
+    def measures(self, snapshot, followed):
+        """Numbers of a snapshot with its reference.
+
+        ``l2_pressure``: sqrt(sum (p-p_exact)^2 / sum p_exact^2), p - p_exact less its mean; ``kinetic_energy`` and
+        ``dissipation`` per mass, means over the box, each also ``_exact``; ``divergence_over_gradient``: largest
+        |div u| over the largest velocity gradient (Frobenius norm); ``momentum_drift``: size of the mean of u - u_exact
+        over U; ``nearest_two`` and ``largest_hole`` (``verification/spread.py``); ``density_variation`` = max
+        |density/density_0 - 1|.
+
+        Mean energy and dissipation are the exact ones times what the particles have over what the exact flow has at
+        their places: the scatter of a mean over places at random is not an error of the flow. Gradients are those of
+        ``verification/gradients.py``, whose own errors are about 1e-4 of the largest at 50 particles a period, and
+        fall with the fourth power of the spacing.
+        """
+        t, flow = snapshot.t, self._flow
+        slopes = velocity_gradients(self, snapshot)
+        values, exact = velocities(self, snapshot)
+        turning = np.sum(np.square(slopes[2] - slopes[1]))
+        exact_turning = np.sum(np.square(self.exact_vorticity(snapshot.x, snapshot.y, t)))
+        dissipation = taylor_green.dissipation(t, **flow)
+        return {
+            "l2_pressure": field_error(self, snapshot, "pressure"),
+            "kinetic_energy": self._kinetic_energy(snapshot),
+            "kinetic_energy_exact": taylor_green.kinetic_energy(t, **flow),
+            "dissipation": dissipation * turning / exact_turning,
+            "dissipation_exact": dissipation,
+            "divergence_over_gradient": np.max(np.abs(slopes[0] + slopes[3])) / np.max(np.linalg.norm(slopes, axis=0)),
+            "momentum_drift": np.linalg.norm(np.mean(values - exact, axis=1)) / self.speed,
+            "nearest_two": nearest_two(self, snapshot),
+            "largest_hole": largest_hole(self, snapshot),
+            "density_variation": np.max(np.abs(snapshot.density / self.density - 1)),
+        }
+
+    def description(self):
+        """Period and numbers of periods."""
+        return {"length": self.length, "cells": list(self.cells)}
+
+    def facts(self):
+        """Numbers of the flow."""
+        length, time = self.units.length, self.units.time
+        rate = taylor_green.dissipation(0.0, **self._flow) / taylor_green.kinetic_energy(0.0, **self._flow)
+        width, height = self.extent
+        return [
+            ("Reynolds number", f"{self.reynolds:.6g}  (U L / nu)"),
+            ("largest speed U", f"{self.speed:.6g} {length}/{time}"),
+            ("kinematic viscosity nu", f"{self.kinematic_viscosity:.6g} {length}^2/{time}"),
+            ("period L", f"{self.length:.6g} {length}, in a box of {width:.6g} x {height:.6g} {length}"),
+            ("velocities decay in", f"{2 / rate:.6g} {time}  (by a factor e: 1 / (2 nu k^2))"),
+        ]
+
+    def profiles(self):
+        """Velocities along the centre lines and pressure along the vertical one, with their errors."""
+        return [self._velocity("u", "y"), self._velocity("v", "x"), self._pressure()]
+
+    def shown_fields(self, name):
+        """The pressure, where it is shown."""
+        return ("pressure",) if name == "pressure" else ()
+
+    def followed(self):
+        """The kinetic energy."""
+        return Followed(
+            content="mean kinetic energy per mass over time t",
+            name="kinetic energy per mass",
+            unit="energy",
+            scale=taylor_green.kinetic_energy(0.0, **self._flow),
+            columns=["kinetic_energy"],
+            labels=[("mean over the box", None)],
+            exact_columns=["kinetic_energy_exact"],
+            measure=lambda snapshot: np.array([self._kinetic_energy(snapshot)]),
+            exact=lambda times: taylor_green.kinetic_energy(times, **self._flow)[:, None],
+        )
+
+    def shown(self, name, end):
+        """Speed with the velocity along the vertical centre line, or vorticity or pressure along it."""
+        if name == "speed":
+            profile, of = self._velocity("u", "y"), lambda snapshot: np.hypot(snapshot.u, snapshot.v)
+        elif name == "vorticity":
+            profile = self._vorticity()
+            of = profile.of
+        else:
+            profile = self._pressure()
+            of = profile.of
+        return Shown(
+            name=name,
+            signed=name != "speed",
+            of=of,
+            profile=profile,
+            ends=profile.extremes(self.start_time, end),
+            otherwise=1.0,  # these vortices never rest
+            error=("pressure", "p") if name == "pressure" else None,
+        )
+
+    @property
+    def _flow(self):
+        return {"length": self.length, "speed": self.speed, "kinematic_viscosity": self.kinematic_viscosity}
+
+    def _kinetic_energy(self, snapshot):
+        values, exact = velocities(self, snapshot)
+        return taylor_green.kinetic_energy(snapshot.t, **self._flow) * np.sum(values**2) / np.sum(exact**2)
+
+    def _line(self, along):
+        width, height = self.extent
+        end, place = (width, 0.5 * height) if along == "x" else (height, 0.5 * width)
+        return Line(along, (0.0, end), place, half_width=0.5 * self.spacing)
+
+    def _velocity(self, field, along):
+        return Profile(
+            name=field,
+            unit="velocity",
+            line=self._line(along),
+            of=lambda snapshot: getattr(snapshot, field),
+            exact=lambda x, y, t: self.exact(field, x, y, t),
+            scale=(self.speed, "largest speed U at the start"),
+        )
+
+    def _pressure(self):
+        def of(snapshot):
+            offset = np.mean(snapshot.pressure - self.exact("pressure", snapshot.x, snapshot.y, snapshot.t))
+            return snapshot.pressure - offset
+
+        return Profile(
+            name="p",
+            unit="stress",
+            line=self._line("y"),
+            of=of,
+            exact=lambda x, y, t: self.exact("pressure", x, y, t),
+            scale=(self.density * self.speed**2, "density U²"),
+        )
+
+    def _vorticity(self):
+        seen = [None, None]  # the last snapshot and its vorticity, which discs and profile both show
+
+        def of(snapshot):
+            if seen[0] is not snapshot:
+                slopes = velocity_gradients(self, snapshot, degree=2)
+                seen[:] = snapshot, slopes[2] - slopes[1]
+            return seen[1]
+
+        def exact(x, y, t):
+            return self.exact_vorticity(x, y, t)
+
+        return Profile(name="vorticity", unit="rate", line=self._line("y"), of=of, exact=exact)

@@ -7,10 +7,10 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Snapshot:
-    """Fluid particles at time ``t``, in the order of their creation (row by row from the bottom wall).
+    """Fluid particles at time ``t``, in the order of their creation (row by row from the bottom).
 
-    All arrays have shape (particles_fluid,) and the units of the config: positions ``x`` in [0, length) and
-    ``y`` in [0, gap], velocities ``u`` along and ``v`` across the channel, density, pressure; polymer stresses
+    All arrays have shape (particles_fluid,) and the units of the config: positions ``x`` and ``y`` in the box of the
+    scene, velocities ``u`` and ``v`` along them, density, pressure; polymer stresses
     [mass/(length time^2)] where the liquid has them, else None. ``reference``: arrays of the exact solution by the name
     of the field, where somebody has asked for them.
     """

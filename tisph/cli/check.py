@@ -102,7 +102,7 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
     length, time = config.units.length, config.units.time
     largest = "" if numbers["sound_speed"] else "at most "
     step = f"{largest}{numbers['time_step']:.4g} {time}, set by the {numbers['binding_limit']} limit"
-    spacing = f"{config.spacing:.6g} {length} ({config.particles_across} across, {config.columns} along)"
+    spacing = f"{config.spacing:.6g} {length} ({config.rows} across, {config.columns} along)"
     lines = [("scheme", numbers["scheme"])]
     if numbers["sound_speed"]:
         lines.append(("Mach number", f"{numbers['mach']:.4g}  (peak speed / c)"))

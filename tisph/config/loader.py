@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from tisph.config.fields import nearest
 from tisph.config.messages import describe
-from tisph.config.schema import Config
+from tisph.config.schema import Config, model_of
 from tisph.config.yaml_text import KeyPath, YamlTextError, in_one_line, parse
 from tisph.errors import ConfigError
 
@@ -94,7 +94,7 @@ def load(path: str | Path, overrides: Sequence[str] = ()) -> Config:
         source.override(text, rank)
     source.data.setdefault("name", _default_name(source.path))
     try:
-        return Config.model_validate(source.data)
+        return model_of(source.data).model_validate(source.data)
     except ValidationError as error:
         raise ConfigError(_message(error, source)) from None
 

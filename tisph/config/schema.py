@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable, Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
 
 from tisph import families
 from tisph.config import checks, yaml_text
@@ -134,6 +134,8 @@ class Config(Model):
     This is what all scenes have. The class ``Config`` of a scene's file adds its sections and says which of its numbers
     a resolution, a lattice and a movie go by; validated as this class, a config comes out as that of its scene.
     """
+
+    model_config = ConfigDict(defer_build=True)  # half of the time of reading a config, for the model of all scenes
 
     name: FolderName
     scene: member_name("scenes")

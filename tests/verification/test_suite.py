@@ -1,13 +1,20 @@
 """Runs against exact solutions: the bounds of the verification suite, one test each.
 
-The bounds and where they come from stand in ``tisph.verification.suite``. A run is simulated once, in a
-process of its own, when the first test asks for it.
+The bounds and where they come from stand in ``tisph.verification.suite``. A run is simulated once, when the first test
+asks for it, and all processes of the tests read what it left.
 """
 
 import pytest
+from filelock import FileLock
 
-from tisph.study.verify import Runner
+from tisph import config, simulation
+from tisph.errors import DivergedError
+from tisph.study import verify
+from tisph.study.processes import read_result, run_config
 from tisph.verification import suite
+
+HERE = {"runtime": {"threads": 1}, "output": {"video": None}}
+"""Of a run in the tests' own process. One thread gives the bits of several, and costs less beside other tests."""
 
 
 def checks(quick):
@@ -18,14 +25,43 @@ def checks(quick):
     ]
 
 
+def run_here(config_path, folder):
+    """Run one config in this process, without pictures; return what ``run_config`` does."""
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        monkeypatch.setattr("tisph.simulation.drawing.begin_pictures", lambda *_: [])
+        try:
+            simulation.run(config.load(config_path), folder)
+        except DivergedError as error:
+            return read_result(folder), str(error)
+    return read_result(folder), ""
+
+
 @pytest.fixture(scope="module")
-def quick_runner(tmp_path_factory):
-    return Runner(suite.runs(quick=True), tmp_path_factory.mktemp("quick"))
+def quick_runner(tmp_path_factory, worker_id):
+    """A Runner that shares its runs with those of other processes; repeated runs have a process of their own."""
+    folder = tmp_path_factory.getbasetemp()
+    shared = (folder if worker_id == "master" else folder.parent) / "quick suite"
+    shared.mkdir(exist_ok=True)
+
+    def run_once(config_path, folder):
+        name = config_path.stem
+        with FileLock(shared / f"{name}.lock"):
+            if (shared / name).exists():
+                return read_result(shared / name), ""
+            return (run_config if name.endswith("repeat") else run_here)(config_path, shared / name)
+
+    runs = {
+        name: settings if name.endswith("repeat") else {**settings, **HERE}
+        for name, settings in suite.runs(quick=True).items()
+    }
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        monkeypatch.setattr(verify, "run_config", run_once)
+        yield verify.Runner(runs, tmp_path_factory.mktemp("configs"))
 
 
 @pytest.fixture(scope="module")
 def full_runner(tmp_path_factory):
-    return Runner(suite.runs(quick=False), tmp_path_factory.mktemp("full"))
+    return verify.Runner(suite.runs(quick=False), tmp_path_factory.mktemp("full"))
 
 
 @pytest.mark.verification

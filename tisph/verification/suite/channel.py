@@ -75,7 +75,7 @@ def _quick_runs():
         "poiseuille": flows.POISEUILLE.at(),
         "poiseuille_25": coarse,
         "poiseuille_25_comoving": flows.POISEUILLE.at(across(25), treatment("comoving_image")),
-        "backflow": flows.BACKFLOW.at(),
+        "backflow": flows.BACKFLOW.at(across(25)),
         "oscillating_fast": flows.OSCILLATING_FAST.at(samples=(0.04,)),
     }
 

@@ -64,8 +64,8 @@ def _full_criteria():
 
 def _quick_runs():
     return {
-        "oldroyd_b_couette": flows.OLDROYD_B_COUETTE.at(samples=(0.5, 1.0)),
-        "oldroyd_b_poiseuille": flows.OLDROYD_B_POISEUILLE.at(samples=(0.5, 1.0)),
+        "oldroyd_b_couette": flows.OLDROYD_B_COUETTE.at(across(25), samples=(0.5, 1.0)),
+        "oldroyd_b_poiseuille": flows.OLDROYD_B_POISEUILLE.at(across(25), samples=(0.5, 1.0)),
         **_without_polymer(),
     }
 

@@ -148,7 +148,14 @@ def test_the_resolved_config_reproduces_the_run(run, finished, tmp_path):
 )
 def test_the_same_bits_whatever_is_observed_and_on_one_thread_or_two(run, tmp_path, choice):
     # 25 across: 625 particles, which two threads share; each particle is summed by one thread in list order
-    case = ["--set", "discretisation.particles_across=25", "--set", "time={end: 0.3, samples: [0.1, 0.3]}", "--set", choice]
+    case = [
+        "--set",
+        "discretisation.particles_across=25",
+        "--set",
+        "time={end: 0.3, samples: [0.1, 0.3]}",
+        "--set",
+        choice,
+    ]
     run(*case, "--set", "runtime.threads=1", out="one")
     run(*case, "--set", "runtime.threads=2", "--no-video", out="two")
     same_bits(samples(tmp_path / "one"), samples(tmp_path / "two"))

@@ -56,3 +56,38 @@ def test_reading_a_kernel_counts_once():
     assert after > before
     assert doubled(3.0) == 6.0
     assert runtime.compile_seconds() == after
+
+
+@ti.data_oriented
+class Counter:
+    """Adds to a number by kernels: with numbers as arguments, and with a result."""
+
+    def __init__(self):
+        self.total = runtime.scalar(0.0)
+
+    @ti.kernel
+    def add(self, times: ti.i32, what: float):
+        self.total[None] += times * what
+
+    @ti.kernel
+    def doubled(self) -> float:
+        return 2.0 * self.total[None]
+
+
+def test_a_kernel_that_is_launched_again_sees_its_arguments_and_its_object():
+    for _ in range(2):  # objects of a program that is gone are no concern of the next one
+        runtime.start("f64", 1)
+        one, other = Counter(), Counter()
+        for number in range(4):
+            one.add(number, 0.5)
+            other.add(1, -float(number))
+            assert one.doubled() == 2.0 * one.total[None]
+        assert (one.total[None], other.total[None]) == (3.0, -6.0)
+
+
+def test_a_launch_with_the_wrong_number_of_arguments_is_refused():
+    runtime.start("f64", 1)
+    counter = Counter()
+    counter.add(1, 1.0)
+    with pytest.raises(ValueError, match="argument"):
+        counter.add(1)

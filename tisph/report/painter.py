@@ -87,9 +87,10 @@ class FramePainter:
         near = profile.line.near(snapshot)
         dots = self._profile_pixels(profile.of(snapshot)[near], getattr(snapshot, profile.line.along)[near])
         blend(panel, self._dots.cover(dots), style.rgb(style.PARTICLES))
-        exact = profile.exact(*profile.line.points(self._coordinates), snapshot.t)
-        line = dense_line(self._profile_pixels(exact, self._coordinates))
-        blend(panel, self._line.cover(line), style.rgb(style.EXACT))
+        if profile.exact:
+            exact = profile.exact(*profile.line.points(self._coordinates), snapshot.t)
+            line = dense_line(self._profile_pixels(exact, self._coordinates))
+            blend(panel, self._line.cover(line), style.rgb(style.EXACT))
 
     def _profile_pixels(self, values: np.ndarray, along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return columns and rows inside the profile panel, whose first pixel is on the axes' lines."""

@@ -36,17 +36,20 @@ def plot_profiles(path: Path | str, scene, snapshots: Sequence[Snapshot]) -> Non
         figure = style.plot_figure(rows=rows)
         grid = figure.subplots(rows, 2, sharey="row", squeeze=False)
         axes = grid.ravel()
+        for left_over in axes[len(panels) :]:
+            left_over.set_axis_off()
         named = style.evenly_chosen(len(snapshots), _LEGEND_ENTRIES)
         error_label = velocity_error_label(scene)
         looks = _looks(len(snapshots))
         for index, snapshot in enumerate(snapshots):
-            drawn = [_plot(one, panel, snapshot, looks[index]) for one, panel in zip(axes, panels, strict=True)]
+            drawn = [_plot(one, panel, snapshot, looks[index]) for one, panel in zip(axes, panels, strict=False)]
             if index in named:
                 t_star = number(snapshot.t / scene.time_scale, 3)
                 time = f"t = {number(snapshot.t)} {scene.units.time},  t* = {t_star}"
                 drawn[0].set_label(f"{time},  {error_label(snapshot)}".rstrip(", "))
         _label_axes(axes, panels, scene)
-        axes[0].plot([], [], "-", color=style.TEXT, linewidth=0.9, label="exact")
+        if any(profile.exact for profile, _ in panels):
+            axes[0].plot([], [], "-", color=style.TEXT, linewidth=0.9, label="exact")
         legend = figure.legend(loc="lower center", ncols=3, frameon=False, fontsize=10)
         make_room(figure, grid, legend, below=True)
         style.save(figure, path)
@@ -72,14 +75,15 @@ def _plot(axes: Axes, panel: Panel, snapshot: Snapshot, look: dict) -> Line2D:
         look = {**look, "markersize": 0.7 * look["markersize"]}
         return axes.plot((values - exact) / profile.scale[0], along, linestyle="", alpha=0.8, **look)[0]
     dots = axes.plot(values, along, linestyle="", **look)[0]
-    coordinates = profile.line.coordinates(_CURVE_POINTS)
-    exact = profile.exact(*profile.line.points(coordinates), snapshot.t)
-    axes.plot(exact, coordinates, "-", color=style.TEXT, linewidth=0.9)
+    if profile.exact:
+        coordinates = profile.line.coordinates(_CURVE_POINTS)
+        exact = profile.exact(*profile.line.points(coordinates), snapshot.t)
+        axes.plot(exact, coordinates, "-", color=style.TEXT, linewidth=0.9)
     return dots
 
 
 def _label_axes(axes: Sequence[Axes], panels: Sequence[Panel], scene) -> None:
-    for index, (one, (profile, error)) in enumerate(zip(axes, panels, strict=True)):
+    for index, (one, (profile, error)) in enumerate(zip(axes, panels, strict=False)):
         name, unit = profile.name, unit_label(profile.unit, scene.units)
         if error:
             name, unit = f"({name} {MINUS} {name} exact) / {profile.scale[1]}", ""

@@ -36,7 +36,7 @@ def build_figure(scene, layout: Layout, quantity: Quantity, title: str) -> Figur
     stage.walls()
     stage.colour_bar(quantity)
     stage.profile_axes(quantity)
-    stage.legend()
+    stage.legend(quantity)
     stage.titles(title)
     return figure
 
@@ -99,12 +99,14 @@ class _Stage:
             axis_label(profile.line.along, self.scene.units.length, self.length_exponent),
         )
 
-    def legend(self) -> None:
+    def legend(self, quantity: Quantity) -> None:
         """Key to the profile, above it: data can be anywhere inside."""
         px, label = self.layout.pixels, self.layout.error_label
         left, row = self.layout.profile.left, label.top + label.height / 2
         self.overlay.plot([left + px(6)], [row], "o", color=style.PARTICLES, markersize=px(6))
         particles = self._text(left + px(15), row, "particles", size=14, va="center")
+        if quantity.profile.exact is None:
+            return
         start = self._right_end(particles) + px(16)
         self.overlay.plot([start, start + px(20)], [row, row], "-", color=style.EXACT, linewidth=px(2))
         self._text(start + px(26), row, "exact", size=14, va="center")

@@ -48,15 +48,15 @@ class Line:
 class Profile:
     """A quantity along a line: ``of`` takes it from a snapshot, array (particles,), ``exact`` is its reference.
 
-    ``exact`` takes places x and y and times, which broadcast. ``unit`` is a kind of unit that ``report/labels.py``
-    knows. With a ``scale`` (a value and its name) errors are shown over it.
+    ``exact`` takes places x and y and times, which broadcast; it is None where there is no reference. ``unit`` is a
+    kind of unit that ``report/labels.py`` knows. With a ``scale`` (a value and its name) errors are shown over it.
     """
 
     name: str
     unit: str
     line: Line
     of: Callable
-    exact: Callable
+    exact: Callable | None = None
     scale: tuple[float, str] | None = None
 
     def extremes(self, start: float, end: float) -> tuple[float, float]:

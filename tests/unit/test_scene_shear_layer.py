@@ -1,0 +1,136 @@
+"""The double shear layer: a start that is divergence-free and smooth, and numbers and pictures without a reference."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from tisph.config import load
+from tisph.errors import ConfigError
+from tisph.observers.history import History, read_history
+from tisph.observers.samples import Samples, read_samples
+from tisph.report.history import plot_history
+from tisph.report.painter import FramePainter
+from tisph.report.profiles import plot_profiles
+from tisph.scenes.shear_layer import Scene
+from tisph.simulation.start import start_snapshot, start_values
+from tisph.verification.metrics import sample_metrics
+
+GOOD = """\
+scene: shear_layer
+fluid: {density: 2.0, kinematic_viscosity: 1.0e-3}
+geometry: {length: 2.0}
+initial: {velocity: 0.5, thickness: 0.08}
+discretisation: {particles_across: 60}
+time: {end: 4.0}
+"""
+
+
+@pytest.fixture
+def case(tmp_path, monkeypatch):
+    """Return a function that loads the good config with overrides, as if there were a scheme for it."""
+    monkeypatch.setattr("tisph.config.checks._scheme", lambda config: iter(()))
+    path = tmp_path / "case.yaml"
+    path.write_text(GOOD)
+    return lambda *overrides: load(path, overrides)
+
+
+@pytest.fixture
+def scene(case):
+    return Scene.from_config(case())
+
+
+@pytest.fixture
+def start(scene):
+    return start_snapshot(scene, start_values(scene, SimpleNamespace(seed=0, jitter=0.2)), "f64")
+
+
+def test_scales(scene):
+    assert scene.reynolds == pytest.approx(1000.0, rel=1e-15)
+    assert (scene.time_scale, scene.particles, scene.fields) == (4.0, 3600, ())
+
+
+def test_the_start_is_divergence_free_and_smooth_across_the_edges(scene):
+    """u depends on y alone and v on x alone; where the two halves meet, values agree and slopes are next to nothing."""
+    x, y = np.meshgrid(np.linspace(0.0, 2.0, 7), np.linspace(0.0, 2.0, 9))
+    fields = scene.initial(x, y)
+    assert np.all(fields["u"] == fields["u"][:, :1])
+    assert np.all(fields["v"] == fields["v"][:1])
+    step = 1e-6
+    ends = scene.initial(0.0, np.array([0.0, step, 2.0 - step, 2.0, 1.0 - step, 1.0, 1.0 + step]))["u"]
+    assert ends[0] == ends[3]
+    assert ends[1] == pytest.approx(ends[2], rel=1e-12)
+    assert ends[4] == pytest.approx(ends[6], rel=1e-12)
+    slopes = np.abs(np.diff(ends)[[0, 2, 4, 5]]) / step
+    assert slopes.max() < 1e-4 * scene.speed / scene.thickness  # 4 exp(-2 L/(4 d)) = 1.5e-5, with room for rounding
+
+
+def test_numbers_of_the_start(scene, start):
+    found = sample_metrics(scene, start, scene.followed())
+    assert (found["l2"], found["rms"], found["linf"]) == (None, None, None)
+    assert (found["t_star"], found["resolved"]) == (0.0, True)
+    # mean of tanh^2 over a stream of width L/2 is 1 - 4 d/L, of the perturbation e^2/2; 3600 places at random
+    expected = 0.5 * 0.5**2 * (1 - 4 * 0.08 / 2.0 + 0.05**2 / 2)
+    assert found["kinetic_energy"] == pytest.approx(expected, rel=5e-3)
+    # mean of sech^4 is 8 d/(3 L) of (U/d)^2, and of the cosine; 2.4 spacings in a layer resolve it to some per cent
+    square = (0.5 / 0.08) ** 2 * 8 * 0.08 / (3 * 2.0) + 0.5 * (0.05 * 0.5 * np.pi) ** 2
+    assert found["dissipation"] == pytest.approx(1e-3 * square, rel=0.05)
+    assert found["divergence_over_gradient"] < 0.05
+    assert abs(found["mean_u"]) < 0.01 * scene.speed
+    assert 0.5 < found["nearest_two"] < 1.0
+    assert 0.7 < found["largest_hole"] < 1.0
+
+
+def test_thin_layers_are_not_resolved(case):
+    scene = Scene.from_config(case("initial.thickness=0.05"))
+    start = start_snapshot(scene, start_values(scene, SimpleNamespace(seed=0, jitter=0.0)), "f64")
+    found = sample_metrics(scene, start, scene.followed())
+    assert found["reason"].startswith("the shear layer of the start is 1.5 spacings thin")
+
+
+def test_files_and_pictures_do_without_a_reference(scene, start, tmp_path):
+    history = History(tmp_path / "history.csv", scene, scene.followed(), 4.0)
+    history.observe(start)
+    history.close()
+    assert (tmp_path / "history.csv").read_text().splitlines()[0] == "t,kinetic_energy,resolved"
+    plot_history(tmp_path / "history.png", scene, {}, *read_history(tmp_path / "history.csv"))
+    samples = Samples(tmp_path / "samples.h5", scene, [0.0])
+    samples.observe(start)
+    samples.close()
+    plot_profiles(tmp_path / "profiles.png", scene, read_samples(tmp_path / "samples.h5"))
+    assert Image.open(tmp_path / "profiles.png").size == (1320, 720)
+
+
+@pytest.mark.parametrize("color_by", ["speed", "vorticity"])
+def test_the_movie_shows_the_layers(scene, start, color_by):
+    video = SimpleNamespace(fps=25, width=640, height=320, color_by=color_by)
+    painter = FramePainter(scene, video, "layers", 4.0)
+    assert painter._error_label(start) == ""
+    panel = painter.paint(start)[painter.layout.box.slices].astype(float)
+    bands = np.array([band.mean(axis=(0, 1)) for band in np.array_split(panel, 20)])  # of three rows of particles
+    layers, streams = bands[[4, 5, 14, 15]], bands[[0, 9, 10, 19]]
+    # colours of the layers are other than those of the streams between them, which are alike
+    assert np.abs(layers[:, None] - streams[None]).max(axis=2).min() > 30
+    assert np.abs(streams - streams.mean(axis=0)).max() < 10
+
+
+BAD = [
+    ("initial.thickness=0.1", "initial.thickness = 0.1: must be at most 0.0833333, 1/24 of the side"),
+    ("initial.thickness=0", "initial.thickness = 0: must be greater than 0"),
+    ("initial.perturbation=1.0", "initial.perturbation = 1.0: must be less than 1"),
+    ("initial.jitter=0.5", "initial.jitter = 0.5: must be less than 0.5"),
+    ("geometry.cells=[2, 1]", "geometry.cells = [2, 1]: unknown key; allowed: length"),
+    ("discretisation={spacing: 0.03}", "must divide the side 2"),
+    ("time.samples=[5.0]", "must be inside the run, 0 to 4"),
+    ("output.video.color_by=pressure", "must be 'speed' or 'vorticity'"),
+    ("fluid.rheology={type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.5}", "must be newtonian"),
+]
+
+
+@pytest.mark.parametrize(("override", "wanted"), BAD, ids=[override[:60] for override, _ in BAD])
+def test_bad_input_is_named(case, override, wanted):
+    with pytest.raises(ConfigError) as caught:
+        case(override)
+    assert wanted in str(caught.value)
+    assert "\n" not in str(caught.value)

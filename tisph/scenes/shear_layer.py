@@ -1,0 +1,215 @@
+"""Double shear layer in a doubly periodic square: two opposite streams that roll up into vortices, at any time.
+
+With the period L, the thickness d of the layers and the perturbation e, the run starts with
+
+    u = U tanh((y - L/4)/d) below y = L/2, U tanh((3L/4 - y)/d) above it,    v = e U sin(2 pi x/L).
+
+The layers wrap up into a vortex each, and strain what lies between. No solution is known.
+
+Source: J. B. Bell, P. Colella and H. M. Glaz, J. Comput. Phys. 85 (1989) 257-283, section 5; D. L. Brown and M. L.
+Minion, J. Comput. Phys. 122 (1995) 165-183 (thick layers: L/30 at a Reynolds number of 1e4; thin ones: L/100).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from tisph.config import schema
+from tisph.config.base import Model, Positive, Problem
+from tisph.scenes import _turning
+from tisph.scenes._scene import Scene as AnyScene
+from tisph.scenes._views import Followed, Profile, Shown
+
+THICKEST = 1 / 24
+"""Thickness of a layer over the period above which the streams have a kink: tanh' = 1e-5 of the largest between."""
+
+ROLLING_UP = 1.25
+"""Room in axes and colours for what the vortices add to the speed of the streams, as a factor."""
+
+
+class Geometry(Model):
+    """Side of the square [length]."""
+
+    length: Positive
+
+
+class Initial(Model):
+    """Speed of the streams [length/time], ``thickness`` of the layers [length], ``perturbation`` over the speed.
+
+    ``jitter``: uniform random displacement of every particle, +- that many spacings in x and y; the same ``seed`` gives
+    the same displacements.
+    """
+
+    velocity: Positive
+    thickness: Positive
+    perturbation: Annotated[float, Field(gt=0, lt=1)] = 0.05
+    jitter: Annotated[float, Field(ge=0, lt=0.5)] = 0.0
+    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
+
+
+class Config(schema.Config):
+    """A whole run of shear layers."""
+
+    geometry: Geometry
+    initial: Initial
+
+    periodic = (True, True)
+    across_name = "the side"
+    colours = ("speed", "vorticity")
+
+    @property
+    def across(self) -> float:
+        """The side."""
+        return self.geometry.length
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Width and height."""
+        return self.geometry.length, self.geometry.length
+
+    def problems(self) -> Iterator[Problem]:
+        """What the scene has against the config."""
+        largest = THICKEST * self.geometry.length
+        if self.initial.thickness > largest:
+            text = f"must be at most {largest:.6g}, 1/24 of the side"
+            yield "initial.thickness", f"{text}: streams must be even between the layers"
+        if self.fluid.rheology.carries_stress:
+            yield "fluid.rheology.type", "must be newtonian: this scene has no start for the stress of a polymer"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene(AnyScene):
+    """The layers; every number in the config's units. ``speed`` is that of the streams."""
+
+    length: float
+    speed: float
+    thickness: float
+    perturbation: float
+    density: float
+    kinematic_viscosity: float
+    spacing: float
+    columns: int
+    rows: int
+    units: Any
+
+    @classmethod
+    def from_config(cls, config):
+        """The scene that a validated config describes."""
+        return cls(
+            length=config.geometry.length,
+            speed=config.initial.velocity,
+            thickness=config.initial.thickness,
+            perturbation=config.initial.perturbation,
+            density=config.fluid.density,
+            kinematic_viscosity=config.kinematic_viscosity,
+            spacing=config.spacing,
+            columns=config.columns,
+            rows=config.rows,
+            units=config.units,
+        )
+
+    @property
+    def extent(self):
+        """Width and height."""
+        return self.length, self.length
+
+    @property
+    def reference_length(self):
+        """The side."""
+        return self.length
+
+    @property
+    def reference_velocity(self):
+        """The speed of the streams."""
+        return self.speed
+
+    @property
+    def peak_velocity(self):
+        """The speed that the vortices may add to, roughly."""
+        return ROLLING_UP * self.speed
+
+    def thinnest_layer(self, t):
+        """The layers as they are at the start: what they lack then comes at no later time."""
+        return self.thickness, "the shear layer of the start"
+
+    def initial(self, x, y):
+        """Velocities when the run starts."""
+        from_layer = np.where(y <= 0.5 * self.length, y - 0.25 * self.length, 0.75 * self.length - y)
+        u = self.speed * np.tanh(from_layer / self.thickness)
+        return {"u": u, "v": self.perturbation * self.speed * np.sin(2 * np.pi * x / self.length)}
+
+    def measures(self, snapshot, followed):
+        """Numbers of a snapshot: means over the particles, and those of ``_turning.measures``.
+
+        ``kinetic_energy`` and ``dissipation`` per mass; ``mean_u``, ``mean_v``: the velocity of all liquid, 0 at first.
+        """
+        square, others = _turning.measures(self, snapshot)
+        return {
+            "kinetic_energy": _kinetic_energy(snapshot),
+            "dissipation": self.kinematic_viscosity * square,
+            "mean_u": np.mean(snapshot.u),
+            "mean_v": np.mean(snapshot.v),
+            **others,
+        }
+
+    def description(self):
+        """Side and thickness of the layers."""
+        return {"length": self.length, "thickness": self.thickness}
+
+    def facts(self):
+        """Numbers of the flow."""
+        length, time = self.units.length, self.units.time
+        spacings = f"{self.thickness / self.spacing:.3g} spacings"
+        return [
+            ("Reynolds number", f"{self.reynolds:.6g}  (U L / nu)"),
+            ("speed U of the streams", f"{self.speed:.6g} {length}/{time}"),
+            ("kinematic viscosity nu", f"{self.kinematic_viscosity:.6g} {length}^2/{time}"),
+            ("side L", f"{self.length:.6g} {length}"),
+            ("thickness of a layer", f"{self.thickness:.6g} {length}, {spacings}"),
+        ]
+
+    def profiles(self):
+        """Velocities along the centre lines."""
+        return [self._velocity("u", "y"), self._velocity("v", "x")]
+
+    def followed(self):
+        """The kinetic energy."""
+        return Followed(
+            content="mean kinetic energy per mass over time t",
+            name="kinetic energy per mass",
+            unit="energy",
+            scale=0.5 * self.speed**2,
+            columns=["kinetic_energy"],
+            labels=[("mean over the particles", None)],
+            exact_columns=[],
+            measure=lambda snapshot: np.array([_kinetic_energy(snapshot)]),
+            exact=lambda times: None,
+        )
+
+    def shown(self, name, end):
+        """Speed with the velocity along the vertical centre line, or vorticity along it."""
+        largest = self.speed * ROLLING_UP
+        if name == "speed":
+            profile, of = self._velocity("u", "y"), lambda snapshot: np.hypot(snapshot.u, snapshot.v)
+        else:
+            of, largest = _turning.vorticity(self), largest / self.thickness
+            profile = Profile(name="vorticity", unit="rate", line=_turning.centre_line(self, "y"), of=of)
+        return Shown(
+            name=name,
+            signed=name != "speed",
+            of=of,
+            profile=profile,
+            ends=(-largest, largest),
+            otherwise=largest,
+        )
+
+    def _velocity(self, field, along):
+        line = _turning.centre_line(self, along)
+        return Profile(name=field, unit="velocity", line=line, of=lambda snapshot: getattr(snapshot, field))
+
+
+def _kinetic_energy(snapshot):
+    return 0.5 * np.mean(np.square(snapshot.u) + np.square(snapshot.v))

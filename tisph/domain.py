@@ -1,5 +1,6 @@
 """The channel as the kernels see it: sizes, wall velocities and drive, as numbers that are not compiled in."""
 
+from tisph.periodic import nearest, wrapped
 from tisph.runtime import scalar, ti, view
 
 
@@ -11,6 +12,8 @@ class Domain:
     their fields do not. Wall velocities are those of the time last given to ``move_on``. ``columns`` is the number of
     spacings in the length, which no kernel may read: it would be compiled in.
     """
+
+    open_across = False
 
     def __init__(self, channel):
         self.driven = channel.acceleration != 0.0
@@ -66,13 +69,14 @@ class Domain:
     @ti.func
     def nearest(self, dx):
         """Return the difference ``dx`` of two x coordinates to the nearest periodic copy."""
-        length = self.length[None]
-        forth = ti.select(dx > 0.5 * length, dx - length, dx)
-        return ti.select(forth < -0.5 * length, forth + length, forth)
+        return nearest(dx, self.length[None])
+
+    @ti.func
+    def shortest(self, apart):
+        """Return the vector ``apart`` between two places to the nearest periodic copy."""
+        return ti.Vector([nearest(apart.x, self.length[None]), apart.y])
 
     @ti.func
     def wrapped(self, x):
         """Return ``x`` moved by whole lengths into [0, length)."""
-        length = self.length[None]
-        inside = x - ti.floor(x / length) * length
-        return ti.select(inside < length, inside, 0.0)
+        return wrapped(x, self.length[None])

@@ -27,6 +27,7 @@ def used(field):
 class Points:
     """Places of all points, of which fluid particle i has slot i and ghost k slot ``most`` + k.
 
+    ``domain`` is that of a channel or a ``PeriodicBox``, without ghosts; there places must be inside the box.
     ``particles`` and ``ghosts`` are their numbers at present; there is ``room`` for ghosts. ``most``, ``slots`` and the
     ``sentinel`` after them depend on a rung of the ladder of sizes alone: they may be compiled in, ``fluid`` may not.
     Neighbours of the fluid within ``reach`` are ``table[i, k]``, k < ``count[i]``. With ``mirrors`` the table goes on
@@ -44,8 +45,9 @@ class Points:
         # counted in spacings, of which length and gap are whole numbers: no cell is lost to rounding
         columns = int(channel.columns * channel.spacing / reach * (1 + 1e-12))
         rows = max(1, int(channel.rows * channel.spacing / reach * (1 + 1e-12)))
-        if columns < 3:
-            raise ValueError(f"{columns} cells along x: a pair and its periodic copy would both be listed")
+        if columns < 3 or (domain.open_across and rows < 3):
+            axis = f"{columns} cells along x" if columns < 3 else f"{rows} cells along y"
+            raise ValueError(f"{axis}: a pair and its periodic copy would both be listed")
         self.columns, self.rows = integer(columns), integer(rows)
         mean = math.pi * (reach / channel.spacing) ** 2
         self.capacity = math.ceil((ROOM * mean + LANES) / LANES) * LANES
@@ -128,6 +130,15 @@ class Points:
         return row
 
     @ti.func
+    def around(self, row):
+        """Return the row of cells that stands for ``row`` of 0 .. rows + 1: its copy inside where there is no wall."""
+        level = row
+        if ti.static(self.domain.open_across):
+            rows = self.rows[None]
+            level = ti.select(row == 0, rows, ti.select(row > rows, 1, row))
+        return level
+
+    @ti.func
     def gather(self, i, place, end):
         """Fill row ``i`` of the table with the points before ``end`` around ``place``; return how many it needed.
 
@@ -135,7 +146,8 @@ class Points:
         """
         columns, column, row = self.columns[None], self.column_of(place.x), self.row_of(place.y, 0)
         found = 0
-        for near in range(row - 1, row + 2):
+        for level in range(row - 1, row + 2):
+            near = self.around(level)
             first, last = ti.max(column - 1, 0), ti.min(column + 2, columns)
             for _ in range(ti.select(column == 0 or column == columns - 1, 2, 1)):
                 begin = self.start[near * columns + first + 1]
@@ -155,8 +167,7 @@ class Points:
         limit = self.reach_squared[None]
         for s in range(first, last):
             j = self.order[s]
-            apart = self.place[j] - place
-            apart.x = self.domain.nearest(apart.x)
+            apart = self.domain.shortest(self.place[j] - place)
             self.table[i, ti.min(found, self.capacity - 1)] = j
             near = ti.cast(apart.dot(apart) < limit, ti.i32) * ti.cast(j != i, ti.i32)
             found += near * ti.cast(j < end, ti.i32)
@@ -165,9 +176,7 @@ class Points:
     @ti.func
     def separation(self, i, j):
         """Return the vector from point ``i`` to point ``j``, to its nearest periodic copy."""
-        apart = self.place[j] - self.place[i]
-        apart.x = self.domain.nearest(apart.x)
-        return apart
+        return self.domain.shortest(self.place[j] - self.place[i])
 
     def listed(self, rows):
         """Return the table of the chosen ``rows`` and where it holds points and no left-overs, (chosen, capacity)."""

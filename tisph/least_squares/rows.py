@@ -52,16 +52,16 @@ LAPLACIAN, ALONG, ACROSS = range(3)
 class LeastSquaresRows:
     """Rows ``laplacian[i, k]``, ``along[i, k]`` (d/dx) and ``across[i, k]`` (d/dy) of the neighbours ``points`` lists.
 
-    What lies beyond ``support`` weighs nothing. Where order 4 is singular order 2 takes over, where that is singular
-    too the rows are zero: ``reduced`` and ``dropped`` count them.
+    What lies beyond ``support`` weighs nothing. Where order 4 is singular, by a pivot below ``smallest_pivot``, order 2
+    takes over, where that is singular too the rows are zero: ``reduced`` and ``dropped`` count them.
     ``diagonal[i]``: minus the sum of ``laplacian[i, k]``, what it gives particle i of its own value.
 
     What is to be compiled for one thread: ``serial``: everything, loops of assembly too; ``serial_light``: loops over
     the particles that apply a row or do less; ``serial_numbers``: those that only go over a few numbers of each.
     """
 
-    def __init__(self, points, support, order):
-        self.points = points
+    def __init__(self, points, support, order, smallest_pivot=SMALLEST_PIVOT):
+        self.points, self.smallest_pivot = points, smallest_pivot
         self.serial = points.serial
         self.serial_light = self.serial or points.most <= FEW
         self.serial_numbers = self.serial or points.most <= FEW_NUMBERS
@@ -144,7 +144,7 @@ class LeastSquaresRows:
         wanted = block * BLOCK + ti.Vector(self.lanes) < particles
         for attempt in range(2):
             first = attempt * (self.unknowns - LOWEST)
-            singular = self.eliminate(worker, block, first) < SMALLEST_PIVOT
+            singular = self.eliminate(worker, block, first) < self.smallest_pivot
             self.substitute(worker, first)
             for operator, unknown in ti.ndrange(3, self.unknowns):
                 found = self.solution[worker, operator, unknown]

@@ -1,0 +1,86 @@
+"""Weights of steps of any length, and how long steps are."""
+
+import math
+
+import numpy as np
+import pytest
+
+from tisph.schemes._splitting._control import LARGEST_FACTOR, StepControl
+from tisph.schemes._splitting._series import Times
+
+STEPS = [0.3, 0.25, 0.2, 0.28]
+NOW = 1.7
+
+
+@pytest.fixture
+def times():
+    return Times(STEPS, STEPS[0])
+
+
+def values(function, first=0):
+    """Values at the ends of the steps before now, newest first."""
+    return function(NOW - np.cumsum(STEPS))
+
+
+def test_differences_of_third_order_are_exact_for_cubics(times):
+    leading, back = times.backwards()
+    rate = (leading * NOW**3 - back @ values(lambda t: t**3)) / STEPS[0]
+    assert rate == pytest.approx(3 * NOW**2, rel=1e-12)
+    assert back[3] == 0.0
+
+
+def test_differences_of_equal_steps_are_those_of_the_books():
+    leading, back = Times([0.1] * 4, 0.1).backwards()
+    assert leading == pytest.approx(11 / 6, rel=1e-12)
+    assert back == pytest.approx([3, -3 / 2, 1 / 3, 0], abs=1e-12)
+
+
+def test_the_path_is_exact_for_cubic_velocities(times):
+    way = times.path() @ values(lambda t: t**3)
+    assert way == pytest.approx((NOW**4 - (NOW - STEPS[0]) ** 4) / 4, rel=1e-12)
+
+
+def test_values_between_are_exact_for_cubics(times):
+    assert times.at(0.1, 4) @ values(lambda t: t**3) == pytest.approx((NOW - 0.1) ** 3, rel=1e-12)
+    assert times.ahead(2) @ values(lambda t: 2 * t)[:2] == pytest.approx(2 * NOW, rel=1e-12)
+
+
+def test_values_that_are_not_known_yet_weigh_nothing():
+    weights = Times([0.1, 0.1], 0.1).path()
+    assert weights == pytest.approx([0.15, -0.05, 0, 0], abs=1e-12)
+
+
+def test_the_error_is_that_of_the_differences(times):
+    # of t^4, whose error the differences of third order make in a step: (rate of the differences - rate) h / g
+    leading, back = times.backwards()
+    before = values(lambda t: t**4)
+    found = (back @ before + STEPS[0] * 4 * NOW**3) / leading
+    error, order = times.error(NOW**4 - times.ahead(4) @ before, leading, 1.0)
+    assert order == 3
+    assert error == pytest.approx(abs(found - NOW**4), rel=1e-9)
+
+
+def test_steps_grow_by_half_at_most_and_land_on_every_target():
+    control = StepControl(0.0, [0.33, 1.0, 1.5], tolerance=1e-3)
+    control.begin(0.1)
+    time, met, before = 0.0, [], math.inf
+    while not control.finished:
+        length = control.length(time)
+        assert length <= LARGEST_FACTOR * before * (1 + 1e-12)
+        assert length <= 0.1 * (1 + 1e-12)
+        assert control.accepts(0.0, 3, length)
+        time, before, left = control.end(time, length), length, len(control.targets)
+        control.step_taken(time, 0.1)
+        if len(control.targets) < left:
+            met.append(time)
+    assert met == [0.33, 1.0, 1.5]
+
+
+def test_a_step_with_too_large_an_error_is_taken_again_and_shorter():
+    control = StepControl(0.0, [10.0], tolerance=1e-3)
+    control.begin(1.0)
+    length = control.length(0.0)
+    assert not control.accepts(1.6e-2, 3, length)
+    assert control.length(0.0) == pytest.approx(0.9 * 0.5 * length, rel=1e-12)
+    control.tolerance = None
+    assert control.accepts(1e3, 3, length)

@@ -1,0 +1,1 @@
+"""The implicit scheme where the flow turns and a pressure arises."""

@@ -1,0 +1,239 @@
+"""Steps of the implicit scheme where the flow turns: predict the end, assemble the operators there, solve, shift."""
+
+import math
+
+import numpy as np
+
+from tisph.errors import DivergedError
+from tisph.least_squares.lattice import Lattice
+from tisph.least_squares.rows import LeastSquaresRows
+from tisph.neighbours.points import Points, used
+from tisph.periodic import PeriodicBox
+from tisph.runtime import real, ti, view
+from tisph.schemes._room import clustered
+from tisph.schemes._splitting._control import StepControl
+from tisph.schemes._splitting._history import PRESSURES, VELOCITIES, History
+from tisph.schemes._splitting._series import Times
+from tisph.schemes._splitting._shift import Shift
+from tisph.schemes._splitting._split import Split
+from tisph.snapshot import Snapshot
+
+SUPPORT = 2.9
+"""Radius of the rows in particle spacings. Below it a lattice that the flow stretches makes them singular before it has
+broken up; above it the pressure has larger errors."""
+
+SMALLEST_PIVOT = 1e-3
+"""Of the rows: those of order 2, which would take over, are worse than any of order 4 that can be solved for."""
+
+SKIN = 0.1
+"""Room, in particle spacings, for the pairs that shifting brings together after they were listed."""
+
+DECAY = 0.3, 4.0
+"""Where steps are short divergence decays at the rate 0.3 nu/spacing^2 + 2 U/spacing. A larger second number moves
+errors from the velocities to the pressure, a smaller one the other way."""
+
+COURANT = 0.3
+"""Longest step over the time in which the fastest particle goes one spacing."""
+
+TOLERANCE = 2e-6
+"""Of a step."""
+
+SMALLEST_SPEED = 0.5
+"""Part of the reference velocity below which steps and errors refer to this and no more to the present velocities."""
+
+PRESSURE_RESIDUAL, VELOCITY_RESIDUAL = 1e-6, 1e-10
+"""Of the linear systems. That of the velocities adds up from step to step."""
+
+ROUNDING = 30.0
+"""The least residual that is asked for, in units of the rounding error."""
+
+MOST_ATTEMPTS = 20
+
+TIDYING = 100
+"""Steps after which particles that have become neighbours are brought near one another in memory, too. Once a flow has
+mixed 1e5 of them a step takes 1.7 times as long without."""
+
+HOST_STATE = ("time", "steps", "rejected", "shortest", "longest", "reduced", "dropped", "lengths", "iterations")
+"""Attributes of a Scheme that change while it runs."""
+
+
+class Scheme:
+    """Particles in a periodic box, advanced step by step; ``time`` and ``steps`` tell how far.
+
+    ``flow`` is a ``PeriodicFlow``; ``targets`` are times that steps end on exactly. ``serial`` compiles loops without
+    threads. ``tolerance`` is that of a step's error over the velocity, None for steps of the Courant number alone.
+    """
+
+    def __init__(self, flow, targets, serial, tolerance=TOLERANCE, courant=COURANT):
+        self.flow, self.courant = flow, courant
+        self.points = Points(flow, PeriodicBox(flow.length, flow.gap), (SUPPORT + SKIN) * flow.spacing, 0, serial)
+        self.rows = LeastSquaresRows(self.points, SUPPORT * flow.spacing, 4, SMALLEST_PIVOT)
+        self.lattice = Lattice(self.points, flow)
+        self.shift = Shift(self.points, flow.spacing)
+        self.history = History(self.rows, self.shift)
+        self.split = Split(self.history, self.lattice, flow.spacing)
+        self.control = StepControl(flow.start_time, targets, tolerance)
+        least = ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
+        self.residuals = max(PRESSURE_RESIDUAL, least), max(VELOCITY_RESIDUAL, least)
+        self.reset()
+
+    def reset(self):
+        """Go back to before the first step."""
+        self.time = self.flow.start_time
+        self.steps = self.rejected = self.reduced = self.dropped = 0
+        self.shortest, self.longest = math.inf, 0.0
+        self.lengths, self.iterations = [], [0.0, 0.0]
+
+    def start(self, position, velocity):
+        """Place the particles, (particles, 2) arrays, and find the pressure of their velocities."""
+        used(self.history.position)[...] = position
+        used(self.history.carried)[...] = 0.0
+        used(self.history.carried)[:, :2] = velocity
+        used(self.history.number)[...] = np.arange(len(position))
+        view(self.history.path)[...] = 0.0
+        self.assemble()
+        self.history.measure()
+        self.require_solution(self.split.begin(self.residuals[0]))
+        self.control.begin(self.longest_step)
+
+    @property
+    def speed(self):
+        """Largest velocity relative to the mean: what steps and errors refer to."""
+        return max(float(view(self.history.fastest)), SMALLEST_SPEED * self.flow.reference_velocity)
+
+    @property
+    def longest_step(self):
+        """Step that the Courant number allows at the present velocities."""
+        return self.courant * self.flow.spacing / self.speed
+
+    @property
+    def finished(self):
+        """Whether the last target is reached."""
+        return self.control.finished
+
+    def advance(self):
+        """Take one step, in as many attempts as its error asks for; raise DivergedError where none succeeds."""
+        for _ in range(MOST_ATTEMPTS):
+            length = self.control.length(self.time)
+            error, order = self.attempt(length)
+            if self.control.accepts(error / self.speed, order, length):
+                break
+            self.rejected += 1
+        self.conclude(length)
+
+    def attempt(self, length):
+        """Compute the velocities at the end of a step; return their estimated error, and of which order it is."""
+        times = Times([length, *self.lengths], length)
+        view(self.history.path)[...] = times.path()
+        self.assemble()
+        leading, back = times.backwards()
+        view(self.split.back)[...] = back
+        view(self.split.ahead)[...] = times.ahead(VELOCITIES)
+        view(self.split.ahead_pressure)[...] = times.ahead(PRESSURES)
+        nu, spacing = self.flow.kinematic_viscosity, self.flow.spacing
+        rate = DECAY[0] * nu / spacing**2 + DECAY[1] * self.speed / spacing
+        kept = max(0.0, leading - rate * length)
+        self.require_solution(self.split.solve(leading, length, nu, kept, self.residuals))
+        error = self.split.error()
+        if not math.isfinite(error):
+            self.require_solution(False)
+        return times.error(error, leading, self.speed)
+
+    def assemble(self):
+        """Put the points where they are at the end of a step and compute the operators there."""
+        self.history.predict()
+        self.points.find_neighbours()
+        needed = self.points.overflow()
+        if needed:
+            raise clustered(f"neighbours of a particle ({needed})", self.steps + 1, self.time)
+        self.rows.assemble()
+        self.lattice.sort()
+
+    def require_solution(self, found):
+        """Raise DivergedError where the linear systems have none."""
+        if not found:
+            text = f"the linear systems cannot be solved at step {self.steps + 1}, t = {self.time:.6g}"
+            raise DivergedError(f"u, v, pressure: {text}")
+
+    def conclude(self, length):
+        """Take up the new velocities, measure them, and shift the particles."""
+        self.split.take_up()
+        self.history.measure()
+        self.shift.spread(self.steps == 0)
+        self.history.settle()
+        if (self.steps + 1) % TIDYING == 0:
+            self.history.tidy()
+        self.time = self.control.end(self.time, length)
+        self.lengths = [length, *self.lengths][: VELOCITIES - 1]
+        self.control.step_taken(self.time, self.longest_step)
+        self.steps += 1
+        self.shortest, self.longest = min(self.shortest, length), max(self.longest, length)
+        self.reduced += int(view(self.rows.reduced))
+        self.dropped += int(view(self.rows.dropped))
+        self.iterations[0] += self.split.pressure.iterations
+        self.iterations[1] += self.split.velocity.iterations
+
+    def output_times(self, due):
+        """Return the times at which there is a snapshot, of those that are ``due``: all, since steps are dense."""
+        return due
+
+    def snapshot(self, time=None):
+        """Return the state at ``time``, within the last step, or now, as a Snapshot.
+
+        It lies on the polynomial through what the particles carry.
+        """
+        time = self.time if time is None else time
+        created = np.argsort(used(self.history.number))
+        carried = used(self.history.carried)[created].astype(float)
+        position = used(self.history.position)[created].astype(float)
+        velocities = carried[:, : 2 * VELOCITIES].reshape(len(carried), VELOCITIES, 2)
+        pressure = carried[:, 2 * VELOCITIES]
+        velocity = velocities[:, 0]
+        if time != self.time:
+            times, age = Times([0.0, *self.lengths], self.lengths[0]), self.time - time
+            velocity = np.einsum("a,iac->ic", times.at(age, VELOCITIES), velocities)
+            position = position - np.einsum("a,iac->ic", times.since(age), velocities)
+            pressure = carried[:, 2 * VELOCITIES :] @ times.at(age, PRESSURES)
+        return Snapshot(
+            t=time,
+            step=self.steps,
+            x=position[:, 0] % self.flow.length,
+            y=position[:, 1] % self.flow.gap,
+            u=velocity[:, 0],
+            v=velocity[:, 1],
+            density=np.full(len(position), self.flow.density),
+            pressure=self.flow.density * (pressure - pressure.mean()),
+        )
+
+    def numbers(self):
+        """Return what ``summary.json`` says about this scheme."""
+        return {
+            "mach": 0.0,
+            "sound_speed": None,
+            "particles_wall": 0,
+            "neighbours_mean": self.points.mean_length(),
+            "steps_rejected": self.rejected,
+            "order_reduced": self.reduced,
+            "neighbourhoods_dropped": self.dropped,
+            "divergence": self.history.residual,
+            "iterations_pressure": self.iterations[0] / max(self.steps, 1),
+            "iterations_velocity": self.iterations[1] / max(self.steps, 1),
+        }
+
+    def parts(self):
+        """Return everything whose fields a resumed run needs, by name."""
+        return {"history": self.history}
+
+    def host_state(self):
+        """Return the numbers outside the fields that a resumed run needs."""
+        return {**{name: getattr(self, name) for name in HOST_STATE}, "control": vars(self.control)}
+
+    def restore_host_state(self, state):
+        """Take up the numbers of ``host_state``."""
+        for name in HOST_STATE:
+            setattr(self, name, state[name])
+        vars(self.control).update(state["control"])
+
+    def aim(self, targets):
+        """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""
+        return self.control.aim(targets, self.time)

@@ -1,0 +1,142 @@
+"""One step of the velocities: what they were, then the pressure, then the viscous forces.
+
+G. E. Karniadakis, M. Israeli, S. A. Orszag, J. Comput. Phys. 97 (1991) 414-443, along the paths of the particles, where
+nothing is convected: with backward differences g u - sum_j a_j u^(n+1-j) of steps of any length,
+
+    u^ = sum_j a_j u^(n+1-j),    L p = (D u^ - k g d^n) / h,    (g - h nu L) u^(n+1) = u^ - h G p,
+
+all operators being those of the arrangement at the end of the step. L p is the Laplacian itself, not D G p, which on
+particles has spurious modes; so the divergence d of the velocities is not quite 0, and where steps are short asking for
+0 anew in each would let pressures grow like 1/h. Hence k: divergence decays at a rate of its own instead.
+"""
+
+import math
+
+from tisph.least_squares.multilevel import MultilevelSolver
+from tisph.runtime import holding, real, scalar, ti, view
+from tisph.schemes._splitting._history import PRESSURES, VELOCITIES
+
+ROUGH = 1.0
+"""Viscous number h nu/(g spacing^2) up to which the diagonal is preconditioner enough."""
+
+
+@ti.data_oriented
+class Split:
+    """Computes ``end`` and ``pressure`` of a step from what the particles carry, with weights set beforehand.
+
+    ``back``: the a_j; ``ahead``, ``ahead_pressure``: of the values expected at the end, where solvers begin and what
+    the error is estimated from.
+    """
+
+    def __init__(self, history, lattice, spacing):
+        self.history, self.rows, self.points = history, history.rows, history.points
+        self.spacing = spacing
+        self.pressure = MultilevelSolver(self.rows, lattice, 1, floating=True)
+        self.velocity = MultilevelSolver(self.rows, lattice, 2)
+        vector = ti.types.vector(2, real())
+        self.known, self.expected = (ti.field(vector, self.points.slots + 1) for _ in range(2))
+        self.back, self.ahead = (holding(ti.field(real(), VELOCITIES), 0.0) for _ in range(2))
+        self.ahead_pressure = holding(ti.field(real(), PRESSURES), 0.0)
+        self.defect = scalar(0.0)
+
+    def solve(self, leading, length, viscosity, kept, tolerances):
+        """Solve for pressure and velocities; return whether both could be.
+
+        ``leading`` is g, ``kept`` k g, ``tolerances`` those of the pressure and of the velocities.
+        """
+        self.look_back()
+        self.divide(length, kept)
+        sound = self.pressure.solve(0.0, 1.0, tolerances[0], rough=False)
+        self.push(length)
+        diffusion = length * viscosity
+        rough = diffusion <= ROUGH * leading * self.spacing**2
+        sound = self.velocity.solve(leading, diffusion, tolerances[1], rough) and sound
+        self.compare()
+        return sound
+
+    def error(self):
+        """Return the root mean square of what the new velocities differ by from those expected."""
+        return math.sqrt(float(view(self.defect)) / self.points.fluid)
+
+    def begin(self, tolerance):
+        """Solve L p = - grad u : grad u for the pressure of the velocities that there are; return whether it could be.
+
+        It is carried from then on.
+        """
+        self.twist()
+        sound = self.pressure.solve(0.0, 1.0, tolerance, rough=False)
+        self.lay()
+        return sound
+
+    @ti.kernel
+    def twist(self):
+        """Right side of the pressure's equation at the start."""
+        ti.loop_config(serialize=self.rows.serial_light)
+        for i in range(self.points.particles[None]):
+            along, across = self.history.along[i], self.history.across[i]
+            self.pressure.b[i] = [along[0] ** 2 + 2.0 * across[0] * along[1] + across[1] ** 2]
+            self.pressure.x[i] = [0.0]
+
+    @ti.kernel
+    def lay(self):
+        """Let the particles carry the pressure."""
+        ti.loop_config(serialize=self.rows.serial_numbers)
+        for i in range(self.points.particles[None]):
+            self.history.carried[i][2 * VELOCITIES] = self.pressure.x[i][0]
+
+    @ti.kernel
+    def look_back(self):
+        """Sum the velocities that were."""
+        ti.loop_config(serialize=self.rows.serial_numbers)
+        for i in range(self.points.particles[None]):
+            known, expected = ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0])
+            for age in ti.static(range(VELOCITIES)):
+                velocity = self.history.velocity(age, i)
+                known += self.back[age] * velocity
+                expected += self.ahead[age] * velocity
+            self.known[i], self.expected[i] = known, expected
+            self.velocity.x[i] = expected
+            pressure = 0.0
+            for age in ti.static(range(PRESSURES)):
+                pressure += self.ahead_pressure[age] * self.history.carried[i][2 * VELOCITIES + age]
+            self.pressure.x[i] = [pressure]
+
+    @ti.kernel
+    def divide(self, length: float, kept: float):
+        """Right side of the pressure's equation."""
+        ti.loop_config(serialize=self.rows.serial_light)
+        for i in range(self.points.particles[None]):
+            own, divergence = self.known[i], 0.0
+            for k in range(self.points.count[i]):
+                difference = self.known[self.points.table[i, k]] - own
+                divergence += self.rows.along[i, k] * difference.x + self.rows.across[i, k] * difference.y
+            self.pressure.b[i] = [(kept * self.history.divergence[i] - divergence) / length]
+
+    @ti.kernel
+    def push(self, length: float):
+        """Right side of the velocities' equation."""
+        ti.loop_config(serialize=self.rows.serial_light)
+        for i in range(self.points.particles[None]):
+            own, slope = self.pressure.x[i][0], ti.Vector([0.0, 0.0])
+            for k in range(self.points.count[i]):
+                difference = self.pressure.x[self.points.table[i, k]][0] - own
+                slope += difference * ti.Vector([self.rows.along[i, k], self.rows.across[i, k]])
+            self.velocity.b[i] = self.known[i] - length * slope
+
+    @ti.kernel
+    def compare(self):
+        """Sum the squares of the differences from the expected velocities, in a fixed order."""
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            total = 0.0
+            for i in range(self.points.particles[None]):
+                difference = self.velocity.x[i] - self.expected[i]
+                total += difference.dot(difference)
+            self.defect[None] = total
+
+    @ti.kernel
+    def take_up(self):
+        """Let the particles carry what was found."""
+        ti.loop_config(serialize=self.rows.serial_numbers)
+        for i in range(self.points.particles[None]):
+            self.history.renew(i, self.velocity.x[i], self.pressure.x[i][0])

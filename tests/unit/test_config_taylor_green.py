@@ -3,6 +3,7 @@
 import pytest
 from vortices import GOOD
 
+from tisph import schemes
 from tisph.config import load
 from tisph.errors import ConfigError
 
@@ -83,19 +84,34 @@ def test_bad_input_is_named(case, override, wanted):
     assert "\n" not in text
 
 
-@pytest.mark.parametrize("scheme", ["auto", "wcsph", "implicit"])
-def test_what_no_scheme_can_run_is_said_once(tmp_path, scheme):
+def test_a_scheme_that_needs_walls_names_those_that_do_not(tmp_path):
+    path = tmp_path / "case.yaml"
+    path.write_text(GOOD)
+    with pytest.raises(ConfigError, match=r'"wcsph": has no box as that of taylor_green; take auto or implicit'):
+        load(path, ["scheme={type: wcsph}"])
+
+
+@pytest.mark.parametrize(
+    ("override", "wanted"),
+    [
+        ("discretisation.particles_across=8", ["particles_across", "at least", "three cells"]),
+        ("scheme={type: implicit, operators: {order: 2}}", ["scheme.operators.order", "must be 4"]),
+    ],
+)
+def test_what_the_scheme_cannot_serve_is_named(tmp_path, override, wanted):
     path = tmp_path / "case.yaml"
     path.write_text(GOOD)
     with pytest.raises(ConfigError) as caught:
-        load(path, [f"scheme={{type: {scheme}}}"])
-    assert str(caught.value) == f'{path}:1: scene = "taylor_green": no scheme can run it yet: they all need walls'
+        load(path, [override])
+    assert [part for part in wanted if part not in str(caught.value)] == []
 
 
-def test_a_scheme_that_needs_walls_names_one_that_does_not(tmp_path, monkeypatch):
-    boxes = {"implicit": [(True, False), (True, True)]}
-    monkeypatch.setattr("tisph.config.checks._boxes", lambda scheme: boxes.get(scheme, [(True, False)]))
+@pytest.mark.parametrize(
+    ("given", "courant"), [("{accuracy: fast}", 0.6), ("{accuracy: high}", 0.15), ("{accuracy: balanced}", 0.3)]
+)
+def test_accuracy_sets_the_steps(tmp_path, given, courant):
     path = tmp_path / "case.yaml"
     path.write_text(GOOD)
-    with pytest.raises(ConfigError, match=r'scheme.type = "wcsph": has no box as that of taylor_green; take implicit'):
-        load(path, ["scheme={type: wcsph}"])
+    config, reason = schemes.resolve(load(path, [f"scheme={given}"]))
+    assert config.scheme.largest_courant == courant
+    assert f"Courant number {courant}" in reason

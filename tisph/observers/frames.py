@@ -57,9 +57,9 @@ class Frames:
                 yield snapshot
 
 
-def frame_times(channel, end, count):
+def frame_times(scene, end, count):
     """Return the times of ``count`` frames over the whole run."""
-    return even_times(channel.start_time, end, count)
+    return even_times(scene.start_time, end, count)
 
 
 def read_frames(path):

@@ -17,12 +17,12 @@ class Samples:
     interrupted run are kept, None for a new file.
     """
 
-    def __init__(self, path, channel, times, resumed_at=None, about=None):
-        self.channel = channel
+    def __init__(self, path, scene, times, resumed_at=None, about=None):
+        self.scene = scene
         self.schedule = Schedule(times)
         self.snapshots = []
         if resumed_at is not None:
-            self.snapshots = [with_reference(channel, kept) for kept in read_samples(path) if kept.t <= resumed_at]
+            self.snapshots = [with_reference(scene, kept) for kept in read_samples(path) if kept.t <= resumed_at]
             self.schedule.mark(resumed_at)
         said = {} if about is None else {"about": (about.attributes(CONTENT), about.units)}
         self.storage = Storage(path, "sample_{:03d}", **said)
@@ -31,7 +31,7 @@ class Samples:
     def observe(self, snapshot):
         """Write one sample."""
         self.schedule.mark(snapshot.t)
-        snapshot = with_reference(self.channel, snapshot)
+        snapshot = with_reference(self.scene, snapshot)
         self.storage.add(snapshot)
         self.snapshots.append(snapshot)
 

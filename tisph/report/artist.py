@@ -28,11 +28,11 @@ class Artist:
         self._movie: Movie | None = None
         self._failure: Exception | None = None
 
-    def movie(self, path, channel, video, title, end) -> None:
+    def movie(self, path, scene, video, title, end) -> None:
         """Begin a movie; arguments as for ``tisph.report.movie.Movie``."""
         self.abandon()
         with self._remembered():
-            self._movie = Movie(path, channel, video, title, end)
+            self._movie = Movie(path, scene, video, title, end)
 
     def frame(self, snapshot) -> None:
         """Add a frame to the movie."""
@@ -54,16 +54,16 @@ class Artist:
         with contextlib.suppress(Exception):
             self.close()
 
-    def still(self, channel, video, title, end, snapshot) -> dict[str, bytes]:
+    def still(self, scene, video, title, end, snapshot) -> dict[str, bytes]:
         """Return the picture of ``snapshot`` as PNG, by the name ``still``."""
-        return {"still": _png(Movie("", channel, video, title, end).save_frame, snapshot)}
+        return {"still": _png(Movie("", scene, video, title, end).save_frame, snapshot)}
 
-    def plots(self, channel, wanted) -> dict[str, bytes]:
-        """Return the pictures ``wanted`` as PNG: arguments beside the channel by name, of ``PLOTS``.
+    def plots(self, scene, wanted) -> dict[str, bytes]:
+        """Return the pictures ``wanted`` as PNG: arguments beside the scene by name, of ``PLOTS``.
 
         They are drawn side by side, where a process can be forked: at the end of a run all processors are free.
         """
-        pictures = [(PLOTS[name], channel, *arguments) for name, arguments in wanted.items()]
+        pictures = [(PLOTS[name], scene, *arguments) for name, arguments in wanted.items()]
         if len(pictures) == 1 or not hasattr(os, "fork"):
             return dict(zip(wanted, [_png(*picture) for picture in pictures], strict=True))
         *others, last = pictures

@@ -13,7 +13,7 @@ from tisph.snapshot import Snapshot
 
 
 class Movie:
-    """A movie of ``channel`` at ``path``, drawn and encoded a frame at a time.
+    """A movie of ``scene`` at ``path``, drawn and encoded a frame at a time.
 
     ``video`` is the config's ``output.video`` (fps, width, height, color_by), ``title`` the name of the run and
     ``end`` the time at which it ends, to which axes and colours are fitted. The file is opened by the first
@@ -22,10 +22,10 @@ class Movie:
     Raises TisphError if ffmpeg cannot start or stops early.
     """
 
-    def __init__(self, path: Path | str, channel, video, title: str, end: float):
+    def __init__(self, path: Path | str, scene, video, title: str, end: float):
         self.path = Path(path)
         self._video = video
-        self._painter = FramePainter(channel, video, title, end)
+        self._painter = FramePainter(scene, video, title, end)
         self._encoder: Encoder | None = None
 
     def frame(self, snapshot: Snapshot) -> np.ndarray:

@@ -104,11 +104,11 @@ class Answer:
 class DistantMovie:
     """A movie (arguments as for ``tisph.report.movie.Movie``) that a studio draws; ``close`` raises what went wrong."""
 
-    def __init__(self, studio: Studio, path, channel, video, title: str, end: float):
+    def __init__(self, studio: Studio, path, scene, video, title: str, end: float):
         self._studio = studio
-        shown = channel.shown_fields(video.color_by)
+        shown = scene.shown_fields(video.color_by)
         self._unseen = {name: nothing for name, nothing in _UNSEEN.items() if name not in shown}
-        studio.tell("movie", path, *described(channel, video), title, end)
+        studio.tell("movie", path, *described(scene, video), title, end)
 
     def add(self, snapshot) -> None:
         """Append the picture of ``snapshot``, some time."""
@@ -119,10 +119,10 @@ class DistantMovie:
         self._studio.ask("close").result()
 
 
-def described(channel, video=None) -> list:
+def described(scene, video=None) -> list:
     """Return both without the config's own types, which take another process a while to import."""
     video = [SimpleNamespace(**vars(video))] if video is not None else []
-    return [replace(channel, units=SimpleNamespace(**vars(channel.units))), *video]
+    return [replace(scene, units=SimpleNamespace(**vars(scene.units))), *video]
 
 
 _shared: Studio | None = None

@@ -9,11 +9,14 @@ from typing import Literal
 from tisph import families
 from tisph.config.base import Model
 
-PERIODIC = [(True, False)]
+PERIODIC = [(True, False), (True, True)]
 """Boxes that it can have, by whether they are periodic in x and y: those of what it chooses from."""
 
 STEPS = {"fast": (3e-4, 1.5), "balanced": (3e-5, 0.7), "high": (3e-7, 0.5)}
 """Tolerance of a step, and its largest strain, by accuracy."""
+
+TURNING_STEPS = {"fast": (2e-5, 0.6), "balanced": (2e-6, 0.3), "high": (3e-7, 0.15)}
+"""Tolerance of a step, and its largest Courant number, where the flow turns."""
 
 
 class Parameters(Model):
@@ -29,7 +32,11 @@ class Parameters(Model):
 
 def problems(config):
     """Yield dotted key and text of what the scheme that is taken cannot serve."""
-    obstacle = _obstacle(config, families.load("schemes", "implicit"))
+    implicit = families.load("schemes", "implicit")
+    if all(config.periodic):  # there is no other
+        yield from implicit.problems(config)
+        return
+    obstacle = _obstacle(config, implicit)
     if obstacle and config.time.tolerance != "auto":
         yield "time.tolerance", f"is for scheme implicit, which cannot be taken here: {obstacle}"
 
@@ -44,14 +51,18 @@ def _obstacle(config, implicit):
 def resolve(config):
     """Return the config with the scheme that this choice stands for, and the reason in words."""
     implicit = families.load("schemes", "implicit")
-    tolerance, strain = STEPS[config.scheme.accuracy]
-    candidate = implicit.Parameters(largest_strain=strain)
-    obstacle = _obstacle(config, implicit)
+    turns = all(config.periodic)
+    obstacle = None if turns else _obstacle(config, implicit)
     if obstacle:
         chosen = families.load("schemes", "wcsph").Parameters()
         return config.model_copy(update={"scheme": chosen}), f"wcsph, since {obstacle}"
+    tolerance, most = (TURNING_STEPS if turns else STEPS)[config.scheme.accuracy]
+    candidate = implicit.Parameters(**{"largest_courant" if turns else "largest_strain": most})
     given = config.time.tolerance
     time = config.time.model_copy(update={"tolerance": tolerance if given == "auto" else given})
-    wanted = f"{config.scheme.accuracy} accuracy, tolerance {time.tolerance:g} and strain {strain:g} a step"
+    limit = f"{'Courant number' if turns else 'strain'} {most:g}"
+    wanted = f"{config.scheme.accuracy} accuracy, tolerance {time.tolerance:g} and {limit} a step"
+    if config.time.cfl != "auto":
+        wanted = f"steps of Courant number {config.time.cfl:g}"
     reason = f"implicit, order {candidate.operators.order}: {wanted}"
     return config.model_copy(update={"scheme": candidate, "time": time}), reason

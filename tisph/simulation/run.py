@@ -125,7 +125,7 @@ class Run:
     def _step_on(self, resume):
         if not resume:
             with self._timed("compile"):
-                values = start_values(self.scheme.channel, self.config.initial)
+                values = start_values(self.channel.in_own_frame(), self.config.initial)
                 self.scheme.start(*values)
         self.unsaved = True
         if resume:

@@ -4,6 +4,9 @@ The velocities obey u' = nu A u + what walls and drive give, A being least-squar
 arrangement of the middle of a step (``tisph/least_squares``), closed by ghosts beyond the walls (``_ghosts.py``), and
 are advanced by an implicit method of third order with an error estimate (``_esdirk.py``). There is a pressure from the
 moment on when the velocities have a divergence that truncation errors do not explain (``_pressure.py``).
+
+That is for flows that are parallel, but for errors. Where the flow turns, in a box without walls, pressure and motion
+are of third order in time, too: ``tisph/schemes/_splitting``.
 """
 
 import math
@@ -14,12 +17,13 @@ from pydantic import Field
 from tisph.config.base import Model
 from tisph.least_squares.rows import SUPPORT
 from tisph.schemes._estimate import implicit
-from tisph.schemes.implicit._scheme import SKIN, Scheme, control
+from tisph.schemes.implicit import _scheme
+from tisph.schemes.implicit._scheme import SKIN, control
 from tisph.schemes.implicit._walls import OBEY_MOMENTUM
 
 __all__ = ["Parameters", "Scheme", "estimates", "problems"]
 
-PERIODIC = [(True, False)]
+PERIODIC = [(True, False), (True, True)]
 """Boxes that it can have, by whether they are periodic in x and y."""
 
 LEAST_COLUMNS = math.ceil(3 * (max(SUPPORT.values()) + SKIN))
@@ -35,17 +39,31 @@ class Parameters(Model):
     """Choices of the implicit scheme.
 
     ``largest_strain``: how far rows of particles may slide along one another in a step, over their distance.
+    ``largest_courant``: where the flow turns, how many spacings the fastest particle may go in a step.
     """
 
     type: Literal["implicit"] = "implicit"
     operators: LeastSquares = LeastSquares()
     largest_strain: Annotated[float, Field(gt=0, le=2)] = 0.5
+    largest_courant: Annotated[float, Field(gt=0, le=1)] = 0.3
+
+
+def Scheme(config, scene, targets, serial):  # noqa: N802 (what other schemes have is a class)
+    """Return the scheme that a scene needs: without a pressure where the flow is parallel."""
+    if not scene.parallel:
+        from tisph.schemes import _splitting  # of no use to the others
+
+        return _splitting.scheme(config, scene, targets, serial)
+    return _scheme.Scheme(config, scene, targets, serial)
 
 
 def problems(config):
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
     if config.fluid.rheology.carries_stress:
         yield "scheme.type", f"implicit has no polymer stress, which {config.fluid.rheology.type} needs; take wcsph"
+    if all(config.periodic):
+        yield from _problems_without_walls(config)
+        return
     if config.columns < LEAST_COLUMNS:
         text = f"must be at least {LEAST_COLUMNS * config.spacing:.6g}, {LEAST_COLUMNS} particle spacings"
         yield "geometry.length", f"{text}: the neighbour search of scheme implicit needs three cells along x"
@@ -54,6 +72,20 @@ def problems(config):
         yield "walls.treatment.type", f"{text}; take {' or '.join(OBEY_MOMENTUM)}, or scheme wcsph"
 
 
+def _problems_without_walls(config):
+    if min(config.columns, config.rows) < LEAST_COLUMNS:
+        text = (
+            f"must be at least {LEAST_COLUMNS} along x and y: the neighbour search of scheme implicit needs three cells"
+        )
+        yield "discretisation.particles_across", text
+    if config.scheme.type == "implicit" and config.scheme.operators.order != 4:
+        yield "scheme.operators.order", "must be 4 where the flow turns"
+
+
 def estimates(config, channel):
     """Return what ``tisph check`` says of a run of this scheme."""
+    if not channel.parallel:
+        from tisph.schemes import _splitting
+
+        return _splitting.estimates(config, channel)
     return implicit(config, channel, control(config, channel, sorted({*config.time.samples, config.time.end})))

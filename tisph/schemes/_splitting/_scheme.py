@@ -94,6 +94,7 @@ class Scheme:
         self.steps = self.rejected = self.reduced = self.dropped = 0
         self.shortest, self.longest = math.inf, 0.0
         self.lengths, self.iterations = [], [0.0, 0.0]
+        self.seen = None
 
     def start(self, position, velocity, stress=None):
         """Place the particles, (particles, 2) arrays, and find the pressure of their velocities; no ``stress``."""
@@ -192,12 +193,15 @@ class Scheme:
     def snapshot(self, time=None):
         """Return the state at ``time``, within the last step, or now, as a Snapshot.
 
-        It lies on the polynomial through what the particles carry.
+        It lies on the polynomial through what the particles carry, in the order of creation; ``seen`` is that of the
+        last step, since many outputs may fall into one.
         """
         time = self.time if time is None else time
-        created = np.argsort(used(self.history.number))
-        carried = used(self.history.carried)[created].astype(float)
-        position = used(self.history.position)[created].astype(float)
+        if self.seen is None or self.seen[0] != self.time:
+            created = np.argsort(used(self.history.number))
+            fields = (used(field)[created].astype(float) for field in (self.history.carried, self.history.position))
+            self.seen = (self.time, *fields)
+        _, carried, position = self.seen
         velocities = carried[:, : 2 * VELOCITIES].reshape(len(carried), VELOCITIES, 2)
         pressure = carried[:, 2 * VELOCITIES]
         velocity = velocities[:, 0]
@@ -211,8 +215,8 @@ class Scheme:
             step=self.steps,
             x=position[:, 0] % self.flow.length,
             y=position[:, 1] % self.flow.gap,
-            u=velocity[:, 0],
-            v=velocity[:, 1],
+            u=velocity[:, 0].copy(),
+            v=velocity[:, 1].copy(),
             density=np.full(len(position), self.flow.density),
             pressure=self.flow.density * (pressure - pressure.mean()),
         )

@@ -19,9 +19,11 @@ def install():
 
 def _call_and_keep(self, *args, **kwargs):
     result = _call(self, *args, **kwargs)
-    launch = None if kwargs else _launcher(self._primal, self._kernel_owner, args)
-    if launch is not None:
-        vars(self._kernel_owner)[self.__name__] = launch
+    kept = vars(self._kernel_owner)
+    if self.__name__ not in kept and not kwargs:  # what somebody else has put there stays
+        launch = _launcher(self._primal, self._kernel_owner, args)
+        if launch is not None:
+            kept[self.__name__] = launch
     return result
 
 

@@ -63,11 +63,6 @@ class Clock:
 
         setattr(owner, method, timed)
 
-    def reset(self):
-        """Forget what was measured."""
-        self.seconds.clear()
-        self.calls.clear()
-
 
 @ti.data_oriented
 class Pass:
@@ -111,11 +106,10 @@ def run_for(scheme, seconds, least):
 
 def time_explicit(scheme, start, seconds):
     """Return the costs of a step, of what is done at a rebuild only, and the steps between two rebuilds."""
-    clock = Clock(scheme, EXPLICIT_PARTS)
     start()
     scheme.steps = EVERY_STEP_UNTIL - 1  # from there on the momentum balance costs what it costs in a long run
     run_for(scheme, 0.0, WARM_UP["wcsph"])
-    clock.reset()
+    clock = Clock(scheme, EXPLICIT_PARTS)
     before = scheme.rebuilds
     total, steps, fastest = run_for(scheme, seconds, LEAST_STEPS["wcsph"])
     rebuilds = scheme.rebuilds - before

@@ -14,7 +14,7 @@ FOLDER = Path("runs/bench")
 
 def bench(
     name: Annotated[
-        Literal["frontier", "throughput", "features", "startup"], typer.Argument(help="Which benchmark.")
+        Literal["frontier", "throughput", "features", "startup", "scaling"], typer.Argument(help="Which benchmark.")
     ] = "frontier",
     quick: Annotated[bool, typer.Option("--quick", help="A small one, in two minutes.")] = False,
     peers: Annotated[
@@ -43,6 +43,8 @@ def bench(
       particle, from 5 thousand to a million particles
     features: what each part costs, and that a scene pays for none that it
       does not use
+    scaling: cost of a particle and iterations of the implicit scheme, from
+      2500 particles to a million
     startup: what a run costs beside its loop, with kernels in the cache, for
       another resolution, and with an empty cache; what a movie adds
 
@@ -56,7 +58,7 @@ def bench(
     """
     if peers and not (peers / "measure.py").is_file():
         raise ConfigError(f"--peers {peers}: there is no measure.py; the peers' scripts are in benchmarks/peers")
-    own = {"startup": {"configs": sorted(configs.glob("*.yaml"))}, "features": {}}
+    own = {"startup": {"configs": sorted(configs.glob("*.yaml"))}, "features": {}, "scaling": {}}
     options = own.get(name, {"peers_folder": peers})
     if not import_module(f"tisph.study.bench.{name}").run(out or FOLDER / name, quick=quick, **options):
         raise typer.Exit(1)

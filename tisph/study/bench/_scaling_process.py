@@ -1,0 +1,58 @@
+"""What a step of the implicit scheme costs, and how many iterations it takes, in a process of its own.
+
+    python -m tisph.study.bench._scaling_process CONFIG SECONDS
+
+Starts the scheme that CONFIG stands for, lets it run for about SECONDS, and prints a line of JSON.
+"""
+
+import json
+import sys
+
+from tisph import families, runtime, schemes
+from tisph.config import load, memory
+from tisph.simulation.results import peak_memory_mb
+from tisph.simulation.run import start_values, threads
+from tisph.study.bench._throughput_process import Clock, run_for
+
+WARM_UP, LEAST_STEPS = 12, 3
+"""Steps before the first that is timed, until they have their length; steps that are timed at least."""
+
+PARTS = {"channel": {"iteration": (("solver", "iterate"),)}, "taylor_green": {"iteration": ()}}
+"""Methods whose calls count iterations, by scene; the solver of a flow that turns counts its own."""
+
+
+def main(path, seconds):
+    """Measure the config at ``path``."""
+    config = load(path, ())
+    scene = families.load("scenes", config.scene).Scene.from_config(config)
+    count = threads(config, scene)
+    runtime.start(config.discretisation.precision, count)
+    chosen, _ = schemes.resolve(config)
+    build = families.load("schemes", chosen.scheme.type).Scheme
+    scheme = build(chosen, scene, [config.time.end], serial=count == 1)
+    scheme.start(*start_values(scene, config.initial))
+    run_for(scheme, 0.0, WARM_UP)
+    clock = Clock(scheme, {"assembly": (("rows", "assemble"),), **PARTS[config.scene]})
+    before = list(getattr(scheme, "iterations", (0.0,)))
+    total, steps, _ = run_for(scheme, float(seconds), LEAST_STEPS)
+    own = getattr(scheme, "iterations", None)
+    iterations = (own[0] - before[0]) if own else clock.calls["iteration", "iterate"]
+    each = 1e6 / (scene.particles * steps)
+    print(
+        json.dumps(
+            {
+                "particles": scene.particles,
+                "threads": count,
+                "step_us": each * total,
+                "assembly_us": each * clock.seconds["assembly"],
+                "iterations": iterations / steps,
+                "peak_mb": peak_memory_mb(),
+                "estimated_mb": 1e-6 * memory.estimated_bytes(scene.particles, config, True),
+            }
+        )
+    )
+    runtime.stop()
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

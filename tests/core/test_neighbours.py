@@ -55,6 +55,18 @@ def test_no_pair_is_missing_while_the_lists_are_reused(make, treatment):
     assert 1 < scheme.rebuilds < 75
 
 
+def test_no_pair_is_missing_while_a_wall_swings(make):
+    # the wall goes 0.1 to and fro, more than a spacing, beside a liquid that it has hardly moved
+    swing = ("walls.treatment.type=adami", "walls.top={amplitude: 0.5, angular_frequency: 5.0, phase: cos}")
+    scheme = make(*swing, "fluid.kinematic_viscosity=1e-4", "time.end=1.0")
+    while not scheme.finished:
+        scheme.advance()
+        drifts = scheme.stepper.drift_squared[None], *(drift**2 for drift in scheme.wall_drift)
+        if scheme.lists.outdated(max(drifts), scheme.middle - scheme.built):
+            scheme.rebuild()
+        assert missing_pairs(scheme) == 0
+
+
 def test_a_uniform_shear_hardly_wears_the_lists_out(make):
     sheared = make("initial.state=developed", "time.end=4.0")
     while not sheared.finished:

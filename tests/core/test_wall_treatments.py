@@ -116,6 +116,22 @@ def test_virtual_images_reflect_the_weighted_fit_at_their_mirror_point(make):
         assert np.allclose([*velocity, pressure], [2 * speed - u, -v, p], atol=1e-12)
 
 
+def test_dummy_particles_carry_the_kernel_averages_of_the_fluid(make):
+    # fields different at every particle, whose averages are those of no other smoothing length
+    scheme = make(LINEAR_EOS, "walls.treatment.type=adami", jitter=0.3)
+    field = lambda x, y: (np.sin(2 * np.pi * x) + y**2, np.cos(2 * np.pi * x) * y)  # noqa: E731
+    x, y = impose(scheme, field, lambda x, y: 0.01 * np.sin(2 * np.pi * x))
+    scheme.walls.refresh(scheme.now)
+    kernel, places = families.load("kernels", "quintic_spline"), walls_of(scheme)[0]
+    near, values = first_layers(places), np.stack([*field(x, y), 25.0 * 0.01 * np.sin(2 * np.pi * x)], 1)
+    for place, *found in zip(*(part[near] for part in walls_of(scheme)), strict=True):
+        along = x - place[0] - np.round(x - place[0])
+        q = kernel.SUPPORT / scheme.lists.cutoff * np.hypot(along, y - place[1])
+        u, v, p = np.average(values, axis=0, weights=[kernel.value(one) if one < kernel.SUPPORT else 0.0 for one in q])
+        speed = 0.0 if place[1] < 0 else 0.5
+        assert np.allclose([*found[0], found[1]], [2 * speed - u, -v, p], atol=1e-12)
+
+
 @pytest.mark.parametrize("treatment", ["adami", "fixed_image", "virtual_image"])
 def test_wall_particles_without_fluid_in_reach_move_with_their_wall(make, treatment):
     scheme = make(LINEAR_EOS, f"walls.treatment.type={treatment}", "walls.bottom.velocity=-0.1")

@@ -69,6 +69,20 @@ def test_interpolation_is_exact_for_quadratic_fields_up_to_the_walls(coefficient
     assert np.max(np.abs(values - field(x, y))) <= 4e-10
 
 
+def test_interpolation_is_the_weighted_fit():
+    """Of a field that no quadratic is: it depends on every weight, (1 - q)^4 (1 + 4 q) of q = distance/(3 spacings)."""
+    channel = make_channel(rows=12)
+    snapshot = make_snapshot(channel, lambda x, y: np.sin(9 * x) * np.cos(7 * y))
+    for x, y in ((1.0, 0.0), (0.9, 0.04), (1.1, 0.5)):
+        along, across = (snapshot.x - x) / 0.25, (snapshot.y - y) / 0.25
+        q = np.minimum(np.hypot(along, across), 1.0)
+        root = np.sqrt((1 - q) ** 4 * (1 + 4 * q))
+        basis = np.stack([np.ones_like(q), along, across, along**2, along * across, across**2], 1)
+        fit = np.linalg.lstsq(root[:, None] * basis, root * snapshot.u, rcond=None)[0]
+        # rounding times the condition number of the six equations, 2e5 at most
+        assert interpolate(snapshot, channel, [x], [y])[0] == pytest.approx(fit[0], abs=1e-10)
+
+
 def test_interpolation_crosses_the_periodic_edge():
     """Moving particles and probes together along the channel changes nothing."""
     channel = make_channel(rows=20)

@@ -1,10 +1,25 @@
 """Every run of the tests draws the same examples: a failure comes with a change, not with luck."""
 
 import gc
+import os
 
+import pytest
 from hypothesis import settings
 
-settings.register_profile("repeatable", derandomize=True)
+settings.register_profile("repeatable", derandomize=True, deadline=None)  # a busy machine is no failure
 settings.load_profile("repeatable")
 
+# matrices here are small, and threads of NumPy's that wait for one another only keep other tests from the processors
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 gc.set_threshold(200_000, 20, 20)  # as the command line does, and for the same reason
+
+
+@pytest.fixture(scope="session")
+def kept_program():
+    """Taichi starts once for many tests."""
+    import kept_program  # it imports Taichi, which most tests do without
+
+    kept_program.install()
+    yield
+    kept_program.uninstall()

@@ -26,6 +26,11 @@ class Together(Channel):
     frame_velocity = 0.0
 
 
+@pytest.fixture(scope="session", autouse=True)
+def started_once(kept_program):
+    """Let Taichi start once for many tests of this folder."""
+
+
 @pytest.fixture(scope="session")
 def make_any(tmp_path_factory):
     """Return a function that builds a Scheme from ``key.path=value`` overrides of a small Couette case.

@@ -3,6 +3,7 @@
 import pytest
 
 from tisph import runtime
+from tisph.runtime import ti
 
 POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.5}"
 IMPLICIT = "scheme={type: implicit, operators: {order: 2}}"
@@ -27,14 +28,14 @@ def use(scheme):
         scheme.advance()
     scheme.snapshot()
     scheme.numbers()
-    runtime.stop()
+    ti.reset()
 
 
 @pytest.mark.parametrize(
     "scene",
     [
         ("walls.treatment.type=consistent_image", POLYMER),
-        ("walls.treatment.type=adami", "scheme.operators=standard"),
+        pytest.param(("walls.treatment.type=adami", "scheme.operators=standard"), marks=pytest.mark.slow),
         (IMPLICIT, "initial.jitter=0.2"),
         pytest.param((IMPLICIT, "walls.treatment.type=virtual_image"), marks=pytest.mark.slow),
     ],

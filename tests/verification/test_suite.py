@@ -37,7 +37,7 @@ def run_here(config_path, folder):
 
 
 @pytest.fixture(scope="module")
-def quick_runner(tmp_path_factory, worker_id):
+def quick_runner(tmp_path_factory, worker_id, kept_program):
     """A Runner that shares its runs with those of other processes; repeated runs have a process of their own."""
     folder = tmp_path_factory.getbasetemp()
     shared = (folder if worker_id == "master" else folder.parent) / "quick suite"

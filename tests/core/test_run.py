@@ -226,20 +226,20 @@ def test_render_draws_again_from_the_files(tisph, copied):
 
 
 @pytest.mark.parametrize(
-    ("scheme", "treatment", "across"),
+    ("scheme", "treatment", "across", "rheology"),
     [
-        ("wcsph", "comoving_image", 12),
-        ("wcsph", "adami", 6),
-        ("implicit", "consistent_image", 12),
-        ("implicit", "virtual_image", 6),
+        ("wcsph", "consistent_image", 12, "oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4"),
+        ("wcsph", "adami", 6, "newtonian"),
+        ("implicit", "consistent_image", 12, "newtonian"),
+        ("implicit", "virtual_image", 6, "newtonian"),
     ],
 )
-def test_no_kernel_reads_or_writes_out_of_bounds(run, monkeypatch, scheme, treatment, across):
+def test_no_kernel_reads_or_writes_out_of_bounds(run, monkeypatch, scheme, treatment, across, rheology):
     # Taichi checks every index in debug mode; without it a bad one passes silently
     monkeypatch.setenv("TI_DEBUG", "1")
     case = ["--set", f"discretisation.particles_across={across}", "--set", "geometry.length=2.0"]
     walls = ["--set", f"walls.treatment.type={treatment}", "--set", "initial.jitter=0.3"]
-    options = [*case, *walls, "--set", f"scheme={{type: {scheme}}}"]
+    options = [*case, *walls, "--set", f"scheme={{type: {scheme}}}", "--set", f"fluid.rheology={{type: {rheology}}}"]
     run("--no-video", *options)
     runtime.start("f64", 1)
     assert runtime.ti.lang.impl.current_cfg().debug

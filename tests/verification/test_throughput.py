@@ -26,9 +26,9 @@ def program(tmp_path_factory):
 
 
 def scene(folder, precision, across, **initial):
-    """Config and channel of a case with standard operators on one thread."""
+    """Config and channel of a case with standard operators on one thread, a fifth as long."""
     path = folder / "case.yaml"
-    config = merged(Case("standard", precision, 1, across).config, {"initial": initial})
+    config = merged(Case("standard", precision, 1, across).config, {"geometry": {"length": 0.4}, "initial": initial})
     path.write_text(config_text("case", config))
     config = load(path, ())
     return config, families.load("scenes", config.scene).Scene.from_config(config)

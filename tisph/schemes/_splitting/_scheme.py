@@ -29,7 +29,7 @@ SKIN = 0.1
 """Room, in particle spacings, for the pairs that shifting brings together after they were listed."""
 
 DECAY = 0.3, 4.0
-"""Where steps are short divergence decays at the rate 0.3 nu/spacing^2 + 2 U/spacing. A larger second number moves
+"""Where steps are short divergence decays at the rate 0.3 nu/spacing^2 + 4 U/spacing. A larger second number moves
 errors from the velocities to the pressure, a smaller one the other way."""
 
 COURANT = 0.3

@@ -164,7 +164,7 @@ def _line(case, summary):
         return verdict, (case.name, *[""] * (len(HEADER) - 2), verdict)
     worst = max(compare(case.samples, summary["samples"]), key=lambda each: each.badness)
     stated, found = worst.stated, worst.found
-    error = ("-", f"{found['rms']:.1e}", "-")
+    error = ("-", "-" if found["rms"] is None else f"{found['rms']:.1e}", "-")
     if stated.rms is not None:
         sign = "< " if stated.at_most else ""
         error = (f"{sign}{stated.rms:.1e}", error[1], f"{found['rms'] / stated.rms:.2g}")

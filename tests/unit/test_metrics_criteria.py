@@ -7,13 +7,30 @@ import numpy as np
 import pytest
 from fake_runs import make_result
 
-from tisph.verification.criteria import at_most, closes, near, order, same_bits, same_velocities, share
+from tisph.verification.criteria import at_least, at_most, closes, near, order, same_bits, same_velocities, share
 
 
 def test_a_bound_passes_at_the_bound_and_fails_above():
     criterion = at_most("lattice", 0.018, "l2", 1.5e-3)
     assert criterion.judge(make_result(t18=1.5e-3)).passed
     assert not criterion.judge(make_result(t18=1.51e-3)).passed
+
+
+def test_a_least_value_passes_at_the_bound_and_fails_below():
+    criterion = at_least("vortex", 0.018, "l2", 0.55)
+    assert criterion.judge(make_result(t18=0.55)).passed
+    assert not criterion.judge(make_result(t18=0.549)).passed
+    assert not criterion.judge(make_result(t18=None)).passed
+
+
+@pytest.mark.parametrize("energy", [0.11, 0.09])
+def test_a_number_is_off_its_exact_value_by_a_fraction_of_that(energy):
+    result = make_result(t18=1e-3)
+    result.summary["samples"][0] |= {"kinetic_energy": energy, "kinetic_energy_exact": 0.1}
+    criterion = at_most("vortex", 0.018, "kinetic_energy off exact", 0.05)
+    assert criterion.judge(result).value == pytest.approx(0.1, rel=1e-12)
+    result.summary["samples"][0]["kinetic_energy"] = None
+    assert not criterion.judge(result).passed
 
 
 def test_transverse_velocity_is_measured_in_wall_speeds():

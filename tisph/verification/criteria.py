@@ -16,6 +16,8 @@ import numpy as np
 from tisph.verification.metrics import fit_line
 from tisph.verification.wall_shear import wall_shear_error
 
+OFF_EXACT = " off exact"
+
 
 @dataclass(frozen=True)
 class Check:
@@ -39,15 +41,23 @@ class Result:
         """Number ``quantity`` of the sample at dimensionless time ``t_star``; NaN where there is none.
 
         ``transverse`` is ``max_transverse_velocity`` over the reference velocity, ``wall_shear`` the error of
-        ``wall_shear_error``.
+        ``wall_shear_error``, ``NAME off exact`` the relative difference of NAME from NAME_exact.
         """
         for sample in self.summary.get("samples", []):
             if math.isclose(sample["t_star"], t_star, rel_tol=1e-9):
-                if quantity == "transverse":
-                    return sample["max_transverse_velocity"] / self.reference_velocity
-                value = wall_shear_error(sample) if quantity == "wall_shear" else sample[quantity]
+                value = self._value(sample, quantity)
                 return math.nan if value is None else value
         return math.nan
+
+    def _value(self, sample, quantity):
+        if quantity == "transverse":
+            return sample["max_transverse_velocity"] / self.reference_velocity
+        if quantity == "wall_shear":
+            return wall_shear_error(sample)
+        name = quantity.removesuffix(OFF_EXACT)
+        if name == quantity or sample[name] is None:
+            return sample[name]
+        return abs(sample[name] / sample[f"{name}_exact"] - 1)
 
     @property
     def closure(self):
@@ -95,6 +105,18 @@ def at_most(case, t_star, quantity, bound):
         runs=(case,),
         value=lambda result: result.measure(t_star, quantity),
         accepts=lambda value: value <= bound,
+    )
+
+
+def at_least(case, t_star, quantity, bound):
+    """The sample's number ``quantity`` is at least ``bound`` at dimensionless time ``t_star``."""
+    return Criterion(
+        case,
+        f"{quantity} at t* = {t_star:g}",
+        f">= {bound:g}",
+        runs=(case,),
+        value=lambda result: result.measure(t_star, quantity),
+        accepts=lambda value: value >= bound,
     )
 
 

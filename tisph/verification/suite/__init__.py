@@ -1,8 +1,8 @@
 """The verification suite as data: which runs, and what each is held to; a module for each kind of flow."""
 
-from tisph.verification.suite import channel, couette, implicit, viscoelastic
+from tisph.verification.suite import channel, couette, implicit, turning, viscoelastic
 
-PARTS = (couette, channel, viscoelastic, implicit)
+PARTS = (couette, channel, viscoelastic, implicit, turning)
 
 
 def runs(quick):

@@ -2,23 +2,33 @@
 
     python -m tisph.study.bench._scaling_process CONFIG SECONDS
 
-Starts the scheme that CONFIG stands for, lets it run for about SECONDS, and prints a line of JSON.
+Starts the scheme that CONFIG stands for, lets it run for about SECONDS, but not beyond the end, and prints a line of
+JSON.
 """
 
 import json
 import sys
+import time
 
 from tisph import families, runtime, schemes
 from tisph.config import load, memory
 from tisph.simulation.results import peak_memory_mb
 from tisph.simulation.run import start_values, threads
-from tisph.study.bench._throughput_process import Clock, run_for
+from tisph.study.bench._throughput_process import Clock
 
 WARM_UP, LEAST_STEPS = 12, 3
 """Steps before the first that is timed, until they have their length; steps that are timed at least."""
 
 PARTS = {"channel": {"iteration": (("solver", "iterate"),)}, "taylor_green": {"iteration": ()}}
 """Methods whose calls count iterations, by scene; the solver of a flow that turns counts its own."""
+
+
+def advance(scheme, seconds, least):
+    """Advance for ``seconds`` but at least ``least`` steps, and not beyond the end; return seconds and steps."""
+    began, first = time.perf_counter(), scheme.steps
+    while not scheme.finished and (time.perf_counter() - began < seconds or scheme.steps - first < least):
+        scheme.advance()
+    return time.perf_counter() - began, scheme.steps - first
 
 
 def main(path, seconds):
@@ -31,10 +41,10 @@ def main(path, seconds):
     build = families.load("schemes", chosen.scheme.type).Scheme
     scheme = build(chosen, scene, [config.time.end], serial=count == 1)
     scheme.start(*start_values(scene, config.initial))
-    run_for(scheme, 0.0, WARM_UP)
+    advance(scheme, 0.0, WARM_UP)
     clock = Clock(scheme, {"assembly": (("rows", "assemble"),), **PARTS[config.scene]})
     before = list(getattr(scheme, "iterations", (0.0,)))
-    total, steps, _ = run_for(scheme, float(seconds), LEAST_STEPS)
+    total, steps = advance(scheme, float(seconds), LEAST_STEPS)
     own = getattr(scheme, "iterations", None)
     iterations = (own[0] - before[0]) if own else clock.calls["iteration", "iterate"]
     each = 1e6 / (scene.particles * steps)

@@ -10,10 +10,9 @@ from pathlib import Path
 
 import walls
 
-from tisph import config
+from tisph import config, families
 from tisph.observers.frames import read_frames
 from tisph.report.movie import Movie
-from tisph.scenes.channel import Channel
 
 ROOT = Path(__file__).resolve().parents[1]
 MEDIA = ROOT / "media"
@@ -28,6 +27,7 @@ MOVIES = {
     "stopped_wall": 0.03,
     "oldroyd_b_couette": 0.7,  # the shear wave has just crossed the gap
     "oldroyd_b_poiseuille": 0.3,  # at the overshoot
+    "taylor_green": 0.5,
 }
 """Configs, and the t* of each preview: the first frame after it."""
 
@@ -43,10 +43,10 @@ def make(name, preview_t_star):
     subprocess.run([*command, *size, "--out", str(folder), "--overwrite"], check=True)
     shutil.copyfile(folder / "movie.mp4", MEDIA / f"{name}.mp4")
     settings = config.load(folder / "config.resolved.yaml")
-    channel = Channel.from_config(settings)
+    scene = families.load("scenes", settings.scene).Scene.from_config(settings)
     frames = read_frames(folder / "frames.h5")
-    preview = next(frame for frame in frames if frame.t >= preview_t_star * channel.viscous_time)
-    movie = Movie(MEDIA / "unused.mp4", channel, settings.output.video, settings.name, settings.time.end)
+    preview = next(frame for frame in frames if frame.t >= preview_t_star * scene.time_scale)
+    movie = Movie(MEDIA / "unused.mp4", scene, settings.output.video, settings.name, settings.time.end)
     movie.save_frame(MEDIA / f"{name}.png", preview)
 
 

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tisph.verification.fits import interpolated
 from tisph.verification.gradients import velocity_gradients
 from tisph.verification.spread import largest_hole, nearest_two
 
@@ -79,3 +80,27 @@ def test_the_nearest_two_are_found_across_an_edge():
     x, y = scattered(12, jitter=0.0)
     x[0], x[11] = 0.01, 0.99  # both of the lowest row
     assert nearest_two(box(12), snapshot(x, y, x, x)) == pytest.approx(0.02 * 12, rel=1e-12)  # as above
+
+
+def wave_error(rows):
+    x, y = scattered(rows)
+    points = np.random.default_rng(1).random((500, 2))
+    scene = SimpleNamespace(extent=(1.0, 1.0), periodic=(True, True), parallel=False)
+    found = interpolated(scene, np.stack([x, y], 1), (np.sin(WAVE * x) * np.cos(WAVE * y))[:, None], points)
+    return np.abs(found[:, 0] - np.sin(WAVE * points[:, 0]) * np.cos(WAVE * points[:, 1])).max()
+
+
+def test_values_between_particles_are_of_seventh_order():
+    errors = [wave_error(rows) for rows in (20, 40)]
+    assert errors[0] < 1e-5
+    # degree 6: 2^7 = 128 on end, and from one arrangement to the other half as much scatter
+    assert errors[0] / errors[1] > 64
+
+
+def test_values_of_parallel_flow_need_no_more_than_rows():
+    y, x = (np.indices((12, 10)).reshape(2, -1) + 0.5) / 12
+    scene = SimpleNamespace(extent=(10 / 12, 1.0), periodic=(True, False), parallel=True, columns=10)
+    points = np.array([[0.0, 0.01], [0.3, 0.5], [0.8, 0.97]])
+    found = interpolated(scene, np.stack([x, y], 1), (y**4 - y)[:, None], points)
+    # one-sided fits of degree 4 have condition numbers up to 1e8
+    assert np.abs(found[:, 0] - (points[:, 1] ** 4 - points[:, 1])).max() < 1e-8

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tisph.verification.gradients import periodic_tree
+from tisph.verification.fits import periodic_tree
 
 MARGIN = 4.0
 """Spacings by which a periodic box is continued: wider than any hole of a liquid that has not broken up."""

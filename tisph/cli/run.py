@@ -1,7 +1,7 @@
 """``tisph run``: simulate, compare with the exact solution, leave numbers, pictures and a movie."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -29,6 +29,10 @@ def run(
     no_video: Annotated[bool, typer.Option("--no-video", help="Make no movie.")] = False,
     resume: Annotated[bool, typer.Option("--resume", help="Go on from the checkpoint in DIR.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in DIR.")] = False,
+    estimate_error: Annotated[
+        bool,
+        typer.Option("--estimate-error", help="Run two coarser runs, too, and state the error that they tell of."),
+    ] = False,
 ) -> None:
     """Run a config and leave its results in DIR.
 
@@ -38,6 +42,7 @@ def run(
       tisph run configs/couette.yaml --out runs/fine --set discretisation.particles_across=100
       tisph run configs/couette.yaml --no-video --overwrite
       tisph run configs/couette.yaml --resume
+      tisph run configs/shear_layer.yaml --estimate-error
     """
     with held_back():
         from tisph.cli import output_folder
@@ -46,6 +51,7 @@ def run(
         loaded = load(config, overrides or ())
         _, warnings = check.forecast(loaded)
     folder = out or Path("runs") / loaded.name
+    coarser = _coarser(loaded, folder) if estimate_error else None
     with output_folder.claimed(folder, overwrite=overwrite, resume=resume):
         with held_back():
             from tisph.report import studio
@@ -56,6 +62,8 @@ def run(
         for text in warnings:
             typer.echo(f"warning: {text}", err=True)
         try:
+            if coarser:
+                coarser.run()
             simulation.run(loaded, folder, video=not no_video, resume=resume)
         except KeyboardInterrupt:
             if any(path.is_file() for path in Folder(folder).files()):
@@ -64,7 +72,16 @@ def run(
             raise
         except DivergedError as error:
             raise DivergedError(f"{error}\npartial results are in {folder}") from None
+        estimate = coarser.report() if coarser else None
     _show_results(folder)
+    if estimate:
+        typer.echo(f"\n{estimate}")
+
+
+def _coarser(config: Any, folder: Path) -> Any:
+    from tisph.study.error_estimate import Coarser
+
+    return Coarser(config, folder)
 
 
 def _show_results(folder: Path) -> None:

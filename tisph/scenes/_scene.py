@@ -37,6 +37,9 @@ class Scene:
     fields = ()
     """Those fields of a snapshot, by name, that ``exact`` knows; none without a reference solution."""
 
+    flow_numbers = ()
+    """Those of the ``measures`` that are numbers of the flow, not errors: what they would be at spacing 0 is asked."""
+
     frame_velocity = 0.0
     """Velocity along x of the frame that the flow has of its own, to which speeds and errors refer."""
 

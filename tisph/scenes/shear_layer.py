@@ -95,6 +95,8 @@ class Scene(AnyScene):
     rows: int
     units: Any
 
+    flow_numbers = ("kinetic_energy", "dissipation")
+
     @classmethod
     def from_config(cls, config):
         """The scene that a validated config describes."""

@@ -83,6 +83,7 @@ class Scene(AnyScene):
     units: Any
 
     fields = ("u", "v", "pressure")
+    flow_numbers = ("kinetic_energy", "dissipation")
 
     @classmethod
     def from_config(cls, config):

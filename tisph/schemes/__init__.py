@@ -7,3 +7,17 @@ def resolve(config):
     """Return the config with the scheme that is to run, and in words which one and why."""
     choose = getattr(families.load("schemes", config.scheme.type), "resolve", None)
     return choose(config) if choose else (config, config.scheme.type)
+
+
+def lengthened(config, factor):
+    """Return a ``resolve``-d config with steps ``factor`` times as long at a spacing that is ``factor`` times as wide.
+
+    Whatever limits them: so errors in time fall with the spacing, as those in space do.
+    """
+    change = getattr(families.load("schemes", config.scheme.type), "lengthened", None)
+    return change(config, factor) if change else config
+
+
+def orders(config):
+    """Return the least and the largest order in the spacing that is to be expected of a ``resolve``-d config."""
+    return families.load("schemes", config.scheme.type).orders(config)

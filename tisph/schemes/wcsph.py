@@ -67,6 +67,11 @@ def problems(config):
         yield "scheme.operators", f"{text}: give consistent, or fluid.rheology {{type: newtonian}}"
 
 
+def orders(config):
+    """Return the least and the largest order in the spacing that is to be expected: second, and scatter."""
+    return 1.0, 3.5
+
+
 def estimates(config, channel):
     """Return what ``tisph check`` says of a run of this scheme."""
     return explicit(config, channel)

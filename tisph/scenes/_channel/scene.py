@@ -62,6 +62,7 @@ class Channel(Scene):
 
     periodic = (True, False)
     parallel = True
+    flow_numbers = ("slope", "intercept", "centreline", "wall_shear_bottom", "wall_shear_top")
     time_formula = "νt/H²"
 
     @property

@@ -29,6 +29,10 @@ PERIODIC = [(True, False), (True, True)]
 LEAST_COLUMNS = math.ceil(3 * (max(SUPPORT.values()) + SKIN))
 
 
+LARGEST_TOLERANCE, LARGEST_STRAIN = 0.1, 2.0
+"""That a config may give."""
+
+
 class LeastSquares(Model):
     """Degree up to which the operators are exact: 4, or 2 (a third of the time for a step, second-order errors)."""
 
@@ -55,6 +59,40 @@ def Scheme(config, scene, targets, serial):  # noqa: N802 (what other schemes ha
 
         return _splitting.scheme(config, scene, targets, serial)
     return _scheme.Scheme(config, scene, targets, serial)
+
+
+def lengthened(config, factor):
+    """Return a config of this scheme with steps ``factor`` times as long; Courant numbers are over the spacing already.
+
+    The estimated error of a step goes with the third power of its length, or the fourth where the flow turns.
+    """
+    if config.time.cfl != "auto":
+        return config
+    turns = all(config.periodic)
+    tolerance = config.time.tolerance
+    if tolerance == "auto":
+        tolerance = usual_tolerance(turns)
+    time = {"tolerance": min(tolerance * factor ** (4 if turns else 3), LARGEST_TOLERANCE)}
+    strain = {"largest_strain": min(config.scheme.largest_strain * factor, LARGEST_STRAIN)}
+    changed = {"time": config.time.model_copy(update=time), "scheme": config.scheme.model_copy(update=strain)}
+    return config.model_copy(update=changed)
+
+
+def usual_tolerance(turns):
+    """Return the tolerance of a step where a config gives none; ``turns``: whether the flow does."""
+    if not turns:
+        return _scheme.TOLERANCE
+    from tisph.schemes import _splitting
+
+    return _splitting.TOLERANCE
+
+
+def orders(config):
+    """Return the least and the largest order in the spacing that is to be expected.
+
+    Third in time, third to fourth in space and a fifth on lattices; or second. One more or less is scatter.
+    """
+    return (2.0, 6.0) if config.scheme.operators.order == 4 else (1.0, 3.5)
 
 
 def problems(config):

@@ -101,6 +101,28 @@ def test_run_passes_overrides_on(case, simulation):
     assert simulation.calls == [("other", Path("here"), True, False)]
 
 
+def test_run_estimates_its_error_after_coarser_runs(case, simulation, monkeypatch):
+    from tisph.study import error_estimate
+
+    def report(self):
+        assert (self.root / "summary.json").is_file()
+        return "error 1e-5"
+
+    monkeypatch.setattr(error_estimate.Coarser, "run", lambda self: simulation.calls.append(self.names))
+    monkeypatch.setattr(error_estimate.Coarser, "report", report)
+    done = tisph_command("run", "case.yaml", "--estimate-error")
+    assert done.exit_code == 0
+    assert done.stdout.endswith("\nerror 1e-5\n")
+    assert simulation.calls == [["across_25", "across_35"], ("case", Path("runs/case"), True, False)]
+
+
+def test_too_few_particles_for_coarser_runs(case, simulation):
+    done = tisph_command("run", "case.yaml", "--estimate-error", "--set", "discretisation.particles_across=10")
+    assert (done.exit_code, simulation.calls) == (2, [])
+    assert "needs a run with about 5 particles across" in done.stderr
+    assert not Path("runs").exists()
+
+
 def test_full_folder_is_refused(case, simulation):
     Path("full").mkdir()
     Path("full/notes.txt").write_text("mine")

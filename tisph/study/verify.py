@@ -9,11 +9,12 @@ from pathlib import Path
 from rich.console import Console
 
 from tisph.errors import ConfigError
+from tisph.study import estimate_quality
 from tisph.study.processes import run_config
 from tisph.study.store import config_text
 from tisph.verification import page as page_case
 from tisph.verification import suite
-from tisph.verification.table import format_header, format_row
+from tisph.verification.table import format_header, format_row, format_table
 
 HEADER = ("case", "quantity", "value", "bound", "verdict")
 
@@ -27,7 +28,8 @@ def run(quick=False, page=False):
     with tempfile.TemporaryDirectory(prefix="tisph-verify-") as folder:
         if page:
             return _verify_page(Path(folder))
-        return _verify_suite(Runner(suite.runs(quick), Path(folder)), suite.criteria(quick))
+        passed = _verify_suite(Runner(suite.runs(quick), Path(folder)), suite.criteria(quick))
+        return passed if quick else _verify_estimates(Path(folder)) and passed
 
 
 class Runner:
@@ -74,6 +76,18 @@ def _verify_suite(runner, criteria):
     for name, message in runner.failures.items():
         print(f"{name} did not finish: {message}")
     return all_passed
+
+
+def _verify_estimates(folder):
+    """Print how good the errors are that runs state of themselves; True if all are within the bound."""
+    print("\nErrors that runs state of themselves (tisph run --estimate-error), over the true ones:\n")
+    with Console(stderr=True).status("running the cases and their coarser runs"):
+        found = list(estimate_quality.checks(folder))
+    lines = [
+        (each.case, each.quantity, f"{each.value:.2g}", each.bound, "pass" if each.passed else "FAIL") for each in found
+    ]
+    print(format_table(HEADER, lines))
+    return all(each.passed for each in found)
 
 
 def _verify_page(folder):

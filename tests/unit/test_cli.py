@@ -42,6 +42,7 @@ def case(tmp_path, monkeypatch):
 def simulation(monkeypatch):
     """Stand in for the simulation: record the calls, leave a summary, raise what ``error`` holds."""
     stand_in = types.SimpleNamespace(calls=[], error=None, drawn=[])
+    stand_in.__path__ = [str(Path(tisph.__file__).parent / "simulation")]  # its other modules are the real ones
 
     def run(config, folder, *, video, resume):
         stand_in.calls.append((config.name, folder, video, resume))

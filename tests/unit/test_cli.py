@@ -41,7 +41,8 @@ def case(tmp_path, monkeypatch):
 @pytest.fixture
 def simulation(monkeypatch):
     """Stand in for the simulation: record the calls, leave a summary, raise what ``error`` holds."""
-    stand_in = types.SimpleNamespace(calls=[], error=None, drawn=[])
+    stand_in = types.ModuleType("tisph.simulation")
+    stand_in.calls, stand_in.error, stand_in.drawn = [], None, []
     stand_in.__path__ = [str(Path(tisph.__file__).parent / "simulation")]  # its other modules are the real ones
 
     def run(config, folder, *, video, resume):

@@ -146,6 +146,24 @@ def test_a_stokes_flow_decays_as_it_should_under_the_projection(make, jitter, mo
     assert without > 4 * error
 
 
+def test_what_is_measured_after_a_projection_is_what_it_leaves(make, monkeypatch):
+    # the particles' volumes follow the divergence that is measured last
+    scheme, before, after = stokes_scheme(make, 0.1), [], []
+    project = scheme.projection.project
+
+    def projected(length):
+        before.append(scheme.field.residual)
+        return project(length)
+
+    monkeypatch.setattr(scheme.projection, "project", projected)
+    for _ in range(4):
+        scheme.advance()
+        after.append(scheme.field.residual)
+    # what is left is the truncation error of gradients on a disordered arrangement, measured 6e-3 to 8e-3
+    assert len(before) == len(after)
+    assert max(after) < 1e-2 < min(before)
+
+
 def test_a_restart_keeps_the_pressure(make, tmp_path):
     scheme = stokes_scheme(make, 0.1)
     while scheme.projections < 2:

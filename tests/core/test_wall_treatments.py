@@ -5,6 +5,7 @@ import pytest
 from rates import LINEAR_EOS, impose, slots_in_use
 
 from tisph import families
+from tisph.walls.virtual_image import SMALLEST_DETERMINANT
 
 DRIVEN = "drive.acceleration=0.02"
 TREATMENTS = ("adami", "comoving_image", "consistent_image", "fixed_image", "virtual_image")
@@ -130,6 +131,32 @@ def test_dummy_particles_carry_the_kernel_averages_of_the_fluid(make):
         u, v, p = np.average(values, axis=0, weights=[kernel.value(one) if one < kernel.SUPPORT else 0.0 for one in q])
         speed = 0.0 if place[1] < 0 else 0.5
         assert np.allclose([*found[0], found[1]], [2 * speed - u, -v, p], atol=1e-12)
+
+
+@pytest.mark.parametrize(("part", "fitted"), [(1.25, True), (0.8, False)])
+def test_virtual_images_fit_what_is_not_on_a_line(make, part, fitted):
+    # three particles around a mirror point, (-r, 0), (r/2, 0) and (0, e) from it, whose moments have a determinant of
+    # w1 w2 w3 (1.5 r e)^2: a fit gives the value of u = x there, 0, and an average does not
+    scheme = make(LINEAR_EOS, "walls.treatment.type=virtual_image", "walls.bottom.velocity=-0.1")
+    k = next(k for k in slots_in_use(scheme) if scheme.particles.mid_position[scheme.now, k].y < 0.0)
+    kernel, radius = families.load("kernels", "quintic_spline"), 0.75 * scheme.lists.cutoff
+    weights = [kernel.value(kernel.SUPPORT * q) for q in (0.6, 0.3, 0.0)]
+    height = np.sqrt(part * SMALLEST_DETERMINANT * sum(weights) ** 3 / np.prod(weights)) / (1.5 * 0.6)
+    places = scheme.particles.mid_position.to_numpy()
+    offsets = radius * np.array([[-0.6, 0.0], [0.3, 0.0], [0.0, height]])
+    places[scheme.now, :3] = places[scheme.now, k] * [1, -1] + offsets
+    scheme.particles.mid_position.from_numpy(places)
+    impose(scheme, lambda x, y: (x - places[scheme.now, k, 0], 0 * y), lambda x, y: 0 * y)
+    scheme.lists.count[k] = 3
+    for n in range(3):
+        scheme.lists.table[k, n] = n
+    scheme.walls.refresh(scheme.now)
+    weights[2] = kernel.value(kernel.SUPPORT * height)
+    average = np.average(offsets[:, 0], weights=weights)
+    assert average > 0.01
+    found = scheme.particles.mid_velocity.to_numpy()[scheme.now, k, 0]
+    # rounding over the determinant
+    assert found == pytest.approx(2 * -0.1 - (0.0 if fitted else average), abs=1e-9)
 
 
 @pytest.mark.parametrize("treatment", ["adami", "fixed_image", "virtual_image"])

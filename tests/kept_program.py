@@ -31,7 +31,8 @@ class Kept:
     def start(self, precision, threads):
         """Stand in for ``runtime.start``."""
         asked = precision, threads, runtime.CACHE, os.environ.get("TI_DEBUG")
-        if self.program is None or self.program is not get_runtime().prog or asked != self.asked:
+        kept = self.program is not None and self.program is get_runtime().prog and get_runtime().materialized
+        if not kept or asked != self.asked:
             start(precision, threads)
             self.program, self.asked, self.made = get_runtime().prog, asked, []
         for kernel in get_runtime().kernels:
@@ -42,14 +43,13 @@ class Kept:
 
     def restart(self):
         """Start Taichi after all: the fields handed out so far become new ones."""
-        handed = self.made[: self.used]
-        get_runtime().materialize()  # what fields were to hold is in them then
-        written = [(field, runtime.view(field).copy()) for *_, field in handed]
+        waiting, handed = _fields._waiting.copy(), self.made[: self.used]
+        written = [(field, runtime.view(field).copy()) for *_, field in handed if "_kept_view" in vars(field)]
         start(*self.asked[:2])
         self.program, self.made = get_runtime().prog, handed
         for make, arguments, field in handed:
             vars(field).update(vars(make(*arguments)))
-        _fields._waiting.extend(written)
+        _fields._waiting.extend([*written, *waiting])
 
     def field(self, make, *arguments):
         """Return what ``make(*arguments)`` does, or the field that was made so in this place the last time."""

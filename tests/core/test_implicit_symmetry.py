@@ -18,8 +18,8 @@ def make(make):
 # --- what is kept
 
 
-@pytest.mark.parametrize("order", [2, 4])
 @pytest.mark.parametrize("treatment", OBEY_MOMENTUM)
+@pytest.mark.parametrize("order", [2, 4])
 def test_developed_couette_flow_is_kept_on_a_jittered_arrangement(make, order, treatment):
     scheme = make(
         "initial={state: developed, jitter: 0.2}",

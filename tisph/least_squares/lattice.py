@@ -30,7 +30,7 @@ class Lattice:
         self.shape = rows, columns
         self.columns, self.rows = integer(columns), integer(rows)
         self.per_x, self.per_y = scalar(columns / length), scalar(rows / gap)
-        self.share = scalar(rows * columns / points.fluid)
+        self.share = scalar(rows * columns / (flow.rows * flow.columns))
         nodes = room(rows * columns + 2)
         self.begin = ti.field(ti.i32, nodes)
         self.cell, self.members = (ti.field(ti.i32, points.most) for _ in range(2))

@@ -32,6 +32,7 @@ class MultilevelSolver:
     def __init__(self, rows, lattice, width, floating=False):
         self.rows, self.lattice, self.points = rows, lattice, rows.points
         self.floating = floating
+        self.number = self.points.particles if floating else self.points.liquid
         self.serial = rows.serial_light
         self.workers = 1 if self.serial else threads()
         kind, most = ti.types.vector(width, real()), self.points.most
@@ -116,7 +117,7 @@ class MultilevelSolver:
     @ti.kernel
     def start(self):
         """Residual of the guess and its ``norm``, inverse diagonal, and the ``size`` |b|."""
-        particles = self.points.particles[None]
+        particles = self.number[None]
         ti.loop_config(serialize=self.serial)
         for turn in range(self.workers * CHUNK):
             first, last = self.blocks(turn, particles)
@@ -152,7 +153,7 @@ class MultilevelSolver:
     @ti.kernel
     def restrict(self):
         """The first sweep, from 0, and what it leaves on the lattice."""
-        particles = self.points.particles[None]
+        particles = self.number[None]
         ti.loop_config(serialize=self.serial)
         for i in range(particles):
             self.smooth[i] = DAMPING * self.inverse[i] * self.given[i]
@@ -166,7 +167,7 @@ class MultilevelSolver:
     @ti.kernel
     def prolong(self):
         """Add what the lattice has found, the last sweep, and the image of the ``result``."""
-        particles = self.points.particles[None]
+        particles = self.number[None]
         ti.loop_config(serialize=self.serial)
         for i in range(particles):
             self.smooth[i] += self.lattice.interpolate(self.nodes, i)
@@ -179,7 +180,7 @@ class MultilevelSolver:
     @ti.kernel
     def scale(self):
         """The diagonal alone as a preconditioner."""
-        particles = self.points.particles[None]
+        particles = self.number[None]
         ti.loop_config(serialize=self.serial)
         for i in range(particles):
             self.result[i] = self.inverse[i] * self.given[i]
@@ -204,7 +205,7 @@ class MultilevelSolver:
     @ti.kernel
     def step_half(self):
         """Go along the first direction as far as the shadow says."""
-        particles = self.points.particles[None]
+        particles = self.number[None]
         ti.loop_config(serialize=True)
         for _ in range(1):
             self.take_mean(particles)
@@ -232,7 +233,7 @@ class MultilevelSolver:
     @ti.kernel
     def step(self):
         """Go along the second direction to the smallest residual, and choose the next first one."""
-        particles = self.points.particles[None]
+        particles = self.number[None]
         ti.loop_config(serialize=True)
         for _ in range(1):
             square, total = self.take_mean(particles), self.sums(particles)
@@ -270,7 +271,7 @@ class MultilevelSolver:
     @ti.kernel
     def centre(self):
         """Take the mean off the solution, block by block."""
-        particles = self.points.particles[None]
+        particles = self.number[None]
         ti.loop_config(serialize=True)
         for _ in range(1):
             for block in range((particles + BLOCK - 1) // BLOCK):

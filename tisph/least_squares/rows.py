@@ -52,7 +52,8 @@ LAPLACIAN, ALONG, ACROSS = range(3)
 class LeastSquaresRows:
     """Rows ``laplacian[i, k]``, ``along[i, k]`` (d/dx) and ``across[i, k]`` (d/dy) of the neighbours ``points`` lists.
 
-    What lies beyond ``support`` weighs nothing. Where order 4 is singular, by a pivot below ``smallest_pivot``, order 2
+    What lies beyond ``support`` weighs nothing; with ``varying`` it is that times the field ``stretch`` of each particle.
+    Where order 4 is singular, by a pivot below ``smallest_pivot``, order 2
     takes over, where that is singular too the rows are zero: ``reduced`` and ``dropped`` count them.
     ``diagonal[i]``: minus the sum of ``laplacian[i, k]``, what it gives particle i of its own value.
 
@@ -60,7 +61,7 @@ class LeastSquaresRows:
     the particles that apply a row or do less; ``serial_numbers``: those that only go over a few numbers of each.
     """
 
-    def __init__(self, points, support, order, smallest_pivot=SMALLEST_PIVOT):
+    def __init__(self, points, support, order, smallest_pivot=SMALLEST_PIVOT, varying=False):
         self.points, self.smallest_pivot = points, smallest_pivot
         self.serial = points.serial
         self.serial_light = self.serial or points.most <= FEW
@@ -87,6 +88,9 @@ class LeastSquaresRows:
         self.moment_of = holding(ti.field(ti.i32, len(entries)), entries)
         self.units = holding(ti.field(real(), (3, self.unknowns)), units(order, 1.0 / support))
         self.per_support = scalar(1.0 / support)
+        self.varying = varying
+        if varying:
+            self.stretch = ti.field(real(), points.most)
         self.reduced, self.dropped = integer(0), integer(0)
 
     @ti.kernel
@@ -113,6 +117,8 @@ class LeastSquaresRows:
     def measure(self, i):
         """Store the scaled vectors to the neighbours of particle ``i`` and their weights, where the rows will be."""
         scale = self.per_support[None]
+        if ti.static(self.varying):
+            scale /= self.stretch[i]
         for k in range(self.points.count[i]):
             apart = self.points.separation(i, self.points.table[i, k]) * scale
             nearness = ti.max(0.0, 1.0 - apart.dot(apart))
@@ -213,6 +219,12 @@ class LeastSquaresRows:
         for operator in range(3):
             for unknown in range(ti.static(self.unknowns)):
                 known[operator, unknown] = self.coefficients[i // BLOCK, operator, unknown][i % BLOCK]
+        if ti.static(self.varying):
+            per_stretch = 1.0 / self.stretch[i]
+            for unknown in range(ti.static(self.unknowns)):
+                known[LAPLACIAN, unknown] *= per_stretch * per_stretch
+                known[ALONG, unknown] *= per_stretch
+                known[ACROSS, unknown] *= per_stretch
         for k in range(self.points.count[i]):
             x, y, weight = self.along[i, k], self.across[i, k], self.laplacian[i, k]
             self.laplacian[i, k] = weight * self.polynomial(known, LAPLACIAN, x, y)

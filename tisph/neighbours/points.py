@@ -31,20 +31,26 @@ class Points:
     ``particles`` and ``ghosts`` are their numbers at present; there is ``room`` for ghosts. ``most``, ``slots`` and the
     ``sentinel`` after them depend on a rung of the ladder of sizes alone: they may be compiled in, ``fluid`` may not.
     Neighbours of the fluid within ``reach`` are ``table[i, k]``, k < ``count[i]``. With ``mirrors`` the table goes on
-    with a row for each ghost, in its slot: the fluid particles around its mirror point ``mirror[k]``.
+    with a row for each ghost, in its slot: the fluid particles around its mirror point ``mirror[k]``. With a
+    ``largest_reach`` every point has its own: the field ``radius``.
     """
 
-    def __init__(self, channel, domain, reach, room_for_ghosts, serial, mirrors=False):
+    def __init__(self, channel, domain, reach, room_for_ghosts, serial, mirrors=False, largest_reach=None):  # noqa: PLR0913
         self.domain = domain
         self.serial = serial
-        self.fluid, self.room = channel.rows * channel.columns, room_for_ghosts
+        self.fluid, self.room = channel.particles, room_for_ghosts
         self.particles, self.ghosts = integer(self.fluid), integer(0)
+        self.liquid = self.particles
         self.most, self.most_ghosts = room(self.fluid), room(self.room)
         self.slots = self.sentinel = self.most + self.most_ghosts
         self.reach_squared = scalar(reach**2)
+        self.varying = largest_reach is not None
+        if self.varying:
+            self.radius = ti.field(real(), shape=self.most)
+        largest = largest_reach or reach
         # counted in spacings, of which length and gap are whole numbers: no cell is lost to rounding
-        columns = int(channel.columns * channel.spacing / reach * (1 + 1e-12))
-        rows = max(1, int(channel.rows * channel.spacing / reach * (1 + 1e-12)))
+        columns = int(channel.columns * channel.spacing / largest * (1 + 1e-12))
+        rows = max(1, int(channel.rows * channel.spacing / largest * (1 + 1e-12)))
         if columns < 3 or (domain.open_across and rows < 3):
             axis = f"{columns} cells along x" if columns < 3 else f"{rows} cells along y"
             raise ValueError(f"{axis}: a pair and its periodic copy would both be listed")
@@ -165,6 +171,8 @@ class Points:
     def append(self, i, place, end, first, last, found):
         """Append what is within reach of ``order[first .. last-1]``, without a branch; return the new count."""
         limit = self.reach_squared[None]
+        if ti.static(self.varying):
+            limit = self.radius[i] ** 2
         for s in range(first, last):
             j = self.order[s]
             apart = self.domain.shortest(self.place[j] - place)

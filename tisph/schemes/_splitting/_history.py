@@ -41,7 +41,7 @@ class History:
     def predict(self):
         """Put the points where the particles are at the end of a step, by the weights ``path`` of their velocities."""
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.points.particles[None]):
+        for i in range(self.points.liquid[None]):
             place = self.position[i]
             for age in ti.static(range(VELOCITIES)):
                 place += self.path[age] * self.velocity(age, i)
@@ -81,7 +81,7 @@ class History:
             self.divergence[i] = along[0] + across[1]
         ti.loop_config(serialize=True)
         for _ in range(1):
-            self.add_up(particles)
+            self.add_up(self.points.liquid[None])
 
     @ti.func
     def add_up(self, particles):
@@ -125,9 +125,10 @@ class History:
 
     def tidy(self):
         """Put the particles in the order of the cells in which neighbours were last sought."""
-        order = view(self.points.order)[: self.points.fluid]
+        liquid, order = int(view(self.points.liquid)), view(self.points.order)[: self.points.fluid]
+        order = order[order < liquid]
         for field in (self.position, self.carried, self.divergence, self.number):
-            used(field)[...] = used(field)[order]
+            used(field)[:liquid] = used(field)[order]
 
     @property
     def residual(self):

@@ -9,13 +9,15 @@ from tisph.least_squares.lattice import Lattice
 from tisph.least_squares.rows import LeastSquaresRows
 from tisph.neighbours.points import Points, used
 from tisph.periodic import PeriodicBox
-from tisph.runtime import real, ti, view
+from tisph.runtime import integer, real, ti, view
 from tisph.schemes._room import clustered
+from tisph.schemes._splitting._bounds import Bounds
 from tisph.schemes._splitting._control import StepControl
 from tisph.schemes._splitting._history import PRESSURES, VELOCITIES, History
 from tisph.schemes._splitting._series import Times
 from tisph.schemes._splitting._shift import Shift
 from tisph.schemes._splitting._split import Split
+from tisph.schemes._splitting._walls import FARTHER, SEEN
 from tisph.snapshot import Snapshot
 
 SUPPORT = 2.9
@@ -77,12 +79,19 @@ class Scheme:
 
     def __init__(self, flow, targets, serial, tolerance=TOLERANCE, courant=COURANT):
         self.flow, self.courant, self.initial_momentum = flow, courant, 0.0
-        self.points = Points(flow, PeriodicBox(flow.length, flow.gap), (SUPPORT + SKIN) * flow.spacing, 0, serial)
-        self.rows = LeastSquaresRows(self.points, SUPPORT * flow.spacing, 4, SMALLEST_PIVOT)
+        box, reach, bounded = PeriodicBox(flow.length, flow.gap), (SUPPORT + SKIN) * flow.spacing, flow.walls is not None
+        largest = reach + SEEN * FARTHER * flow.spacing if bounded else None
+        self.points = Points(flow, box, reach, 0, serial, largest_reach=largest)
+        self.rows = LeastSquaresRows(self.points, SUPPORT * flow.spacing, 4, SMALLEST_PIVOT, varying=bounded)
         self.lattice = Lattice(self.points, flow)
-        self.shift = Shift(self.points, flow.spacing)
+        self.shift = Shift(self.points, flow.spacing, SEEN if bounded else 0)
         self.history = History(self.rows, self.shift)
-        self.split = Split(self.history, self.lattice, flow.spacing)
+        self.bounds = None
+        if bounded:
+            self.points.liquid = integer(flow.liquid)
+            self.bounds = Bounds(flow, self.history, self.shift, SUPPORT, SKIN)
+        closure = self.bounds.closure if bounded else None
+        self.split = Split(self.history, self.lattice, flow.spacing, closure, getattr(flow, "acceleration", (0.0, 0.0)))
         self.control = StepControl(flow.start_time, targets, tolerance)
         least = ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
         self.residuals = max(PRESSURE_RESIDUAL, least), max(VELOCITY_RESIDUAL, least)
@@ -99,14 +108,17 @@ class Scheme:
     def start(self, position, velocity, stress=None):
         """Place the particles, (particles, 2) arrays, and find the pressure of their velocities; no ``stress``."""
         self.initial_momentum = float(velocity[:, 0].sum())
-        used(self.history.position)[...] = position
+        liquid = self.flow.liquid
+        used(self.history.position)[:liquid] = position - np.array(self.flow.origin)
         used(self.history.carried)[...] = 0.0
-        used(self.history.carried)[:, :2] = velocity
-        used(self.history.number)[...] = np.arange(len(position))
+        used(self.history.carried)[:liquid, :2] = velocity
+        used(self.history.number)[:liquid] = np.arange(len(position))
         view(self.history.path)[...] = 0.0
-        self.assemble()
+        self.assemble(self.time)
+        if self.bounds:
+            self.bounds.begin(self.split)
         self.history.measure()
-        self.require_solution(self.split.begin(self.residuals[0]))
+        self.require_solution(self.split.begin(self.flow.kinematic_viscosity, self.residuals[0]))
         self.control.begin(self.longest_step)
 
     @property
@@ -138,7 +150,7 @@ class Scheme:
         """Compute the velocities at the end of a step; return their estimated error, and of which order it is."""
         times = Times([length, *self.lengths], length)
         view(self.history.path)[...] = times.path()
-        self.assemble()
+        self.assemble(self.time + length)
         leading, back = times.backwards()
         view(self.split.back)[...] = back
         view(self.split.ahead)[...] = times.ahead(VELOCITIES)
@@ -146,21 +158,28 @@ class Scheme:
         nu, spacing = self.flow.kinematic_viscosity, self.flow.spacing
         rate = DECAY[0] * nu / spacing**2 + DECAY[1] * self.speed / spacing
         kept = max(0.0, leading - rate * length)
+        self.split.look_back()
+        if self.bounds:
+            self.bounds.drive(self.split, times)
         self.require_solution(self.split.solve(leading, length, nu, kept, self.residuals))
         error = self.split.error()
         if not math.isfinite(error):
             self.require_solution(False)
         return times.error(error, leading, self.speed)
 
-    def assemble(self):
-        """Put the points where they are at the end of a step and compute the operators there."""
+    def assemble(self, time):
+        """Put the points where they are at the end of a step, at ``time``, and compute the operators there."""
         self.history.predict()
+        if self.bounds:
+            self.bounds.place(time)
         self.points.find_neighbours()
         needed = self.points.overflow()
         if needed:
             raise clustered(f"neighbours of a particle ({needed})", self.steps + 1, self.time)
         self.rows.assemble()
         self.lattice.sort()
+        if self.bounds:
+            self.bounds.close()
 
     def require_solution(self, found):
         """Raise DivergedError where the linear systems have none."""
@@ -172,6 +191,8 @@ class Scheme:
         """Take up the new velocities, measure them, and shift the particles."""
         self.split.take_up()
         self.history.measure()
+        if self.bounds:
+            self.bounds.conclude(self.split.velocity.x)
         self.shift.spread(self.steps == 0)
         self.history.settle()
         if (self.steps + 1) % TIDYING == 0:
@@ -183,8 +204,7 @@ class Scheme:
         self.shortest, self.longest = min(self.shortest, length), max(self.longest, length)
         self.reduced += int(view(self.rows.reduced))
         self.dropped += int(view(self.rows.dropped))
-        self.iterations[0] += self.split.pressure.iterations
-        self.iterations[1] += self.split.velocity.iterations
+        self.iterations = [sum(pair) for pair in zip(self.iterations, self.split.iterations, strict=True)]
 
     def output_times(self, due):
         """Return the times at which there is a snapshot, of those that are ``due``: all, since steps are dense."""
@@ -198,8 +218,9 @@ class Scheme:
         """
         time = self.time if time is None else time
         if self.seen is None or self.seen[0] != self.time:
-            created = np.argsort(used(self.history.number))
-            fields = (used(field)[created].astype(float) for field in (self.history.carried, self.history.position))
+            liquid = self.flow.liquid
+            created = np.argsort(used(self.history.number)[:liquid])
+            fields = (used(field)[:liquid][created].astype(float) for field in (self.history.carried, self.history.position))
             self.seen = (self.time, *fields)
         _, carried, position = self.seen
         velocities = carried[:, : 2 * VELOCITIES].reshape(len(carried), VELOCITIES, 2)
@@ -213,8 +234,8 @@ class Scheme:
         return Snapshot(
             t=time,
             step=self.steps,
-            x=position[:, 0] % self.flow.length,
-            y=position[:, 1] % self.flow.gap,
+            x=position[:, 0] % self.flow.length + self.flow.origin[0],
+            y=position[:, 1] % self.flow.gap + self.flow.origin[1],
             u=velocity[:, 0].copy(),
             v=velocity[:, 1].copy(),
             density=np.full(len(position), self.flow.density),

@@ -30,10 +30,18 @@ SCATTER = 0.05
 
 @ti.data_oriented
 class Shift:
-    """Moves the places of the points; ``moved`` (fluid) is by how much."""
+    """Moves the places of the particles; ``moved`` (fluid) is by how much.
 
-    def __init__(self, points, spacing):
-        self.points, self.scatter = points, SCATTER * spacing
+    ``walls``: how many walls a particle may see, with their tangents in ``planes`` (fluid, walls) as in
+    ``_walls.Walls.seen``. There it is pushed by the mirror images of its neighbours too, and by its own: points on the
+    wall in their place would draw the particles to it.
+    """
+
+    def __init__(self, points, spacing, walls=0):
+        self.points, self.scatter, self.walls = points, SCATTER * spacing, walls
+        if walls:
+            self.planes = ti.field(ti.types.vector(3, real()), (points.most, walls))
+            self.near = scalar(SUPPORT * spacing)
         vector = ti.types.vector(2, real())
         self.move, self.moved = ti.field(vector, points.most), ti.field(vector, points.most)
         self.per_support = scalar(1.0 / (SUPPORT * spacing))
@@ -43,8 +51,8 @@ class Shift:
 
     def spread(self, first):
         """Move all points to a more even arrangement; ``first``: after scattering them, the same way in every run."""
-        fluid = self.points.fluid
-        view(self.moved)[:fluid] = 0.0
+        fluid = int(view(self.points.liquid))
+        view(self.moved)[: self.points.fluid] = 0.0
         if first:
             scattered = np.random.default_rng(0).uniform(-self.scatter, self.scatter, (fluid, 2))
             view(self.moved)[:fluid] = scattered
@@ -55,15 +63,15 @@ class Shift:
     @ti.kernel
     def sweep(self):
         """One move of all points."""
-        particles = self.points.particles[None]
+        particles = self.points.liquid[None]
         ti.loop_config(serialize=self.points.serial)
         for i in range(particles):
-            scale = self.per_support[None]
             push = ti.Vector([0.0, 0.0])
-            for k in range(self.points.count[i]):
-                apart = scale * self.points.separation(i, self.points.table[i, k])
-                nearness = ti.max(0.0, 1.0 - ti.sqrt(apart.dot(apart)))
-                push -= nearness * nearness * nearness * apart
+            if ti.static(self.walls > 0):
+                push = self.push_between_walls(i)
+            else:
+                for k in range(self.points.count[i]):
+                    push += self.push(self.points.separation(i, self.points.table[i, k]))
             push *= self.strength[None]
             size = ti.sqrt(push.dot(push))
             self.move[i] = push * ti.min(1.0, self.largest[None] / ti.max(size, self.largest[None]))
@@ -71,3 +79,50 @@ class Shift:
         for i in range(particles):
             self.points.place[i] += self.move[i]
             self.moved[i] += self.move[i]
+
+    @ti.func
+    def push(self, apart):
+        """Return the push of what is ``apart`` from a particle."""
+        scaled = self.per_support[None] * apart
+        nearness = ti.max(0.0, 1.0 - ti.sqrt(scaled.dot(scaled)))
+        return -nearness * nearness * nearness * scaled
+
+    @ti.func
+    def push_between_walls(self, i):
+        """Return the push of the neighbours of particle ``i``, of their images and of its own."""
+        liquid, near = self.points.liquid[None], False
+        for wall in ti.static(range(self.walls)):
+            near = near or self.distance(i, wall) < self.near[None]
+        push = ti.Vector([0.0, 0.0])
+        if near:
+            push += self.push_of_images(i, i)
+        for k in range(self.points.count[i]):
+            j = self.points.table[i, k]
+            if j < liquid:
+                push += self.push(self.points.separation(i, j))
+                if near:
+                    push += self.push_of_images(i, j)
+        return push
+
+    @ti.func
+    def distance(self, i, wall):
+        """Return how far particle ``i`` is from a wall."""
+        plane, place = self.planes[i, wall], self.points.place[i]
+        return plane.x * place.x + plane.y * place.y - plane.z
+
+    @ti.func
+    def push_of_images(self, i, j):
+        """Return the push of the images of particle ``j`` on particle ``i``: in each wall, and in one after another."""
+        apart, push, both = self.points.separation(i, j), ti.Vector([0.0, 0.0]), True
+        corner = apart
+        for wall in ti.static(range(self.walls)):
+            plane, away = self.planes[j, wall], self.distance(j, wall)
+            seen = away < self.near[None]
+            if seen:
+                across = 2.0 * away * ti.Vector([plane.x, plane.y])
+                push += self.push(apart - across)
+                corner -= across
+            both = both and seen
+        if both:
+            push += self.push(corner)
+        return push

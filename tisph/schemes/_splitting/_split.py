@@ -28,12 +28,14 @@ class Split:
     the error is estimated from.
     """
 
-    def __init__(self, history, lattice, spacing):
+    def __init__(self, history, lattice, spacing, closure=None, acceleration=(0.0, 0.0)):
         self.history, self.rows, self.points = history, history.rows, history.points
-        self.spacing = spacing
+        vector = ti.types.vector(2, real())
+        self.spacing, self.closure, self.bounded = spacing, closure, closure is not None
+        self.driven = any(acceleration)
+        self.acceleration = holding(ti.field(vector, ()), acceleration)
         self.pressure = MultilevelSolver(self.rows, lattice, 1, floating=True)
         self.velocity = MultilevelSolver(self.rows, lattice, 2)
-        vector = ti.types.vector(2, real())
         self.known, self.expected = (ti.field(vector, self.points.slots + 1) for _ in range(2))
         self.back, self.ahead = (holding(ti.field(real(), VELOCITIES), 0.0) for _ in range(2))
         self.ahead_pressure = holding(ti.field(real(), PRESSURES), 0.0)
@@ -44,26 +46,35 @@ class Split:
 
         ``leading`` is g, ``kept`` k g, ``tolerances`` those of the pressure and of the velocities.
         """
-        self.look_back()
         self.divide(length, kept)
-        sound = self.pressure.solve(0.0, 1.0, tolerances[0], rough=False)
-        self.push(length)
-        diffusion = length * viscosity
-        rough = diffusion <= ROUGH * leading * self.spacing**2
-        sound = self.velocity.solve(leading, diffusion, tolerances[1], rough) and sound
+        sound, self.iterations = True, [0.0, 0.0]
+        for turn in range(2 if self.bounded else 1):
+            if self.bounded:
+                if turn == 1:
+                    self.closure.spin(self.velocity.x)
+                self.bound(length, leading, viscosity)
+            sound = self.pressure.solve(0.0, 1.0, tolerances[0], rough=False) and sound
+            self.push(length)
+            diffusion = length * viscosity
+            rough = diffusion <= ROUGH * leading * self.spacing**2
+            sound = self.velocity.solve(leading, diffusion, tolerances[1], rough) and sound
+            self.iterations[0] += self.pressure.iterations
+            self.iterations[1] += self.velocity.iterations
         self.compare()
         return sound
 
     def error(self):
         """Return the root mean square of what the new velocities differ by from those expected."""
-        return math.sqrt(float(view(self.defect)) / self.points.fluid)
+        return math.sqrt(float(view(self.defect)) / int(view(self.points.liquid)))
 
-    def begin(self, tolerance):
+    def begin(self, viscosity, tolerance):
         """Solve L p = - grad u : grad u for the pressure of the velocities that there are; return whether it could be.
 
         It is carried from then on.
         """
         self.twist()
+        if self.bounded:
+            self.bound(1.0, 0.0, viscosity)
         sound = self.pressure.solve(0.0, 1.0, tolerance, rough=False)
         self.lay()
         return sound
@@ -105,7 +116,7 @@ class Split:
     def divide(self, length: float, kept: float):
         """Right side of the pressure's equation."""
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.points.particles[None]):
+        for i in range(self.points.liquid[None]):
             own, divergence = self.known[i], 0.0
             for k in range(self.points.count[i]):
                 difference = self.known[self.points.table[i, k]] - own
@@ -113,14 +124,24 @@ class Split:
             self.pressure.b[i] = [(kept * self.history.divergence[i] - divergence) / length]
 
     @ti.kernel
+    def bound(self, length: float, leading: float, viscosity: float):
+        """Right side of the pressure's equation at walls, where the velocities at the end are known."""
+        ti.loop_config(serialize=self.rows.serial_light)
+        for i in range(self.points.liquid[None], self.points.particles[None]):
+            push = (self.known[i] - leading * self.velocity.x[i]) / length + self.acceleration[None]
+            self.pressure.b[i] = [self.closure.right_side(i, push, viscosity)]
+
+    @ti.kernel
     def push(self, length: float):
         """Right side of the velocities' equation."""
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.points.particles[None]):
+        for i in range(self.points.liquid[None]):
             own, slope = self.pressure.x[i][0], ti.Vector([0.0, 0.0])
             for k in range(self.points.count[i]):
                 difference = self.pressure.x[self.points.table[i, k]][0] - own
                 slope += difference * ti.Vector([self.rows.along[i, k], self.rows.across[i, k]])
+            if ti.static(self.driven):
+                slope -= self.acceleration[None]
             self.velocity.b[i] = self.known[i] - length * slope
 
     @ti.kernel
@@ -129,7 +150,7 @@ class Split:
         ti.loop_config(serialize=True)
         for _ in range(1):
             total = 0.0
-            for i in range(self.points.particles[None]):
+            for i in range(self.points.liquid[None]):
                 difference = self.velocity.x[i] - self.expected[i]
                 total += difference.dot(difference)
             self.defect[None] = total

@@ -1,0 +1,78 @@
+"""What walls add to the pressure's equation: its slope at the points on them.
+
+    n . grad p = n . (u^ - g U) / h + n . f - nu n . curl omega,
+
+the momentum equation at the wall, in whose last term the divergence of the velocities has no part (G. E. Karniadakis,
+M. Israeli, S. A. Orszag, J. Comput. Phys. 97 (1991) 414-443, eq. 17). The vorticity omega is that expected at the end
+of the step first, and then that of the velocities found with it.
+"""
+
+from tisph.runtime import real, ti, view
+
+
+@ti.data_oriented
+class Closure:
+    """Rows and right sides at the points on ``walls``.
+
+    ``normal`` into the liquid and ``weight`` of a point, the length of its part of the wall over the area of a
+    particle: with it a constant pressure is left by the equations of particles and points alike.
+    """
+
+    def __init__(self, rows, walls, spacing):
+        self.rows, self.points, self.walls = rows, rows.points, walls
+        vector, most = ti.types.vector(2, real()), self.points.most
+        self.normal = ti.field(vector, most)
+        self.weight, self.twist, self.vorticity = (ti.field(real(), size) for size in (most, most, self.points.slots + 1))
+        self.area = spacing**2
+
+    def place(self, normal):
+        """Take up the normals of the points, and turn their rows to the pressure's slope."""
+        first, last = self.points.fluid - self.walls.count, self.points.fluid
+        view(self.normal)[first:last] = normal
+        view(self.weight)[first:last] = self.walls.length / self.area
+        self.turn()
+
+    @ti.kernel
+    def turn(self):
+        """Let the rows of the Laplacian be those of the slope along the normal times the weight."""
+        ti.loop_config(serialize=self.rows.serial_light)
+        for i in range(self.points.liquid[None], self.points.particles[None]):
+            normal, total = self.weight[i] * self.normal[i], 0.0
+            for k in range(self.points.count[i]):
+                slope = normal.x * self.rows.along[i, k] + normal.y * self.rows.across[i, k]
+                self.rows.laplacian[i, k] = slope
+                total += slope
+            self.rows.diagonal[i] = -total
+
+    @ti.kernel
+    def spin(self, velocity: ti.template()):
+        """Take up the vorticity of the velocities, and the normal part of its curl at the points."""
+        ti.loop_config(serialize=self.rows.serial_light)
+        for i in range(self.points.particles[None]):
+            own, total = velocity[i], 0.0
+            for k in range(self.points.count[i]):
+                apart = velocity[self.points.table[i, k]] - own
+                total += self.rows.along[i, k] * apart.y - self.rows.across[i, k] * apart.x
+            self.vorticity[i] = total
+        ti.loop_config(serialize=self.rows.serial_light)
+        for i in range(self.points.liquid[None], self.points.particles[None]):
+            self.twist[i] = self.curl(i)
+
+    @ti.func
+    def curl(self, i):
+        """Return the normal part of the vorticity's curl at a point."""
+        own, normal, total = self.vorticity[i], self.normal[i], 0.0
+        for k in range(self.points.count[i]):
+            slope = normal.x * self.rows.across[i, k] - normal.y * self.rows.along[i, k]
+            total += slope * (self.vorticity[self.points.table[i, k]] - own)
+        return total
+
+    @property
+    def twists(self):
+        """Normal parts of the vorticity's curl, (count,), in place."""
+        return view(self.twist)[self.points.fluid - self.walls.count : self.points.fluid]
+
+    @ti.func
+    def right_side(self, i, push, viscosity):
+        """Return the right side at a point where all but pressure and viscosity accelerate the liquid by ``push``."""
+        return -self.weight[i] * (push.dot(self.normal[i]) - viscosity * self.twist[i])

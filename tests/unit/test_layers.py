@@ -15,7 +15,7 @@ PACKAGE = Path(tisph.__file__).parent
 # Each part may import the parts in the levels below its own, and itself. Parts of one level are independent.
 LEVELS = [
     ["endings", "errors", "folder", "snapshot", "families"],
-    ["config", "exact"],
+    ["config", "exact", "geometry"],
     ["equation_of_state", "verification"],
     ["scenes"],
     ["report"],
@@ -33,7 +33,7 @@ LEVELS = [
     ["__main__"],
 ]
 LEVEL_OF = {part: level for level, parts in enumerate(LEVELS) for part in parts}
-WITHOUT_TAICHI = ["config", "scenes", "exact", "verification", "report"]
+WITHOUT_TAICHI = ["config", "scenes", "exact", "geometry", "verification", "report"]
 FILES = sorted(PACKAGE.rglob("*.py"))
 
 

@@ -1,0 +1,141 @@
+"""Bodies: placed, turned, moving, in periodic cells, and how close they come."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from shapes import CLOSED
+
+from tisph.geometry.body import Body
+from tisph.geometry.circle import Circle
+from tisph.geometry.gaps import gap, smallest_gap
+from tisph.geometry.line import Line
+from tisph.geometry.motion import RigidMotion, WallMotion
+from tisph.geometry.polygon import Polygon
+
+RANDOM = np.random.default_rng(4)
+PLACES = RANDOM.uniform(-2.0, 2.0, (200, 2))
+ROUNDING = 1e-12
+TIMES = np.array([-0.3, 0.0, 0.4, 1.7])
+
+MOTIONS = {
+    "constant": RigidMotion(WallMotion(0.3), WallMotion(-0.2), WallMotion(0.7)),
+    "oscillating": RigidMotion(WallMotion(0.3, -0.1, 2.0), WallMotion(0.0, 0.4, 0.5), WallMotion(0.6, 0.5, 3.0)),
+    "turning": RigidMotion(turning=WallMotion(1.3)),
+}
+
+closed_shapes = pytest.mark.parametrize("shape", CLOSED.values(), ids=CLOSED)
+motions = pytest.mark.parametrize("motion", MOTIONS.values(), ids=MOTIONS)
+
+
+@closed_shapes
+def test_nearest_goes_with_the_body(shape):
+    """A body moved and turned sees places that are moved and turned with it as before."""
+    angle, way = 0.7, np.array([0.3, -1.1])
+    turned = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    before = Body(shape).nearest(PLACES)
+    after = Body(shape, tuple(way), angle).nearest(PLACES @ turned.T + way)
+    assert np.abs(after.distance - before.distance).max() < ROUNDING
+    assert np.abs(after.point - before.point @ turned.T - way).max() < 1e-9
+    assert np.abs(after.normal - before.normal @ turned.T).max() < 1e-8  # rounding over the distance
+    assert np.abs(after.curvature - before.curvature).max() < 1e-6
+
+
+@motions
+def test_points_keep_to_the_body_and_velocities_are_their_derivatives(motion):
+    """The same point at all times, whose central differences are its velocity and acceleration to their order."""
+    body = Body(CLOSED["ell"], (0.2, 0.4), 0.3, motion)
+    step = 1e-4
+    for time in (0.0, 0.4, 1.7):
+        before, here, after = (body.boundary_points(0.2, time + k * step).point for k in (-1, 0, 1))
+        assert np.abs((after - before) / (2 * step) - body.velocity(here, time)).max() < 1e-6  # step^2 w^2 and rounding
+        difference = (after - 2 * here + before) / step**2
+        assert np.abs(difference - body.acceleration(here, time)).max() < 1e-5
+        assert np.abs(body.nearest(here, time).distance).max() < ROUNDING
+
+
+def test_a_turning_circle_has_the_acceleration_of_its_points():
+    body = Body(Circle(2.0), motion=RigidMotion(turning=WallMotion(0.0, 1.5, 2.0)))
+    place, time = np.array([[2.0, 0.0]]), 0.6
+    speed, change = 1.5 * math.sin(1.2), 3.0 * math.cos(1.2)
+    assert np.allclose(body.velocity(place, time), [[0.0, 2 * speed]], rtol=0, atol=1e-15)
+    assert np.allclose(body.acceleration(place, time), [[-2 * speed**2, 2 * change]], rtol=0, atol=1e-14)
+
+
+def test_displacement_is_the_integral_of_the_velocity():
+    times = np.linspace(0.0, 3.0, 3001)
+    middle = 0.5 * (times[1:] + times[:-1])
+    for wall in (WallMotion(0.4), WallMotion(0.3, -0.7, 2.5), WallMotion(0.3, 0.2, 1e-9)):
+        summed = np.sum(wall.velocity(middle)) * 1e-3
+        assert wall.displacement(3.0) == pytest.approx(summed, abs=1e-6)  # midpoint rule: step^2 w^2
+        assert np.allclose(np.gradient(wall.displacement(times), 1e-3)[1:-1], wall.velocity(times)[1:-1], atol=1e-6)
+
+
+def test_a_body_that_starts_from_rest_is_where_it_starts_before():
+    wall = WallMotion(0.3, 0.1, 2.0, before=0.0)
+    assert wall.velocity(TIMES).tolist()[0] == 0.0
+    assert wall.velocity(0.0) == 0.3
+    assert (wall.displacement(TIMES)[0], wall.acceleration(-1.0), wall.jerk(-1.0)) == (0.0, 0.0, 0.0)
+    body = Body(Circle(1.0), motion=RigidMotion(x=wall, turning=wall))
+    assert body.at(-1.0).centre.tolist() == [0.0, 0.0]
+    assert not body.velocity(PLACES, -1.0).any()
+    stopped = WallMotion(0.0, before=0.5)
+    assert stopped.displacement(TIMES).tolist() == [-0.15, 0.0, 0.0, 0.0]
+
+
+@closed_shapes
+def test_in_a_periodic_cell_a_body_is_all_its_copies(shape):
+    """Nearest of the copies by brute force, also where the body has left the cell."""
+    periods = (5.0, 6.0)
+    body = Body(shape, (14.0, 1.0), 0.4, MOTIONS["constant"], periods)
+    foot, time = body.nearest(PLACES, 0.7), 0.7
+    copies = [
+        Body(shape, (14.0 + 5.0 * i, 1.0 + 6.0 * j), 0.4, MOTIONS["constant"]).nearest(PLACES, time)
+        for i in range(-5, 0)
+        for j in range(-2, 3)
+    ]
+    least = np.argmin([copy.distance for copy in copies], axis=0)
+    for name in ("distance", "point", "curvature"):
+        expected = np.array([getattr(copies[k], name)[row] for row, k in enumerate(least)])
+        assert np.abs(getattr(foot, name) - expected).max() < 1e-9
+    shifted = body.velocity(PLACES + np.array([10.0, -6.0]), time)
+    assert np.abs(shifted - body.velocity(PLACES, time)).max() < ROUNDING
+
+
+def test_gaps_of_circles_in_closed_form():
+    one, other = Body(Circle(1.0), (0.1, 0.2)), Body(Circle(0.5), (1.7, 0.9))
+    apart = math.hypot(1.6, 0.7) - 1.5
+    assert gap(one, other) == pytest.approx(apart, abs=1e-6)
+    assert gap(other, one) == pytest.approx(apart, abs=1e-6)
+    outer = Body(Circle(3.0, "inside"))
+    assert gap(one, outer) == pytest.approx(3.0 - 1.0 - math.hypot(0.1, 0.2), abs=1e-6)
+    assert gap(replace(one, centre=(1.5, 0.9)), other) == pytest.approx(-0.7, abs=1e-6)  # the deepest point
+    wall = Body(Line((0.0, -2.0), length=8.0))
+    assert gap(one, wall) == pytest.approx(1.2, abs=1e-6)
+    assert smallest_gap([one, wall, other])[1] == (0, 2)
+    moving = replace(other, motion=RigidMotion(x=WallMotion(1.0)))
+    assert gap(one, moving, 2.0) == pytest.approx(math.hypot(3.6, 0.7) - 1.5, abs=1e-6)
+
+
+def test_gaps_across_a_periodic_cell():
+    periods = (4.0, math.inf)
+    one, other = (Body(Circle(0.5), (x, 0.0), periods=periods) for x in (0.2, 3.5))
+    assert gap(one, other) == pytest.approx(4.0 - 3.3 - 1.0, abs=1e-6)
+    assert smallest_gap([replace(one, shape=Circle(1.8))]) == (pytest.approx(0.4, abs=1e-6), (0, 0))
+    assert smallest_gap([Body(Circle(1.0))]) == (math.inf, None)
+
+
+def test_gap_at_a_corner():
+    square = Body(Polygon(((0, 0), (1, 0), (1, 1), (0, 1))), angle=math.pi / 4)
+    circle = Body(Circle(0.3), (0.0, 2.0))
+    assert gap(square, circle) == pytest.approx(2.0 - math.sqrt(2) - 0.3, abs=1e-5)
+
+
+def test_what_bodies_cannot_do_is_refused():
+    with pytest.raises(ValueError, match="cannot turn"):
+        Body(Line(), motion=MOTIONS["turning"])
+    with pytest.raises(ValueError, match="periods are above 0"):
+        Body(Circle(1.0), periods=(0.0, 1.0))
+    with pytest.raises(ValueError, match="give them a length"):
+        gap(Body(Line()), Body(Line((0.0, 1.0), (-1.0, 0.0))))

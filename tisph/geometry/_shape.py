@@ -1,0 +1,108 @@
+"""What every wall is: a curve with the liquid on one side, in the frame of the body that it bounds.
+
+Signs, the same for all shapes: a normal points into the liquid; a distance is positive in the liquid; a curvature is
+positive where the centre of curvature lies in the body, so that the body is convex as the liquid sees it: 1/R on a
+cylinder in the liquid, -1/R on a cylinder that the liquid is in.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+
+Side = Literal["outside", "inside"]
+"""Where the liquid is, seen from a closed curve."""
+
+
+@dataclass(frozen=True)
+class Foot:
+    """The nearest points of a wall to n places.
+
+    ``point`` (n, 2) on the wall, ``normal`` (n, 2) of the wall there, of length 1, into the liquid, ``curvature`` (n,)
+    [1/length] and ``distance`` (n,) [length], both signed as the module says. A place is point + distance * normal.
+    """
+
+    point: np.ndarray
+    normal: np.ndarray
+    curvature: np.ndarray
+    distance: np.ndarray
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """m points of a wall: ``point`` (m, 2), ``normal`` (m, 2), ``curvature`` (m,) as in ``Foot``, ``length`` (m,).
+
+    ``length`` is the arc length that each point stands for: sum(f * length) integrates f along the wall.
+    """
+
+    point: np.ndarray
+    normal: np.ndarray
+    curvature: np.ndarray
+    length: np.ndarray
+
+
+class Shape(Protocol):
+    """A wall in the frame of its body.
+
+    ``length`` of the curve; ``area`` that it encloses, 0 for a line; ``extent`` (2, 2), the lowest and the highest
+    corner of the smallest box around it; ``smallest_radius`` of curvature, infinite where it is straight and 0 where
+    it has sharp corners; ``liquid``, the side of a closed curve that the liquid is on.
+    """
+
+    liquid: Side
+    length: float
+    area: float
+    extent: np.ndarray
+    smallest_radius: float
+
+    def nearest(self, points: np.ndarray) -> Foot:
+        """Nearest points of the wall to ``points`` (n, 2)."""
+
+    def boundary_points(self, spacing: float) -> Boundary:
+        """Points of the wall about ``spacing`` apart, evenly in arc length, in the order of the curve."""
+
+
+class ClosedCurve(ABC):
+    """A closed curve, run through counterclockwise; what subclasses say of it is said for liquid outside."""
+
+    liquid: Side
+
+    @property
+    def area(self):
+        """Area that the curve encloses."""
+        return self._area
+
+    def nearest(self, points):
+        """Nearest points of the wall to ``points`` (n, 2), a ``Foot``."""
+        foot = self._nearest(np.asarray(points, dtype=float))
+        side = 1.0 if self.liquid == "outside" else -1.0
+        return Foot(foot.point, side * foot.normal, side * foot.curvature, side * foot.distance)
+
+    def boundary_points(self, spacing):
+        """Points evenly along the wall, the nearest whole number to length/spacing: a ``Boundary``."""
+        point, normal, curvature, length = self._spread(spacing)
+        side = 1.0 if self.liquid == "outside" else -1.0
+        return Boundary(point, side * normal, side * curvature, length)
+
+    @abstractmethod
+    def _nearest(self, points):
+        """Return the ``Foot`` of each point for liquid outside."""
+
+    @abstractmethod
+    def _spread(self, spacing):
+        """Return points, normals for liquid outside, curvatures and lengths."""
+
+
+def check_side(liquid):
+    """Raise ValueError where ``liquid`` is no ``Side``."""
+    if liquid not in ("outside", "inside"):
+        raise ValueError(f"the liquid is outside or inside a closed curve, not {liquid!r}")
+
+
+def evenly(length, spacing, least=1):
+    """Places (k + 1/2) length/n for k < n, n at least ``least`` and the nearest whole number to length/spacing."""
+    if not spacing > 0:
+        raise ValueError(f"points on a wall need a spacing above 0, not {spacing}")
+    count = max(least, round(length / spacing))
+    return (np.arange(count) + 0.5) * (length / count)

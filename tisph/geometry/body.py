@@ -1,0 +1,140 @@
+"""A body: a wall that is somewhere, and moves as a rigid whole.
+
+Velocity V + w x r and acceleration A + dw/dt x r - w^2 r of its points, r from its centre: the last part is the
+centripetal one. In a periodic cell a body is all its copies: what is nearest, and what r is, goes by the nearest one.
+"""
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from tisph.geometry._shape import Boundary, Foot, Shape
+from tisph.geometry.motion import REST, RigidMotion
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where a body is: its ``centre`` (2,), and the ``angle`` by which it is turned counterclockwise."""
+
+    centre: np.ndarray
+    angle: float
+
+    def turned(self, vectors):
+        """Vectors (n, 2) of the body's frame as seen from outside."""
+        cosine, sine = math.cos(self.angle), math.sin(self.angle)
+        return vectors @ np.array([[cosine, sine], [-sine, cosine]])
+
+    def turned_back(self, vectors):
+        """Vectors (n, 2) as seen in the body's frame."""
+        cosine, sine = math.cos(self.angle), math.sin(self.angle)
+        return vectors @ np.array([[cosine, -sine], [sine, cosine]])
+
+    def outside(self, points):
+        """Places (n, 2) of the body's frame as seen from outside."""
+        return self.centre + self.turned(points)
+
+    def inside(self, points):
+        """Places (n, 2) in the body's frame."""
+        return self.turned_back(points - self.centre)
+
+
+@dataclass(frozen=True)
+class Body:
+    """``shape``, whose origin is at ``centre`` (2,) and which is turned by ``angle`` at t = 0, and its ``motion``.
+
+    ``periods`` (2,) of the cell along x and y, infinite where it is not periodic. ValueError for a line that turns.
+    """
+
+    shape: Shape
+    centre: tuple[float, float] = (0.0, 0.0)
+    angle: float = 0.0
+    motion: RigidMotion = REST
+    periods: tuple[float, float] = (math.inf, math.inf)
+
+    def __post_init__(self):
+        if self.shape.smallest_radius == math.inf and self.motion.turning.largest_speed:
+            raise ValueError("a straight wall without ends cannot turn: give it no angular velocity")
+        if not all(period > 0 for period in self.periods):
+            raise ValueError(f"periods are above 0, infinite where there is none, not {self.periods}")
+
+    @property
+    def reach(self):
+        """Radius of a circle around the centre that the wall is within."""
+        return float(np.linalg.norm(np.abs(self.shape.extent).max(axis=0)))
+
+    def at(self, time=0.0):
+        """Where the body is; a periodic cell does not bring it back."""
+        motion = self.motion
+        return Placement(self.centre + motion.displacement(time), self.angle + float(motion.turning.displacement(time)))
+
+    def nearest(self, points, time=0.0):
+        """Nearest points of the wall to ``points`` (n, 2), a ``Foot``; on the copy of the body that is nearest."""
+        points, place = np.asarray(points, dtype=float), self.at(time)
+        copy = self._nearest_copy(points - place.centre)
+        foot = self._foot(points, copy, place)
+        for way in self.ways() if self.shape.liquid == "outside" else ():
+            other = copy + way
+            nearer = np.linalg.norm(points - place.centre - other, axis=1) - self.reach < foot.distance
+            if nearer.any():
+                self._take_nearer(foot, nearer, self._foot(points[nearer], other[nearer], place))
+        return foot
+
+    def boundary_points(self, spacing, time=0.0):
+        """Points of the wall about ``spacing`` apart, a ``Boundary``: the same points of the body at every time."""
+        return self.placed(self.shape.boundary_points(spacing), time)
+
+    def placed(self, boundary, time=0.0):
+        """The points ``boundary`` of the shape as seen from outside."""
+        place = self.at(time)
+        point, normal = place.outside(boundary.point), place.turned(boundary.normal)
+        return Boundary(point, normal, boundary.curvature, boundary.length)
+
+    def velocity(self, points, time=0.0):
+        """Velocity (n, 2) of the solid at ``points`` (n, 2)."""
+        turning = self.motion.turning.velocity(time)
+        return self.motion.velocity(time) + turning * _quarter(self._from_centre(points, time))
+
+    def acceleration(self, points, time=0.0):
+        """Acceleration (n, 2) of the solid's material points that are at ``points`` (n, 2); jumps left out."""
+        turning, from_centre = self.motion.turning, self._from_centre(points, time)
+        change = turning.acceleration(time) * _quarter(from_centre) - turning.velocity(time) ** 2 * from_centre
+        return self.motion.acceleration(time) + change
+
+    def _from_centre(self, points, time):
+        away = np.asarray(points, dtype=float) - self.at(time).centre
+        return away - self._nearest_copy(away)
+
+    def _nearest_copy(self, away):
+        """Return whole periods (n, 2) from the centre to its copy that is nearest to places ``away`` (n, 2) from it."""
+        copy = np.zeros_like(away)
+        for axis, period in enumerate(self.periods):
+            if math.isfinite(period):
+                copy[:, axis] = period * np.round(away[:, axis] / period)
+        return copy
+
+    def ways(self):
+        """Ways (2,) from the body to its copies around it in a periodic cell."""
+        steps = [(-1, 0, 1) if math.isfinite(period) else (0,) for period in self.periods]
+        periods = [period if math.isfinite(period) else 0.0 for period in self.periods]
+        for step in itertools.product(*steps):
+            if any(step):
+                yield np.multiply(step, periods)
+
+    def _foot(self, points, copy, place):
+        foot = self.shape.nearest(place.inside(points - copy))
+        return Foot(place.outside(foot.point) + copy, place.turned(foot.normal), foot.curvature, foot.distance)
+
+    @staticmethod
+    def _take_nearer(foot, asked, other):
+        """Write into ``foot`` where ``other``, of the places ``asked`` (n,), is nearer."""
+        better = other.distance < foot.distance[asked]
+        rows = np.flatnonzero(asked)[better]
+        for name in ("point", "normal", "curvature", "distance"):
+            getattr(foot, name)[rows] = getattr(other, name)[better]
+
+
+def _quarter(vectors):
+    """Return vectors (n, 2) turned by a right angle counterclockwise."""
+    return vectors[:, ::-1] * [-1.0, 1.0]

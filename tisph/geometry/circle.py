@@ -1,0 +1,52 @@
+"""Circle around the origin of its body: a cylinder in the liquid, or one that the liquid is in."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from tisph.geometry._shape import ClosedCurve, Foot, Side, check_side, evenly
+
+
+@dataclass(frozen=True)
+class Circle(ClosedCurve):
+    """Circle of ``radius`` [length] around (0, 0). ValueError for a radius that is not positive."""
+
+    radius: float
+    liquid: Side = "outside"
+
+    def __post_init__(self):
+        check_side(self.liquid)
+        if not 0 < self.radius < math.inf:
+            raise ValueError(f"a circle needs a radius above 0, not {self.radius}")
+
+    @property
+    def length(self):
+        """Circumference."""
+        return 2 * math.pi * self.radius
+
+    @property
+    def extent(self):
+        """Lowest and highest corner (2, 2) of the box around the circle."""
+        return self.radius * np.array([[-1.0, -1.0], [1.0, 1.0]])
+
+    @property
+    def smallest_radius(self):
+        """The radius."""
+        return self.radius
+
+    @property
+    def _area(self):
+        return math.pi * self.radius**2
+
+    def _nearest(self, points):
+        away = np.linalg.norm(points, axis=1)
+        normal = np.where(away[:, None] > 0, points, [1.0, 0.0])  # every point is nearest to the centre: take one
+        normal = normal / np.linalg.norm(normal, axis=1)[:, None]
+        return Foot(self.radius * normal, normal, np.full(len(points), 1 / self.radius), away - self.radius)
+
+    def _spread(self, spacing):
+        angle = evenly(self.length, spacing, least=3) / self.radius
+        normal = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        count = len(angle)
+        return self.radius * normal, normal, np.full(count, 1 / self.radius), np.full(count, self.length / count)

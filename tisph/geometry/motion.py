@@ -1,0 +1,107 @@
+"""How walls and bodies move: each component of a velocity is constant, or oscillates, from t = 0 on."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class WallMotion:
+    """One component of a velocity from t = 0 on: cosine * cos(w t) + sine * sin(w t), w = ``angular_frequency``.
+
+    A wall of constant velocity has w = 0 and its velocity as ``cosine``. ``before`` is its constant velocity
+    before t = 0, where that was another one (0 for one that starts from rest), else None. Velocities [length/time], or
+    [1/time] of what turns, ``angular_frequency`` [1/time].
+    """
+
+    cosine: float
+    sine: float = 0.0
+    angular_frequency: float = 0.0
+    before: float | None = None
+
+    @classmethod
+    def from_config(cls, wall):
+        """The motion that ``walls.bottom`` or ``walls.top`` of a validated config describes."""
+        if wall.amplitude is None:
+            return cls(cosine=wall.velocity, before=wall.velocity_before)
+        cosine, sine = (wall.amplitude, 0.0) if wall.phase == "cos" else (0.0, wall.amplitude)
+        return cls(cosine=cosine, sine=sine, angular_frequency=wall.angular_frequency)
+
+    @property
+    def oscillates(self):
+        """Whether the velocity changes with time."""
+        return self.angular_frequency != 0
+
+    @property
+    def largest_speed(self):
+        """The largest speed that the wall has or had before t = 0."""
+        return max(abs(self.before or 0.0), float(np.hypot(self.cosine, self.sine)))
+
+    def seen_from(self, velocity):
+        """The motion in a frame that moves along x with ``velocity``, which must be 0 where the wall oscillates."""
+        before = None if self.before is None else self.before - velocity
+        return replace(self, cosine=self.cosine - velocity, before=before)
+
+    def velocity(self, t):
+        """Velocity at time(s) ``t``, of the shape of ``t``."""
+        angle = self.angular_frequency * np.asarray(t, dtype=float)
+        return self._or_before(t, self.before, self.cosine * np.cos(angle) + self.sine * np.sin(angle))
+
+    def acceleration(self, t):
+        """Time derivative of the velocity [length/time^2] at time(s) ``t``, of the shape of ``t``; without its jump."""
+        angle = self.angular_frequency * np.asarray(t, dtype=float)
+        slope = self.angular_frequency * (self.sine * np.cos(angle) - self.cosine * np.sin(angle))
+        return self._or_before(t, 0.0, slope)
+
+    def jerk(self, t):
+        """Second time derivative of the velocity [length/time^3] at time(s) ``t``, of the shape of ``t``."""
+        angle = self.angular_frequency * np.asarray(t, dtype=float)
+        change = -(self.angular_frequency**2) * (self.cosine * np.cos(angle) + self.sine * np.sin(angle))
+        return self._or_before(t, 0.0, change)
+
+    def displacement(self, t):
+        """Way [length] from t = 0 on, negative times included, of the shape of ``t``."""
+        t = np.asarray(t, dtype=float)
+        half = 0.5 * self.angular_frequency * t
+        # sin(w t/2)/(w/2) = t sin(x)/x with x = w t/2, which also holds without an oscillation
+        way = t * np.sinc(half / np.pi) * (self.cosine * np.cos(half) + self.sine * np.sin(half))
+        return self._or_before(t, (self.before or 0.0) * t, way)
+
+    def _or_before(self, t, before, value):
+        """Return ``value``, or ``before`` at times before 0 where the velocity was another one then."""
+        return value if self.before is None else np.where(np.asarray(t) < 0, before, value)[()]
+
+    def penetration_depth(self, kinematic_viscosity):
+        """Depth sqrt(2 nu / w) [length] in which the oscillation falls by a factor e; infinite without one.
+
+        Stokes' second problem: G. K. Batchelor, An Introduction to Fluid Dynamics, section 4.3.
+        """
+        return float(np.sqrt(2 * kinematic_viscosity / self.angular_frequency)) if self.oscillates else np.inf
+
+
+@dataclass(frozen=True)
+class RigidMotion:
+    """Velocity (``x``, ``y``) [length/time] of the centre of a body, and its angular velocity ``turning`` [1/time].
+
+    Angles are counterclockwise.
+    """
+
+    x: WallMotion = WallMotion(0.0)
+    y: WallMotion = WallMotion(0.0)
+    turning: WallMotion = WallMotion(0.0)
+
+    def velocity(self, t):
+        """Velocity (2,) of the centre at time ``t``."""
+        return np.array([self.x.velocity(t), self.y.velocity(t)])
+
+    def acceleration(self, t):
+        """Acceleration (2,) of the centre at time ``t``."""
+        return np.array([self.x.acceleration(t), self.y.acceleration(t)])
+
+    def displacement(self, t):
+        """Way (2,) of the centre from t = 0 on."""
+        return np.array([self.x.displacement(t), self.y.displacement(t)])
+
+
+REST = RigidMotion()
+"""No motion at all."""

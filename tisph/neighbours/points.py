@@ -17,6 +17,9 @@ LANES = 4
 ROOM = 1.6
 """Capacity of a row over the mean number of neighbours within reach."""
 
+WIDER = 1.3
+"""That mean near walls, where some reach farther, over the one elsewhere."""
+
 
 def used(field):
     """Return what the fluid particles use of a field that ``Points`` made for them, in place: (..., fluid)."""
@@ -55,7 +58,7 @@ class Points:
             axis = f"{columns} cells along x" if columns < 3 else f"{rows} cells along y"
             raise ValueError(f"{axis}: a pair and its periodic copy would both be listed")
         self.columns, self.rows = integer(columns), integer(rows)
-        mean = math.pi * (reach / channel.spacing) ** 2
+        mean = math.pi * (reach / channel.spacing) ** 2 * (WIDER if self.varying else 1.0)
         self.capacity = math.ceil((ROOM * mean + LANES) / LANES) * LANES
         self.place = ti.field(ti.types.vector(2, real()), shape=self.slots + 1)
         self.mirrors = mirrors

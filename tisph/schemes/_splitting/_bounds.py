@@ -5,6 +5,8 @@ import numpy as np
 from tisph.neighbours.points import used
 from tisph.runtime import view
 from tisph.schemes._splitting._closure import Closure
+from tisph.schemes._splitting._history import VELOCITIES
+from tisph.schemes._splitting._walls import FARTHEST
 
 KEPT = 2
 """Times at which the curl of the vorticity at walls is kept, to be extrapolated: from three it is unstable."""
@@ -31,6 +33,7 @@ class Bounds:
         _, apart = self.walls.seen(places[self.slots], time)
         spacing = self.flow.spacing
         stretch = self.walls.stretch(np.concatenate([distances, apart]), self.support)
+        stretch[self.slots] += FARTHEST / self.support
         view(self.history.rows.stretch)[: self.flow.particles] = stretch
         view(self.points.radius)[: self.flow.particles] = self.support * stretch * spacing + self.skin
 
@@ -38,9 +41,31 @@ class Bounds:
         """Turn the rows at the points to what the pressure needs."""
         self.closure.place(self.normal)
 
+    def singular(self):
+        """Return the velocities (points, 2) that the flow in the corners has where the points are."""
+        place = view(self.points.place)[: self.flow.particles] + self.flow.origin
+        return sum(corner.velocity(place) for corner in self.flow.corners)
+
+    def part_off(self, split, leading):
+        """Let the solvers of a step look for what the flow in the corners does not have."""
+        if self.flow.corners:
+            singular = self.singular()
+            for field, factor in ((split.known, leading), (split.expected, 1.0), (split.velocity.x, 1.0)):
+                view(field)[: self.flow.particles] -= factor * singular
+
+    def carry(self, sign):
+        """Add the flow in the corners to the velocities carried, or take it off by a ``sign`` of -1."""
+        if self.flow.corners:
+            carried = used(self.history.carried)[:, : 2 * VELOCITIES].reshape(-1, VELOCITIES, 2)
+            carried += sign * self.singular()[:, None]
+            if sign > 0:
+                velocity = carried[: self.flow.liquid, 0]
+                view(self.history.fastest)[()] = np.linalg.norm(velocity - velocity.mean(axis=0), axis=1).max()
+
     def begin(self, split):
         """Let the points have the velocities of the walls at the start, and the pressure meet their acceleration."""
         used(self.history.carried)[self.slots, :2] = self.velocity
+        self.carry(-1)
         view(split.velocity.x)[: self.flow.particles] = used(self.history.carried)[:, :2]
         view(split.known)[self.slots] = -self.walls.acceleration(self.flow.start_time)
         self.conclude(split.velocity.x)
@@ -55,3 +80,6 @@ class Bounds:
         """Keep the curl of the vorticity of the ``velocity`` at the end of a step, a field."""
         self.closure.spin(velocity)
         self.twists = [self.closure.twists.copy(), *self.twists][:KEPT]
+        if self.flow.corners:
+            carried = used(self.history.carried)[:, 2 : 2 * VELOCITIES].reshape(-1, VELOCITIES - 1, 2)
+            carried -= self.singular()[:, None]

@@ -17,7 +17,7 @@ from tisph.schemes._splitting._history import PRESSURES, VELOCITIES, History
 from tisph.schemes._splitting._series import Times
 from tisph.schemes._splitting._shift import Shift
 from tisph.schemes._splitting._split import Split
-from tisph.schemes._splitting._walls import FARTHER, SEEN
+from tisph.schemes._splitting._walls import FARTHER, FARTHEST, SEEN
 from tisph.snapshot import Snapshot
 
 SUPPORT = 2.9
@@ -80,7 +80,7 @@ class Scheme:
     def __init__(self, flow, targets, serial, tolerance=TOLERANCE, courant=COURANT):
         self.flow, self.courant, self.initial_momentum = flow, courant, 0.0
         box, reach, bounded = PeriodicBox(flow.length, flow.gap), (SUPPORT + SKIN) * flow.spacing, flow.walls is not None
-        largest = reach + SEEN * FARTHER * flow.spacing if bounded else None
+        largest = reach + (SEEN * FARTHER + FARTHEST) * flow.spacing if bounded else None
         self.points = Points(flow, box, reach, 0, serial, largest_reach=largest)
         self.rows = LeastSquaresRows(self.points, SUPPORT * flow.spacing, 4, SMALLEST_PIVOT, varying=bounded)
         self.lattice = Lattice(self.points, flow)
@@ -119,6 +119,8 @@ class Scheme:
             self.bounds.begin(self.split)
         self.history.measure()
         self.require_solution(self.split.begin(self.flow.kinematic_viscosity, self.residuals[0]))
+        if self.bounds:
+            self.bounds.carry(1)
         self.control.begin(self.longest_step)
 
     @property
@@ -161,6 +163,7 @@ class Scheme:
         self.split.look_back()
         if self.bounds:
             self.bounds.drive(self.split, times)
+            self.bounds.part_off(self.split, leading)
         self.require_solution(self.split.solve(leading, length, nu, kept, self.residuals))
         error = self.split.error()
         if not math.isfinite(error):
@@ -190,11 +193,13 @@ class Scheme:
     def conclude(self, length):
         """Take up the new velocities, measure them, and shift the particles."""
         self.split.take_up()
-        self.history.measure()
         if self.bounds:
             self.bounds.conclude(self.split.velocity.x)
+        self.history.measure()
         self.shift.spread(self.steps == 0)
         self.history.settle()
+        if self.bounds:
+            self.bounds.carry(1)
         if (self.steps + 1) % TIDYING == 0:
             self.history.tidy()
         self.time = self.control.end(self.time, length)

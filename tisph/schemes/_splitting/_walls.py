@@ -9,8 +9,12 @@ import numpy as np
 REACH = 2.9
 """Distance from a wall below which operators reach farther, in particle spacings."""
 
-FARTHER = 0.8
-"""By how much they reach farther at a wall, in particle spacings; where two walls are near this adds up."""
+FARTHER = 1.2
+"""By how much they reach farther at a wall, in particle spacings; where two walls are near this adds up. Particles lie in
+layers along a straight wall: with 0.8 too few layers are within reach for the fourth derivative across them."""
+
+FARTHEST = 0.4
+"""The same of the points on walls, beside that: liquid is on one side of them only."""
 
 SEEN = 2
 """Walls that a particle knows of: the nearest ones."""

@@ -194,6 +194,22 @@ def test_a_curve_through_points_of_an_ellipse_has_its_order():
     assert max(errors[1][:2]) < 1e-7
 
 
+def test_images_across_a_circle_and_into_a_corner():
+    circle = Circle(1.0)
+    images, whose = circle.images(np.array([[1.5, 0.0], [0.0, 1.1], [0.6, -0.9]]), 0.2)
+    assert whose.tolist() == [1, 2]
+    assert np.allclose(circle.nearest(images).distance, [-0.1, 1 - math.sqrt(1.17)], rtol=0, atol=1e-15)
+    box = Polygon(((0, 0), (1, 0), (1, 1), (0, 1)), liquid="inside")
+    images, whose = box.images(np.array([[0.1, 0.15], [0.5, 0.9]]), 0.2)
+    found = sorted(np.round(np.column_stack([whose, images]), 12).tolist())
+    assert found == [[0.0, -0.1, -0.15], [0.0, -0.1, 0.15], [0.0, 0.1, -0.15], [1.0, 0.5, 1.1]]
+    ell = Polygon(ELL)  # its hollow corner (1, 1) is the liquid's
+    assert len(ell.images(np.array([[1.1, 1.1]]), 0.2)[0]) == 3
+    assert len(ell.images(np.array([[2.1, 1.1]]), 0.2)[0]) == 0  # off a corner of the body, which sides fill
+    rounded = Polygon(ELL, 0.3).images(np.array([[1.1, 1.1]]), 0.2)[0]
+    assert np.allclose(rounded, 1.3 - (0.6 - 0.2 * math.sqrt(2)) / math.sqrt(2), rtol=0, atol=1e-14)
+
+
 REFUSED = {
     "radius": (lambda: Circle(0.0), "a circle needs a radius above 0"),
     "side": (lambda: Circle(1.0, "left"), "the liquid is outside or inside"),

@@ -59,6 +59,9 @@ class Shape(Protocol):
     def nearest(self, points: np.ndarray) -> Foot:
         """Nearest points of the wall to ``points`` (n, 2)."""
 
+    def images(self, points: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
+        """Mirror images (k, 2) of those of ``points`` (n, 2) that are within ``reach``, and whose (k,) they are."""
+
     def boundary_points(self, spacing: float) -> Boundary:
         """Points of the wall about ``spacing`` apart, evenly in arc length, in the order of the curve."""
 
@@ -79,6 +82,10 @@ class ClosedCurve(ABC):
         side = 1.0 if self.liquid == "outside" else -1.0
         return Foot(foot.point, side * foot.normal, side * foot.curvature, side * foot.distance)
 
+    def images(self, points, reach):
+        """Mirror images (k, 2) of those of ``points`` (n, 2) that are within ``reach``, and whose (k,) they are."""
+        return mirrored(self, points, reach)
+
     def boundary_points(self, spacing):
         """Points evenly along the wall, the nearest whole number to length/spacing: a ``Boundary``."""
         point, normal, curvature, length = self._spread(spacing)
@@ -98,6 +105,13 @@ def check_side(liquid):
     """Raise ValueError where ``liquid`` is no ``Side``."""
     if liquid not in ("outside", "inside"):
         raise ValueError(f"the liquid is outside or inside a closed curve, not {liquid!r}")
+
+
+def mirrored(shape, points, reach):
+    """Images (k, 2) of ``points`` (n, 2) within ``reach``, each across its nearest point, and whose (k,) they are."""
+    foot = shape.nearest(points)
+    near = np.flatnonzero(foot.distance < reach)
+    return points[near] - 2 * foot.distance[near, None] * foot.normal[near], near
 
 
 def evenly(length, spacing, least=1):

@@ -81,6 +81,13 @@ class Body:
                 self._take_nearer(foot, nearer, self._foot(points[nearer], other[nearer], place))
         return foot
 
+    def images(self, points, reach, time=0.0):
+        """Mirror images (k, 2) of those of ``points`` (n, 2) that are within ``reach``, and whose (k,) they are."""
+        points, place = np.asarray(points, dtype=float), self.at(time)
+        copy = self._nearest_copy(points - place.centre)
+        images, whose = self.shape.images(place.inside(points - copy), reach)
+        return place.outside(images) + copy[whose], whose
+
     def boundary_points(self, spacing, time=0.0):
         """Points of the wall about ``spacing`` apart, a ``Boundary``: the same points of the body at every time."""
         return self.placed(self.shape.boundary_points(spacing), time)

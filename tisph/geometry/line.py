@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from tisph.geometry._shape import Boundary, Foot, Side, evenly
+from tisph.geometry._shape import Boundary, Foot, Side, evenly, mirrored
 
 
 @dataclass(frozen=True)
@@ -52,6 +52,10 @@ class Line:
         distance = away @ self.normal
         point = self.point + (away @ self.tangent)[:, None] * np.array(self.tangent)
         return Foot(point, normal, np.zeros(len(away)), distance)
+
+    def images(self, points, reach):
+        """Mirror images (k, 2) of those of ``points`` (n, 2) that are within ``reach``, and whose (k,) they are."""
+        return mirrored(self, points, reach)
 
     def boundary_points(self, spacing):
         """Points of one period, half a spacing and more from ``point``; ValueError for a line without a period."""

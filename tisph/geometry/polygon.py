@@ -63,6 +63,45 @@ class Polygon(ClosedCurve):
         cut = radius**2 * (np.tan(0.5 * turn) - 0.5 * turn)
         return float(_enclosed(self._corner) - np.sum(self._bend * cut))
 
+    def images(self, points, reach):
+        """Mirror images (k, 2) of those of ``points`` (n, 2) within ``reach``, and whose (k,) they are.
+
+        A place has an image across each side, and each arc, that it is beside. Where the liquid fills a sharp corner, a
+        place beside both sides has one across the corner too; the body's own corners fill with images of the sides.
+        """
+        side = 1.0 if self.liquid == "outside" else -1.0
+        away = points[:, None] - self._start
+        along = np.einsum("nkc,kc->nk", away, self._tangent)
+        height = side * np.einsum("nkc,kc->nk", away, self._normal)
+        beside = (along >= 0) & (along <= self._lengths[1::2]) & (height < reach)
+        beside &= height > -0.25 * reach  # behind a wall there may be another one
+        of, sides = np.nonzero(beside)
+        across = points[of] - 2 * side * height[of, sides, None] * self._normal[sides]
+        whose, foot = self._at_corners(points, beside, reach)
+        return np.concatenate([across, 2 * foot - points[whose]]), np.concatenate([of, whose])
+
+    def _at_corners(self, points, beside, reach):
+        """Return which (k,) of ``points`` have an image across a corner, and the places (k, 2) half way to it."""
+        near = np.linalg.norm(points[:, None] - self._corner, axis=2) < 1.5 * reach + self._trim
+        before = np.roll(beside, 1, axis=1)
+        if not self.corner_radius:
+            filled = self._bend < 0 if self.liquid == "outside" else self._bend > 0
+            of, corner = np.nonzero(near & filled & beside & before)
+            return of, self._corner[corner]
+        of, corner = np.nonzero(near & (self._bend != 0))
+        outward, within, _ = self._on_arcs(points[of], corner)
+        foot = self._centre[corner] + (self._bend[corner] * self.corner_radius)[:, None] * outward
+        return of[within], foot[within]
+
+    def _on_arcs(self, points, corner):
+        """Return normals (n, 2) of arcs ``corner`` (n,) towards ``points`` (n, 2), whether on them, and distances."""
+        bend, away = self._bend[corner], points - self._centre[corner]
+        size = np.linalg.norm(away, axis=1)
+        outward = np.where(size[:, None] > 0, bend[:, None] * away, self._middle[corner])
+        outward /= np.linalg.norm(outward, axis=1)[:, None]
+        within = np.sum(outward * self._middle[corner], axis=1) >= np.cos(0.5 * self._turn[corner])
+        return outward, within, bend * (size - self.corner_radius)
+
     def _check(self):
         corner = self._corner
         if not (np.linalg.norm(np.roll(corner, -1, axis=0) - corner, axis=1) > 0).all():
@@ -156,11 +195,8 @@ class Polygon(ClosedCurve):
         point, normal, distance = self._nearest_on_sides(points)
         curvature = np.zeros(len(points))
         for i in np.flatnonzero(self._bend * self.corner_radius):
-            bend, away = self._bend[i], points - self._centre[i]
-            size = np.linalg.norm(away, axis=1)
-            outward = np.where(size[:, None] > 0, bend * away / np.where(size > 0, size, 1.0)[:, None], self._middle[i])
-            within = outward @ self._middle[i] >= math.cos(0.5 * self._turn[i])
-            to_arc = bend * (size - self.corner_radius)
+            bend = self._bend[i]
+            outward, within, to_arc = self._on_arcs(points, np.full(len(points), i))
             nearer = within & (np.abs(to_arc) < np.abs(distance))
             point[nearer] = (self._centre[i] + bend * self.corner_radius * outward)[nearer]
             normal[nearer], distance[nearer] = outward[nearer], to_arc[nearer]

@@ -1,0 +1,74 @@
+"""The liquid's region: what bodies and walls leave of a cell, periodic in either direction or not."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from tisph.geometry.body import Body
+
+PUSHES = 4
+"""Rounds at most in which places are moved off walls: in a corner one wall may push towards the other."""
+
+
+@dataclass(frozen=True)
+class Region:
+    """What ``bodies`` leave of the cell from ``low`` to ``high`` (2,), which goes on where it is ``periodic`` (2,).
+
+    Where it is not periodic walls must bound it: lines, each one period long, or a closed curve with the liquid inside.
+    Everything is taken at t = 0. ValueError where a body in the liquid has not the periods of the cell.
+    """
+
+    bodies: tuple[Body, ...]
+    low: tuple[float, float]
+    high: tuple[float, float]
+    periodic: tuple[bool, bool] = (False, False)
+
+    def __post_init__(self):
+        periods = tuple(np.where(self.periodic, self.size, math.inf).tolist())
+        for body in self.bodies:
+            if body.shape.area and body.shape.liquid == "outside" and tuple(body.periods) != periods:
+                raise ValueError(f"a body in a cell of periods {periods} needs the same ones, not {body.periods}")
+
+    @property
+    def size(self):
+        """Width and height (2,) of the cell."""
+        return np.subtract(self.high, self.low)
+
+    @property
+    def area(self):
+        """Area of the liquid."""
+        if all(self.periodic):
+            area = float(np.prod(self.size))
+        else:
+            # lines bound a strip, whose area by Gauss is the sum of length times distance, from any one point
+            lines = [body for body in self.bodies if not body.shape.area]
+            area = sum(body.shape.length * float(body.nearest(np.zeros((1, 2))).distance[0]) for body in lines)
+        return area + sum(body.shape.area * (1 if body.shape.liquid == "inside" else -1) for body in self.bodies)
+
+    def distance(self, points):
+        """Distances (n,) of ``points`` (n, 2) from the nearest wall, negative outside the liquid."""
+        none = np.full(len(points), math.inf)
+        return np.min([none, *(body.nearest(points).distance for body in self.bodies)], axis=0)
+
+    def images(self, points, reach):
+        """Mirror images (k, 2), behind the walls, of those of ``points`` (n, 2) that are within ``reach`` of one."""
+        return np.concatenate([np.empty((0, 2)), *(body.images(points, reach)[0] for body in self.bodies)])
+
+    def wrapped(self, points):
+        """``points`` (n, 2) moved by whole periods into the cell."""
+        cells = np.floor((points - self.low) / self.size)
+        return points - np.where(self.periodic, cells * self.size, 0.0)
+
+    def off_walls(self, points, least):
+        """``points`` (n, 2), those nearer to a wall than ``least`` moved along its normal to that distance."""
+        points, which = points.copy(), np.arange(len(points))
+        for _ in range(PUSHES):
+            moved = []
+            for body in self.bodies:
+                foot = body.nearest(points[which])
+                near = foot.distance < least
+                points[which[near]] = foot.point[near] + least * foot.normal[near]
+                moved.append(which[near])
+            which = np.unique(np.concatenate(moved)) if moved else which[:0]
+        return points

@@ -6,13 +6,31 @@ import numpy as np
 
 
 @dataclass(frozen=True)
+class Bodies:
+    """What the n bodies of a scene do at one time, and what the liquid does to them; per length across the plane.
+
+    ``centre`` and ``velocity`` (n, 2), ``angle`` [radians] and ``angular_velocity`` (n,), counterclockwise; ``force``
+    (n, 2) and ``torque`` (n,) around the centre, of which ``pressure_force`` and ``pressure_torque`` are the pressure's.
+    """
+
+    centre: np.ndarray
+    angle: np.ndarray
+    velocity: np.ndarray
+    angular_velocity: np.ndarray
+    force: np.ndarray
+    torque: np.ndarray
+    pressure_force: np.ndarray
+    pressure_torque: np.ndarray
+
+
+@dataclass(frozen=True)
 class Snapshot:
     """Fluid particles at time ``t``, in the order of their creation (row by row from the bottom).
 
     All arrays have shape (particles_fluid,) and the units of the config: positions ``x`` and ``y`` in the box of the
     scene, velocities ``u`` and ``v`` along them, density, pressure; polymer stresses
     [mass/(length time^2)] where the liquid has them, else None. ``reference``: arrays of the exact solution by the name
-    of the field, where somebody has asked for them.
+    of the field, where somebody has asked for them; ``bodies``, where there are any.
     """
 
     t: float
@@ -27,3 +45,4 @@ class Snapshot:
     stress_xy: np.ndarray | None = None
     stress_yy: np.ndarray | None = None
     reference: dict[str, np.ndarray] | None = None
+    bodies: Bodies | None = None

@@ -153,7 +153,7 @@ def test_a_shift_takes_all_that_is_carried_along():
     scheme = make(24)
     sine = lambda place: np.sin(2 * np.pi * place[:, 0]) * np.cos(2 * np.pi * place[:, 1])  # noqa: E731
     place, moved = used(scheme.history.position).copy(), np.random.default_rng(1).uniform(-0.2, 0.2, (576, 2)) / 24
-    scheme.assemble()
+    scheme.assemble(scheme.time)
     used(scheme.history.carried)[:, 3] = sine(place)
     scheme.history.measure()
     view(scheme.points.place)[:576] = place + moved

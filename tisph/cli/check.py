@@ -74,7 +74,7 @@ def estimates(config: Any) -> dict[str, Any]:
     from tisph.config import memory
 
     channel = _scene(config)
-    particles = channel.rows * channel.columns
+    particles = channel.particles
     resolved, reason = schemes.resolve(config)
     run = families.load("schemes", resolved.scheme.type).estimates(resolved, channel)
     return {
@@ -102,7 +102,8 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
     length, time = config.units.length, config.units.time
     largest = "" if numbers["sound_speed"] else "at most "
     step = f"{largest}{numbers['time_step']:.4g} {time}, set by the {numbers['binding_limit']} limit"
-    spacing = f"{config.spacing:.6g} {length} ({config.rows} across, {config.columns} along)"
+    number = f"{config.rows} across, {config.columns} along" if any(config.periodic) else f"{config.particles_across} across"
+    spacing = f"{config.spacing:.6g} {length} ({number})"
     lines = [("scheme", numbers["scheme"])]
     if numbers["sound_speed"]:
         lines.append(("Mach number", f"{numbers['mach']:.4g}  (peak speed / c)"))

@@ -147,6 +147,8 @@ class Config(Model):
     output: Output = Output()
     runtime: Runtime = Runtime()
 
+    parallel: ClassVar[bool] = False
+    """Whether all flow is along x."""
     periodic: ClassVar[tuple[bool, bool]]
     """Whether the box is periodic in x and y."""
     across_name: ClassVar[str]

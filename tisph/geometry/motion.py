@@ -21,9 +21,9 @@ class WallMotion:
 
     @classmethod
     def from_config(cls, wall):
-        """The motion that ``walls.bottom`` or ``walls.top`` of a validated config describes."""
+        """The motion that a ``config.motion.WallMotion`` describes."""
         if wall.amplitude is None:
-            return cls(cosine=wall.velocity, before=wall.velocity_before)
+            return cls(cosine=wall.speed, before=wall.speed_before)
         cosine, sine = (wall.amplitude, 0.0) if wall.phase == "cos" else (0.0, wall.amplitude)
         return cls(cosine=cosine, sine=sine, angular_frequency=wall.angular_frequency)
 

@@ -43,11 +43,18 @@ class Guard:
             across = np.abs(snapshot.v) > TRANSVERSE_LIMIT * self.scene.peak_velocity
             limit = f"is more than {TRANSVERSE_LIMIT:.0%} of the fastest velocity along x: the parallel flow breaks up"
             self._refuse(snapshot, "v", across, limit)
+        if self.scene.bodies:
+            points = np.stack([snapshot.x, snapshot.y], axis=1)
+            self._refuse(snapshot, "x", ~self.scene.inside(points), "lies beyond a wall")
+        else:
+            self._keep_in_box(snapshot)
+        self.last_good = snapshot
+
+    def _keep_in_box(self, snapshot):
         for axis, size, periodic in zip("xy", self.scene.extent, self.scene.periodic, strict=True):
             if not periodic:
                 place = getattr(snapshot, axis)
                 self._refuse(snapshot, axis, (place < 0.0) | (place > size), f"lies beyond a wall (0 to {size:.6g})")
-        self.last_good = snapshot
 
     def _refuse(self, snapshot, field, bad, reason):
         if not bad.any():

@@ -85,7 +85,7 @@ class FramePainter:
         panel = frame[self.layout.profile.slices][1:-1, 1:-1]
         profile = self.quantity.profile
         near = profile.line.near(snapshot)
-        dots = self._profile_pixels(profile.of(snapshot)[near], getattr(snapshot, profile.line.along)[near])
+        dots = self._profile_pixels(profile.of(snapshot)[near], profile.line.of(snapshot)[near])
         blend(panel, self._dots.cover(dots), style.rgb(style.PARTICLES))
         if profile.exact:
             exact = profile.exact(*profile.line.points(self._coordinates), snapshot.t)

@@ -69,7 +69,7 @@ def _plot(axes: Axes, panel: Panel, snapshot: Snapshot, look: dict) -> Line2D:
     profile, error = panel
     chosen = profile.line.particles(snapshot)
     chosen = chosen[style.evenly_chosen(len(chosen), _DOTS)]
-    along, values = getattr(snapshot, profile.line.along)[chosen], profile.of(snapshot)[chosen]
+    along, values = profile.line.of(snapshot)[chosen], profile.of(snapshot)[chosen]
     if error:
         exact = profile.exact(snapshot.x[chosen], snapshot.y[chosen], snapshot.t)
         look = {**look, "markersize": 0.7 * look["markersize"]}

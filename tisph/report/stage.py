@@ -124,7 +124,7 @@ class _Stage:
 
     def _facts(self) -> list[str]:
         scene = self.scene
-        facts = [f"Re = {number(scene.reynolds)}", f"{scene.columns} {TIMES} {scene.rows} particles"]
+        facts = [f"Re = {number(scene.reynolds)}", _count(scene)]
         if scene.polymer:
             facts.insert(1, f"Wi = {number(scene.weissenberg)}")
         if scene.loses_its_scale:  # then errors are given as multiples of it
@@ -171,3 +171,9 @@ class _Stage:
 
     def _bar(self, bar: Rect, **settings) -> None:
         self.overlay.add_patch(Rectangle((bar.left, bar.top), bar.width, bar.height, **settings))
+
+
+def _count(scene):
+    """Return how many particles there are, in words."""
+    lattice = f"{scene.columns} {TIMES} {scene.rows}" if not scene.bodies else str(scene.particles)
+    return f"{lattice} particles"

@@ -28,6 +28,15 @@ class Scene:
     acceleration = 0.0
     """Body acceleration along x."""
 
+    origin = (0.0, 0.0)
+    """Lowest corner of the box."""
+
+    bodies = ()
+    """``geometry.body.Body`` of each wall that is not a plane wall of a channel."""
+
+    corners = ()
+    """``exact.sliding_corner.SlidingCorner`` of each corner at which the velocities of two walls differ."""
+
     periodic = (True, True)
     """Whether the box is periodic in x and y."""
 
@@ -137,6 +146,11 @@ class Scene:
         x, y = self.lattice()
         shift_x, shift_y = np.random.default_rng(seed).uniform(-1.0, 1.0, (2, x.size))
         return x + jitter * self.spacing * shift_x, y + jitter * self.spacing * shift_y
+
+    def inside(self, points):
+        """Whether each of the ``points`` (n, 2) is in the box, or, where walls bound it, in the liquid."""
+        beyond = [(points[:, axis] < 0.0) | (points[:, axis] > self.extent[axis]) for axis in (0, 1)]
+        return ~np.any([beyond[axis] for axis in (0, 1) if not self.periodic[axis]] or [beyond[0] & False], axis=0)
 
     def initial(self, x, y):
         """Fields at the places ``x``, ``y`` when the run starts, by name: at least ``u`` and ``v``."""

@@ -23,6 +23,10 @@ class Line:
     place: float
     half_width: float = math.inf
 
+    def of(self, snapshot) -> np.ndarray:
+        """Coordinate of each particle along the line."""
+        return getattr(snapshot, self.along)
+
     def near(self, snapshot) -> np.ndarray | slice:
         """Index of the particles on the line, in the order in which they are."""
         if self.half_width == math.inf:
@@ -33,7 +37,7 @@ class Line:
     def particles(self, snapshot) -> np.ndarray:
         """Indices of the particles on the line, in the order of their coordinate along it."""
         chosen = np.arange(len(snapshot.x))[self.near(snapshot)]
-        return chosen[np.argsort(getattr(snapshot, self.along)[chosen], kind="stable")]
+        return chosen[np.argsort(self.of(snapshot)[chosen], kind="stable")]
 
     def coordinates(self, count: int) -> np.ndarray:
         """``count`` evenly spaced coordinates from end to end."""
@@ -42,6 +46,23 @@ class Line:
     def points(self, coordinates) -> tuple[np.ndarray | float, np.ndarray | float]:
         """Places (x, y) at ``coordinates`` along the line; they broadcast."""
         return (coordinates, self.place) if self.along == "x" else (self.place, coordinates)
+
+
+@dataclass(frozen=True)
+class Radius(Line):
+    """The distance from ``place`` (2,), from one of ``ends`` to the other: nothing depends on the angle around it."""
+
+    along: str = "r"
+    ends: tuple[float, float] = (0.0, 1.0)
+    place: tuple[float, float] = (0.0, 0.0)
+
+    def of(self, snapshot):
+        """Distance of each particle."""
+        return np.hypot(snapshot.x - self.place[0], snapshot.y - self.place[1])
+
+    def points(self, coordinates):
+        """Places (x, y) at ``coordinates`` along x from the middle."""
+        return self.place[0] + coordinates, self.place[1]
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,14 @@ import math
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import Field
 
 from tisph.config import lattice, schema
-from tisph.config.base import LARGEST, Model, Positive, Problem, Signed, refusal, refusals
+from tisph.config.base import LARGEST, Model, Positive, Problem, Signed
 from tisph.config.fields import Member, number_or
+from tisph.config.motion import Amplitude, WallMotion
 from tisph.scenes._channel.scene import Channel
+from tisph.scenes._initial import Initial, start_problems
 
 __all__ = ["Channel", "Config", "Scene"]
 
@@ -26,12 +28,6 @@ Scene = Channel
 WallTreatment = Member("walls", usual="consistent_image")
 
 
-def _not_zero(value: float) -> float:
-    if value == 0:
-        raise refusal("must not be 0: for a wall at rest give velocity: 0")
-    return value
-
-
 class Geometry(Model):
     """Distance between the walls and period along them [length]."""
 
@@ -39,45 +35,22 @@ class Geometry(Model):
     length: Positive
 
 
-class Wall(Model):
+class Wall(WallMotion):
     """Velocity of a wall along x from t = 0 on, of either sign: constant, or oscillating.
 
     ``velocity`` [length/time], with ``velocity_before`` for a wall that had another velocity before t = 0; or
     ``amplitude`` [length/time] * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t.
     """
 
+    speed_key = "velocity"
     exclusive_keys = ("velocity", "amplitude")
     unset_keys = ("velocity_before", "angular_frequency", "phase")
 
     velocity: Signed | None = None
     velocity_before: Signed | None = None
-    amplitude: Annotated[Signed, AfterValidator(_not_zero)] | None = None
+    amplitude: Amplitude | None = None
     angular_frequency: Positive | None = None
     phase: Literal["cos", "sin"] | None = None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _fill_in_velocity_or_phase(cls, data: Any) -> Any:
-        if not isinstance(data, dict):
-            return data
-        if all(data.get(key) is None for key in ("velocity", "amplitude", "angular_frequency", "phase")):
-            return {**data, "velocity": 0.0}
-        if data.get("amplitude") is not None and data.get("phase") is None:
-            return {**data, "phase": "cos"}
-        return data
-
-    @model_validator(mode="after")
-    def _check_forms(self) -> "Wall":
-        oscillates = self.amplitude is not None
-        alien = ("velocity_before",) if oscillates else ("angular_frequency", "phase")
-        form = "of constant velocity; this one oscillates" if oscillates else "that oscillates, which has an amplitude"
-        values = {key: getattr(self, key) for key in alien}
-        found = [((key,), f"is only for a wall {form}", value) for key, value in values.items() if value is not None]
-        if oscillates and self.angular_frequency is None:
-            found.append((("angular_frequency",), "is missing: a wall with an amplitude oscillates", {}))
-        if found:
-            raise refusals(found)
-        return self
 
 
 class Walls(Model):
@@ -92,23 +65,6 @@ class Drive(Model):
     """Body acceleration along x [length/time^2], of either sign: -(dp/dx) / density of a pressure gradient."""
 
     acceleration: Signed = 0.0
-
-
-class Initial(Model):
-    """Start: at rest, developed, or ``exact``: the exact flow at ``time`` that started at t = 0.
-
-    Motion starts, or changes, at t = 0. ``developed``: the steady flow of the velocities before t = 0, the
-    periodic flow of walls that oscillate. ``exact`` started from rest, or from the developed flow where a wall
-    has a ``velocity_before``.
-
-    ``jitter``: uniform random displacement of every particle, +- that many spacings in x and y; the same
-    ``seed`` gives the same displacements.
-    """
-
-    state: Literal["rest", "developed", "exact"] = "rest"
-    time: Annotated[float, Field(ge=0, le=LARGEST)] = 0.0
-    jitter: Annotated[float, Field(ge=0, lt=0.5)] = 0.0
-    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
 
 
 class Tracers(Model):
@@ -127,6 +83,7 @@ class Config(schema.Config):
     initial: Initial = Initial()
     tracers: Tracers = Tracers()
 
+    parallel = True
     periodic = (True, False)
     across_name = "the gap"
     colours = ("speed", "shear_stress")
@@ -164,7 +121,7 @@ class Config(schema.Config):
     def problems(self) -> Iterator[Problem]:
         """What the channel has against the config."""
         yield from _motion(self)
-        yield from _start(self)
+        yield from start_problems(self, ("bottom", "top"))
         yield from _polymer(self)
         video, rheology = self.output.video, self.fluid.rheology
         if video and video.color_by == "shear_stress" and not rheology.carries_stress:
@@ -199,18 +156,6 @@ def _motion(config: Config) -> Iterator[Problem]:
         text = "nothing moves: give walls.bottom or walls.top a velocity other than 0, or drive.acceleration"
         together = f"{text}; walls and liquid move together at {walls[0].velocity:g}"
         yield "walls", together if walls[0].velocity else text
-
-
-def _start(config: Config) -> Iterator[Problem]:
-    state = config.initial.state
-    if state == "exact" and config.initial.time == 0:
-        yield "initial.time", "must be greater than 0 with state exact (from rest: state rest)"
-    if state != "exact" and config.initial.time != 0:
-        yield "initial.time", f"is allowed only with state exact, not with state {state}"
-    for side in ("bottom", "top"):
-        if state == "rest" and getattr(config.walls, side).velocity_before is not None:
-            text = "is not allowed with initial.state rest, in which nothing moves before t = 0"
-            yield f"walls.{side}.velocity_before", f"{text}: take state developed, or exact with a time"
 
 
 def _polymer(config: Config) -> Iterator[Problem]:

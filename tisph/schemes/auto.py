@@ -9,7 +9,7 @@ from typing import Literal
 from tisph import families
 from tisph.config.base import Model
 
-PERIODIC = [(True, False), (True, True)]
+PERIODIC = [(True, False), (True, True), (False, False)]
 """Boxes that it can have, by whether they are periodic in x and y: those of what it chooses from."""
 
 STEPS = {"fast": (3e-4, 1.5), "balanced": (3e-5, 0.7), "high": (3e-7, 0.5)}
@@ -33,7 +33,7 @@ class Parameters(Model):
 def problems(config):
     """Yield dotted key and text of what the scheme that is taken cannot serve."""
     implicit = families.load("schemes", "implicit")
-    if all(config.periodic):  # there is no other
+    if not config.parallel:  # there is no other
         yield from implicit.problems(config)
         return
     obstacle = _obstacle(config, implicit)
@@ -51,7 +51,7 @@ def _obstacle(config, implicit):
 def resolve(config):
     """Return the config with the scheme that this choice stands for, and the reason in words."""
     implicit = families.load("schemes", "implicit")
-    turns = all(config.periodic)
+    turns = not config.parallel
     obstacle = None if turns else _obstacle(config, implicit)
     if obstacle:
         chosen = families.load("schemes", "wcsph").Parameters()

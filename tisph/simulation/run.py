@@ -66,7 +66,7 @@ class Run:
         self.config = config
         self.folder = folder
         self.channel = families.load("scenes", config.scene).Scene.from_config(config)
-        self.particles = self.channel.rows * self.channel.columns
+        self.particles = self.channel.particles
         self.resolved = config.resolved_yaml()
         self.threads = threads(config, self.channel)
         self.costs = {
@@ -273,7 +273,7 @@ def threads(config, channel):
     """Return the number of threads that ``runtime.threads`` means for this many particles."""
     if config.runtime.threads != "auto":
         return config.runtime.threads
-    useful = math.ceil(channel.rows * channel.columns / PARTICLES_PER_THREAD)
+    useful = math.ceil(channel.particles / PARTICLES_PER_THREAD)
     return min(runtime.available_threads(), useful)
 
 

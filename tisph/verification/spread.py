@@ -22,8 +22,9 @@ def largest_hole(scene, snapshot):
     """
     from scipy.spatial import Voronoi  # a fifth of a second to import, which only some runs need
 
-    sizes = np.asarray(scene.extent)
-    places = _places(snapshot) % np.where(scene.periodic, sizes, np.inf)
+    low, sizes = np.asarray(scene.origin), np.asarray(scene.extent)
+    periods = np.where(scene.periodic, sizes, 1.0)
+    places = np.where(scene.periodic, _places(snapshot) % periods, _places(snapshot))
     for axis in (0, 1):
         if scene.periodic[axis]:
             copies = [places + shift * sizes[axis] * np.eye(2)[axis] for shift in (-1, 0, 1)]
@@ -31,9 +32,10 @@ def largest_hole(scene, snapshot):
             near = np.abs(places[:, axis] - 0.5 * sizes[axis]) <= 0.5 * sizes[axis] + MARGIN * scene.spacing
             places = places[near]
     cells = Voronoi(places)
-    centres = cells.vertices[((cells.vertices >= 0) & (cells.vertices <= sizes)).all(axis=1)]
+    within = cells.vertices[((cells.vertices >= low) & (cells.vertices <= low + sizes)).all(axis=1)]
+    centres = within[scene.inside(within)] if scene.bodies else within
     tree, _ = periodic_tree(scene, _places(snapshot))
-    return tree.query(centres % np.where(scene.periodic, sizes, np.inf))[0].max() / scene.spacing
+    return tree.query(np.where(scene.periodic, centres % periods, centres))[0].max() / scene.spacing
 
 
 def _places(snapshot):

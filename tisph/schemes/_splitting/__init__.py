@@ -4,29 +4,42 @@ import numpy as np
 
 from tisph.schemes._forecast import Forecast
 from tisph.schemes._splitting._control import FIRST, LARGEST_FACTOR
-from tisph.schemes._splitting._flow import PeriodicFlow
+from tisph.schemes._splitting._flow import BoundedFlow, PeriodicFlow, box_around
 from tisph.schemes._splitting._scheme import SMALLEST_SPEED, TOLERANCE, Scheme
+from tisph.schemes._splitting._walls import Walls
 
 COST, OVERHEAD = 3.5e-6, 2e-3
 """Rough cost of one particle and step on two threads, and of a step whatever the number of particles [s]."""
+
+MARGIN = 0.2
+"""Room beyond walls over the larger side of the box, for the lattice of the linear solvers, which is periodic."""
 
 MOMENTS = 61
 """Times at which the speed of the reference flow is looked at."""
 
 
 def scheme(config, scene, targets, serial):
-    """Return the Scheme for a scene without walls."""
+    """Return the Scheme for a scene."""
     tolerance, courant = _steps(config)
-    flow = PeriodicFlow(
-        columns=scene.columns,
-        rows=scene.rows,
-        spacing=scene.spacing,
-        density=scene.density,
-        kinematic_viscosity=scene.kinematic_viscosity,
-        reference_velocity=scene.reference_velocity,
-        start_time=scene.start_time,
-    )
-    return Scheme(flow, targets, serial, tolerance, courant)
+    return Scheme(_flow(scene), targets, serial, tolerance, courant)
+
+
+def _flow(scene):
+    """Box and liquid of a scene, and its walls."""
+    liquid = {
+        "spacing": scene.spacing,
+        "density": scene.density,
+        "kinematic_viscosity": scene.kinematic_viscosity,
+        "reference_velocity": scene.reference_velocity,
+        "start_time": scene.start_time,
+    }
+    if not scene.bodies:
+        return PeriodicFlow(columns=scene.columns, rows=scene.rows, **liquid)
+    corners = scene.origin, np.add(scene.origin, scene.extent)
+    origin, columns, rows = box_around(corners, scene.spacing, scene.periodic, MARGIN * max(scene.extent))
+    walls = Walls(scene.bodies, scene.spacing, origin, scene.start_time)
+    box = {"origin": origin, "columns": columns, "rows": rows}
+    return BoundedFlow(liquid=scene.particles, walls=walls, corners=scene.corners, **box, **liquid)
 
 
 def _steps(config):
@@ -47,7 +60,7 @@ def estimates(config, scene):
         1 - 1 / LARGEST_FACTOR
     )  # steps that grow, less their time
     counts = [max(1, round(begin + np.interp(t, times, gone))) for t in [*config.time.samples, config.time.end]]
-    particles = scene.rows * scene.columns
+    particles = scene.particles
     return {
         "mach": 0.0,
         "sound_speed": None,
@@ -62,6 +75,8 @@ def estimates(config, scene):
 
 def _speeds(scene, times):
     """Speed at each of the ``times`` that counts for the steps; without a reference that at the start."""
+    if scene.bodies:
+        return np.full(len(times), scene.peak_velocity)
     x, y = scene.lattice()
     initial = scene.initial(x, y)
     fastest = np.full(len(times), np.hypot(initial["u"], initial["v"]).max())

@@ -7,20 +7,27 @@ from tisph.runtime import view
 from tisph.schemes._splitting._closure import Closure
 from tisph.schemes._splitting._history import VELOCITIES
 from tisph.schemes._splitting._walls import FARTHEST
+from tisph.snapshot import Bodies
 
 KEPT = 2
 """Times at which the curl of the vorticity at walls is kept, to be extrapolated: from three it is unstable."""
 
+KEPT_LISTS = ("twists", "loads")
+
+LOADS = 3
+"""Times at which forces and torques are kept, to be known within a step."""
+
 
 class Bounds:
-    """Sets the points on the walls of a ``BoundedFlow`` and what particles know of walls; ``twists`` are newest first."""
+    """Sets the points on the walls of a ``BoundedFlow`` and what particles know of walls; ``twists`` and ``loads`` (2, bodies, 3), force and torque
+    of all and of the pressure, are newest first."""
 
     def __init__(self, flow, history, shift, support, skin):
         self.flow, self.walls, self.support, self.skin = flow, flow.walls, support, skin * flow.spacing
         self.history, self.points, self.shift = history, history.points, shift
         self.closure = Closure(history.rows, flow.walls, flow.spacing)
         self.slots = slice(flow.liquid, flow.particles)
-        self.twists = []
+        self.twists, self.loads = [], []
         self.normal = self.velocity = None
 
     def place(self, time):
@@ -69,6 +76,48 @@ class Bounds:
         view(split.velocity.x)[: self.flow.particles] = used(self.history.carried)[:, :2]
         view(split.known)[self.slots] = -self.walls.acceleration(self.flow.start_time)
         self.conclude(split.velocity.x)
+
+    def host_state(self):
+        """Return the numbers outside the fields that a resumed run needs."""
+        return {name: [array.tolist() for array in getattr(self, name)] for name in KEPT_LISTS}
+
+    def restore_host_state(self, state):
+        """Take up the numbers of ``host_state``."""
+        for name in KEPT_LISTS:
+            setattr(self, name, [np.array(values) for values in state[name]])
+
+    def measure(self, time):
+        """Take up the force and torque on each body, from what the points carry at the end of a step at ``time``."""
+        carried, normal = used(self.history.carried)[self.slots].astype(float), self.normal
+        along, across = (view(field)[self.slots, :2].astype(float) for field in (self.history.along, self.history.across))
+        shear = across[:, 0] + along[:, 1]
+        viscous = self.flow.kinematic_viscosity * np.stack(
+            [
+                2.0 * along[:, 0] * normal[:, 0] + shear * normal[:, 1],
+                shear * normal[:, 0] + 2.0 * across[:, 1] * normal[:, 1],
+            ],
+            axis=1,
+        )
+        tractions = viscous, -carried[:, 2 * VELOCITIES, None] * normal
+        parts = [self.walls.sums(self.flow.density * traction, time) for traction in tractions]
+        self.loads = [np.stack([parts[0] + parts[1], parts[1]]), *self.loads][:LOADS]
+
+    def bodies(self, time, times, age):
+        """Return the ``Bodies`` at ``time``, ``age`` before the end of the last step, from which ``times`` count."""
+        weights = times.at(age, min(LOADS, len(self.loads)))
+        loads = sum(weight * load for weight, load in zip(weights, self.loads, strict=False))
+        places = [body.at(time) for body in self.walls.bodies]
+        motions = [body.motion for body in self.walls.bodies]
+        return Bodies(
+            centre=np.array([place.centre for place in places]),
+            angle=np.array([place.angle for place in places]),
+            velocity=np.array([motion.velocity(time) for motion in motions]),
+            angular_velocity=np.array([float(motion.turning.velocity(time)) for motion in motions]),
+            force=loads[0, :, :2],
+            torque=loads[0, :, 2],
+            pressure_force=loads[1, :, :2],
+            pressure_torque=loads[1, :, 2],
+        )
 
     def drive(self, split, times):
         """Give the velocities of the walls at the end of a step to its solvers, and the curl expected there."""

@@ -120,6 +120,7 @@ class Scheme:
         self.history.measure()
         self.require_solution(self.split.begin(self.flow.kinematic_viscosity, self.residuals[0]))
         if self.bounds:
+            self.bounds.measure(self.time)
             self.bounds.carry(1)
         self.control.begin(self.longest_step)
 
@@ -196,6 +197,8 @@ class Scheme:
         if self.bounds:
             self.bounds.conclude(self.split.velocity.x)
         self.history.measure()
+        if self.bounds:
+            self.bounds.measure(self.time + length)
         self.shift.spread(self.steps == 0)
         self.history.settle()
         if self.bounds:
@@ -245,7 +248,14 @@ class Scheme:
             v=velocity[:, 1].copy(),
             density=np.full(len(position), self.flow.density),
             pressure=self.flow.density * (pressure - pressure.mean()),
+            bodies=self._bodies(time),
         )
+
+    def _bodies(self, time):
+        if not self.bounds:
+            return None
+        lengths = self.lengths or [1.0]
+        return self.bounds.bodies(time, Times([0.0, *lengths], lengths[0]), self.time - time)
 
     def momentum_balance(self):
         """Return the ``change`` of momentum along x up to ``time`` [mass * velocity per length], which has no cause."""
@@ -273,13 +283,16 @@ class Scheme:
 
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
-        return {**{name: getattr(self, name) for name in HOST_STATE}, "control": vars(self.control)}
+        walls = self.bounds.host_state() if self.bounds else None
+        return {**{name: getattr(self, name) for name in HOST_STATE}, "control": vars(self.control), "walls": walls}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
         for name in HOST_STATE:
             setattr(self, name, state[name])
         vars(self.control).update(state["control"])
+        if self.bounds:
+            self.bounds.restore_host_state(state["walls"])
 
     def aim(self, targets):
         """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""

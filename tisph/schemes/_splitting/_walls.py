@@ -40,6 +40,16 @@ class Walls:
         place = np.concatenate([boundary.point for boundary in boundaries])
         return place - self.origin, np.concatenate([part.normal for part in boundaries]), np.concatenate(velocities)
 
+    def sums(self, traction, time):
+        """Return force and torque (bodies, 3) on each body of a ``traction`` (count, 2) on the points."""
+        force, result = self.length[:, None] * traction, np.zeros((len(self.bodies), 3))
+        for number, body in enumerate(self.bodies):
+            of = self.body == number
+            arm = body.boundary_points(self.spacing, time).point - body.at(time).centre
+            torque = arm[:, 0] * force[of, 1] - arm[:, 1] * force[of, 0]
+            result[number] = [*force[of].sum(axis=0), torque.sum()]
+        return result
+
     def acceleration(self, time):
         """Return the accelerations (count, 2) of the points at ``time``."""
         parts = [body.boundary_points(self.spacing, time).point for body in self.bodies]

@@ -23,7 +23,7 @@ from tisph.schemes.implicit._walls import OBEY_MOMENTUM
 
 __all__ = ["Parameters", "Scheme", "estimates", "problems"]
 
-PERIODIC = [(True, False), (True, True)]
+PERIODIC = [(True, False), (True, True), (False, False)]
 """Boxes that it can have, by whether they are periodic in x and y."""
 
 LEAST_COLUMNS = math.ceil(3 * (max(SUPPORT.values()) + SKIN))
@@ -68,7 +68,7 @@ def lengthened(config, factor):
     """
     if config.time.cfl != "auto":
         return config
-    turns = all(config.periodic)
+    turns = not config.parallel
     tolerance = config.time.tolerance
     if tolerance == "auto":
         tolerance = usual_tolerance(turns)
@@ -99,7 +99,7 @@ def problems(config):
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
     if config.fluid.rheology.carries_stress:
         yield "scheme.type", f"implicit has no polymer stress, which {config.fluid.rheology.type} needs; take wcsph"
-    if all(config.periodic):
+    if not config.parallel:
         yield from _problems_without_walls(config)
         return
     if config.columns < LEAST_COLUMNS:

@@ -1,0 +1,62 @@
+"""What a config says of a wall's motion: a constant velocity of some kind, or one that oscillates."""
+
+from typing import Annotated, Any, ClassVar
+
+from pydantic import AfterValidator, model_validator
+
+from tisph.config.base import Model, Signed, refusal, refusals
+
+
+def _not_zero(value: float) -> float:
+    if value == 0:
+        raise refusal("must not be 0: for a wall at rest give velocity: 0, or angular_velocity: 0")
+    return value
+
+
+Amplitude = Annotated[Signed, AfterValidator(_not_zero)]
+"""The type of an amplitude."""
+
+
+class WallMotion(Model):
+    """Base of models with the keys ``speed_key``, the same ``_before``, amplitude, angular_frequency and phase.
+
+    Constant from t = 0 on, with another value before it or not; or amplitude * cos or sin (``phase``) of
+    ``angular_frequency`` [1/time] * t. Without any of them the wall is at rest.
+    """
+
+    speed_key: ClassVar[str]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fill_in_speed_or_phase(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        if all(data.get(key) is None for key in (cls.speed_key, "amplitude", "angular_frequency", "phase")):
+            return {**data, cls.speed_key: 0.0}
+        if data.get("amplitude") is not None and data.get("phase") is None:
+            return {**data, "phase": "cos"}
+        return data
+
+    @model_validator(mode="after")
+    def _check_forms(self) -> "WallMotion":
+        oscillates = self.amplitude is not None
+        alien = (f"{self.speed_key}_before",) if oscillates else ("angular_frequency", "phase")
+        constant = self.speed_key.replace("_", " ")
+        form = f"of constant {constant}; this one oscillates" if oscillates else "that oscillates, which has an amplitude"
+        values = {key: getattr(self, key) for key in alien}
+        found = [((key,), f"is only for a wall {form}", value) for key, value in values.items() if value is not None]
+        if oscillates and self.angular_frequency is None:
+            found.append((("angular_frequency",), "is missing: a wall with an amplitude oscillates", {}))
+        if found:
+            raise refusals(found)
+        return self
+
+    @property
+    def speed(self) -> float | None:
+        """The constant velocity, of whatever kind; None of a wall that oscillates."""
+        return getattr(self, self.speed_key)
+
+    @property
+    def speed_before(self) -> float | None:
+        """What it was before t = 0, if that was something else."""
+        return getattr(self, f"{self.speed_key}_before")

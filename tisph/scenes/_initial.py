@@ -1,0 +1,39 @@
+"""How a flow starts whose walls have a history: at rest, developed, or on the way."""
+
+from collections.abc import Iterator, Sequence
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from tisph.config.base import LARGEST, Model, Problem
+
+
+class Initial(Model):
+    """Start: at rest, developed, or ``exact``: the exact flow at ``time`` that started at t = 0.
+
+    Motion starts, or changes, at t = 0. ``developed``: the steady flow of the velocities before t = 0, the
+    periodic flow of walls that oscillate. ``exact`` started from rest, or from the developed flow where a wall
+    has another velocity before t = 0.
+
+    ``jitter``: uniform random displacement of every particle, +- that many spacings in x and y; the same
+    ``seed`` gives the same displacements.
+    """
+
+    state: Literal["rest", "developed", "exact"] = "rest"
+    time: Annotated[float, Field(ge=0, le=LARGEST)] = 0.0
+    jitter: Annotated[float, Field(ge=0, lt=0.5)] = 0.0
+    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
+
+
+def start_problems(config: Any, walls: Sequence[str]) -> Iterator[Problem]:
+    """What is wrong with the start of the ``config`` of a scene with these ``walls``."""
+    state = config.initial.state
+    if state == "exact" and config.initial.time == 0:
+        yield "initial.time", "must be greater than 0 with state exact (from rest: state rest)"
+    if state != "exact" and config.initial.time != 0:
+        yield "initial.time", f"is allowed only with state exact, not with state {state}"
+    for side in walls:
+        wall = getattr(config.walls, side)
+        if state == "rest" and wall.speed_before is not None:
+            text = "is not allowed with initial.state rest, in which nothing moves before t = 0"
+            yield f"walls.{side}.{wall.speed_key}_before", f"{text}: take state developed, or exact with a time"

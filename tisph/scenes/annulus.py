@@ -1,0 +1,96 @@
+"""Circular Couette flow: liquid between two cylinders, either of which turns, steadily, from a jump on, or to and fro.
+
+Particles fill the annulus evenly, the first layer half a spacing from the walls. Motion starts, or changes, at t = 0. The
+run's clock starts at ``start_time``: at the initial time of the config for the state ``exact``, else at 0. The liquid is
+a Newtonian one. See ``tisph/exact/circular_couette.py`` for the solution.
+"""
+
+from collections.abc import Iterator
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from tisph.config import schema
+from tisph.config.base import Model, Positive, Problem, Signed
+from tisph.config.motion import Amplitude, WallMotion
+from tisph.scenes._annulus import Annulus
+from tisph.scenes._initial import Initial, start_problems
+
+__all__ = ["Annulus", "Config", "Scene"]
+
+Scene = Annulus
+"""The name under which a run asks a module of this folder for its scene."""
+
+
+class Geometry(Model):
+    """Radii of the cylinders [length], and where their common axis is."""
+
+    inner_radius: Positive
+    outer_radius: Positive
+    centre: Annotated[tuple[Signed, Signed], Field(strict=False)] = (0.0, 0.0)
+
+
+class Cylinder(WallMotion):
+    """Angular velocity of a cylinder from t = 0 on, counterclockwise: constant, or oscillating.
+
+    ``angular_velocity`` [radians/time], with ``angular_velocity_before`` for one that turned otherwise before t = 0; or
+    ``amplitude`` [radians/time] * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t.
+    """
+
+    speed_key = "angular_velocity"
+    exclusive_keys = ("angular_velocity", "amplitude")
+    unset_keys = ("angular_velocity_before", "angular_frequency", "phase")
+
+    angular_velocity: Signed | None = None
+    angular_velocity_before: Signed | None = None
+    amplitude: Amplitude | None = None
+    angular_frequency: Positive | None = None
+    phase: Literal["cos", "sin"] | None = None
+
+
+class Walls(Model):
+    """The two cylinders."""
+
+    inner: Cylinder = Cylinder()
+    outer: Cylinder = Cylinder()
+
+
+class Config(schema.Config):
+    """A whole run of circular Couette flow."""
+
+    geometry: Geometry
+    walls: Walls
+    initial: Initial = Initial()
+
+    periodic = (False, False)
+    across_name = "the gap between the cylinders"
+    colours = ("speed", "vorticity", "pressure")
+
+    @property
+    def across(self) -> float:
+        """The gap."""
+        return self.geometry.outer_radius - self.geometry.inner_radius
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Diameter of the outer cylinder, twice."""
+        return 2 * self.geometry.outer_radius, 2 * self.geometry.outer_radius
+
+    @property
+    def start_time(self) -> float:
+        """Time at which the run's clock starts [time]: ``initial.time`` for state ``exact``, else 0."""
+        return self.initial.time
+
+    def problems(self) -> Iterator[Problem]:
+        """What the scene has against the config."""
+        if self.fluid.rheology.carries_stress:
+            text = f"must be newtonian: of {self.fluid.rheology.type} the flow between cylinders is not known"
+            yield "fluid.rheology.type", text
+        inner, outer = self.geometry.inner_radius, self.geometry.outer_radius
+        if not inner < outer:
+            yield "geometry.outer_radius", f"must be greater than geometry.inner_radius {inner:g}"
+        walls = self.walls.inner, self.walls.outer
+        speeds = {speed for wall in walls for speed in (wall.speed, wall.speed_before)} - {None}
+        if speeds <= {0.0} and not any(wall.amplitude for wall in walls):
+            yield "walls", "nothing moves: give walls.inner or walls.outer an angular_velocity other than 0"
+        yield from start_problems(self, ("inner", "outer"))

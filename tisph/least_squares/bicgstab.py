@@ -14,7 +14,8 @@ MOST_ITERATIONS = 200
 class BiCGStab:
     """Solver with its vectors; ``x`` (slots + 1) holds the guess and then the solution, ``b`` (padded) the right side.
 
-    ``parity``: what a ghost has of its source's value, -1 for velocities and 1 for pressure.
+    ``parity``: what a ghost has of its source's value, -1 for velocities and 1 for pressure. ``iterations``: of the
+    last solution.
     """
 
     def __init__(self, rows, ghosts, parity):
@@ -27,16 +28,16 @@ class BiCGStab:
         self.coefficient, self.own = scalar(0.0), scalar(1.0)
         self.rho, self.alpha, self.omega, self.beta = (scalar(0.0) for _ in range(4))
         self.size, self.norm = scalar(0.0), scalar(0.0)
+        self.iterations = 0
 
     def solve(self, coefficient, tolerance, own=1.0, most=MOST_ITERATIONS):
         """Solve (``own`` - ``coefficient`` A) x = b to a residual of ``tolerance`` |b|; return whether it did."""
         view(self.coefficient)[()], view(self.own)[()] = coefficient, own
         self.start()
-        norm, limit = view(self.norm), tolerance * view(self.size)
-        for _ in range(most):
-            if norm <= limit:
-                return True
+        norm, limit, self.iterations = view(self.norm), tolerance * view(self.size), 0
+        while norm > limit and self.iterations < most:
             self.iterate()
+            self.iterations += 1
         return bool(norm <= limit)
 
     @ti.func

@@ -14,7 +14,7 @@ from tisph.runtime import integer, real, room, scalar, threads, ti, view
 
 @ti.data_oriented
 class Lattice:
-    """Nodes of the periodic box of a ``flow``, about as far apart as the particles.
+    """Nodes of the periodic box of a ``flow``, in which all places are, about as far apart as the particles.
 
     ``members`` are the particles cell by cell, those of cell c from ``begin[c + 1]`` to ``begin[c + 2]``; ``part`` is
     where in its ``cell`` a particle is, from 0 to 1 along each axis.
@@ -36,8 +36,7 @@ class Lattice:
         self.cell, self.members = (ti.field(ti.i32, points.most) for _ in range(2))
         self.part = ti.field(ti.types.vector(2, real()), points.most)
         wave_x = (2.0 * columns / length * np.sin(np.pi * np.arange(columns // 2 + 1) / columns)) ** 2
-        wave_y = (2.0 * rows / gap * np.sin(np.pi * np.arange(rows) / rows)) ** 2
-        self.waves = wave_y[:, None] + wave_x
+        self.waves = self.waves_across(rows, gap)[:, None] + wave_x
         self.workers = threads()  # each transforms rows of its own: the bits do not depend on their number
 
     def nodes(self, width):
@@ -51,8 +50,8 @@ class Lattice:
         columns, rows = self.columns[None], self.rows[None]
         ti.loop_config(serialize=self.points.serial)
         for i in range(particles):
-            place = self.points.domain.inside(self.points.place[i])
-            x, y = place.x * self.per_x[None], place.y * self.per_y[None]
+            place = self.points.place[i]
+            x, y = self.points.domain.wrapped(place.x) * self.per_x[None], place.y * self.per_y[None]
             column = ti.max(0, ti.min(columns - 1, ti.cast(x, ti.i32)))
             row = ti.max(0, ti.min(rows - 1, ti.cast(y, ti.i32)))
             self.part[i] = [x - column, y - row]
@@ -105,6 +104,10 @@ class Lattice:
         upper = (1.0 - part.x) * values[above * columns + column] + part.x * values[above * columns + right]
         return (1.0 - part.y) * lower + part.y * upper
 
+    def waves_across(self, rows, gap):
+        """Return what minus the second difference across makes of each wave."""
+        return (2.0 * rows / gap * np.sin(np.pi * np.arange(rows) / rows)) ** 2
+
     def invert(self, field, own, coefficient):
         """Replace the nodes' values f by (``own`` - ``coefficient`` Laplacian)^-1 f; the mean is 0 where own is 0."""
         rows, columns = self.shape
@@ -112,6 +115,29 @@ class Lattice:
         symbol = own + coefficient * self.waves
         if own == 0.0:
             symbol[0, 0] = np.inf
+        self.divide(values, symbol[:, :, None])
+
+    def divide(self, values, symbol):
+        """Divide the waves of ``values`` (rows, columns, width) by ``symbol``, in place."""
         known = self.fft.rfft2(values, axes=(0, 1), workers=self.workers)
-        known /= symbol[:, :, None]
+        known /= symbol
         values[...] = self.fft.irfft2(known, s=self.shape, axes=(0, 1), workers=self.workers, overwrite_x=True)
+
+
+@ti.data_oriented
+class WalledLattice(Lattice):
+    """Nodes of a channel, for fields that mirror oddly in its walls: the first row of nodes, at the bottom wall, holds
+    zeros, and stands for the row at the top wall too. Waves across are sines."""
+
+    def waves_across(self, rows, gap):
+        """Return what minus the second difference across makes of each sine."""
+        return (2.0 * rows / gap * np.sin(0.5 * np.pi * np.arange(1, rows) / rows)) ** 2
+
+    def divide(self, values, symbol):
+        """Divide the waves of ``values`` (rows, columns, width) by ``symbol``, in place."""
+        known = self.fft.dst(values[1:], 1, axis=0, workers=self.workers)
+        known = self.fft.rfft(known, axis=1, workers=self.workers)
+        known /= symbol
+        known = self.fft.irfft(known, self.shape[1], axis=1, workers=self.workers, overwrite_x=True)
+        values[1:] = self.fft.idst(known, 1, axis=0, workers=self.workers, overwrite_x=True)
+        values[0] = 0.0

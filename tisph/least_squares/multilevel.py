@@ -1,4 +1,4 @@
-"""BiCGStab for (own - c A) x = b in a periodic box, A being Laplacian rows, in a bounded number of iterations.
+"""BiCGStab for (own - c A) x = b, A being Laplacian rows, in a bounded number of iterations.
 
 H. A. van der Vorst, SIAM J. Sci. Stat. Comput. 13 (1992) 631-644. The preconditioner is one cycle of two levels: a
 damped Jacobi sweep on the particles takes off what is rough, the fast solver of a ``Lattice`` what is smooth, and a
@@ -26,12 +26,13 @@ DAMPING = 0.7
 class MultilevelSolver:
     """Solver of a system for ``width`` unknowns a particle; ``x`` (slots + 1): guess, then solution, ``b`` (most).
 
+    ``lattice``: of a periodic box, or of a channel with ``ghosts`` beyond its walls, in which x mirrors oddly.
     ``iterations``: of the last solution, by halves.
     """
 
-    def __init__(self, rows, lattice, width, floating=False):
-        self.rows, self.lattice, self.points = rows, lattice, rows.points
-        self.floating = floating
+    def __init__(self, rows, lattice, width, floating=False, ghosts=None):
+        self.rows, self.lattice, self.points, self.ghosts = rows, lattice, rows.points, ghosts
+        self.floating, self.closed = floating, ghosts is not None
         self.number = self.points.particles if floating else self.points.liquid
         self.serial = rows.serial_light
         self.workers = 1 if self.serial else threads()
@@ -81,6 +82,14 @@ class MultilevelSolver:
         self.prolong()
 
     @ti.func
+    def close(self, values: ti.template()):
+        """Give the ghosts their values."""
+        if ti.static(self.closed):
+            ti.loop_config(serialize=True)
+            for k in range(self.ghosts.count[None]):
+                values[self.points.most + k] = -self.ghosts.value(values, k)
+
+    @ti.func
     def product(self, values: ti.template(), i):
         """Return row ``i`` of (own - coefficient A) times ``values``."""
         return self.own[None] * values[i] - self.coefficient[None] * self.rows.apply(self.rows.laplacian, values, i)
@@ -118,6 +127,7 @@ class MultilevelSolver:
     def start(self):
         """Residual of the guess and its ``norm``, inverse diagonal, and the ``size`` |b|."""
         particles = self.number[None]
+        self.close(self.x)
         ti.loop_config(serialize=self.serial)
         for turn in range(self.workers * CHUNK):
             first, last = self.blocks(turn, particles)
@@ -157,6 +167,7 @@ class MultilevelSolver:
         ti.loop_config(serialize=self.serial)
         for i in range(particles):
             self.smooth[i] = DAMPING * self.inverse[i] * self.given[i]
+        self.close(self.smooth)
         ti.loop_config(serialize=self.serial)
         for i in range(particles):
             self.image[i] = self.given[i] - self.product(self.smooth, i)
@@ -171,6 +182,7 @@ class MultilevelSolver:
         ti.loop_config(serialize=self.serial)
         for i in range(particles):
             self.smooth[i] += self.lattice.interpolate(self.nodes, i)
+        self.close(self.smooth)
         ti.loop_config(serialize=self.serial)
         for i in range(particles):
             defect = self.given[i] - self.product(self.smooth, i)
@@ -189,6 +201,7 @@ class MultilevelSolver:
     @ti.func
     def map(self, particles):
         """Image of the ``result``, and its products with shadow, residual and itself."""
+        self.close(self.result)
         ti.loop_config(serialize=self.serial)
         for turn in range(self.workers * CHUNK):
             first, last = self.blocks(turn, particles)

@@ -6,7 +6,6 @@ import numpy as np
 
 from tisph.domain import Domain
 from tisph.errors import DivergedError
-from tisph.least_squares.bicgstab import BiCGStab
 from tisph.least_squares.rows import SUPPORT, LeastSquaresRows
 from tisph.neighbours.points import Points, used
 from tisph.runtime import view
@@ -20,6 +19,7 @@ from tisph.schemes.implicit._kick import Kick
 from tisph.schemes.implicit._motion import Motion
 from tisph.schemes.implicit._pressure import Projection
 from tisph.schemes.implicit._shift import Shift
+from tisph.schemes.implicit._solver import ViscousSolver
 from tisph.schemes.implicit._virtual import VirtualGhosts
 from tisph.schemes.implicit._viscous import ViscousStep
 from tisph.schemes.implicit._wall_force import WallForce
@@ -64,7 +64,7 @@ class Scheme:
         self.points = Points(channel, self.domain, reach, kind.room(channel, reach), serial, kind.mirrors)
         self.ghosts = kind(self.points, channel, reach)
         self.rows = LeastSquaresRows(self.points, SUPPORT[order] * channel.spacing, order)
-        self.solver = BiCGStab(self.rows, self.ghosts, -1.0)
+        self.solver = ViscousSolver(self.rows, self.ghosts, channel)
         self.walls = WallSeries(channel, treatment)
         self.viscous = ViscousStep(self.solver, channel, self.walls)
         self.wall_force = WallForce(self.viscous, channel)

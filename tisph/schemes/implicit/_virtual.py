@@ -109,7 +109,7 @@ class VirtualGhosts(Ghosts):
     def value(self, values: ti.template(), k):
         """Return the value at the mirror point of ghost ``k``."""
         row = self.points.most + k
-        total = 0.0
+        total = 0.0 * values[0]
         for n in range(self.points.count[row]):
             total += self.share[k, n] * values[self.points.table[row, n]]
         return total

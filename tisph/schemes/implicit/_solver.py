@@ -1,0 +1,46 @@
+"""The linear systems of a viscous step: by the diagonal where that takes few iterations, else by two levels.
+
+With the diagonal iterations grow with the root of the viscous number g h nu/spacing^2, and so with the number of
+particles across, as steps are as long as accuracy allows. With two levels there are one or two, each as dear as four.
+"""
+
+from tisph.least_squares.bicgstab import BiCGStab
+from tisph.least_squares.rows import FEW
+from tisph.runtime import ti, view
+
+ROUGH = 3.0
+"""Viscous number up to which the diagonal is preconditioner enough: both took as long from 2 to 4."""
+
+
+@ti.data_oriented
+class ViscousSolver(BiCGStab):
+    """Solver of (1 - c A) x = b in a ``channel``; ``x`` mirrors oddly in the walls.
+
+    ``smooth`` is the solver of two levels. It comes with the first system that needs it; few particles do without,
+    since its kernels take as long to come as they save in a whole run.
+    """
+
+    def __init__(self, rows, ghosts, channel):
+        super().__init__(rows, ghosts, -1.0)
+        self.channel, self.smooth = channel, None
+        self.roughest = ROUGH * channel.spacing**2
+
+    def solve(self, coefficient, tolerance):
+        """Solve (1 - ``coefficient`` A) x = b to a residual of ``tolerance`` |b|; return whether it did."""
+        if coefficient <= self.roughest or self.points.fluid <= FEW:
+            return super().solve(coefficient, tolerance)
+        smooth, fluid = self.smooth or self.two_levels(), self.points.fluid
+        smooth.lattice.sort()
+        view(smooth.x)[:fluid, 0], view(smooth.b)[:fluid, 0] = view(self.x)[:fluid], view(self.b)[:fluid]
+        solved = smooth.solve(1.0, coefficient, tolerance, rough=False)
+        view(self.x)[:fluid] = view(smooth.x)[:fluid, 0]
+        self.iterations = smooth.iterations
+        return solved
+
+    def two_levels(self):
+        """Return ``smooth``, which was not there."""
+        from tisph.least_squares.lattice import WalledLattice  # of no use to most channels
+        from tisph.least_squares.multilevel import MultilevelSolver
+
+        self.smooth = MultilevelSolver(self.rows, WalledLattice(self.points, self.channel), 1, ghosts=self.ghosts)
+        return self.smooth

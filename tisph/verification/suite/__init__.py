@@ -2,6 +2,9 @@
 
 from tisph.verification.suite import channel, couette, implicit, turning, viscoelastic
 
+RESUMED = "_resumed"
+"""End of the name of a run that is ended on the way and resumed."""
+
 PARTS = (couette, channel, viscoelastic, implicit, turning)
 
 

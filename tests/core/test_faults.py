@@ -264,6 +264,19 @@ def test_a_second_interrupt_leaves_a_readable_folder(start, folder, moment, paus
         assert saved == json.loads(folder.summary.read_text())["cost"]["steps"]
 
 
+def test_an_interrupt_ends_the_coarser_runs_of_an_estimate(start, folder):
+    endless = "--set", "discretisation.particles_across=28", "--set", "time.end=1000.0"
+    process = start("--estimate-error", *endless)
+    coarser = Folder(folder.root / "coarser" / "across_14")
+    until_stepping(process, coarser)
+    process.send_signal(signal.SIGINT)
+    said = ended(process, 130)
+    assert json.loads(coarser.summary.read_text())["status"] == "interrupted"
+    assert not (coarser.root / ".lock").exists()  # no process is left that would hold it
+    assert sorted(path.name for path in folder.root.iterdir()) == ["coarser"]
+    assert f"partial results are in {folder.root.name}; the same command with --overwrite begins again" in said
+
+
 def test_a_second_interrupt_waits_for_the_checkpoint_and_the_summary(folder, tmp_path, monkeypatch):
     save = checkpoint.save
 

@@ -6,21 +6,27 @@ import sys
 import tempfile
 import time
 
+from tisph.folder import Folder
 from tisph.verification.criteria import Result
 
 POLL_SECONDS = 0.02
 
 
 class Process:
-    """``tisph run`` of the config ``config_path`` into ``folder``, replacing what an earlier run left there."""
+    """``tisph run`` of the config ``config_path`` into ``folder``, in place of what an earlier run left there.
 
-    def __init__(self, config_path, folder):
+    With ``resume`` it goes on from that one's checkpoint instead.
+    """
+
+    def __init__(self, config_path, folder, resume=False):
         self.folder = folder
         # a file, since a pipe could fill up; stop() closes it
         self._messages = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")  # noqa: SIM115
         command = [sys.executable, "-m", "tisph", "run", str(config_path), "--out", str(folder)]
         self._process = subprocess.Popen(
-            [*command, "--no-video", "--overwrite"], stdout=subprocess.DEVNULL, stderr=self._messages
+            [*command, "--no-video", "--resume" if resume else "--overwrite"],
+            stdout=subprocess.DEVNULL,
+            stderr=self._messages,
         )
 
     @property
@@ -64,6 +70,21 @@ def run_config(config_path, folder):
         return process.outcome()
     finally:
         process.stop()
+
+
+def run_resumed(config_path, folder):
+    """Run one config that writes checkpoints, end it after its first one, and go on from there: as ``run_config``."""
+    first = Process(config_path, folder)
+    try:
+        while not (first.finished or Folder(folder).checkpoint.is_file()):
+            time.sleep(POLL_SECONDS)
+    finally:
+        first.stop()
+    second = Process(config_path, folder, resume=True)
+    try:
+        return second.outcome()
+    finally:
+        second.stop()
 
 
 def run_side_by_side(names, launch, most):

@@ -10,7 +10,7 @@ from rich.console import Console
 
 from tisph.errors import ConfigError
 from tisph.study import estimate_quality
-from tisph.study.processes import run_config
+from tisph.study.processes import run_config, run_resumed
 from tisph.study.store import config_text
 from tisph.verification import page as page_case
 from tisph.verification import suite
@@ -49,7 +49,8 @@ class Runner:
         if name not in self._results:
             config_path = self._folder / f"{name}.yaml"
             config_path.write_text(config_text(name, self._configs[name]), encoding="utf-8")
-            self._results[name], message = run_config(config_path, self._folder / name)
+            run_case = run_resumed if name.endswith(suite.RESUMED) else run_config
+            self._results[name], message = run_case(config_path, self._folder / name)
             if message:
                 self.failures[name] = message
         return self._results[name]

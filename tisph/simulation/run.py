@@ -1,7 +1,6 @@
 """One run: set up, step, observe, and leave a folder of results whatever happens."""
 
 import math
-import signal
 import sys
 import time
 from contextlib import contextmanager
@@ -9,7 +8,6 @@ from contextlib import contextmanager
 import numpy as np
 
 from tisph import PROCESS_START, families, runtime, schemes
-from tisph.endings import endings
 from tisph.errors import DivergedError, TisphError
 from tisph.folder import Folder
 from tisph.observers._files import replaced
@@ -20,6 +18,7 @@ from tisph.observers.history import History
 from tisph.observers.samples import Samples
 from tisph.report import studio
 from tisph.simulation import checkpoint, drawing
+from tisph.simulation.interrupts import interrupts_to
 from tisph.simulation.log import log, logging_to
 from tisph.simulation.progress import RunProgress
 from tisph.simulation.results import write_summary
@@ -83,7 +82,7 @@ class Run:
 
     def execute(self, video, resume):
         """Set up, step to the end, and write what is known then, whatever ends the run."""
-        with _interrupts_to(self):
+        with interrupts_to(self):
             if video and self.config.output.video:
                 self.movie = drawing.movie(self.folder, self.config, self.channel)
             with self._timed("compile"):
@@ -275,34 +274,3 @@ def threads(config, channel):
         return config.runtime.threads
     useful = math.ceil(channel.particles / PARTICLES_PER_THREAD)
     return min(runtime.available_threads(), useful)
-
-
-@contextmanager
-def _interrupts_to(job):
-    """Let any of ``endings`` end the run after its step, with all results; a second one stops it at once.
-
-    Where there is a state to go on from, that is after the step, the checkpoint and the summary.
-    """
-
-    def handle(number, frame):
-        job.interrupts += 1
-        if job.interrupts > 1 and not job.unsaved:
-            raise KeyboardInterrupt
-
-    def unraisable(failure):
-        if failure.exc_type is not KeyboardInterrupt:  # where Python cannot raise it, it was counted at least
-            report(failure)
-
-    report = sys.unraisablehook
-    try:
-        previous = {number: signal.signal(number, handle) for number in endings()}
-    except ValueError:  # not in the main thread: the caller decides
-        yield
-        return
-    sys.unraisablehook = unraisable
-    try:
-        yield
-    finally:
-        sys.unraisablehook = report
-        for number, handler in previous.items():
-            signal.signal(number, handler)

@@ -1,5 +1,7 @@
 """``tisph run``: simulate, compare with the exact solution, leave numbers, pictures and a movie."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -53,29 +55,40 @@ def run(
     folder = out or Path("runs") / loaded.name
     coarser = _coarser(loaded, folder) if estimate_error else None
     with output_folder.claimed(folder, overwrite=overwrite, resume=resume):
-        with held_back():
-            from tisph.report import studio
-
-            studio.shared()  # it imports matplotlib while this process imports Taichi
-            from tisph import simulation
-
         for text in warnings:
             typer.echo(f"warning: {text}", err=True)
-        try:
-            if coarser:
-                coarser.run()
-            simulation.run(loaded, folder, video=not no_video, resume=resume)
-        except KeyboardInterrupt:
-            if any(path.is_file() for path in Folder(folder).files()):
-                how = "--resume goes on" if Folder(folder).checkpoint.is_file() else "--overwrite begins again"
-                typer.echo(f"partial results are in {folder}; the same command with {how}", err=True)
-            raise
-        except DivergedError as error:
-            raise DivergedError(f"{error}\npartial results are in {folder}") from None
+        _simulate(loaded, folder, coarser, video=not no_video, resume=resume)
         estimate = coarser.report() if coarser else None
     _show_results(folder)
     if estimate:
         typer.echo(f"\n{estimate}")
+
+
+def _simulate(config: Any, folder: Path, coarser: Any, *, video: bool, resume: bool) -> None:
+    with held_back():
+        from tisph.report import studio
+
+        studio.shared()  # it imports matplotlib while this process imports Taichi
+        from tisph import simulation
+
+    with _partial_results_named(folder, coarser):
+        if coarser:
+            coarser.run()
+        simulation.run(config, folder, video=video, resume=resume)
+
+
+@contextmanager
+def _partial_results_named(folder: Path, coarser: Any) -> Iterator[None]:
+    """Say where the results are of what ends early, those of ``coarser`` runs among them, and how to go on."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if coarser or any(path.is_file() for path in Folder(folder).files()):
+            how = "--resume goes on" if Folder(folder).checkpoint.is_file() else "--overwrite begins again"
+            typer.echo(f"partial results are in {folder}; the same command with {how}", err=True)
+        raise
+    except DivergedError as error:
+        raise DivergedError(f"{error}\npartial results are in {folder}") from None
 
 
 def _coarser(config: Any, folder: Path) -> Any:

@@ -17,6 +17,7 @@ FAMILIES = {
     "walls": "tisph.walls",
     "schemes": "tisph.schemes",
     "rheology": "tisph.rheology",
+    "bodies": "tisph.bodies",
     "kernels": "tisph.kernels",
     "operators": "tisph.operators",
     "exact": "tisph.exact",

@@ -55,19 +55,20 @@ def show(value: object) -> str:
 
 
 def _describe(details: Any, data: Any) -> tuple[KeyPath, str]:
-    # an unknown key may look like a tag, but has none below it
-    tags = [part for part in details["loc"] if _is_tag(part) and details["type"] != "extra_forbidden"]
-    place = tuple(part for part in details["loc"] if part not in tags)
+    whole = details["loc"]
+    known = len(whole) - (details["type"] == "extra_forbidden")  # an unknown key may look like a tag
+    place = (*(part for part in whole[:known] if not _is_tag(part)), *whole[known:])
     key = in_one_line(".".join(map(str, place)))
     text = _text(details, place, data)
-    if tags and tags[0] != WORD_TAG:
-        text += f", or {tags[0][len(NUMBER_TAG_START) : -1]}"
+    last = whole[-1] if whole and known == len(whole) else None
+    if last != WORD_TAG and _is_tag(last):
+        text += f", or {last[len(NUMBER_TAG_START) : -1]}"
     if details["type"] == "missing" or isinstance(details["input"], (dict, Model)):
         return place, f"{key}: {text}"
     return place, f"{key} = {show(details['input'])}: {text}"
 
 
-def _is_tag(part: str | int) -> bool:
+def _is_tag(part: object) -> bool:
     return isinstance(part, str) and part.startswith("<")
 
 
@@ -85,9 +86,11 @@ def _text(details: Any, place: KeyPath, data: Any) -> str:
 def _unknown_key(place: KeyPath, data: Any) -> str:
     whole = model_of(data)
     model: type[Model] = whole
+    field = None
     for part in place[:-1]:
         data = data[part]
-        model = _model_below(model.model_fields[part], data)
+        field = field if isinstance(part, int) else model.model_fields[part]  # the items of a list are of one kind
+        model = _model_below(field, data)
     allowed = model.keys() if issubclass(model, Config) else list(model.model_fields)
     elsewhere = (f"; nearest: {key}" for key in _dotted_keys(whole) if key.endswith(f".{place[-1]}"))
     suggestion = nearest(place[-1], allowed) or next(elsewhere, "")
@@ -105,10 +108,13 @@ def _dotted_keys(model: type[Model], before: str = "") -> Iterator[str]:
 
 def _model_below(field: FieldInfo, data: Any) -> type[Model] | None:
     """Model of the map ``data`` that stands at ``field``."""
-    members = [mark for mark in field.metadata if isinstance(mark, Member)]
+    items = getattr(field.annotation, "__args__", ())
+    marks = [*field.metadata, *(mark for item in items for mark in getattr(item, "__metadata__", ()))]
+    members = [mark for mark in marks if isinstance(mark, Member)]
     return members[0].model(data) if members else _static_model(field)
 
 
 def _static_model(field: FieldInfo) -> type[Model] | None:
     choices = getattr(field.annotation, "__args__", (field.annotation,))
-    return next((item for item in choices if isinstance(item, type) and issubclass(item, Model)), None)
+    plain = (getattr(item, "__origin__", item) for item in choices)
+    return next((item for item in plain if isinstance(item, type) and issubclass(item, Model)), None)

@@ -210,6 +210,19 @@ def test_images_across_a_circle_and_into_a_corner():
     assert np.allclose(rounded, 1.3 - (0.6 - 0.2 * math.sqrt(2)) / math.sqrt(2), rtol=0, atol=1e-14)
 
 
+def test_a_thin_curve_is_told_from_its_other_side():
+    """Along normals the foot is where they stand: outside up to where hollows between points are, of radius 0.08."""
+    thin = Spline(ellipse(1.0, 0.02, 60))
+    points = thin.boundary_points(thin.length / 997)
+    height = RANDOM.uniform(0.0, 0.03, len(points.length))
+    foot = thin.nearest(points.point + height[:, None] * points.normal)
+    assert np.abs(foot.distance - height).max() < ROUNDING
+    assert np.abs(foot.point - points.point).max() < 1e-10
+    blunt = np.abs(points.point[:, 0]) < 0.9
+    foot = thin.nearest((points.point - 0.005 * points.normal)[blunt])
+    assert np.abs(foot.distance + 0.005).max() < ROUNDING
+
+
 REFUSED = {
     "radius": (lambda: Circle(0.0), "a circle needs a radius above 0"),
     "side": (lambda: Circle(1.0, "left"), "the liquid is outside or inside"),

@@ -14,9 +14,12 @@ from tisph.geometry._shape import ClosedCurve, Foot, Side, check_side, evenly
 
 DEGREE = 5
 SAMPLES = 16
-"""Of a piece between two points, where nearest points are looked for and crossings are."""
+"""Of a piece between two points, at least, where nearest points are looked for and crossings are."""
 
-NEWTON_STEPS = 50
+LARGEST_TURN, HALVINGS = 0.2, 8
+"""Radians from sample to sample, above which there is one more between them, this often at most."""
+
+NEWTON_STEPS = 60
 """At most; from a sample next to the nearest point 4 or 5 do, save near a centre of curvature."""
 
 
@@ -86,9 +89,14 @@ class Spline(ClosedCurve):
 
     @cached_property
     def _samples(self):
-        """Parameters (m,) and places (m, 2), ``SAMPLES`` from each point to the next."""
+        """Parameters (m,) and places (m, 2), closer together where the curve bends."""
         parts = np.arange(SAMPLES) / SAMPLES
         parameter = (self._knots[:-1, None] + parts * np.diff(self._knots)[:, None]).ravel()
+        for _ in range(HALVINGS):
+            closed = np.append(parameter, self._knots[-1])
+            slope = self._curve(closed, 1) @ np.array([1.0, 1j])
+            sharp = np.abs(np.angle(slope[1:] / slope[:-1])) > LARGEST_TURN
+            parameter = np.sort(np.append(parameter, 0.5 * (closed[:-1] + closed[1:])[sharp]))
         return parameter, self._curve(parameter)
 
     @cached_property
@@ -118,25 +126,49 @@ class Spline(ClosedCurve):
         return Foot(point, normal, curvature, distance)
 
     def _nearest_parameter(self, points):
-        """Newton's method for (c - p).c' = 0 from the nearest sample, and never past the samples next to it."""
-        from scipy.spatial import cKDTree
-
-        samples, period = self._samples[0], self._knots[-1]
-        start = cKDTree(self._samples[1]).query(points)[1]
-        closed = np.concatenate([[samples[-1] - period], samples, [period]])
-        parameter, low, high = samples[start], closed[start], closed[start + 2]
+        """Newton's method for (c - p).c' = 0 from the nearest sample, halving where it would leave its bracket."""
+        parameter, low, high = self._nearest_sample(points)
+        period = self._knots[-1]
         left = np.arange(len(points))
         for _ in range(NEWTON_STEPS):
             here = parameter[left]
             away, slope = self._curve(here % period) - points[left], self._curve(here % period, 1)
-            squared = np.sum(slope**2, axis=1)
-            change = squared + np.sum(away * self._curve(here % period, 2), axis=1)
-            step = -np.sum(away * slope, axis=1) / np.where(change > 0.1 * squared, change, squared)
-            parameter[left] = np.clip(here + step, low[left], high[left])
-            left = left[np.abs(parameter[left] - here) > 1e-13 * period]
+            value = np.sum(away * slope, axis=1)
+            low[left], high[left] = np.where(value < 0, here, low[left]), np.where(value > 0, here, high[left])
+            change = np.sum(slope**2 + away * self._curve(here % period, 2), axis=1)
+            there = here - value / np.where(change > 0, change, np.inf)
+            outside = (there <= low[left]) | (there >= high[left]) | (change <= 0)
+            there = np.where(outside & (value != 0), 0.5 * (low[left] + high[left]), there)
+            parameter[left] = there
+            left = left[np.abs(there - here) > 1e-14 * period]
             if not len(left):
                 break
         return parameter % period
+
+    def _nearest_sample(self, points):
+        """Return the parameters (n,) of the sample nearest on the nearest branch, and of those before and after it.
+
+        Another branch of the curve may have the nearest sample, and the one after it; hence the chords of four are
+        compared. From there the way goes to the sample that is nearer than its neighbours.
+        """
+        from scipy.spatial import cKDTree
+
+        parameter, place = self._samples
+        period, count = self._knots[-1], len(parameter)
+        near = cKDTree(place).query(points, k=4)[1]
+        first = np.concatenate([near - 1, near], axis=1) % count
+        chord = np.roll(place, -1, axis=0) - place
+        along = np.sum((points[:, None] - place[first]) * chord[first], axis=2) / np.sum(chord[first] ** 2, axis=2)
+        away = points[:, None] - place[first] - np.clip(along, 0.0, 1.0)[..., None] * chord[first]
+        sample = first[np.arange(len(points)), np.argmin(np.sum(away**2, axis=2), axis=1)]
+        while True:
+            around = (sample[:, None] + np.array([0, -1, 1])) % count
+            nearer = np.argmin(np.sum((points[:, None] - place[around]) ** 2, axis=2), axis=1)
+            if not nearer.any():
+                break
+            sample = around[np.arange(len(points)), nearer]
+        closed = np.concatenate([[parameter[-1] - period], parameter, [period]])
+        return closed[sample + 1], closed[sample], closed[sample + 2]
 
     def _spread(self, spacing):
         along = evenly(self.length, spacing, least=3)

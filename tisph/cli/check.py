@@ -102,7 +102,9 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
     length, time = config.units.length, config.units.time
     largest = "" if numbers["sound_speed"] else "at most "
     step = f"{largest}{numbers['time_step']:.4g} {time}, set by the {numbers['binding_limit']} limit"
-    number = f"{config.rows} across, {config.columns} along" if any(config.periodic) else f"{config.particles_across} across"
+    number = (
+        f"{config.rows} across, {config.columns} along" if any(config.periodic) else f"{config.particles_across} across"
+    )
     spacing = f"{config.spacing:.6g} {length} ({number})"
     lines = [("scheme", numbers["scheme"])]
     if numbers["sound_speed"]:

@@ -42,7 +42,9 @@ class WallMotion(Model):
         oscillates = self.amplitude is not None
         alien = (f"{self.speed_key}_before",) if oscillates else ("angular_frequency", "phase")
         constant = self.speed_key.replace("_", " ")
-        form = f"of constant {constant}; this one oscillates" if oscillates else "that oscillates, which has an amplitude"
+        form = (
+            f"of constant {constant}; this one oscillates" if oscillates else "that oscillates, which has an amplitude"
+        )
         values = {key: getattr(self, key) for key in alien}
         found = [((key,), f"is only for a wall {form}", value) for key, value in values.items() if value is not None]
         if oscillates and self.angular_frequency is None:

@@ -95,7 +95,11 @@ def unit_label(kind: str, units) -> str:
         return velocity_unit(units)
     if kind == "stress":
         return stress_unit(units)
-    return {"rate": f"1/{units.time}", "energy": f"{units.length}²/{units.time}²", "torque": f"{units.mass} {units.length}/{units.time}²"}[kind]
+    return {
+        "rate": f"1/{units.time}",
+        "energy": f"{units.length}²/{units.time}²",
+        "torque": f"{units.mass} {units.length}/{units.time}²",
+    }[kind]
 
 
 def time_label(time_scale: float, unit: str, formula: str) -> Callable[[float], str]:

@@ -18,6 +18,9 @@ from tisph.scenes._scene import Scene
 from tisph.scenes._views import Followed, Profile, Radius, Shown
 from tisph.verification.metrics import field_error
 
+LEAST_JITTER = 0.05
+"""What is a lattice in the middle at first would be torn along the diagonals: pushes cancel there."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Annulus(Scene):
@@ -95,7 +98,7 @@ class Annulus(Scene):
 
     def jittered(self, seed, jitter):
         """Particles that fill the annulus; see ``tisph/geometry/filling.py``."""
-        return tuple(fill(self.region, self.spacing, jitter, seed).T)
+        return tuple(fill(self.region, self.spacing, max(jitter, LEAST_JITTER), seed).T)
 
     def inside(self, points):
         """Whether each of the ``points`` (n, 2) is in the liquid."""

@@ -89,7 +89,9 @@ class Bounds:
     def measure(self, time):
         """Take up the force and torque on each body, from what the points carry at the end of a step at ``time``."""
         carried, normal = used(self.history.carried)[self.slots].astype(float), self.normal
-        along, across = (view(field)[self.slots, :2].astype(float) for field in (self.history.along, self.history.across))
+        along, across = (
+            view(field)[self.slots, :2].astype(float) for field in (self.history.along, self.history.across)
+        )
         shear = across[:, 0] + along[:, 1]
         viscous = self.flow.kinematic_viscosity * np.stack(
             [

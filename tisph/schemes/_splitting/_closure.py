@@ -22,7 +22,9 @@ class Closure:
         self.rows, self.points, self.walls = rows, rows.points, walls
         vector, most = ti.types.vector(2, real()), self.points.most
         self.normal = ti.field(vector, most)
-        self.weight, self.twist, self.vorticity = (ti.field(real(), size) for size in (most, most, self.points.slots + 1))
+        self.weight, self.twist, self.vorticity = (
+            ti.field(real(), size) for size in (most, most, self.points.slots + 1)
+        )
         self.area = spacing**2
 
     def place(self, normal):

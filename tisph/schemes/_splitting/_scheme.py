@@ -15,7 +15,7 @@ from tisph.schemes._splitting._bounds import Bounds
 from tisph.schemes._splitting._control import StepControl
 from tisph.schemes._splitting._history import PRESSURES, VELOCITIES, History
 from tisph.schemes._splitting._series import Times
-from tisph.schemes._splitting._shift import Shift
+from tisph.schemes._splitting._shift import GONE, Shift
 from tisph.schemes._splitting._split import Split
 from tisph.schemes._splitting._walls import FARTHER, FARTHEST, SEEN
 from tisph.snapshot import Snapshot
@@ -81,7 +81,11 @@ class Scheme:
 
     def __init__(self, flow, targets, serial, tolerance=TOLERANCE, courant=COURANT):
         self.flow, self.courant, self.initial_momentum = flow, courant, 0.0
-        box, reach, bounded = PeriodicBox(flow.length, flow.gap), (SUPPORT + SKIN) * flow.spacing, flow.walls is not None
+        box, reach, bounded = (
+            PeriodicBox(flow.length, flow.gap),
+            (SUPPORT + SKIN) * flow.spacing,
+            flow.walls is not None,
+        )
         largest = reach + (SEEN * FARTHER + FARTHEST) * flow.spacing if bounded else None
         self.points = Points(flow, box, reach, 0, serial, largest_reach=largest)
         self.rows = LeastSquaresRows(self.points, SUPPORT * flow.spacing, 4, SMALLEST_PIVOT, varying=bounded)
@@ -201,7 +205,8 @@ class Scheme:
         self.history.measure()
         if self.bounds:
             self.bounds.measure(self.time + length)
-        self.shift.spread(self.steps == 0)
+        gone = length * self.speed / self.flow.spacing
+        self.shift.spread(self.steps == 0 and not self.bounds, min(1.0, gone / GONE))
         self.history.settle()
         if self.bounds:
             self.bounds.carry(1)
@@ -230,7 +235,9 @@ class Scheme:
         if self.seen is None or self.seen[0] != self.time:
             liquid = self.flow.liquid
             created = np.argsort(used(self.history.number)[:liquid])
-            fields = (used(field)[:liquid][created].astype(float) for field in (self.history.carried, self.history.position))
+            fields = (
+                used(field)[:liquid][created].astype(float) for field in (self.history.carried, self.history.position)
+            )
             self.seen = (self.time, *fields)
         _, carried, position = self.seen
         velocities = carried[:, : 2 * VELOCITIES].reshape(len(carried), VELOCITIES, 2)

@@ -17,7 +17,9 @@ SUPPORT = 2.0
 
 RATE = 0.4
 """D of a sweep, in spacings squared: from 0.6 on sweeps overshoot, below 0.25 they are slower than the flow stretches a
-lattice."""
+lattice, in steps in which the fastest particle goes ``GONE`` spacings; the less it goes the slower they may be."""
+
+GONE = 0.15
 
 LARGEST = 0.2
 """Largest move of a sweep, in particle spacings."""
@@ -46,11 +48,16 @@ class Shift:
         self.move, self.moved = ti.field(vector, points.most), ti.field(vector, points.most)
         self.per_support = scalar(1.0 / (SUPPORT * spacing))
         # slope of the kernel over the distance in supports: 7/pi (1 - q)^4 (1 + 4 q) has -140/pi (1 - q)^3
-        self.strength = scalar(RATE * spacing**2 * 140.0 / math.pi / (SUPPORT * spacing) ** 3 * spacing**2)
+        self.full = RATE * spacing**2 * 140.0 / math.pi / (SUPPORT * spacing) ** 3 * spacing**2
+        self.strength = scalar(self.full)
         self.largest = scalar(LARGEST * spacing)
 
-    def spread(self, first):
-        """Move all points to a more even arrangement; ``first``: after scattering them, the same way in every run."""
+    def spread(self, first, part):
+        """Move all particles to a more even arrangement, by the ``part`` of ``RATE`` that the length of a step asks for.
+
+        ``first``: after scattering them, the same way in every run.
+        """
+        view(self.strength)[()] = part * self.full
         fluid = int(view(self.points.liquid))
         view(self.moved)[: self.points.fluid] = 0.0
         if first:

@@ -10,7 +10,7 @@ class Bodies:
     """What the n bodies of a scene do at one time, and what the liquid does to them; per length across the plane.
 
     ``centre`` and ``velocity`` (n, 2), ``angle`` [radians] and ``angular_velocity`` (n,), counterclockwise; ``force``
-    (n, 2) and ``torque`` (n,) around the centre, of which ``pressure_force`` and ``pressure_torque`` are the pressure's.
+    (n, 2) and ``torque`` (n,) around the centre; ``pressure_force`` and ``pressure_torque`` are the pressure's part.
     """
 
     centre: np.ndarray

@@ -15,7 +15,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class SlidingCorner:
-    """Corner at ``place`` (2,) where a wall that slides with ``speed`` away from it, along ``along`` (2,), meets another.
+    """Corner at ``place`` (2,): a wall that slides away from it along ``along`` (2,), with ``speed``, meets another.
 
     ``inward`` (2,): normal of the sliding wall into the liquid; both directions are of length 1. ``angle`` between the
     walls, in radians.

@@ -52,8 +52,8 @@ LAPLACIAN, ALONG, ACROSS = range(3)
 class LeastSquaresRows:
     """Rows ``laplacian[i, k]``, ``along[i, k]`` (d/dx) and ``across[i, k]`` (d/dy) of the neighbours ``points`` lists.
 
-    What lies beyond ``support`` weighs nothing; with ``varying`` it is that times the field ``stretch`` of each particle.
-    Where order 4 is singular, by a pivot below ``smallest_pivot``, order 2
+    What lies beyond ``support`` weighs nothing; with ``varying`` it is that times the ``stretch`` of each particle, a
+    field. Where order 4 is singular, by a pivot below ``smallest_pivot``, order 2
     takes over, where that is singular too the rows are zero: ``reduced`` and ``dropped`` count them.
     ``diagonal[i]``: minus the sum of ``laplacian[i, k]``, what it gives particle i of its own value.
 

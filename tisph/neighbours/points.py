@@ -34,11 +34,11 @@ class Points:
     ``particles`` and ``ghosts`` are their numbers at present; there is ``room`` for ghosts. ``most``, ``slots`` and the
     ``sentinel`` after them depend on a rung of the ladder of sizes alone: they may be compiled in, ``fluid`` may not.
     Neighbours of the fluid within ``reach`` are ``table[i, k]``, k < ``count[i]``. With ``mirrors`` the table goes on
-    with a row for each ghost, in its slot: the fluid particles around its mirror point ``mirror[k]``. With a
-    ``largest_reach`` every point has its own: the field ``radius``.
+    with a row for each ghost, in its slot: the fluid particles around its mirror point ``mirror[k]``. Where
+    ``reach`` is a pair, the usual and the largest one, every point has its own: the field ``radius``.
     """
 
-    def __init__(self, channel, domain, reach, room_for_ghosts, serial, mirrors=False, largest_reach=None):  # noqa: PLR0913
+    def __init__(self, channel, domain, reach, room_for_ghosts, serial, mirrors=False):
         self.domain = domain
         self.serial = serial
         self.fluid, self.room = channel.particles, room_for_ghosts
@@ -46,11 +46,11 @@ class Points:
         self.liquid = self.particles
         self.most, self.most_ghosts = room(self.fluid), room(self.room)
         self.slots = self.sentinel = self.most + self.most_ghosts
+        self.varying = isinstance(reach, tuple)
+        reach, largest = reach if self.varying else (reach, reach)
         self.reach_squared = scalar(reach**2)
-        self.varying = largest_reach is not None
         if self.varying:
             self.radius = ti.field(real(), shape=self.most)
-        largest = largest_reach or reach
         # counted in spacings, of which length and gap are whole numbers: no cell is lost to rounding
         columns = int(channel.columns * channel.spacing / largest * (1 + 1e-12))
         rows = max(1, int(channel.rows * channel.spacing / largest * (1 + 1e-12)))

@@ -26,7 +26,7 @@ LEAST_JITTER = 0.05
 class Annulus(Scene):
     """Two cylinders around ``centre`` that turn as ``inner`` and ``outer`` say; every number in the config's units.
 
-    ``initial_state`` is ``rest``, ``developed`` or ``exact`` (the flow that began at t = 0, taken up at ``start_time``).
+    ``initial_state`` is ``rest``, ``developed`` or ``exact`` (the flow that began at t = 0, at ``start_time``).
     """
 
     inner_radius: float

@@ -1,8 +1,8 @@
 """Circular Couette flow: liquid between two cylinders, either of which turns, steadily, from a jump on, or to and fro.
 
-Particles fill the annulus evenly, the first layer half a spacing from the walls. Motion starts, or changes, at t = 0. The
-run's clock starts at ``start_time``: at the initial time of the config for the state ``exact``, else at 0. The liquid is
-a Newtonian one. See ``tisph/exact/circular_couette.py`` for the solution.
+Particles fill the annulus evenly, the first layer half a spacing from the walls. Motion starts, or changes, at t = 0.
+The run's clock starts at ``start_time``: at the initial time of the config for the state ``exact``, else at 0. The
+liquid is a Newtonian one. See ``tisph/exact/circular_couette.py`` for the solution.
 """
 
 from collections.abc import Iterator

@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from tisph.config import lattice, schema
-from tisph.config.base import LARGEST, Model, Positive, Problem, Signed
+from tisph.config.base import Model, Positive, Problem, Signed
 from tisph.config.fields import Member, number_or
 from tisph.config.motion import Amplitude, WallMotion
 from tisph.scenes._channel.scene import Channel

@@ -19,8 +19,11 @@ LOADS = 3
 
 
 class Bounds:
-    """Sets the points on the walls of a ``BoundedFlow`` and what particles know of walls; ``twists`` and ``loads`` (2, bodies, 3), force and torque
-    of all and of the pressure, are newest first."""
+    """Sets the points on the walls of a ``BoundedFlow`` and what particles know of walls.
+
+    ``twists`` (points,), of the curl of the vorticity, and ``loads`` (2, bodies, 3), force and torque of all and of the
+    pressure, are newest first.
+    """
 
     def __init__(self, flow, history, shift, support, skin):
         self.flow, self.walls, self.support, self.skin = flow, flow.walls, support, skin * flow.spacing

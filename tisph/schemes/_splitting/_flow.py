@@ -51,8 +51,8 @@ class BoundedFlow(_Flow):
 
     Where walls bound the liquid the box, of ``columns`` x ``rows`` spacings, goes on beyond them by more than operators
     reach: what lies at one end of it has nothing to do with what lies at the other. ``acceleration`` is that of the
-    body force, ``corners`` are those (``exact/sliding_corner.py``) where the velocities of two walls differ; the rest is
-    as in ``PeriodicFlow``.
+    body force, ``corners`` are those (``exact/sliding_corner.py``) where the velocities of two walls differ; the rest
+    is as in ``PeriodicFlow``.
     """
 
     liquid: int

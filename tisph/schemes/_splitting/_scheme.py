@@ -81,13 +81,10 @@ class Scheme:
 
     def __init__(self, flow, targets, serial, tolerance=TOLERANCE, courant=COURANT):
         self.flow, self.courant, self.initial_momentum = flow, courant, 0.0
-        box, reach, bounded = (
-            PeriodicBox(flow.length, flow.gap),
-            (SUPPORT + SKIN) * flow.spacing,
-            flow.walls is not None,
-        )
-        largest = reach + (SEEN * FARTHER + FARTHEST) * flow.spacing if bounded else None
-        self.points = Points(flow, box, reach, 0, serial, largest_reach=largest)
+        bounded, reach = flow.walls is not None, (SUPPORT + SKIN) * flow.spacing
+        if bounded:
+            reach = reach, reach + (SEEN * FARTHER + FARTHEST) * flow.spacing
+        self.points = Points(flow, PeriodicBox(flow.length, flow.gap), reach, 0, serial)
         self.rows = LeastSquaresRows(self.points, SUPPORT * flow.spacing, 4, SMALLEST_PIVOT, varying=bounded)
         self.lattice = Lattice(self.points, flow)
         self.shift = Shift(self.points, flow.spacing, SEEN if bounded else 0)

@@ -53,7 +53,7 @@ class Shift:
         self.largest = scalar(LARGEST * spacing)
 
     def spread(self, first, part):
-        """Move all particles to a more even arrangement, by the ``part`` of ``RATE`` that the length of a step asks for.
+        """Move all particles to a more even arrangement, by that ``part`` of ``RATE``.
 
         ``first``: after scattering them, the same way in every run.
         """
@@ -119,7 +119,7 @@ class Shift:
 
     @ti.func
     def push_of_images(self, i, j):
-        """Return the push of the images of particle ``j`` on particle ``i``: in each wall, and in one after another."""
+        """Return the push of the images of particle ``j`` on particle ``i``: in each wall, and in both."""
         apart, push, both = self.points.separation(i, j), ti.Vector([0.0, 0.0]), True
         corner = apart
         for wall in ti.static(range(self.walls)):

@@ -1,7 +1,7 @@
 """Walls as the scheme sees them: points on them, about a spacing apart, and where they are seen from a particle.
 
-The points are neighbours of known velocity, there are no ghosts. Near walls operators reach farther, because only a part
-of a disc around a particle holds any liquid: without that they are unstable.
+The points are neighbours of known velocity, there are no ghosts. Near walls operators reach farther, because only a
+part of a disc around a particle holds any liquid: without that they are unstable.
 """
 
 import numpy as np
@@ -10,8 +10,10 @@ REACH = 2.9
 """Distance from a wall below which operators reach farther, in particle spacings."""
 
 FARTHER = 1.2
-"""By how much they reach farther at a wall, in particle spacings; where two walls are near this adds up. Particles lie in
-layers along a straight wall: with 0.8 too few layers are within reach for the fourth derivative across them."""
+"""By how much they reach farther at a wall, in particle spacings; where two walls are near this adds up.
+
+Particles lie in layers along a straight wall: with 0.8 too few are within reach for the fourth derivative across them.
+"""
 
 FARTHEST = 0.4
 """The same of the points on walls, beside that: liquid is on one side of them only."""
@@ -58,7 +60,8 @@ class Walls:
     def seen(self, place, time):
         """Return the tangents to the nearest walls of each of the places (n, 2), as the nearest points see them.
 
-        An array (n, SEEN, 3) of normal . x - offset, the distance: normal, then offset; of a wall that is not the distance is 1e30.
+        An array (n, SEEN, 3): normal, then offset, normal . x - offset being the distance, 1e30 of a wall that is not.
+        And the distances (n, SEEN) themselves, infinite there.
         """
         planes, distances = np.zeros((len(place), SEEN, 3)), np.full((len(place), SEEN), np.inf)
         planes[:, :, 2] = -1e30

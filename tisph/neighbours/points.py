@@ -35,7 +35,8 @@ class Points:
     ``sentinel`` after them depend on a rung of the ladder of sizes alone: they may be compiled in, ``fluid`` may not.
     Neighbours of the fluid within ``reach`` are ``table[i, k]``, k < ``count[i]``. With ``mirrors`` the table goes on
     with a row for each ghost, in its slot: the fluid particles around its mirror point ``mirror[k]``. Where
-    ``reach`` is a pair, the usual and the largest one, every point has its own: the field ``radius``.
+    ``reach`` is a pair, the usual and the largest one, which is less than twice that, every point has its own: the field
+    ``radius``.
     """
 
     def __init__(self, channel, domain, reach, room_for_ghosts, serial, mirrors=False):
@@ -52,9 +53,10 @@ class Points:
         if self.varying:
             self.radius = ti.field(real(), shape=self.most)
         # counted in spacings, of which length and gap are whole numbers: no cell is lost to rounding
-        columns = int(channel.columns * channel.spacing / largest * (1 + 1e-12))
-        rows = max(1, int(channel.rows * channel.spacing / largest * (1 + 1e-12)))
-        if columns < 3 or (domain.open_across and rows < 3):
+        columns = int(channel.columns * channel.spacing / reach * (1 + 1e-12))
+        rows = max(1, int(channel.rows * channel.spacing / reach * (1 + 1e-12)))
+        least = 5 if largest > reach else 3
+        if columns < least or (domain.open_across and rows < least):
             axis = f"{columns} cells along x" if columns < 3 else f"{rows} cells along y"
             raise ValueError(f"{axis}: a pair and its periodic copy would both be listed")
         self.columns, self.rows = integer(columns), integer(rows)
@@ -140,29 +142,33 @@ class Points:
 
     @ti.func
     def around(self, row):
-        """Return the row of cells that stands for ``row`` of 0 .. rows + 1: its copy inside where there is no wall."""
+        """Return the row of cells that stands for ``row``, up to two beyond 1 .. rows: a copy where there is no wall."""
         level = row
         if ti.static(self.domain.open_across):
             rows = self.rows[None]
-            level = ti.select(row == 0, rows, ti.select(row > rows, 1, row))
+            level = ti.select(row < 1, row + rows, ti.select(row > rows, row - rows, row))
         return level
 
     @ti.func
     def gather(self, i, place, end):
         """Fill row ``i`` of the table with the points before ``end`` around ``place``; return how many it needed.
 
-        They come from the 3 x 3 cells around it: in a row those before the end of the period, then those beyond it.
+        They come from the 3 x 3 cells around it, or 5 x 5: in a row those before the end of the period, then those
+        beyond it.
         """
         columns, column, row = self.columns[None], self.column_of(place.x), self.row_of(place.y, 0)
-        found = 0
-        for level in range(row - 1, row + 2):
+        found, span = 0, 1
+        if ti.static(self.varying):
+            span = ti.select(self.radius[i] ** 2 > self.reach_squared[None], 2, 1)
+        for level in range(row - span, row + span + 1):
             near = self.around(level)
-            first, last = ti.max(column - 1, 0), ti.min(column + 2, columns)
-            for _ in range(ti.select(column == 0 or column == columns - 1, 2, 1)):
+            first, last = ti.max(column - span, 0), ti.min(column + span + 1, columns)
+            for _ in range(ti.select(column < span or column >= columns - span, 2, 1)):
                 begin = self.start[near * columns + first + 1]
                 found = self.append(i, place, end, begin, self.start[near * columns + last + 1], found)
-                first = ti.select(column == 0, columns - 1, 0)
-                last = first + 1
+                before = column < span
+                first = ti.select(before, columns + column - span, 0)
+                last = ti.select(before, columns, column + span + 1 - columns)
         filled = ti.min(found, self.capacity)
         padded = (filled + LANES - 1) // LANES * LANES
         for k in range(filled, padded):

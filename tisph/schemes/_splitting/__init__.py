@@ -37,7 +37,7 @@ def _flow(scene):
         return PeriodicFlow(columns=scene.columns, rows=scene.rows, **liquid)
     corners = scene.origin, np.add(scene.origin, scene.extent)
     origin, columns, rows = box_around(corners, scene.spacing, scene.periodic, MARGIN * max(scene.extent))
-    walls = Walls(scene.bodies, scene.spacing, origin, scene.start_time)
+    walls = Walls(scene.bodies, scene.spacing, origin)
     box = {"origin": origin, "columns": columns, "rows": rows}
     return BoundedFlow(liquid=scene.particles, walls=walls, corners=scene.corners, **box, **liquid)
 

@@ -38,11 +38,10 @@ class Bounds:
         places = view(self.points.place)
         place, self.normal, self.velocity = self.walls.at(time)
         places[self.slots] = place % [self.flow.length, self.flow.gap]
-        planes, distances = self.walls.seen(places[: self.flow.liquid], time)
-        view(self.shift.planes)[: self.flow.liquid] = planes
-        _, apart = self.walls.seen(places[self.slots], time)
+        planes, distances = self.walls.seen(places[: self.flow.particles], time)
+        view(self.shift.planes)[: self.flow.liquid] = planes[: self.flow.liquid]
         spacing = self.flow.spacing
-        stretch = self.walls.stretch(np.concatenate([distances, apart]), self.support)
+        stretch = self.walls.stretch(distances, self.support)
         stretch[self.slots] += FARTHEST / self.support
         view(self.history.rows.stretch)[: self.flow.particles] = stretch
         view(self.points.radius)[: self.flow.particles] = self.support * stretch * spacing + self.skin
@@ -103,9 +102,9 @@ class Bounds:
             ],
             axis=1,
         )
-        tractions = viscous, -carried[:, 2 * VELOCITIES, None] * normal
-        parts = [self.walls.sums(self.flow.density * traction, time) for traction in tractions]
-        self.loads = [np.stack([parts[0] + parts[1], parts[1]]), *self.loads][:LOADS]
+        pressure = -carried[:, 2 * VELOCITIES, None] * normal
+        loads = self.walls.sums(self.flow.density * np.stack([viscous + pressure, pressure]), time)
+        self.loads = [loads, *self.loads][:LOADS]
 
     def bodies(self, time, times, age):
         """Return the ``Bodies`` at ``time``, ``age`` before the end of the last step, from which ``times`` count."""

@@ -25,37 +25,40 @@ SEEN = 2
 class Walls:
     """Points on the walls of ``bodies``; all places are those in the box of a flow, whose lowest corner is ``origin``.
 
-    ``count`` of them, each for a part of the wall of ``length`` (count,), ``body`` (count,) says of which one.
+    There are ``count``, each for a part of the wall of ``length`` (count,); ``parts`` are slices of them by body.
     """
 
-    def __init__(self, bodies, spacing, origin, start_time):
+    def __init__(self, bodies, spacing, origin):
         self.bodies, self.spacing, self.origin = bodies, spacing, np.array(origin)
-        boundaries = [body.boundary_points(spacing, start_time) for body in bodies]
-        self.length = np.concatenate([boundary.length for boundary in boundaries])
-        self.body = np.repeat(np.arange(len(bodies)), [len(boundary.length) for boundary in boundaries])
+        self.outlines = [body.shape.boundary_points(spacing) for body in bodies]
+        self.length = np.concatenate([outline.length for outline in self.outlines])
+        ends = np.cumsum([0, *(len(outline.length) for outline in self.outlines)])
+        self.parts = [slice(first, last) for first, last in zip(ends, ends[1:], strict=False)]
         self.count = len(self.length)
 
     def at(self, time):
         """Return places, normals into the liquid and velocities of the points at ``time``, (count, 2) each."""
-        boundaries = [body.boundary_points(self.spacing, time) for body in self.bodies]
+        boundaries = self._placed(time)
         velocities = [body.velocity(part.point, time) for body, part in zip(self.bodies, boundaries, strict=True)]
         place = np.concatenate([boundary.point for boundary in boundaries])
         return place - self.origin, np.concatenate([part.normal for part in boundaries]), np.concatenate(velocities)
 
-    def sums(self, traction, time):
-        """Return force and torque (bodies, 3) on each body of a ``traction`` (count, 2) on the points."""
-        force, result = self.length[:, None] * traction, np.zeros((len(self.bodies), 3))
-        for number, body in enumerate(self.bodies):
-            of = self.body == number
-            arm = body.boundary_points(self.spacing, time).point - body.at(time).centre
-            torque = arm[:, 0] * force[of, 1] - arm[:, 1] * force[of, 0]
-            result[number] = [*force[of].sum(axis=0), torque.sum()]
-        return result
-
     def acceleration(self, time):
         """Return the accelerations (count, 2) of the points at ``time``."""
-        parts = [body.boundary_points(self.spacing, time).point for body in self.bodies]
-        return np.concatenate([body.acceleration(part, time) for body, part in zip(self.bodies, parts, strict=True)])
+        pairs = zip(self.bodies, self._placed(time), strict=True)
+        return np.concatenate([body.acceleration(boundary.point, time) for body, boundary in pairs])
+
+    def sums(self, tractions, time):
+        """Return force and torque (n, bodies, 3) on each body of n ``tractions`` (n, count, 2) on the points."""
+        force, result = self.length[:, None] * tractions, np.zeros((len(tractions), len(self.bodies), 3))
+        for number, (body, boundary) in enumerate(zip(self.bodies, self._placed(time), strict=True)):
+            arm, part = boundary.point - body.at(time).centre, force[:, self.parts[number]]
+            result[:, number, :2] = part.sum(axis=1)
+            result[:, number, 2] = (arm[:, 0] * part[..., 1] - arm[:, 1] * part[..., 0]).sum(axis=1)
+        return result
+
+    def _placed(self, time):
+        return [body.placed(outline, time) for body, outline in zip(self.bodies, self.outlines, strict=True)]
 
     def seen(self, place, time):
         """Return the tangents to the nearest walls of each of the places (n, 2), as the nearest points see them.
@@ -63,17 +66,16 @@ class Walls:
         An array (n, SEEN, 3): normal, then offset, normal . x - offset being the distance, 1e30 of a wall that is not.
         And the distances (n, SEEN) themselves, infinite there.
         """
-        planes, distances = np.zeros((len(place), SEEN, 3)), np.full((len(place), SEEN), np.inf)
-        planes[:, :, 2] = -1e30
-        for body in self.bodies:
-            foot = body.nearest(place + self.origin, time)
-            plane = np.column_stack([foot.normal, np.sum(foot.normal * (foot.point - self.origin), axis=1)])
-            nearest = foot.distance < distances[:, 0]
-            second = ~nearest & (foot.distance < distances[:, 1])
-            planes[nearest, 1], distances[nearest, 1] = planes[nearest, 0], distances[nearest, 0]
-            planes[nearest, 0], distances[nearest, 0] = plane[nearest], foot.distance[nearest]
-            planes[second, 1], distances[second, 1] = plane[second], foot.distance[second]
-        return planes, distances
+        count = max(SEEN, len(self.bodies))
+        planes, distances = np.zeros((len(place), count, 3)), np.full((len(place), count), np.inf)
+        planes[:, len(self.bodies) :, 2] = -1e30
+        places = place + self.origin
+        for number, body in enumerate(self.bodies):
+            foot = body.nearest(places, time)
+            planes[:, number, :2], distances[:, number] = foot.normal, foot.distance
+            planes[:, number, 2] = ((foot.point - self.origin) * foot.normal).sum(axis=1)
+        nearest = np.argsort(distances, axis=1, kind="stable")[:, :SEEN]
+        return np.take_along_axis(planes, nearest[..., None], 1), np.take_along_axis(distances, nearest, 1)
 
     def stretch(self, distances, support):
         """Return the part by which operators with this ``support``, in spacings, reach farther at such distances."""

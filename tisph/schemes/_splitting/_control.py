@@ -29,6 +29,7 @@ class StepControl:
         self.led_to = None
         self.wish = math.inf
         self.tolerance = tolerance
+        self.refused = None
 
     @property
     def finished(self):
@@ -54,14 +55,22 @@ class StepControl:
         return target if length == target - time else time + length
 
     def accepts(self, error, order, length):
-        """Judge a step of a method of ``order`` by its error; if refused, ``wish`` is what to try instead."""
+        """Judge a step of a method of ``order`` by its error; if refused, ``wish`` is what to try instead.
+
+        An error that falls more slowly than this order from one attempt to the next is none of the step's: where layers
+        are thinner than a spacing the velocities that follow a shift are uneven, whatever comes next.
+        """
         factor = LARGEST_FACTOR
         if self.tolerance is not None:
             part = max(error / self.tolerance, 1e-12)
             factor = min(LARGEST_FACTOR, max(SMALLEST_FACTOR, SAFETY * part ** (-1 / (order + 1))))
             if part > REJECTED:
-                self.wish = length * min(factor, 0.7)
-                return False
+                before, self.refused = self.refused, (length, error)
+                if before is None or error < before[1] * (length / before[0]) ** order:
+                    self.wish = length * min(factor, 0.7)
+                    return False
+                factor = 1.0
+        self.refused = None
         self.wish = length * factor
         return True
 

@@ -1,0 +1,74 @@
+"""Liquid between two cylinders, for tests of the implicit scheme at walls of any shape."""
+
+import math
+
+import numpy as np
+
+from tisph import runtime
+from tisph.geometry.body import Body
+from tisph.geometry.circle import Circle
+from tisph.geometry.filling import fill
+from tisph.geometry.motion import RigidMotion, WallMotion
+from tisph.geometry.region import Region
+from tisph.schemes._splitting._flow import BoundedFlow, box_around
+from tisph.schemes._splitting._scheme import COURANT, Scheme
+from tisph.schemes._splitting._walls import Walls
+
+INNER, OUTER, ACROSS = 1.0, 2.0, 12
+VISCOSITY = 0.02
+
+
+def make(turning=(1.0, 0.0), centre=(0.0, 0.0), angle=0.0, acceleration=(0.0, 0.0), viscosity=VISCOSITY):
+    """Return cylinders around ``centre``, and places (particles, 2) of particles between them, turned by ``angle``.
+
+    The particles are in disorder, always the same one; ``turning`` are the angular velocities from t = 0 on.
+    """
+    shapes = Circle(INNER), Circle(OUTER, liquid="inside")
+    motions = [RigidMotion(turning=WallMotion(speed)) for speed in turning]
+    bodies = [Body(shape, centre, angle, motion) for shape, motion in zip(shapes, motions, strict=True)]
+    spacing, corner = (OUTER - INNER) / ACROSS, (-OUTER, -OUTER)
+    still = tuple(Body(shape) for shape in shapes)
+    places = fill(Region(still, corner, (OUTER, OUTER)), spacing, 0.2)
+    cosine, sine = math.cos(angle), math.sin(angle)
+    places = places @ np.array([[cosine, sine], [-sine, cosine]]) + centre
+    extent = np.add(centre, corner), np.subtract(centre, corner)
+    origin, columns, rows = box_around(extent, spacing, (False, False), 0.8)
+    flow = BoundedFlow(
+        liquid=len(places),
+        walls=Walls(bodies, spacing, origin),
+        columns=columns,
+        rows=rows,
+        spacing=spacing,
+        density=1.0,
+        kinematic_viscosity=viscosity,
+        reference_velocity=max(1.0, *map(abs, turning)),
+        origin=origin,
+        acceleration=acceleration,
+    )
+    return flow, places
+
+
+def run(flow, places, velocity, end, steps=None, tolerance=2e-6, courant=COURANT):
+    """Step until ``end``, or so many ``steps``, from a ``velocity`` (particles, 2); return the Scheme."""
+    runtime.start("f64", 1)
+    scheme = Scheme(flow, [end], True, tolerance, courant)
+    scheme.start(places, velocity)
+    while not scheme.finished and scheme.steps != steps:
+        scheme.advance()
+    return scheme
+
+
+def steady(places, turning=(1.0, 0.0), centre=(0.0, 0.0)):
+    """Velocity (n, 2) of the steady flow, a r + b/r around the axis."""
+    away = places - centre
+    square = OUTER**2 - INNER**2
+    a = (turning[1] * OUTER**2 - turning[0] * INNER**2) / square
+    b = (turning[0] - turning[1]) * INNER**2 * OUTER**2 / square
+    rate = a + b / np.sum(away**2, axis=1)
+    return rate[:, None] * np.stack([-away[:, 1], away[:, 0]], axis=1)
+
+
+def error(snapshot, turning=(1.0, 0.0), centre=(0.0, 0.0)):
+    """Relative L2 error of the velocities against the steady flow."""
+    exact = steady(np.stack([snapshot.x, snapshot.y], 1), turning, centre)
+    return np.linalg.norm(np.stack([snapshot.u, snapshot.v], 1) - exact) / np.linalg.norm(exact)

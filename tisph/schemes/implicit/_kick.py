@@ -7,7 +7,7 @@ they change the velocities once, at the start, by
     du = J (g_2 + A g_4) + J_1/nu g_4,    g_2k = sum of the row entries of the wall's ghosts, times 2 d^2k/(2k)!
 
 which is what the layer that the particles cannot resolve yet has taken up (the fourth-order continuation of
-``schemes/_impulse.py``).
+``schemes/wcsph/_impulse.py``).
 """
 
 import numpy as np

@@ -1,39 +1,30 @@
-"""Explicit weakly compressible SPH: density carried by the particles, pressure from an equation of state.
+"""Steps of the explicit scheme: second-order midpoint steps with one evaluation of the rates f each.
 
-Second-order midpoint steps with one evaluation of the rates f each: from the state y^n a predictor with the
-previous rates, y^(n+1/2) = y^n + dt/2 f^(n-1/2) (positions with the new velocity), then
-y^(n+1) = y^n + dt f(y^(n+1/2)). One loop over the particles evaluates, corrects and predicts the next middle,
-reading one buffer and writing the other (``_stepper.py``).
+From the state y^n a predictor with the previous rates, y^(n+1/2) = y^n + dt/2 f^(n-1/2) (positions with the new
+velocity), then y^(n+1) = y^n + dt f(y^(n+1/2)). One loop over the particles evaluates, corrects and predicts the next
+middle, reading one buffer and writing the other (``_stepper.py``).
 """
 
 import math
-from typing import Literal
 
 import numpy as np
-from pydantic import Field
 
 from tisph import families
-from tisph.config.base import Model
-from tisph.config.fields import member_name
 from tisph.domain import Domain
-from tisph.equation_of_state import Tait, pressure, sound_speed
+from tisph.equation_of_state import pressure, sound_speed
 from tisph.liquid import Liquid
 from tisph.neighbours.cells import Cells
 from tisph.neighbours.verlet import VerletLists, reach
 from tisph.particles import Particles
 from tisph.runtime import view
-from tisph.schemes._estimate import explicit
-from tisph.schemes._impulse import ImpulsiveStart
 from tisph.schemes._momentum import MomentumBalance, WallForces
 from tisph.schemes._plan import StepPlan
 from tisph.schemes._room import clustered
-from tisph.schemes._shift import shift_speed
-from tisph.schemes._stepper import Stepper
 from tisph.schemes._time_step import effective_viscosity, time_step_limits
+from tisph.schemes.wcsph._impulse import ImpulsiveStart
+from tisph.schemes.wcsph._shift import shift_speed
+from tisph.schemes.wcsph._stepper import Stepper
 from tisph.snapshot import Snapshot
-
-PERIODIC = [(True, False)]
-"""Boxes that it can have, by whether they are periodic in x and y."""
 
 CONTROL_INTERVAL = 50
 """Steps between two looks at speeds and accelerations for the time step."""
@@ -43,38 +34,6 @@ HOST_STATE = (
     "wall_drift", "built_wall_velocity",
 )  # fmt: skip
 """Attributes of a Scheme that change while it runs."""
-
-
-class Parameters(Model):
-    """Choices of the explicit scheme.
-
-    ``operators``: ``consistent`` (corrected, shifted, diffused density) or ``standard`` (the usual WCSPH, for
-    comparison). ``artificial_viscosity``: Monaghan's linear coefficient alpha, 0 for none.
-    """
-
-    type: Literal["wcsph"] = "wcsph"
-    operators: member_name("operators") = "consistent"
-    equation_of_state: Tait = Tait()
-    artificial_viscosity: float = Field(default=0.0, ge=0, le=10)
-
-
-def problems(config):
-    """Yield dotted key and text of everything in a config that this scheme cannot serve."""
-    if config.time.tolerance != "auto":
-        yield "time.tolerance", "is for scheme implicit, which estimates the error of its steps; wcsph has time.cfl"
-    if config.fluid.rheology.carries_stress and config.scheme.operators != "consistent":
-        text = f"{config.fluid.rheology.type} needs the velocity gradient of the consistent operators"
-        yield "scheme.operators", f"{text}: give consistent, or fluid.rheology {{type: newtonian}}"
-
-
-def orders(config):
-    """Return the least and the largest order in the spacing that is to be expected: second, and scatter."""
-    return 1.0, 3.5
-
-
-def estimates(config, channel):
-    """Return what ``tisph check`` says of a run of this scheme."""
-    return explicit(config, channel)
 
 
 class Scheme:

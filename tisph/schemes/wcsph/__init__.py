@@ -1,0 +1,51 @@
+"""Explicit weakly compressible SPH: density carried by the particles, pressure from an equation of state.
+
+The steps are in ``_scheme.py``, the kernel that takes one in ``_stepper.py``.
+"""
+
+from typing import Literal
+
+from pydantic import Field
+
+from tisph.config.base import Model
+from tisph.config.fields import member_name
+from tisph.equation_of_state import Tait
+from tisph.schemes._estimate import explicit
+from tisph.schemes.wcsph._scheme import Scheme
+
+__all__ = ["Parameters", "Scheme", "estimates", "orders", "problems"]
+
+PERIODIC = [(True, False)]
+"""Boxes that it can have, by whether they are periodic in x and y."""
+
+
+class Parameters(Model):
+    """Choices of the explicit scheme.
+
+    ``operators``: ``consistent`` (corrected, shifted, diffused density) or ``standard`` (the usual WCSPH, for
+    comparison). ``artificial_viscosity``: Monaghan's linear coefficient alpha, 0 for none.
+    """
+
+    type: Literal["wcsph"] = "wcsph"
+    operators: member_name("operators") = "consistent"
+    equation_of_state: Tait = Tait()
+    artificial_viscosity: float = Field(default=0.0, ge=0, le=10)
+
+
+def problems(config):
+    """Yield dotted key and text of everything in a config that this scheme cannot serve."""
+    if config.time.tolerance != "auto":
+        yield "time.tolerance", "is for scheme implicit, which estimates the error of its steps; wcsph has time.cfl"
+    if config.fluid.rheology.carries_stress and config.scheme.operators != "consistent":
+        text = f"{config.fluid.rheology.type} needs the velocity gradient of the consistent operators"
+        yield "scheme.operators", f"{text}: give consistent, or fluid.rheology {{type: newtonian}}"
+
+
+def orders(config):
+    """Return the least and the largest order in the spacing that is to be expected: second, and scatter."""
+    return 1.0, 3.5
+
+
+def estimates(config, channel):
+    """Return what ``tisph check`` says of a run of this scheme."""
+    return explicit(config, channel)

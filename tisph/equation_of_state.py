@@ -42,17 +42,17 @@ def sound_speed(
     *,
     reference_velocity: float,
     kinematic_viscosity: float,
-    gap: float,
+    length: float,
     density: float,
     elastic_speed: float = 0.0,
 ) -> float:
-    """Sound speed [length/time] that the parameters mean in a channel flow.
+    """Sound speed [length/time] that the parameters mean in a flow.
 
     ``auto`` is ten times the largest of the ``reference_velocity`` U, the fastest speed to expect (the
-    ``peak_velocity`` of a channel); of the viscous scale sqrt(nu U / H), nu in total; and of the ``elastic_speed``
-    sqrt(nu_p / relaxation time) of shear waves in a polymer. The first two keep inertial and viscous pressure
-    differences small against density * c^2 (J. P. Morris, P. J. Fox and Y. Zhu, J. Comput. Phys. 136 (1997)
-    214-226); the third does so for polymer stresses, of which it is the modulus over the density.
+    ``peak_velocity`` of a scene); of the viscous scale sqrt(nu U / H), nu in total and H the reference ``length``; and
+    of the ``elastic_speed`` sqrt(nu_p / relaxation time) of shear waves in a polymer. The first two keep inertial and
+    viscous pressure differences small against density * c^2 (J. P. Morris, P. J. Fox and Y. Zhu, J. Comput. Phys. 136
+    (1997) 214-226); the third does so for polymer stresses, of which it is the modulus over the density.
 
     Morris' scale of a body force, sqrt(g H), is no scale of its own here: it is for a force that pressure
     balances. Along the periodic x no pressure can build up, friction balances the force, and with the peak speed
@@ -62,7 +62,7 @@ def sound_speed(
         return math.sqrt(parameters.bulk_modulus / density)
     if parameters.sound_speed != "auto":
         return parameters.sound_speed
-    viscous_velocity = math.sqrt(kinematic_viscosity * reference_velocity / gap)
+    viscous_velocity = math.sqrt(kinematic_viscosity * reference_velocity / length)
     return SCALE_RATIO * max(reference_velocity, viscous_velocity, elastic_speed)
 
 
@@ -72,6 +72,12 @@ def series(gamma: int) -> tuple[float, ...]:
     As a polynomial it keeps its digits where s is small.
     """
     return tuple(math.comb(gamma, power) / gamma for power in range(gamma, 0, -1))
+
+
+def compression(parameters: Tait, pressure: np.ndarray, *, density: float, sound_speed: float) -> np.ndarray:
+    """Compression rho/rho0 - 1 at which there is a ``pressure`` (any shape), the cutoff left aside."""
+    stiffness = density * sound_speed**2
+    return np.expm1(np.log1p(parameters.gamma * pressure / stiffness) / parameters.gamma)
 
 
 def pressure(parameters: Tait, compression: np.ndarray, *, density: float, sound_speed: float) -> np.ndarray:

@@ -22,6 +22,7 @@ class PeriodicBox:
     """Box 0 <= x < length, 0 <= y < gap without walls, periodic in both directions; sizes are not compiled in."""
 
     open_across = True
+    driven = False
 
     def __init__(self, length, gap):
         self.length, self.gap = scalar(length), scalar(gap)
@@ -40,3 +41,8 @@ class PeriodicBox:
     def shortest(self, apart):
         """Return the vector ``apart`` between two places to the nearest periodic copy."""
         return ti.Vector([nearest(apart.x, self.length[None]), nearest(apart.y, self.gap[None])])
+
+    @ti.func
+    def row_inside(self, row, rows):
+        """Return which of the rows 1 .. ``rows`` of cells stands for ``row``, which is less than that beyond them."""
+        return ti.select(row < 1, row + rows, ti.select(row > rows, row - rows, row))

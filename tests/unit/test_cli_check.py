@@ -175,7 +175,7 @@ def test_the_mach_number_is_that_of_the_peak_speed(case, checked):
 
 
 def test_a_given_sound_speed_knows_no_elastic_waves():
-    numbers = {"reference_velocity": 1.0, "kinematic_viscosity": 1.0, "gap": 1.0, "density": 1.0}
+    numbers = {"reference_velocity": 1.0, "kinematic_viscosity": 1.0, "length": 1.0, "density": 1.0}
     assert sound_speed(Tait(sound_speed=3.0), elastic_speed=50.0, **numbers) == 3.0
 
 

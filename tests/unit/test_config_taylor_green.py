@@ -84,7 +84,9 @@ def test_bad_input_is_named(case, override, wanted):
     assert "\n" not in text
 
 
-def test_a_scheme_that_needs_walls_names_those_that_do_not(tmp_path):
+def test_a_scheme_that_needs_walls_names_those_that_do_not(tmp_path, monkeypatch):
+    boxes = {"wcsph": [(True, False)], "implicit": [(True, True)], "auto": [(True, True)]}
+    monkeypatch.setattr("tisph.config.checks._boxes", boxes.get)
     path = tmp_path / "case.yaml"
     path.write_text(GOOD)
     with pytest.raises(ConfigError, match=r'"wcsph": has no box as that of taylor_green; take auto or implicit'):
@@ -96,13 +98,20 @@ def test_a_scheme_that_needs_walls_names_those_that_do_not(tmp_path):
     [
         ("discretisation.particles_across=8", ["particles_across", "at least", "three cells"]),
         ("scheme={type: implicit, operators: {order: 2}}", ["scheme.operators.order", "must be 4"]),
+        ("scheme={type: wcsph}|time.tolerance=1e-5", ["time.tolerance", "is for scheme implicit"]),
+        ("scheme={type: wcsph}|walls={treatment: {type: adami}}", ["walls: unknown key"]),
+        ("scheme={type: wcsph}|discretisation.smoothing_ratio=3", ["at least 28 particles must fit across"]),
+        (
+            "scheme={type: wcsph}|fluid.rheology={type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.5}",
+            ["fluid.rheology.type", "must be newtonian"],
+        ),
     ],
 )
 def test_what_the_scheme_cannot_serve_is_named(tmp_path, override, wanted):
     path = tmp_path / "case.yaml"
     path.write_text(GOOD)
     with pytest.raises(ConfigError) as caught:
-        load(path, [override])
+        load(path, override.split("|"))
     assert [part for part in wanted if part not in str(caught.value)] == []
 
 

@@ -2,7 +2,8 @@
 
 The cells of the fluid fill the channel in rows 1 .. rows; row 0 lies below the bottom wall and row rows + 1
 above the top wall. Rows follow one another in memory as 1 .. rows, then rows + 1, then 0: the fluid comes
-first. A stable sort, without atomics, gives the same order whatever the number of threads.
+first. In a box without walls those two are empty, and stand for their copies inside. A stable sort, without
+atomics, gives the same order whatever the number of threads.
 """
 
 import numpy as np
@@ -12,7 +13,7 @@ from tisph.runtime import integer, room, ti
 
 @ti.data_oriented
 class Cells:
-    """Cells no smaller than ``reach`` (the radius of the neighbour lists), fitted to the channel.
+    """Cells no smaller than ``reach`` (the radius of the neighbour lists), fitted to the box.
 
     ``rows`` and ``columns`` are not compiled in. ``start[place(row, column)]`` is the first slot of a cell and
     ``start[place(row, columns)]`` the end of its row, so that neighbouring cells of one row are one range of slots.
@@ -24,8 +25,9 @@ class Cells:
         # counted in spacings, of which length and gap are whole numbers: no cell is lost to rounding
         columns = int(channel.columns / (reach / channel.spacing))
         rows = cell_rows(channel, reach)
-        if columns < 3:
-            raise ValueError(f"{columns} cells along x: a pair and its periodic copy would both be listed")
+        if columns < 3 or (domain.open_across and rows < 3):
+            axis = f"{columns} cells along x" if columns < 3 else f"{rows} cells along y"
+            raise ValueError(f"{axis}: a pair and its periodic copy would both be listed")
         self.rows, self.columns = integer(rows), integer(columns)
         cells = room((rows + 2) * (columns + 1))
         self.start = ti.field(ti.i32, shape=cells)
@@ -87,12 +89,14 @@ class Cells:
 
     @ti.func
     def wrap(self, now, k):
-        """Move particle ``k`` by whole lengths so that its mid-step position lies in [0, length)."""
-        x = self.particles.mid_position[now, k].x
-        inside = self.domain.wrapped(x)
-        self.particles.mid_position[now, k].x = inside
+        """Move particle ``k`` by whole periods so that its mid-step position lies in the box."""
+        place = self.particles.mid_position[now, k]
+        inside = ti.Vector([self.domain.wrapped(place.x), place.y])
+        if ti.static(self.domain.open_across):
+            inside = self.domain.inside(place)
+        self.particles.mid_position[now, k] = inside
         if k < self.particles.first_wall:
-            self.particles.position[now, k].x += inside - x
+            self.particles.position[now, k] += inside - place
 
 
 def cell_rows(channel, reach):

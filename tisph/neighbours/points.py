@@ -35,8 +35,7 @@ class Points:
     ``sentinel`` after them depend on a rung of the ladder of sizes alone: they may be compiled in, ``fluid`` may not.
     Neighbours of the fluid within ``reach`` are ``table[i, k]``, k < ``count[i]``. With ``mirrors`` the table goes on
     with a row for each ghost, in its slot: the fluid particles around its mirror point ``mirror[k]``. Where
-    ``reach`` is a pair, the usual and the largest one, which is less than twice that, every point has its own: the field
-    ``radius``.
+    ``reach`` is a pair, the usual and the largest one, less than twice that, every point has its own: the field ``radius``.
     """
 
     def __init__(self, channel, domain, reach, room_for_ghosts, serial, mirrors=False):
@@ -141,15 +140,6 @@ class Points:
         return row
 
     @ti.func
-    def around(self, row):
-        """Return the row of cells that stands for ``row``, up to two beyond 1 .. rows: a copy where there is no wall."""
-        level = row
-        if ti.static(self.domain.open_across):
-            rows = self.rows[None]
-            level = ti.select(row < 1, row + rows, ti.select(row > rows, row - rows, row))
-        return level
-
-    @ti.func
     def gather(self, i, place, end):
         """Fill row ``i`` of the table with the points before ``end`` around ``place``; return how many it needed.
 
@@ -161,7 +151,9 @@ class Points:
         if ti.static(self.varying):
             span = ti.select(self.radius[i] ** 2 > self.reach_squared[None], 2, 1)
         for level in range(row - span, row + span + 1):
-            near = self.around(level)
+            near = level
+            if ti.static(self.domain.open_across):
+                near = self.domain.row_inside(level, self.rows[None])
             first, last = ti.max(column - span, 0), ti.min(column + span + 1, columns)
             for _ in range(ti.select(column < span or column >= columns - span, 2, 1)):
                 begin = self.start[near * columns + first + 1]

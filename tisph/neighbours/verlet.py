@@ -7,7 +7,8 @@ stretch (cutoff + 2 max|e|) apart, stretch = (st + sqrt((st)^2 + 4)) / 2 being t
 long as that is within the reach no pair is missing: shear flow alone, however fast, hardly wears a list out.
 The mirror image of a particle keeps its x, and |y_i - y_j| <= |y_i + y_j|, so the bound holds for images too;
 wall particles move with the walls, where w is the wall velocity. (A mirror point of a dummy particle moves with the
-wall too, although w is another one there: who looks inside must do with three quarters of the cutoff.)
+wall too, although w is another one there: who looks inside must do with three quarters of the cutoff.) Where
+the flow turns, in a box without walls, no profile tells where particles go: w = 0 there.
 """
 
 import math
@@ -49,17 +50,19 @@ class VerletLists:
         self.crosses = ti.field(ti.i32, shape=mobile)
         self.longest = integer(0)
         self.built_position = ti.field(ti.types.vector(2, real()), shape=fluid)
-        self.reference_velocity = ti.field(real(), shape=fluid)
-        self.profile = ti.field(real(), shape=cells.start.shape)
-        self.steepest = scalar(0.0)
+        self.built_position.used = np.s_[: self.particles.fluid]
+        self.follows_shear = not self.domain.open_across
+        if self.follows_shear:
+            self.reference_velocity = ti.field(real(), shape=fluid)
+            self.profile = ti.field(real(), shape=cells.start.shape)
+            self.steepest = scalar(0.0)
+            self.reference_velocity.used, self.profile.used = self.built_position.used, None
         used = self.particles.first_wall + self.particles.dummies
         self.table.used = self.count.used = self.crosses.used = np.s_[:used]
-        self.built_position.used = self.reference_velocity.used = np.s_[: self.particles.fluid]
-        self.profile.used = None
 
     def outdated(self, drift_squared, elapsed):
         """Tell whether a pair may be missing, from max|e|^2 and the time since the lists were built."""
-        tilt = float(view(self.steepest)) * elapsed
+        tilt = float(view(self.steepest)) * elapsed if self.follows_shear else 0.0
         stretch = 0.5 * (tilt + math.sqrt(tilt * tilt + 4.0))
         return not stretch * (self.cutoff + 2.0 * math.sqrt(drift_squared)) <= self.reach
 
@@ -67,19 +70,21 @@ class VerletLists:
     def build(self, now: ti.i32):
         """List the neighbours of all sorted particles at their mid-step positions."""
         self.longest[None] = 0
-        ti.loop_config(serialize=True)
-        for row in range(self.cells.rows[None] + 2):
-            self.profile[row] = self.row_velocity(now, row)
-        ti.loop_config(serialize=True)
-        for _ in range(1):
-            self.steepest[None] = self.largest_slope()
+        if ti.static(self.follows_shear):
+            ti.loop_config(serialize=True)
+            for row in range(self.cells.rows[None] + 2):
+                self.profile[row] = self.row_velocity(now, row)
+            ti.loop_config(serialize=True)
+            for _ in range(1):
+                self.steepest[None] = self.largest_slope()
         ti.loop_config(serialize=self.serial)
         for number in range(self.particles.mobile_number[None]):
             i = self.particles.slot(number)
             if i < self.particles.first_wall:
                 place = self.particles.mid_position[now, i]
                 self.built_position[i] = place
-                self.reference_velocity[i] = self.profile_at(place.y)
+                if ti.static(self.follows_shear):
+                    self.reference_velocity[i] = self.profile_at(place.y)
             ti.atomic_max(self.longest[None], self.gather(now, i))
 
     @ti.func
@@ -138,10 +143,18 @@ class VerletLists:
         found = 0
         across = 0
         for near in range(lowest, highest + 1):
-            first = self.cells.place(near, 0)
+            level = near
+            if ti.static(self.domain.open_across):
+                level = self.domain.row_inside(near, self.cells.rows[None])
+            first = self.cells.place(level, 0)
             begin = self.cells.start[first + ti.max(column - 1, 0)]
             end = self.cells.start[first + ti.min(column + 2, last)]
-            found = self.append(now, i, begin, end, found, False)
+            if ti.static(self.domain.open_across):
+                before = found
+                found = self.append(now, i, begin, end, found, True)
+                across += ti.select(level == near, 0, found - before)
+            else:
+                found = self.append(now, i, begin, end, found, False)
             if column == 0 or column == last - 1:
                 other = first + ti.select(column == 0, last - 1, 0)
                 before = found
@@ -169,7 +182,7 @@ class VerletLists:
         for j in range(begin, end):
             apart = self.particles.mid_position[now, j] - place
             if ti.static(periodic):
-                apart.x = self.domain.nearest(apart.x)
+                apart = self.domain.shortest(apart)
             self.table[i, ti.min(found, self.capacity - 1)] = j
             found += ti.cast(apart.dot(apart) < limit, ti.i32) * ti.cast(j != i, ti.i32)
         return found

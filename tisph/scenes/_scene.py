@@ -25,6 +25,9 @@ class Scene:
     start_time = 0.0
     """Time at which the run's clock starts."""
 
+    elastic_speed = 0.0
+    """Speed of shear waves in the polymer [length/time]."""
+
     acceleration = 0.0
     """Body acceleration along x."""
 

@@ -23,7 +23,7 @@ def explicit(config, channel):
         config.scheme.equation_of_state,
         reference_velocity=channel.peak_velocity,
         kinematic_viscosity=channel.kinematic_viscosity,
-        gap=channel.gap,
+        length=channel.reference_length,
         density=channel.density,
         elastic_speed=channel.elastic_speed,
     )
@@ -47,7 +47,7 @@ def explicit(config, channel):
         "binding_limit": binding,
         "steps": steps,
         "run_time": channel.rows * channel.columns * steps * EXPLICIT_COST,
-        "lost": beyond.lost(config, channel),
+        "lost": channel.parallel and beyond.lost(config, channel),
         "samples": _forecast.explicit(config, channel, limits[binding]),
     }
 

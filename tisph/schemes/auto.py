@@ -33,7 +33,7 @@ class Parameters(Model):
 def problems(config):
     """Yield dotted key and text of what the scheme that is taken cannot serve."""
     implicit = families.load("schemes", "implicit")
-    if not config.parallel:  # there is no other
+    if not config.parallel:  # it serves all of them, with either step control
         yield from implicit.problems(config)
         return
     obstacle = _obstacle(config, implicit)

@@ -39,11 +39,6 @@ class DummyWalls(WallTreatment):
             self.extrapolate(now, self.particles.slot(number))
 
     @ti.func
-    def publish(self, buffer, i, position, velocity, pressure, stress):
-        """Write the mid-step values of fluid particle ``i``."""
-        self.write(buffer, i, position, velocity, pressure, stress)
-
-    @ti.func
     def advance(self, now, k, elapsed):
         """Carry dummy particle ``k`` along with its wall into the other buffer."""
         position = self.particles.mid_position[now, k]

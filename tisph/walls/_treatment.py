@@ -1,4 +1,4 @@
-"""What every wall treatment has: its surroundings, and steps that most treatments do not need."""
+"""What every wall treatment has: its surroundings, and steps that most treatments do not need; alone, no walls."""
 
 from tisph.runtime import ti
 
@@ -24,6 +24,11 @@ class WallTreatment:
         self.domain = lists.domain
         self.lists = lists
 
+    @staticmethod
+    def wall_slots(channel, reach):
+        """Return (dummy particles, room for images)."""
+        return 0, 0
+
     def load(self, channel):
         """Place wall particles of their own at the start."""
 
@@ -44,6 +49,11 @@ class WallTreatment:
     def parts(self):
         """Return what else holds fields, by name, for checkpoints."""
         return {}
+
+    @ti.func
+    def publish(self, buffer, i, position, velocity, pressure, stress):
+        """Write the mid-step values of fluid particle ``i``, and of what follows from them."""
+        self.write(buffer, i, position, velocity, pressure, stress)
 
     @ti.func
     def write(self, buffer, slot, position, velocity, pressure, stress):

@@ -58,7 +58,7 @@ def explicit(config, channel, longest):
     """Return the ``Forecast`` of every sample of scheme ``wcsph`` with steps of at most ``longest``."""
     channel = channel.in_own_frame()
     forecasts, steps, before = [], 0, channel.start_time
-    rows = None if beyond.mixes(channel) else _explicit_rows(config, channel)
+    rows = None if not channel.parallel or beyond.mixes(channel) else _explicit_rows(config, channel)
     for time in config.time.samples:
         if time > before:
             steps += steps_between(before, time, longest)

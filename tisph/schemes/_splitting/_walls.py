@@ -4,6 +4,8 @@ The points are neighbours of known velocity, there are no ghosts. Near walls ope
 part of a disc around a particle holds any liquid: without that they are unstable.
 """
 
+import itertools
+
 import numpy as np
 
 REACH = 2.9
@@ -33,7 +35,7 @@ class Walls:
         self.outlines = [body.shape.boundary_points(spacing) for body in bodies]
         self.length = np.concatenate([outline.length for outline in self.outlines])
         ends = np.cumsum([0, *(len(outline.length) for outline in self.outlines)])
-        self.parts = [slice(first, last) for first, last in zip(ends, ends[1:], strict=False)]
+        self.parts = [slice(first, last) for first, last in itertools.pairwise(ends)]
         self.count = len(self.length)
 
     def at(self, time):

@@ -15,7 +15,7 @@ from tisph.schemes.wcsph._scheme import Scheme
 
 __all__ = ["Parameters", "Scheme", "estimates", "orders", "problems"]
 
-PERIODIC = [(True, False)]
+PERIODIC = [(True, False), (True, True)]
 """Boxes that it can have, by whether they are periodic in x and y."""
 
 

@@ -10,20 +10,18 @@ import math
 import numpy as np
 
 from tisph import families
-from tisph.domain import Domain
-from tisph.equation_of_state import pressure, sound_speed
+from tisph.equation_of_state import compression, pressure, sound_speed
 from tisph.liquid import Liquid
 from tisph.neighbours.cells import Cells
 from tisph.neighbours.verlet import VerletLists, reach
 from tisph.particles import Particles
 from tisph.runtime import view
-from tisph.schemes._momentum import MomentumBalance, WallForces
 from tisph.schemes._plan import StepPlan
 from tisph.schemes._room import clustered
 from tisph.schemes._time_step import effective_viscosity, time_step_limits
-from tisph.schemes.wcsph._impulse import ImpulsiveStart
 from tisph.schemes.wcsph._shift import shift_speed
 from tisph.schemes.wcsph._stepper import Stepper
+from tisph.schemes.wcsph._surroundings import OpenBox, PlaneWalls
 from tisph.snapshot import Snapshot
 
 CONTROL_INTERVAL = 50
@@ -31,20 +29,18 @@ CONTROL_INTERVAL = 50
 
 HOST_STATE = (
     "time", "middle", "end", "built", "steps", "rebuilds", "now", "length", "limit", "shortest", "longest",
-    "wall_drift", "built_wall_velocity",
 )  # fmt: skip
 """Attributes of a Scheme that change while it runs."""
 
 
 class Scheme:
-    """Particles in a channel, advanced step by step; ``time`` and ``steps`` tell how far.
+    """Particles in the box of a scene, advanced step by step; ``time`` and ``steps`` tell how far.
 
     ``targets`` are times that steps end on exactly. ``serial`` compiles loops without threads.
     """
 
     def __init__(self, config, channel, targets, serial):
         kernel = families.load("kernels", config.discretisation.kernel)
-        walls = families.load("walls", config.walls.treatment.type).Treatment
         operators = families.load("operators", config.scheme.operators).Operators
         rheology = config.fluid.rheology
         stress = families.load("rheology", rheology.type).Stress(channel) if rheology.carries_stress else None
@@ -55,7 +51,7 @@ class Scheme:
             self.equation_of_state,
             reference_velocity=channel.peak_velocity,
             kinematic_viscosity=channel.kinematic_viscosity,
-            gap=channel.gap,
+            length=channel.reference_length,
             density=channel.density,
             elastic_speed=channel.elastic_speed,
         )
@@ -65,24 +61,22 @@ class Scheme:
         cutoff = kernel.SUPPORT * self.smoothing_length
         radius = reach(cutoff, channel.spacing)
 
-        self.domain = Domain(channel)
+        self.surroundings = (PlaneWalls if channel.walls else OpenBox)(config, channel)
+        self.domain, treatment = self.surroundings.domain, self.surroundings.treatment
         self.liquid = Liquid(channel, self.equation_of_state, self.sound_speed, stress)
-        slots = walls.wall_slots(channel, radius)
+        slots = treatment.wall_slots(channel, radius)
         self.particles = Particles(channel.rows * channel.columns, *slots, rheology.carries_stress)
         self.cells = Cells(self.particles, self.domain, channel, radius)
-        self.lists = VerletLists(self.cells, cutoff, channel.spacing, serial, walls.looks_inside)
-        self.walls = walls(self.lists, kernel, self.liquid, config.walls.treatment)
+        self.lists = VerletLists(self.cells, cutoff, channel.spacing, serial, treatment.looks_inside)
         speeds = self.sound_speed, self.cfl, channel.solvent_viscosity / self.smoothing_length
         shift = shift_speed(kernel, config.discretisation.smoothing_ratio, *speeds)
         self.operators = operators(self.particles, self.lists, self.liquid, kernel, self.artificial_viscosity, shift)
+        self.walls = self.surroundings.surround(self.operators, kernel)
         self.stepper = Stepper(self.operators, self.walls, serial)
-        self.wall_forces = WallForces(self.lists, self.operators)
-        self.momentum = MomentumBalance(channel.start_time)
         self.plan = StepPlan(channel.start_time, targets)
         self.time = self.middle = self.end = self.built = channel.start_time
         self.steps = self.rebuilds = self.now = 0
         self.length, self.limit, self.shortest, self.longest = 0.0, math.inf, math.inf, 0.0
-        self.wall_drift = [0.0, 0.0]
 
     def start(self, position, velocity, stress=None):
         """Place the particles, (particles, 2) arrays, and evaluate their first rates.
@@ -92,15 +86,23 @@ class Scheme:
         self.limit = self.time_step_limit()
         scaled = stress / self.channel.density if self.particles.carries_stress else None
         self.particles.load(position, velocity, scaled)
-        self.walls.load(self.channel)
-        self.momentum.initial = float(velocity[:, 0].sum())
+        self.press(position)
+        self.surroundings.begin(float(velocity[:, 0].sum()))
         self.rebuild()
-        if self.walls.obeys_momentum and any(self.channel.wall_jumps):
-            impulse = ImpulsiveStart(self.stepper)
-            self.momentum.impulse = impulse.apply(self.now, self.channel.wall_jumps)
-            self.walls.lay_out(self.now)
+        self.surroundings.jump(self.stepper, self.now)
         self.proceed()
         self.limit = self.time_step_limit()
+
+    def press(self, position):
+        """Give the particles the pressure that the flow starts with, where it is known: without it there is sound."""
+        channel, fluid = self.channel, self.particles.fluid
+        if "pressure" not in channel.fields:
+            return
+        values = channel.exact("pressure", *position.T, channel.start_time)
+        scales = {"density": channel.density, "sound_speed": self.sound_speed}
+        compressed = compression(self.equation_of_state, values, **scales)
+        view(self.particles.compression)[:, :fluid] = view(self.particles.mid_compression)[0, :fluid] = compressed
+        view(self.particles.mid_pressure)[0, :fluid] = values / channel.density
 
     @property
     def finished(self):
@@ -118,28 +120,20 @@ class Scheme:
 
     def proceed(self):
         """Evaluate the rates in the middle of the pending step, finish it, and predict the next middle."""
-        drift_squared = max(float(view(self.stepper.drift_squared)), *(drift * drift for drift in self.wall_drift))
+        drifts = (drift * drift for drift in self.surroundings.drift)
+        drift_squared = max(float(view(self.stepper.drift_squared)), *drifts)
         if self.lists.outdated(drift_squared, self.middle - self.built):
             self.rebuild()
-        if self.length > 0.0 and self.momentum.due(self.steps):
-            self.momentum.add(self.middle, self.wall_forces(self.now))
+        if self.length > 0.0:
+            self.surroundings.account(self.now, self.steps, self.middle)
         length, time = self.length, self.end
         self.length = self.plan.next(self.limit)
         self.end = self.plan.time
         middle = time + 0.5 * self.length
-        self.domain.move_on(middle)
+        self.surroundings.move_on(self.middle, middle)
         self.stepper.step(self.now, length, self.length, middle - self.built, middle - self.middle)
-        self.drift_walls(middle)
         self.now = 1 - self.now
         self.time, self.middle = time, middle
-
-    def drift_walls(self, middle):
-        """Add to how far dummy particles on oscillating walls are from where the lists expect them."""
-        if not (self.domain.oscillates and self.walls.gathers):
-            return
-        motions = zip(self.wall_drift, self.domain.motions, self.built_wall_velocity, strict=True)
-        elapsed = middle - self.middle
-        self.wall_drift = [drift + elapsed * (wall.velocity(middle) - built) for drift, wall, built in motions]
 
     def time_step_limit(self):
         """Return the longest step that the present speeds, accelerations and stresses allow.
@@ -172,10 +166,8 @@ class Scheme:
         self.require_room("images of particles", self.walls.overflow())
         self.lists.build(self.now)
         self.require_room("neighbours of a particle", self.lists.overflow())
-        self.walls.refresh(self.now)
+        self.surroundings.rebuilt(self.now, self.middle)
         self.built = self.middle
-        self.built_wall_velocity = [wall.velocity(self.middle) for wall in self.domain.motions]
-        self.wall_drift = [0.0, 0.0]
         self.rebuilds += 1
 
     def require_room(self, what, needed):
@@ -196,6 +188,8 @@ class Scheme:
         """Return the state at the end of the last step as a Snapshot; ``time`` can be no other."""
         position, velocity, compression, stress = self.particles.state(self.now)
         compression = compression.astype(float)
+        sides = zip(position.T, self.channel.extent, self.channel.periodic, strict=True)
+        x, y = (place % size if periodic else place for place, size, periodic in sides)
         stresses = {}
         if stress is not None:
             parts = zip(("stress_xx", "stress_xy", "stress_yy"), stress.T, strict=True)
@@ -203,8 +197,8 @@ class Scheme:
         return Snapshot(
             t=self.time,
             step=self.steps,
-            x=position[:, 0] % self.channel.length,
-            y=position[:, 1],
+            x=x,
+            y=y,
             u=velocity[:, 0],
             v=velocity[:, 1],
             density=self.channel.density * (1.0 + compression),
@@ -218,8 +212,8 @@ class Scheme:
         )
 
     def momentum_balance(self):
-        """Return the balance of momentum along x up to ``time``, see ``MomentumBalance.report``."""
-        return self.momentum.report(self.channel, self.time, self.particles.momentum(self.now))
+        """Return the balance of momentum along x up to ``time``."""
+        return self.surroundings.momentum_balance(self.time, self.particles.momentum(self.now))
 
     def parts(self):
         """Return everything that holds fields, by name: what a checkpoint saves."""
@@ -236,14 +230,14 @@ class Scheme:
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
         state = {name: getattr(self, name) for name in HOST_STATE}
-        return {**state, "plan": vars(self.plan), "momentum": vars(self.momentum)}
+        return {**state, "plan": vars(self.plan), "surroundings": self.surroundings.state()}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
         for name in HOST_STATE:
             setattr(self, name, state[name])
         vars(self.plan).update(state["plan"])
-        vars(self.momentum).update(state["momentum"])
+        self.surroundings.restore(state["surroundings"])
 
     def aim(self, targets):
         """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""

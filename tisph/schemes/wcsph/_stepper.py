@@ -79,7 +79,8 @@ class Stepper:
         else:
             self.walls.publish(1 - now, i, position, next_velocity, pressure, 0.0)
         drift = position - self.lists.built_position[i]
-        drift.x -= self.lists.reference_velocity[i] * elapsed
+        if ti.static(self.lists.follows_shear):
+            drift.x -= self.lists.reference_velocity[i] * elapsed
         ti.atomic_max(self.drift_squared[None], drift.dot(drift))
         ti.atomic_max(self.speed_squared[None], velocity.dot(velocity))
         ti.atomic_max(self.acceleration_squared[None], acceleration.dot(acceleration))

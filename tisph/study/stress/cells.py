@@ -148,7 +148,7 @@ class Cell:
             Tait(),
             reference_velocity=PEAK_VELOCITY.get(self.flow, 1.0),
             kinematic_viscosity=nu,
-            gap=1.0,
+            length=1.0,
             density=1.0,
             elastic_speed=((1.0 - SOLVENT_FRACTION) * nu / relaxation) ** 0.5 if relaxation else 0.0,
         )

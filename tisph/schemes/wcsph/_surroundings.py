@@ -1,0 +1,115 @@
+"""What is around the liquid of an explicit run: the plane walls of a channel, or copies of the liquid itself."""
+
+from tisph import families
+from tisph.domain import Domain
+from tisph.periodic import PeriodicBox
+from tisph.schemes._momentum import MomentumBalance, WallForces
+from tisph.schemes.wcsph._impulse import ImpulsiveStart
+from tisph.walls._treatment import WallTreatment
+
+
+class PlaneWalls:
+    """The walls of a channel: their particles, how far these drift, and the momentum that they give to the liquid.
+
+    ``drift``: of the bottom and the top wall, how far dummy particles are from where the lists expect them.
+    """
+
+    def __init__(self, config, channel):
+        self.channel, self.parameters = channel, config.walls.treatment
+        self.treatment = families.load("walls", self.parameters.type).Treatment
+        self.domain = Domain(channel)
+        self.balance = MomentumBalance(channel.start_time)
+        self.drift, self.built_velocity = [0.0, 0.0], [0.0, 0.0]
+
+    def surround(self, operators, kernel):
+        """Make the ``walls`` that particles see, for the lists and the liquid of ``operators``; return them."""
+        self.walls = self.treatment(operators.lists, kernel, operators.liquid, self.parameters)
+        self.wall_forces = WallForces(operators.lists, operators)
+        return self.walls
+
+    def begin(self, momentum):
+        """Place the wall particles around a liquid whose velocities along x add up to ``momentum``."""
+        self.walls.load(self.channel)
+        self.balance.initial = momentum
+
+    def jump(self, stepper, now):
+        """Give the liquid in buffer ``now`` the impulse of walls that jump at the start."""
+        if self.walls.obeys_momentum and any(self.channel.wall_jumps):
+            self.balance.impulse = ImpulsiveStart(stepper).apply(now, self.channel.wall_jumps)
+            self.walls.lay_out(now)
+
+    def account(self, now, steps, middle):
+        """Add the wall forces at the ``middle`` of step number ``steps`` to the balance, where they are due."""
+        if self.balance.due(steps):
+            self.balance.add(middle, self.wall_forces(now))
+
+    def move_on(self, before, middle):
+        """Move the walls from the middle of one step to that of the next."""
+        self.domain.move_on(middle)
+        if self.domain.oscillates and self.walls.gathers:
+            motions = zip(self.drift, self.domain.motions, self.built_velocity, strict=True)
+            elapsed = middle - before
+            self.drift = [drift + elapsed * (wall.velocity(middle) - built) for drift, wall, built in motions]
+
+    def rebuilt(self, now, middle):
+        """Prepare the wall particles for lists that were built anew."""
+        self.walls.refresh(now)
+        self.built_velocity = [wall.velocity(middle) for wall in self.domain.motions]
+        self.drift = [0.0, 0.0]
+
+    def momentum_balance(self, time, momentum):
+        """Return the balance of momentum along x up to ``time``, see ``MomentumBalance.report``."""
+        return self.balance.report(self.channel, time, momentum)
+
+    def state(self):
+        """Return the numbers outside the fields that a resumed run needs."""
+        return {"drift": self.drift, "built_velocity": self.built_velocity, "balance": vars(self.balance)}
+
+    def restore(self, state):
+        """Take up the numbers of ``state``."""
+        self.drift, self.built_velocity = state["drift"], state["built_velocity"]
+        vars(self.balance).update(state["balance"])
+
+
+class OpenBox:
+    """A box that is periodic in x and y: nothing moves but the liquid, and nothing changes its momentum."""
+
+    treatment = WallTreatment
+    drift = (0.0,)
+
+    def __init__(self, config, scene):
+        self.particle_mass = scene.density * scene.spacing**2
+        self.domain = PeriodicBox(*scene.extent)
+        self.initial = 0.0
+
+    def surround(self, operators, kernel):
+        """Return walls of no particles."""
+        return WallTreatment(operators.lists, kernel, operators.liquid, None)
+
+    def begin(self, momentum):
+        """Note the sum of the velocities along x at the start."""
+        self.initial = momentum
+
+    def jump(self, stepper, now):
+        """Nothing gives the liquid an impulse."""
+
+    def account(self, now, steps, middle):
+        """Nothing exerts a force."""
+
+    def move_on(self, before, middle):
+        """Nothing moves."""
+
+    def rebuilt(self, now, middle):
+        """Lists are all there is."""
+
+    def momentum_balance(self, time, momentum):
+        """Return the ``change`` of momentum along x [mass * velocity per length], which has no cause."""
+        return {"change": self.particle_mass * (momentum - self.initial)}
+
+    def state(self):
+        """Return the numbers outside the fields that a resumed run needs."""
+        return {"initial": self.initial}
+
+    def restore(self, state):
+        """Take up the numbers of ``state``."""
+        self.initial = state["initial"]

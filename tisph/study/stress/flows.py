@@ -1,0 +1,93 @@
+"""The flows of the stability matrix: a table of what a config says of each, and by what its runs are judged.
+
+Every flow has a length, a density and a reference velocity of 1, so that the viscosity is 1/Re.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from tisph.verification.flows import merged, oldroyd_b, walls
+
+SOLVENT_FRACTION = 0.1
+"""The smallest for which Oldroyd-B flow is verified."""
+
+PENETRATION = 1 / 3
+"""Depth sqrt(2 nu/w) to which an oscillating wall moves the liquid, in gaps."""
+
+THICKNESS = 1 / 24
+"""Of the shear layers, in sides of their square: the largest that there may be."""
+
+
+@dataclass(frozen=True)
+class Flow:
+    """``change(nu)``: what a viscosity makes of the config.
+
+    ``measure``: the error that is judged, rms where the velocity crosses zero or dies away; None without a reference.
+    ``peak``: bound of the speed in reference velocities, see ``Scene.peak_velocity``. A flow that ``turns`` is in a
+    doubly periodic square, all others are in a channel.
+    """
+
+    change: Callable
+    measure: str | None = "l2"
+    peak: float = 1.0
+    turns: bool = False
+
+    def viscous_times(self, reynolds):
+        """Return how long t* = 1 is in units of length over velocity: in a channel the viscous time."""
+        return 1.0 if self.turns else reynolds
+
+
+def digits(number):
+    """The number to twelve digits, so that it reads as it is meant."""
+    return float(f"{number:.12g}")
+
+
+def _couette(nu):
+    return merged(_viscosity(nu), walls(0.0, 1.0))
+
+
+def _poiseuille(nu):
+    """Mean speed g H^2 / (12 nu) = 1."""
+    return merged(_viscosity(nu), {"drive": {"acceleration": digits(12.0 * nu)}})
+
+
+def _backflow(nu):
+    """g H^2 / (2 nu U) = -4: the liquid flows back over three quarters of the gap."""
+    return merged(_viscosity(nu), walls(0.0, 1.0), {"drive": {"acceleration": digits(-8.0 * nu)}})
+
+
+def _oscillating(nu):
+    frequency = digits(2.0 * nu / PENETRATION**2)
+    return merged(_viscosity(nu), {"walls": {"top": {"amplitude": 1.0, "angular_frequency": frequency}}})
+
+
+def _polymer(weissenberg):
+    """Couette flow of an Oldroyd-B liquid; its relaxation time is the Weissenberg number."""
+    return lambda nu: merged(oldroyd_b(weissenberg, SOLVENT_FRACTION), _couette(nu))
+
+
+def _vortices(nu):
+    return merged(_viscosity(nu), {"scene": "taylor_green", "initial": {"velocity": 1.0}})
+
+
+def _layers(nu):
+    start = {"velocity": 1.0, "thickness": digits(THICKNESS)}
+    return merged(_viscosity(nu), {"scene": "shear_layer", "initial": start})
+
+
+def _viscosity(nu):
+    return {"fluid": {"kinematic_viscosity": digits(nu)}}
+
+
+FLOWS = {
+    "couette": Flow(_couette),
+    "poiseuille": Flow(_poiseuille, peak=1.5),
+    "backflow": Flow(_backflow, "rms", peak=2.0),
+    "oscillating": Flow(_oscillating, "rms"),
+    "oldroyd0.1": Flow(_polymer(0.1)),
+    "oldroyd1": Flow(_polymer(1.0)),
+    "oldroyd5": Flow(_polymer(5.0)),
+    "taylor_green": Flow(_vortices, "rms", turns=True),
+    "shear_layer": Flow(_layers, None, peak=1.25, turns=True),
+}
+"""The number behind oldroyd is Wi."""

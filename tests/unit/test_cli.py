@@ -170,6 +170,12 @@ def test_no_lock_is_left_whatever_ends_a_run(case, simulation, error):
     assert [path.name for path in Path("out").iterdir()] == ["summary.json"]
 
 
+def test_a_part_of_the_matrix_that_there_is_not():
+    done = tisph_command("stress", "--only", "twists")
+    assert done.exit_code == 2
+    assert "no sub-matrix has 'twists' in its title" in " ".join(done.stderr.split())
+
+
 @pytest.mark.parametrize("command", [["run", "case.yaml"], ["bench"], ["stress"], ["verify", "--walls"]])
 @pytest.mark.parametrize("name", ["", " "])
 def test_an_empty_name_is_not_the_current_folder(case, simulation, command, name):

@@ -6,12 +6,14 @@ from itertools import combinations, product
 
 import pytest
 
+from tisph import families
 from tisph.cli.check import estimates
 from tisph.config import load
 from tisph.scenes.channel import Channel
 from tisph.study.stress import matrix
-from tisph.study.stress.cells import FINISHED, FLOWS, HONEST, REFUSED, STABLE, Cell
+from tisph.study.stress.cells import FINISHED, HONEST, REFUSED, STABLE, Cell
 from tisph.study.stress.covering import covering_set
+from tisph.study.stress.flows import FLOWS
 
 FULL = matrix.sub_matrices()
 QUICK = matrix.sub_matrices(quick=True)
@@ -38,13 +40,14 @@ def valid_cells():
 def test_every_cell_is_a_valid_config_of_what_it_says(loaded):
     for cell in valid_cells():
         config = loaded(cell)
-        channel = Channel.from_config(config)
+        scene = families.load("scenes", config.scene).Scene.from_config(config)
         # nu, U and g are written to twelve digits
-        assert channel.reynolds == pytest.approx(cell.reynolds, rel=1e-11)
-        assert config.time.end / channel.viscous_time == pytest.approx(1.0, rel=1e-11)
-        assert (config.particles_across, config.columns) == (cell.across, cell.across * cell.aspect)
+        assert scene.reynolds == pytest.approx(cell.reynolds, rel=1e-11)
+        assert config.time.end / scene.time_scale == pytest.approx(1.0, rel=1e-11)
+        aspect = 1 if cell.turns else cell.aspect
+        assert (config.particles_across, config.columns) == (cell.across, cell.across * aspect)
         assert (config.initial.jitter, config.discretisation.precision) == (cell.jitter, cell.precision)
-        assert config.walls.treatment.type == cell.treatment
+        assert cell.turns or config.walls.treatment.type == cell.treatment
         assert len(config.time.samples) == 4
 
 
@@ -60,8 +63,17 @@ def test_the_matrix_is_large_and_always_the_same():
     assert matrix.cells(matrix.sub_matrices()) == cells
 
 
+def test_sub_matrices_can_be_chosen_by_title():
+    chosen = matrix.sub_matrices(only="turns")
+    assert len(chosen) == 4
+    assert all(cell.turns for part in chosen for cell in part.cells)
+    with pytest.raises(ValueError, match="no sub-matrix has 'twists' in its title; there are Re x jitter x scheme"):
+        matrix.sub_matrices(only="twists")
+
+
 def test_flows_are_what_their_names_say(loaded):
-    channels = {flow: Channel.from_config(loaded(Cell(flow=flow, reynolds=20.0))) for flow in FLOWS}
+    names = [name for name, flow in FLOWS.items() if not flow.turns]
+    channels = {name: Channel.from_config(loaded(Cell(flow=name, reynolds=20.0))) for name in names}
     backflow = channels["backflow"]
     assert backflow.exact_velocity(0.5, 10 * backflow.viscous_time) < 0
     assert channels["poiseuille"].exact_velocity(0.5, 10 * backflow.viscous_time) == pytest.approx(1.5, rel=1e-9)
@@ -104,6 +116,11 @@ def test_longer_steps_are_fewer_steps(loaded, scheme):
         (HONEST, {"treatment": "adami"}),
         (HONEST, {"flow": "oldroyd1"}),
         (REFUSED, {"flow": "oldroyd1", "scheme": "implicit 4"}),
+        (STABLE, {"flow": "taylor_green", "scheme": "implicit 4", "reynolds": 10000.0}),
+        (FINISHED, {"flow": "shear_layer"}),
+        (HONEST, {"flow": "shear_layer", "scheme": "implicit 4", "across": 12}),
+        (HONEST, {"flow": "taylor_green", "scheme": "implicit 4", "step": 2.0}),
+        (REFUSED, {"flow": "taylor_green", "scheme": "implicit 2"}),
     ],
 )
 def test_what_is_promised(promise, values):
@@ -114,7 +131,7 @@ def test_what_is_promised_to_be_refused_is_refused(loaded):
     refused = [cell for cell in matrix.cells(FULL) if cell.promise == REFUSED]
     assert refused
     for cell in refused:
-        with pytest.raises(Exception, match="polymer"):
+        with pytest.raises(Exception, match="must be 4 where the flow turns" if cell.turns else "polymer"):
             loaded(cell)
 
 

@@ -45,7 +45,6 @@ def runs(monkeypatch):
     fake = FakeRuns(summary)
     monkeypatch.setattr(processes.subprocess, "Popen", fake)
     monkeypatch.setattr(processes, "POLL_SECONDS", 0.0)
-    monkeypatch.setattr(matrix, "sub_matrices", lambda quick: PARTS)
     return fake
 
 
@@ -54,7 +53,7 @@ def written(folder):
 
 
 def test_lines_maps_numbers_and_picture(runs, tmp_path, capsys):
-    assert stress.run(tmp_path / "out", forecast, 2) is True
+    assert stress.run(tmp_path / "out", forecast, 2, PARTS) is True
     output = capsys.readouterr().out
     for name in ("couette-re1-j0.3-n25-exp ", "couette-re50-j0.3-n8-exp ", "oldroyd1-re50-j0-n25-imp4 "):
         assert output.count(f"| {name}") == 1
@@ -78,7 +77,7 @@ def test_results_are_written_as_they_come(runs, tmp_path, monkeypatch):
         return start(self, command, **options)
 
     monkeypatch.setattr(FakeRuns, "__call__", watched)
-    stress.run(tmp_path, forecast, 1)
+    stress.run(tmp_path, forecast, 1, PARTS)
     assert seen == list(range(1, RUNS + 1))  # the refused one before all others, then one after another
 
 
@@ -92,11 +91,11 @@ def test_an_interrupted_matrix_goes_on_where_it_was(runs, tmp_path, monkeypatch,
 
     monkeypatch.setattr(FakeRuns, "__call__", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        stress.run(tmp_path, forecast, 1)
+        stress.run(tmp_path, forecast, 1, PARTS)
     assert "the same command goes on" in capsys.readouterr().out
     assert written(tmp_path)["complete"] is False
     monkeypatch.setattr(FakeRuns, "__call__", start)
-    assert stress.run(tmp_path, forecast, 1) is True
+    assert stress.run(tmp_path, forecast, 1, PARTS) is True
     assert len(runs.configs) == RUNS
     assert len({config["name"] for config in runs.configs}) == RUNS
 
@@ -104,7 +103,7 @@ def test_an_interrupted_matrix_goes_on_where_it_was(runs, tmp_path, monkeypatch,
 def test_one_cell_that_crashes_is_wrong_and_stops_no_other(runs, tmp_path, capsys):
     good = runs.summary
     runs.summary = lambda config: "out of luck" if config["name"] == "couette-re1-j0.3-n25-exp" else good(config)
-    assert stress.run(tmp_path, forecast, 2) is False
+    assert stress.run(tmp_path, forecast, 2, PARTS) is False
     output = capsys.readouterr().out
     assert "promised stable, is WRONG: ended without a clear error: out of luck" in output
     assert "5 stable, 0 inaccurate, 0 stopped, 1 refused, 1 WRONG; 1 promises broken" in output
@@ -116,19 +115,19 @@ def test_two_matrices_do_not_write_into_one_folder(runs, tmp_path, monkeypatch):
     def second(self, command, **options):
         if not refusals:
             with pytest.raises(ConfigError, match="another matrix is running there") as refusal:
-                stress.run(tmp_path, forecast, 1)
+                stress.run(tmp_path, forecast, 1, PARTS)
             refusals.append(refusal)
         return start(self, command, **options)
 
     monkeypatch.setattr(FakeRuns, "__call__", second)
-    assert stress.run(tmp_path, forecast, 1) is True
+    assert stress.run(tmp_path, forecast, 1, PARTS) is True
     assert refusals
 
 
 def test_a_folder_that_cannot_be_used_is_bad_input(runs, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(ConfigError, match="cannot be written"):
-        stress.run(tmp_path / "file", forecast, 1)
+        stress.run(tmp_path / "file", forecast, 1, PARTS)
 
 
 def test_a_run_that_does_not_end_is_ended(tmp_path, monkeypatch):

@@ -12,6 +12,9 @@ FOLDER = Path("runs/stress")
 
 def stress(
     quick: Annotated[bool, typer.Option("--quick", help="A few short cells of every kind, in three minutes.")] = False,
+    only: Annotated[
+        str | None, typer.Option("--only", metavar="TEXT", help="The sub-matrices with this text in their titles.")
+    ] = None,
     processes: Annotated[
         int | None, typer.Option("--processes", min=1, help="Cells at a time [default: one a core].")
     ] = None,
@@ -30,11 +33,16 @@ def stress(
       tisph stress --quick
       tisph stress
       tisph stress --processes 2 --out runs/stress-again
+      tisph stress --only turns --out runs/stress-turns
     """
     from tisph import runtime
     from tisph.cli.check import forecast
-    from tisph.study.stress import run as matrix
+    from tisph.study.stress import matrix, run
 
-    default = FOLDER.with_name("stress-quick") if quick else FOLDER
-    if not matrix.run(out or default, forecast, processes or runtime.available_threads(), quick=quick):
+    try:
+        parts = matrix.sub_matrices(quick, only)
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="--only") from None
+    default = FOLDER.with_name("stress-quick") if quick else FOLDER.with_name("stress-part") if only else FOLDER
+    if not run.run(out or default, forecast, processes or runtime.available_threads(), parts):
         raise typer.Exit(1)

@@ -1,23 +1,18 @@
 """One cell of the stability matrix: a flow, how it is computed, and what is promised of the run.
 
-Every flow has a gap, a density and a reference velocity of 1, so that the viscosity is 1/Re, a time is counted in
-gaps over reference velocity, and t* = 1 is at t = Re.
+A time is counted in lengths over reference velocity; in a channel t* = 1 is at t = Re, where the flow turns at t = 1.
 """
 
 from dataclasses import dataclass, replace
 
 from tisph.equation_of_state import SCALE_RATIO, Tait, sound_speed
 from tisph.schemes._time_step import AUTO_CFL
-from tisph.verification.flows import merged, oldroyd_b, walls
+from tisph.study.stress.flows import FLOWS, PREDICTABLE, SOLVENT_FRACTION, digits
+from tisph.verification.flows import merged
 
-SOLVENT_FRACTION = 0.1
-"""The smallest for which Oldroyd-B flow is verified."""
-
-PENETRATION = 1 / 3
-"""Depth sqrt(2 nu/w) to which an oscillating wall moves the liquid, in gaps."""
-
-TOLERANCE, STRAIN = 3e-7, 0.5
-"""Defaults of scheme ``implicit``, which step multiples start from."""
+LIMITS = {False: (3e-7, 3, "largest_strain", 0.5), True: (2e-6, 4, "largest_courant", 0.3)}
+"""Defaults of scheme ``implicit``, which step multiples start from, by whether the flow turns: the tolerance, the power
+with which the error of a step goes, and what limits its length."""
 
 SAMPLES = (0.25, 0.5, 0.75, 1.0)
 """Parts of a run after which it is looked at; growth is what the last two show."""
@@ -26,6 +21,9 @@ STABLE, FINISHED, HONEST, REFUSED = "stable", "finished", "honest", "refused"
 """What is promised: a stable run; one that finishes without growth, with an error that the map states; anything but a
 wrong result that looks right; that ``tisph check`` refuses it."""
 
+PROMISING = ("couette", "poiseuille", "taylor_green", "shear_layer")
+"""Flows of which something is promised."""
+
 
 @dataclass(frozen=True)
 class Cell:
@@ -33,7 +31,7 @@ class Cell:
 
     ``flow``: a key of ``FLOWS``; ``jitter`` in spacings; ``scheme``: a key of ``SCHEMES``; ``step``: length of the
     steps over that of the defaults; ``sound``: sound speed over the fastest velocity scale (explicit scheme only);
-    ``aspect``: length of the channel over its gap; ``t_star``: end of the run, if there is time for that.
+    ``aspect``: length of a channel over its gap; ``t_star``: end of the run, if there is time for that.
     """
 
     flow: str = "couette"
@@ -65,8 +63,8 @@ class Cell:
 
     @property
     def calm(self):
-        """The same cell from the lattice."""
-        return replace(self, jitter=0.0)
+        """The same cell from the lattice, which where the flow turns is no calmer: there it is the cell itself."""
+        return self if self.turns else replace(self, jitter=0.0)
 
     @property
     def cell_reynolds(self):
@@ -85,21 +83,34 @@ class Cell:
         return self.flow.startswith("oldroyd")
 
     @property
+    def turns(self):
+        """Whether the flow turns, in a box without walls."""
+        return FLOWS[self.flow].turns
+
+    @property
     def measure(self):
-        """Error that is judged: l2, or rms where the velocity crosses zero."""
-        return "rms" if self.flow in ("backflow", "oscillating") else "l2"
+        """Error that is judged: l2 or rms, None where there is none, or where the flow cannot be predicted."""
+        lost = self.turns and self.reynolds > 1000 and self.t_star > PREDICTABLE
+        return None if lost else FLOWS[self.flow].measure
 
     @property
     def promise(self):
         """``STABLE``, ``FINISHED``, ``HONEST`` or ``REFUSED``."""
-        if self.has_polymer and self.scheme != "explicit":
+        if (self.has_polymer and self.scheme != "explicit") or (self.turns and self.scheme == "implicit 2"):
             return REFUSED
         resolved = self.across >= 25 and self.jitter <= 0.3 and self.scheme != "implicit 2"
-        if not (self.usual and resolved and self.flow in ("couette", "poiseuille")):
+        if not (self.usual and resolved and self.flow in PROMISING):
             return HONEST
+        if self.turns:
+            return self._promise_turning()
         if self.reynolds <= 1000:
             return STABLE
         return FINISHED if self.flow == "couette" else HONEST
+
+    def _promise_turning(self):
+        if self.scheme == "implicit 4":
+            return STABLE
+        return FINISHED if self.reynolds <= 1000 else HONEST
 
     @property
     def promised(self):
@@ -108,36 +119,36 @@ class Cell:
 
     def config(self, t_star):
         """Config of the run to ``t_star``, a plain dict without a name."""
-        end = t_star * self.reynolds
+        flow = FLOWS[self.flow]
+        end = t_star * flow.unit_time(self.reynolds)
         return merged(
             {
-                "scene": "channel",
+                **({"geometry": {"length": 1.0}} if self.turns else self._channel()),
                 "fluid": {"density": 1.0},
-                "geometry": {"gap": 1.0, "length": self.aspect},
-                "walls": {"treatment": {"type": self.treatment}},
                 "initial": {"jitter": self.jitter},
                 "discretisation": {"particles_across": self.across, "precision": self.precision},
-                "time": {"end": _digits(end), "samples": [_digits(part * end) for part in SAMPLES]},
+                "time": {"end": digits(end), "samples": [digits(part * end) for part in SAMPLES]},
                 "output": {"video": None},
                 "runtime": {"threads": 1},
             },
-            FLOWS[self.flow](1.0 / self.reynolds),
+            flow.change(1.0 / self.reynolds),
             self._scheme_change(),
         )
+
+    def _channel(self):
+        walls = {"treatment": {"type": self.treatment}}
+        return {"scene": "channel", "geometry": {"gap": 1.0, "length": self.aspect}, "walls": walls}
 
     def _scheme_change(self):
         if self.scheme == "explicit":
             state = {"sound_speed": "auto" if self.sound == SCALE_RATIO else self._sound_speed()}
             change = {"scheme": {"type": "wcsph", "equation_of_state": state}}
             return merged(change, {"time": {"cfl": AUTO_CFL * self.step}} if self.step != 1.0 else {})
-        # the error of a step goes with the third power of its length
+        tolerance, power, limit, most = LIMITS[self.turns]
+        choices = {"operators": {"order": int(self.scheme[-1])}, limit: digits(most * self.step)}
         return {
-            "scheme": {
-                "type": "implicit",
-                "operators": {"order": int(self.scheme[-1])},
-                "largest_strain": STRAIN * self.step,
-            },
-            "time": {"tolerance": _digits(TOLERANCE * self.step**3)},
+            "scheme": {"type": "implicit", **choices},
+            "time": {"tolerance": digits(tolerance * self.step**power)},
         }
 
     def _sound_speed(self):
@@ -146,61 +157,14 @@ class Cell:
         relaxation = float(self.flow.removeprefix("oldroyd")) if self.has_polymer else None
         automatic = sound_speed(
             Tait(),
-            reference_velocity=PEAK_VELOCITY.get(self.flow, 1.0),
+            reference_velocity=FLOWS[self.flow].peak,
             kinematic_viscosity=nu,
             length=1.0,
             density=1.0,
             elastic_speed=((1.0 - SOLVENT_FRACTION) * nu / relaxation) ** 0.5 if relaxation else 0.0,
         )
-        return _digits(automatic * self.sound / SCALE_RATIO)
+        return digits(automatic * self.sound / SCALE_RATIO)
 
-
-def _digits(number):
-    """The number to twelve digits, so that it reads as it is meant."""
-    return float(f"{number:.12g}")
-
-
-def _couette(nu):
-    return merged(_viscosity(nu), walls(0.0, 1.0))
-
-
-def _poiseuille(nu):
-    """Mean speed g H^2 / (12 nu) = 1."""
-    return merged(_viscosity(nu), {"drive": {"acceleration": _digits(12.0 * nu)}})
-
-
-def _backflow(nu):
-    """g H^2 / (2 nu U) = -4: the liquid flows back over three quarters of the gap."""
-    return merged(_viscosity(nu), walls(0.0, 1.0), {"drive": {"acceleration": _digits(-8.0 * nu)}})
-
-
-def _oscillating(nu):
-    frequency = _digits(2.0 * nu / PENETRATION**2)
-    return merged(_viscosity(nu), {"walls": {"top": {"amplitude": 1.0, "angular_frequency": frequency}}})
-
-
-def _polymer(weissenberg):
-    """Couette flow of an Oldroyd-B liquid; its relaxation time is the Weissenberg number."""
-    return lambda nu: merged(oldroyd_b(weissenberg, SOLVENT_FRACTION), _couette(nu))
-
-
-def _viscosity(nu):
-    return {"fluid": {"kinematic_viscosity": _digits(nu)}}
-
-
-FLOWS = {
-    "couette": _couette,
-    "poiseuille": _poiseuille,
-    "backflow": _backflow,
-    "oscillating": _oscillating,
-    "oldroyd0.1": _polymer(0.1),
-    "oldroyd1": _polymer(1.0),
-    "oldroyd5": _polymer(5.0),
-}
-"""What drives each flow, as the change of a config that a viscosity makes; the number behind oldroyd is Wi."""
-
-PEAK_VELOCITY = {"poiseuille": 1.5, "backflow": 2.0}
-"""Bound of the speed in reference velocities where it is not 1, see ``Channel.peak_velocity``."""
 
 SCHEMES = {"explicit": "exp", "implicit 2": "imp2", "implicit 4": "imp4"}
 """Schemes and orders, and their short names."""

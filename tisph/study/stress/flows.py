@@ -14,8 +14,12 @@ SOLVENT_FRACTION = 0.1
 PENETRATION = 1 / 3
 """Depth sqrt(2 nu/w) to which an oscillating wall moves the liquid, in gaps."""
 
-THICKNESS = 1 / 24
-"""Of the shear layers, in sides of their square: the largest that there may be."""
+THICKNESS = 1 / 30
+"""Of the shear layers, in sides of their square: the thick ones of the literature (``scenes/shear_layer.py``)."""
+
+PREDICTABLE = 5.0
+"""Time, in lengths over speed, up to which vortices can be compared at Reynolds numbers above 1000: disturbances of
+their size grow by a factor e in 2, there is nothing to damp them, and the exact flow is one that no run can stay on."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +36,8 @@ class Flow:
     peak: float = 1.0
     turns: bool = False
 
-    def viscous_times(self, reynolds):
-        """Return how long t* = 1 is in units of length over velocity: in a channel the viscous time."""
+    def unit_time(self, reynolds):
+        """Return the time t* = 1 in lengths over reference velocity: in a channel the viscous time."""
         return 1.0 if self.turns else reynolds
 
 

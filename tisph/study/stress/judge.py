@@ -2,11 +2,13 @@
 
 Errors are ``Cell.measure``. Two things are known without the exact solution of a user's own flow, and a run is held
 to both: the calm run, the same from the lattice, and what ``tisph check`` said of it, its estimate of the error (the
-stated error) and its warnings.
+stated error) and its warnings. Where the flow turns there are bounds of their own (``spread.py``): a lattice is no
+calmer there.
 """
 
 from dataclasses import dataclass
 
+from tisph.study.stress import spread
 from tisph.study.stress.cells import FINISHED, HONEST, REFUSED, STABLE
 
 MULTIPLE, EARLY_MULTIPLE = 2.0, 10.0
@@ -44,6 +46,9 @@ VERDICTS = ("stable", "inaccurate", "stopped", "refused", "WRONG")
 KEEPS = {STABLE: VERDICTS[:1], FINISHED: VERDICTS[:2], HONEST: VERDICTS[:4], REFUSED: VERDICTS[3:4]}
 """Verdicts that keep each promise."""
 
+NUMBERS = ("error", "transverse", "density_variation", "hole", "nearest")
+"""What a ``Judgement`` keeps of the last look at a run."""
+
 GROWS = "grows"
 """Word in the reason of a verdict that breaks the promise ``FINISHED`` nevertheless."""
 
@@ -52,8 +57,8 @@ GROWS = "grows"
 class Judgement:
     """A verdict of ``VERDICTS``, why it is no better, whether the promise is kept, and the numbers behind it.
 
-    ``error`` and ``calm`` error, ``transverse`` velocity over the reference velocity, ``density_variation``: at the
-    last sample; None where there is none.
+    ``error`` and ``calm`` error, ``transverse`` velocity over the reference velocity, ``density_variation``, ``hole``
+    and ``nearest`` two particles (``spread.look``): at the last sample; None where there is none.
     """
 
     verdict: str
@@ -63,6 +68,8 @@ class Judgement:
     calm: float | None = None
     transverse: float | None = None
     density_variation: float | None = None
+    hole: float | None = None
+    nearest: float | None = None
 
     @property
     def ratio(self):
@@ -78,7 +85,8 @@ def refused(plan):
 def judge(plan, summary, message, calm):
     """Judge the run of a plan by its ``summary``, its error ``message`` and the summary of the ``calm`` run."""
     looks = [_look(plan.cell, sample, summary) for sample in summary["samples"]]
-    calm_errors = [sample[plan.cell.measure] for sample in calm["samples"]] if calm["status"] == "done" else []
+    compared = calm["status"] == "done" and not plan.cell.turns
+    calm_errors = [sample[plan.cell.measure] for sample in calm["samples"]] if compared else []
     verdict, reason = _verdict(plan, summary["status"], message, looks, calm_errors)
     last = looks[-1] if looks else {}
     before = len(looks) <= len(calm_errors)
@@ -87,11 +95,13 @@ def judge(plan, summary, message, calm):
         reason,
         kept=verdict in KEEPS[plan.cell.promise] and not (plan.cell.promise == FINISHED and GROWS in reason),
         calm=calm_errors[len(looks) - 1] if looks and before else None,
-        **last,
+        **{name: value for name, value in last.items() if name in NUMBERS},
     )
 
 
 def _look(cell, sample, summary):
+    if cell.turns:
+        return spread.look(cell, sample)
     speed = summary["numbers"]["reference_velocity"]
     return {
         "error": sample[cell.measure],
@@ -107,16 +117,20 @@ def _verdict(plan, status, message, looks, calm_errors):
     if status != "done" or not looks:
         return "WRONG", f"ended without a clear error: {message or status}"
     error = looks[-1]["error"]
-    if not error <= _largest_honest(plan):
+    if error is not None and not error <= _largest_honest(plan):
         said = "none stated" if plan.stated is None else f"stated {plan.stated:.0e}"
         return "WRONG", f"error {error:.1e}, {said}, {'warned' if plan.warnings else 'no warning'}"
-    found = (
-        _error_faults(plan, error, calm_errors),
-        _bound_faults(plan, looks[-1]),
-        _growths(plan, looks, calm_errors),
-    )
-    faults = [fault for each in found for fault in each]
+    faults = list(_faults(plan, looks, calm_errors))
     return ("inaccurate", "; ".join(faults)) if faults else ("stable", "")
+
+
+def _faults(plan, looks, calm_errors):
+    if plan.cell.turns:
+        yield from spread.faults(plan, looks)
+        return
+    yield from _error_faults(plan, looks[-1]["error"], calm_errors)
+    yield from _bound_faults(plan, looks[-1])
+    yield from _growths(plan, looks, calm_errors)
 
 
 def _largest_honest(plan):

@@ -10,7 +10,11 @@ from tisph.study.stress.matrix import JITTERS, SOUNDS, STEPS
 from tisph.verification.table import format_table
 
 ARRANGEMENTS = {"lattice": lambda cell: cell.jitter == 0, "disordered": lambda cell: cell.jitter > 0}
-LIQUIDS = {"": lambda cell: not cell.has_polymer, ", of the solvent of Oldroyd-B": lambda cell: cell.has_polymer}
+LIQUIDS = {
+    "": lambda cell: not (cell.has_polymer or cell.turns),
+    ", of the solvent of Oldroyd-B": lambda cell: cell.has_polymer,
+    " where the flow turns": lambda cell: cell.turns,
+}
 
 
 def limits(rows):
@@ -19,7 +23,7 @@ def limits(rows):
     ``ranges``: of a quantity, the largest value ``fine`` below which no run failed, and the smallest that did, ``not``
     (None for none). Of the time steps, over the default, every run that is not stable failed; of the cell Reynolds
     number U dx / nu, nu that of the solvent, those that stopped or are WRONG. ``largest``: by scheme and verdict, the
-    largest density variation and transverse velocity at the end of runs that finished.
+    largest density variation and transverse velocity at the end of runs in channels that finished.
     """
     return {"ranges": [*_steps(rows), *_cell_reynolds(rows)], "largest": list(_largest(rows))}
 
@@ -75,7 +79,7 @@ def _largest(rows):
     for scheme in dict.fromkeys(cell.scheme for cell in rows):
         for verdict in VERDICTS:
             own = [row for row in rows.values() if row.cell.scheme == scheme and row.judgement.verdict == verdict]
-            known = [row for row in own if row.judgement.density_variation is not None and verdict != "stopped"]
+            known = [row for row in own if row.judgement.transverse is not None and verdict != "stopped"]
             if known:
                 yield {
                     "what": f"{scheme}, {verdict}",

@@ -35,12 +35,12 @@ class Row:
 
     @property
     def short(self):
-        """The verdict in a word, with the error of a run that finished."""
+        """The verdict in a word, with the error of a run that finished, where it has one."""
         found = self.judgement
         if found.verdict in ("stopped", "refused"):
             return found.verdict
         number = "" if found.error is None else f"{found.error:.0e}".replace("e-0", "e-")
-        return number if found.verdict == "stable" else f"{found.verdict} {number}".strip()
+        return number if number and found.verdict == "stable" else f"{found.verdict} {number}".strip()
 
 
 def label(cell, axes):

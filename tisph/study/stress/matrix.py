@@ -5,8 +5,9 @@ from itertools import product
 
 from tisph.equation_of_state import SCALE_RATIO
 from tisph.schemes.implicit._walls import OBEY_MOMENTUM
-from tisph.study.stress.cells import FLOWS, SCHEMES, Cell
+from tisph.study.stress.cells import SCHEMES, Cell
 from tisph.study.stress.covering import covering_set
+from tisph.study.stress.flows import FLOWS
 
 REYNOLDS = (0.0125, 1.0, 50.0, 500.0, 1000.0, 10000.0)
 JITTERS = (0.0, 0.1, 0.3)
@@ -21,8 +22,11 @@ FLOW_THROUGHS = 200
 LEAST_COLUMNS = 10
 """Particles along the channel that the neighbour search of the explicit scheme needs."""
 
+TURNING = tuple(name for name, flow in FLOWS.items() if flow.turns)
+"""Flows that turn, in a periodic square."""
+
 AXES = {
-    "flow": tuple(FLOWS),
+    "flow": tuple(name for name in FLOWS if name not in TURNING),
     "reynolds": REYNOLDS,
     "jitter": (0.1, 0.0, 0.3),
     "across": (25, 8, 50),
@@ -33,7 +37,7 @@ AXES = {
     "precision": ("f64", "f32"),
     "aspect": (2.0, 0.5, 10.0),
 }
-"""Values of every axis of the covering set; where it is free to choose it takes the first."""
+"""Values of every axis of the covering set, of channels; where it is free to choose it takes the first."""
 
 
 @dataclass(frozen=True)
@@ -46,9 +50,17 @@ class SubMatrix:
     rows: tuple[str, ...] = ()
 
 
-def sub_matrices(quick=False):
-    """All sub-matrices, or a few short cells of every kind, in a fixed order; cells may be in several of them."""
-    return _quick() if quick else _full()
+def sub_matrices(quick=False, only=None):
+    """All sub-matrices, or a few short cells of every kind, in a fixed order; cells may be in several of them.
+
+    ``only``: those with this text in their title; ValueError where there is none.
+    """
+    parts = _quick() if quick else _full()
+    chosen = [part for part in parts if only is None or only in part.title]
+    if not chosen:
+        titles = ", ".join(part.title for part in parts)
+        raise ValueError(f"no sub-matrix has {only!r} in its title; there are {titles}")
+    return chosen
 
 
 def cells(chosen):
@@ -97,7 +109,44 @@ def _full():
         SubMatrix("Oldroyd-B", grid(flow=weissenberg, reynolds=REYNOLDS[:3], jitter=JITTERS), re, ("flow", "jitter")),
         SubMatrix("long runs", _long_runs(), ("flow", "reynolds", "t_star"), rows),
         SubMatrix("covering set", tuple(Cell(**row) for row in covering_set(AXES, exists))),
+        *_turning(),
         _refused(),
+    ]
+
+
+def _turning():
+    """Two turns of the vortices or a layer that has rolled up, and twenty."""
+    every = {"flow": TURNING, "t_star": [2.0]}
+    re, middle, rows = (1.0, 100.0, 1000.0, 10000.0), (100.0, 1000.0), ("flow", "scheme")
+    disorder = {"jitter": (0.0, 0.3)}
+    long = {"flow": TURNING, "t_star": [20.0]}
+    return [
+        SubMatrix(
+            "flow that turns: Re x jitter x scheme",
+            grid(**every, reynolds=re, **disorder, scheme=BOTH),
+            ("reynolds",),
+            (*rows, "jitter"),
+        ),
+        SubMatrix(
+            "flow that turns: Re x resolution",
+            grid(**every, reynolds=middle, across=(12, 25, 50), jitter=[0.3], scheme=["implicit 4"]),
+            ("reynolds",),
+            (*rows, "across"),
+        ),
+        SubMatrix(
+            "flow that turns: steps",
+            grid(**every, reynolds=middle, jitter=[0.3], step=(0.25, 1.0, 2.0, 3.0), scheme=["implicit 4"]),
+            ("step",),
+            (*rows, "reynolds"),
+        ),
+        SubMatrix(
+            "flow that turns: long runs",
+            grid(**long, reynolds=re[1:], jitter=[0.3], scheme=["implicit 4"])
+            + grid(**long, reynolds=middle, jitter=[0.3], scheme=["explicit"])
+            + grid(**{**long, "flow": TURNING[:1]}, reynolds=re[1:], scheme=["implicit 4"]),
+            ("reynolds", "t_star"),
+            (*rows, "jitter"),
+        ),
     ]
 
 
@@ -129,11 +178,19 @@ def _quick():
         SubMatrix("implicit steps", grid(**two, step=(1.5, 2.0), scheme=list(SCHEMES)[1:]), ("step",), rows),
         SubMatrix("single precision", grid(**two, precision=["f32"], scheme=BOTH, t_star=[0.25]), re, rows),
         SubMatrix("Oldroyd-B", grid(flow=["oldroyd1"], reynolds=[1.0], **two), re, ("flow", "jitter")),
+        SubMatrix(
+            "flow that turns",
+            grid(flow=TURNING, reynolds=[1000.0], jitter=[0.3], t_star=[0.5], scheme=["implicit 4"])
+            + grid(flow=TURNING[:1], reynolds=[1000.0], jitter=[0.3], t_star=[0.5]),
+            re,
+            ("flow", "scheme"),
+        ),
         _refused(),
     ]
 
 
 def _refused():
-    """What cannot be had: the implicit scheme has no polymer stress."""
+    """What cannot be had: the implicit scheme has no polymer stress, and no order 2 where the flow turns."""
     cells = tuple(Cell(flow="oldroyd1", scheme=scheme) for scheme in list(SCHEMES)[1:])
+    cells += tuple(Cell(flow=flow, scheme="implicit 2") for flow in TURNING)
     return SubMatrix("refused", cells, ("scheme",), ("flow",))

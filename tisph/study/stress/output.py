@@ -16,8 +16,19 @@ from tisph.study.stress.judge import VERDICTS
 from tisph.study.stress.picture import plot_maps
 from tisph.verification.table import format_header, format_row
 
-HEADER = ("cell", "promise", "verdict", "t*", "error", "/ calm", "max |v|/U", "density", "steps", "s", "why")
-WIDTHS = (57, 8, 10, 7, 7, 6, 9, 7, 8, 5, 0)
+NUMBERS_JUDGED = {
+    "error": ("error", "{:.1e}", 7),
+    "ratio": ("/ calm", "{:.2g}", 6),
+    "transverse": ("max |v|/U", "{:.1e}", 9),
+    "density_variation": ("density", "{:.1e}", 7),
+    "hole": ("hole", "{:.2f}", 4),
+    "nearest": ("near", "{:.2f}", 4),
+}
+"""Title, format and width of the numbers of a ``Judgement``; empty where there is none."""
+
+TITLES, FORMATS, NUMBER_WIDTHS = zip(*NUMBERS_JUDGED.values(), strict=True)
+HEADER = ("cell", "promise", "verdict", "t*", *TITLES, "steps", "s", "why")
+WIDTHS = (57, 8, 10, 7, *NUMBER_WIDTHS, 8, 5, 0)
 
 START_SECONDS = 3.0
 """Rough time of a run besides its steps, for the time that is left."""
@@ -118,9 +129,8 @@ class Output:
 
 def _cells(row):
     found = row.judgement
-    numbers = (found.error, found.ratio, found.transverse, found.density_variation)
-    formats = ("{:.1e}", "{:.2g}", "{:.1e}", "{:.1e}")
-    texts = ["" if number is None else form.format(number) for number, form in zip(numbers, formats, strict=True)]
+    numbers = [getattr(found, name) for name in NUMBERS_JUDGED]
+    texts = ["" if number is None else form.format(number) for number, form in zip(numbers, FORMATS, strict=True)]
     start = (row.cell.name, row.cell.promise, found.verdict, f"{row.plan.t_star:.2g}")
     return (*start, *texts, str(row.steps), f"{row.seconds:.1f}", found.reason.partition("\n")[0])
 
@@ -142,6 +152,8 @@ def _data(row):
         "calm_error": found.calm,
         "transverse_velocity": found.transverse,
         "density_variation": found.density_variation,
+        "hole": found.hole,
+        "nearest_two": found.nearest,
         "steps": row.steps,
         "seconds": row.seconds,
     }

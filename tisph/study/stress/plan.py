@@ -48,7 +48,7 @@ def plan(cell, forecast, folder):
             numbers, warnings = _checked(cell, t_star, forecast, folder)
     except ConfigError as error:
         return Plan(cell, cell.config(t_star), t_star, refusal=str(error).partition(": ")[2])
-    stated = getattr(numbers["samples"][-1], cell.measure)
+    stated = getattr(numbers["samples"][-1], cell.measure) if cell.measure else None
     return Plan(cell, cell.config(t_star), t_star, _seconds(cell, numbers), stated, tuple(warnings))
 
 

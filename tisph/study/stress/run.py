@@ -22,19 +22,18 @@ PATIENCE, ALLOWANCE = 10.0, 600.0
 """A run is ended after that many times its estimated time, and that many seconds besides: machines pause."""
 
 
-def run(folder, forecast, processes, quick=False):
-    """Run the matrix (``quick``: a small one), ``processes`` cells at a time, and leave all results in ``folder``.
+def run(folder, forecast, processes, parts):
+    """Run sub-matrices ``parts``, ``processes`` cells at a time, and leave all results in ``folder``.
 
     ``forecast(config)`` returns the numbers and the warnings of ``tisph check``. Returns True if every promise is kept
     and nothing is WRONG. Raises ConfigError where ``folder`` cannot be used.
     """
     folder = Path(folder)
     with claimed(folder, "another matrix is running there"):
-        return _run(folder, forecast, processes, quick)
+        return _run(folder, forecast, processes, parts)
 
 
-def _run(folder, forecast, processes, quick):
-    parts = matrix.sub_matrices(quick)
+def _run(folder, forecast, processes, parts):
     with tempfile.TemporaryDirectory() as scratch, Console(stderr=True).status("checking the configs"):
         plans = {cell: plan(cell, forecast, Path(scratch)) for cell in matrix.cells(parts)}
     with Output(folder, parts, plans, processes) as output:

@@ -1,0 +1,75 @@
+"""What runs of flow that turns are judged by: their own bounds, whatever a run from the lattice does."""
+
+from dataclasses import replace
+
+import pytest
+
+from tisph.study.stress import judge, spread
+from tisph.study.stress.cells import Cell
+from tisph.study.stress.plan import Plan
+
+VORTEX = Plan(Cell(flow="taylor_green", scheme="implicit 4", t_star=2.0), {}, t_star=2.0, stated=None)
+LAYER = replace(VORTEX, cell=replace(VORTEX.cell, flow="shear_layer"))
+GOOD = {"rms": 1e-3, "density_variation": 0.0, "largest_hole": 0.8, "nearest_two": 0.75}
+
+
+def verdict(plan=VORTEX, energies=(0.25, 0.2, 0.15, 0.1), **last):
+    samples = [{**GOOD, "kinetic_energy": energy} for energy in energies]
+    samples[-1].update(last)
+    found = {"status": "done", "samples": samples, "numbers": {"reference_velocity": 1.0}}
+    return judge.judge(plan, found, "", found)
+
+
+def test_a_run_within_all_bounds_is_stable():
+    found = verdict()
+    assert (found.verdict, found.reason, found.kept) == ("stable", "", True)
+    assert (found.error, found.hole, found.nearest) == (1e-3, 0.8, 0.75)
+    assert found.calm is None
+
+
+@pytest.mark.parametrize("plan", [VORTEX, LAYER])
+@pytest.mark.parametrize(
+    ("why", "values"),
+    [
+        ("a hole is 1.16 spacings", {"largest_hole": 1.16}),
+        ("two particles are 0.54 spacings apart", {"nearest_two": 0.54}),
+        ("energy grows by 2.0e-03", {"kinetic_energy": 0.15 * 1.002}),
+    ],
+)
+def test_a_run_beyond_one_bound_is_inaccurate_and_says_which(plan, why, values):
+    found = verdict(plan, **values)
+    assert (found.verdict, found.kept) == ("inaccurate", False)
+    assert why in found.reason
+    assert ";" not in found.reason
+
+
+def test_holes_and_pairs_count_at_any_time():
+    samples = [{**GOOD, "kinetic_energy": 0.1, "largest_hole": hole} for hole in (0.8, 1.2, 0.8, 0.8)]
+    found = judge.judge(VORTEX, {"status": "done", "samples": samples}, "", {"status": "diverged", "samples": []})
+    assert "1.2 spacings" in found.reason
+
+
+@pytest.mark.parametrize(("across", "t_star", "largest"), [(25, 2.0, 2e-3), (50, 2.0, 2.5e-4), (25, 0.5, 1e-3)])
+def test_errors_may_grow_with_time_and_have_to_fall_with_the_spacing(across, t_star, largest):
+    plan = replace(VORTEX, cell=replace(VORTEX.cell, across=across, t_star=t_star), t_star=t_star)
+    assert verdict(plan, rms=0.99 * largest).verdict == "stable"
+    assert verdict(plan, rms=1.01 * largest).verdict == "inaccurate"
+
+
+def test_a_large_error_is_wrong_where_there_is_a_reference():
+    assert verdict(rms=0.21).verdict == "WRONG"
+    assert verdict(LAYER, rms=None).verdict == "stable"
+
+
+def test_vortices_that_no_run_can_follow_are_not_compared():
+    fast = replace(VORTEX.cell, reynolds=10000.0)
+    assert fast.measure == "rms"
+    late = replace(fast, t_star=20.0)
+    assert late.measure is None
+    assert verdict(replace(VORTEX, cell=late, t_star=20.0), rms=0.9).verdict == "stable"
+
+
+def test_the_cell_itself_is_its_calm_one():
+    cell = Cell(flow="shear_layer", jitter=0.3)
+    assert cell.calm == cell
+    assert spread.HOLE > 1.0 > spread.NEAREST

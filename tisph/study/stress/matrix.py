@@ -115,35 +115,42 @@ def _full():
 
 
 def _turning():
-    """Two turns of the vortices or a layer that has rolled up, and twenty."""
-    every = {"flow": TURNING, "t_star": [2.0]}
-    re, middle, rows = (1.0, 100.0, 1000.0, 10000.0), (100.0, 1000.0), ("flow", "scheme")
-    disorder = {"jitter": (0.0, 0.3)}
-    long = {"flow": TURNING, "t_star": [20.0]}
+    """Two turns of the vortices or a layer that has rolled up, and twenty.
+
+    At a Reynolds number of 10000 layers are thinner than a spacing, and an implicit run takes minutes: there is one.
+    """
+    vortices, layers = TURNING
+    short, long, implicit = {"t_star": [2.0]}, {"t_star": [20.0]}, {"scheme": ["implicit 4"]}
+    middle, disorder, rows = (100.0, 1000.0), {"jitter": [0.3]}, ("flow", "scheme")
+    every = {"jitter": (0.0, 0.3), "scheme": BOTH, **short}
+    fast = {"reynolds": [10000.0]}
     return [
         SubMatrix(
             "flow that turns: Re x jitter x scheme",
-            grid(**every, reynolds=re, **disorder, scheme=BOTH),
+            grid(flow=TURNING, reynolds=(1.0, *middle), **every)
+            + grid(flow=[vortices], **fast, **every)
+            + grid(flow=[layers], **fast, jitter=every["jitter"], **short)
+            + grid(flow=[layers], **fast, **short, **implicit),
             ("reynolds",),
             (*rows, "jitter"),
         ),
         SubMatrix(
             "flow that turns: Re x resolution",
-            grid(**every, reynolds=middle, across=(12, 25, 50), jitter=[0.3], scheme=["implicit 4"]),
+            grid(flow=TURNING, reynolds=middle, across=(12, 25, 50), **disorder, **short, **implicit),
             ("reynolds",),
             (*rows, "across"),
         ),
         SubMatrix(
             "flow that turns: steps",
-            grid(**every, reynolds=middle, jitter=[0.3], step=(0.25, 1.0, 2.0, 3.0), scheme=["implicit 4"]),
+            grid(flow=TURNING, reynolds=middle, step=(0.25, 1.0, 2.0, 3.0), **disorder, **short, **implicit),
             ("step",),
             (*rows, "reynolds"),
         ),
         SubMatrix(
             "flow that turns: long runs",
-            grid(**long, reynolds=re[1:], jitter=[0.3], scheme=["implicit 4"])
-            + grid(**long, reynolds=middle, jitter=[0.3], scheme=["explicit"])
-            + grid(**{**long, "flow": TURNING[:1]}, reynolds=re[1:], scheme=["implicit 4"]),
+            grid(flow=TURNING, reynolds=middle, scheme=BOTH, **disorder, **long)
+            + grid(flow=[vortices], **fast, **disorder, **long, **implicit)
+            + grid(flow=[vortices], reynolds=(*middle, *fast["reynolds"]), **long, **implicit),
             ("reynolds", "t_star"),
             (*rows, "jitter"),
         ),

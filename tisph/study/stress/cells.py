@@ -10,9 +10,11 @@ from tisph.schemes._time_step import AUTO_CFL
 from tisph.study.stress.flows import FLOWS, PREDICTABLE, SOLVENT_FRACTION, digits
 from tisph.verification.flows import merged
 
-LIMITS = {False: (3e-7, 3, "largest_strain", 0.5), True: (2e-6, 4, "largest_courant", 0.3)}
-"""Defaults of scheme ``implicit``, which step multiples start from, by whether the flow turns: the tolerance, the power
-with which the error of a step goes, and what limits its length."""
+TOLERANCE, STRAIN = 3e-7, 0.5
+"""Defaults of scheme ``implicit``, which step multiples start from."""
+
+TURNING_TOLERANCE, COURANT = 2e-6, 0.3
+"""The same where the flow turns."""
 
 SAMPLES = (0.25, 0.5, 0.75, 1.0)
 """Parts of a run after which it is looked at; growth is what the last two show."""
@@ -144,11 +146,14 @@ class Cell:
             state = {"sound_speed": "auto" if self.sound == SCALE_RATIO else self._sound_speed()}
             change = {"scheme": {"type": "wcsph", "equation_of_state": state}}
             return merged(change, {"time": {"cfl": AUTO_CFL * self.step}} if self.step != 1.0 else {})
-        tolerance, power, limit, most = LIMITS[self.turns]
-        choices = {"operators": {"order": int(self.scheme[-1])}, limit: digits(most * self.step)}
+        scheme = {"type": "implicit", "operators": {"order": int(self.scheme[-1])}}
+        if self.turns:  # other steps than the default are not controlled by their error
+            steps = {"tolerance": TURNING_TOLERANCE} if self.step == 1.0 else {"cfl": digits(COURANT * self.step)}
+            return {"scheme": {**scheme, "largest_courant": COURANT}, "time": steps}
+        # the error of a step goes with the third power of its length
         return {
-            "scheme": {"type": "implicit", **choices},
-            "time": {"tolerance": digits(tolerance * self.step**power)},
+            "scheme": {**scheme, "largest_strain": STRAIN * self.step},
+            "time": {"tolerance": digits(TOLERANCE * self.step**3)},
         }
 
     def _sound_speed(self):

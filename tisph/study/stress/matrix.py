@@ -136,7 +136,8 @@ def _turning():
         ),
         SubMatrix(
             "flow that turns: Re x resolution",
-            grid(flow=TURNING, reynolds=middle, across=(12, 25, 50), **disorder, **short, **implicit),
+            grid(flow=[vortices], reynolds=middle, across=(12, 25, 50), **disorder, **short, **implicit)
+            + grid(flow=[layers], reynolds=middle, across=(25, 50), **disorder, **short, **implicit),
             ("reynolds",),
             (*rows, "across"),
         ),

@@ -35,7 +35,7 @@ class Points:
     ``sentinel`` after them depend on a rung of the ladder of sizes alone: they may be compiled in, ``fluid`` may not.
     Neighbours of the fluid within ``reach`` are ``table[i, k]``, k < ``count[i]``. With ``mirrors`` the table goes on
     with a row for each ghost, in its slot: the fluid particles around its mirror point ``mirror[k]``. Where
-    ``reach`` is a pair, the usual and the largest one, less than twice that, every point has its own: the field ``radius``.
+    ``reach`` is a pair, the usual and the largest one, less than twice that, each point has its own, ``radius``.
     """
 
     def __init__(self, channel, domain, reach, room_for_ghosts, serial, mirrors=False):

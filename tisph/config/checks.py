@@ -98,9 +98,8 @@ def _boxes(scheme: str) -> list[tuple[bool, bool]]:
 
 
 def _size(config: Any) -> Iterator[Problem]:
-    width, height = config.extent
     across = lattice.across(config)
-    particles = across * (across * (width / config.across) * (height / config.across))
+    particles = across * (across * (config.area / config.across / config.across))
     stress = config.fluid.rheology.carries_stress
     needed = memory.estimated_bytes(particles, config, config.scheme.type != "wcsph" and not stress)
     available = memory.physical_bytes()

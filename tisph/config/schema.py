@@ -197,6 +197,12 @@ class Config(Model):
         raise NotImplementedError
 
     @property
+    def area(self) -> float:
+        """Area that the liquid fills [length^2]."""
+        width, height = self.extent
+        return width * height
+
+    @property
     def aspect(self) -> float:
         """The side of the box over ``across`` that ``across`` may not divide; 1 where it divides both."""
         return 1.0

@@ -5,6 +5,7 @@ The run's clock starts at ``start_time``: at the initial time of the config for 
 liquid is a Newtonian one. See ``tisph/exact/circular_couette.py`` for the solution.
 """
 
+import math
 from collections.abc import Iterator
 from typing import Annotated, Literal
 
@@ -75,6 +76,11 @@ class Config(schema.Config):
     def extent(self) -> tuple[float, float]:
         """Diameter of the outer cylinder, twice."""
         return 2 * self.geometry.outer_radius, 2 * self.geometry.outer_radius
+
+    @property
+    def area(self) -> float:
+        """Area between the cylinders."""
+        return math.pi * (self.geometry.outer_radius + self.geometry.inner_radius) * self.across
 
     @property
     def start_time(self) -> float:

@@ -10,7 +10,8 @@ class Bodies:
     """What the n bodies of a scene do at one time, and what the liquid does to them; per length across the plane.
 
     ``centre`` and ``velocity`` (n, 2), ``angle`` [radians] and ``angular_velocity`` (n,), counterclockwise; ``force``
-    (n, 2) and ``torque`` (n,) around the centre; ``pressure_force`` and ``pressure_torque`` are the pressure's part.
+    (n, 2) and ``torque`` (n,) around the centre, of which ``pressure_force`` and ``pressure_torque`` are the
+    pressure's: NaN before the first step.
     """
 
     centre: np.ndarray
@@ -21,6 +22,25 @@ class Bodies:
     torque: np.ndarray
     pressure_force: np.ndarray
     pressure_torque: np.ndarray
+
+    @classmethod
+    def at(cls, time, bodies, loads):
+        """Of ``bodies``, ``geometry.body.Body`` each, which move as they say; ``loads`` (2, n, 3) are on them.
+
+        Those are force along x, along y and torque, of all and of the pressure.
+        """
+        places = [body.at(time) for body in bodies]
+        motions = [body.motion for body in bodies]
+        return cls(
+            centre=np.array([place.centre for place in places]),
+            angle=np.array([place.angle for place in places]),
+            velocity=np.array([motion.velocity(time) for motion in motions]),
+            angular_velocity=np.array([float(motion.turning.velocity(time)) for motion in motions]),
+            force=loads[0, :, :2],
+            torque=loads[0, :, 2],
+            pressure_force=loads[1, :, :2],
+            pressure_torque=loads[1, :, 2],
+        )
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,13 @@ output: {video: {frames: 7, width: 640, height: 320}, checkpoint_every: 0.5}
 OLDROYD_B = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4}"
 OSCILLATION = "walls.top={amplitude: 0.5, angular_frequency: 40.0}"
 NO_VIDEO = "output.video=null"
+ANNULUS = [
+    "scene=annulus",
+    "geometry={inner_radius: 1.0, outer_radius: 2.0}",
+    "walls={inner: {angular_velocity: 1.0}}",
+    "discretisation.particles_across=8",
+    "time.tolerance=1e-4",
+]
 SCENES = {
     "wcsph": ["scheme={type: wcsph}"],
     "implicit": ["scheme={type: implicit}", "time.tolerance=1e-5"],
@@ -34,6 +41,7 @@ SCENES = {
     "viscoelastic": [OLDROYD_B, NO_VIDEO],
     "oscillating": ["scheme={type: wcsph}", "walls.treatment.type=adami", OSCILLATION, NO_VIDEO],
     "oscillating implicit": ["scheme={type: implicit}", "time.tolerance=1e-5", OSCILLATION, NO_VIDEO],
+    "annulus": ANNULUS,
     "single precision": ["scheme={type: wcsph}", "discretisation.precision=f32", NO_VIDEO],
 }
 SLOW = ["implicit order 2", "oscillating implicit", "single precision"]

@@ -112,6 +112,18 @@ def test_history_says_what_it_is_and_what_is_exact(tmp_path, run):
     assert np.array_equal(after[1], table[:, 1:4])
 
 
+def test_numbers_that_are_none_leave_their_cells_empty(tmp_path, run):
+    channel, _ = run()
+    path = tmp_path / "history.csv"
+    history = History(path, channel, channel.followed(2), 20.0)
+    history.record([0.0, 10.0], [[np.nan, np.inf], [0.25, -0.5]])
+    history.close()
+    assert history_lines(path)[1][1].startswith("0.0,,inf,0,")
+    times, values = read_history(path)
+    assert times.tolist() == [0.0, 10.0]
+    assert np.array_equal(values, [[np.nan, np.inf], [0.25, -0.5]], equal_nan=True)
+
+
 def test_the_history_of_older_versions_is_read(tmp_path):
     path = tmp_path / "history.csv"
     path.write_text("t,u(y=0.25),u(y=0.75)\n0.0,0.0,0.0\n1.5,0.25,0.5\n2.0,0.3")

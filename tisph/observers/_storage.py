@@ -1,10 +1,11 @@
-"""Snapshots as HDF5 groups: attributes ``t`` and ``step``, and a dataset for each field."""
+"""Snapshots as HDF5 groups: attributes ``t`` and ``step``, a dataset for each field, and a group for the bodies."""
 
 import contextlib
 import math
 import os
 import shutil
 import time
+from dataclasses import fields as fields_of
 from dataclasses import replace
 
 import h5py
@@ -12,11 +13,14 @@ import numpy as np
 
 from tisph.folder import partial, spare
 from tisph.observers._files import hdf5_file, readable, replaced
-from tisph.snapshot import Snapshot
+from tisph.snapshot import Bodies, Snapshot
 
 FIELDS = ("x", "y", "u", "v", "density", "pressure")
 STRESSES = ("stress_xx", "stress_xy", "stress_yy")
 """Fields that only liquids with polymer have."""
+
+BODIES = "bodies"
+"""Name of the group with a dataset for each field of the bodies."""
 
 EXACT = "_exact"
 """What the name of a dataset of the exact solution ends in."""
@@ -82,10 +86,11 @@ class Storage:
 
     def _write(self, group, snapshot):
         write_snapshot(group, snapshot)
-        for name in group:
-            unit = self.units.get(name.removesuffix(EXACT))
-            if unit:
-                group[name].attrs["units"] = unit
+        for part in (group, group.get(BODIES, {})):
+            for name in part:
+                unit = self.units.get(name.removesuffix(EXACT))
+                if unit:
+                    part[name].attrs["units"] = unit
 
     def close(self):
         """Have all groups in the file, and no other file."""
@@ -119,6 +124,10 @@ def write_snapshot(group, snapshot):
             group.create_dataset(name, data=getattr(snapshot, name))
     for name, values in (snapshot.reference or {}).items():
         group.create_dataset(name + EXACT, data=values)
+    if snapshot.bodies is not None:
+        bodies = group.create_group(BODIES)
+        for name, values in vars(snapshot.bodies).items():
+            bodies.create_dataset(name, data=values)
 
 
 def read_snapshots(path, fields=FIELDS):
@@ -130,4 +139,7 @@ def read_snapshots(path, fields=FIELDS):
         for group in sorted(file.values(), key=lambda group: group.attrs["t"]):
             stored = {name: group[name][...] if name in fields or name in group else np.empty(0) for name in FIELDS}
             stored |= {name: group[name][...] for name in STRESSES if name in group}
+            if BODIES in group:
+                bodies = group[BODIES]
+                stored[BODIES] = Bodies(**{field.name: bodies[field.name][...] for field in fields_of(Bodies)})
             yield Snapshot(t=float(group.attrs["t"]), step=int(group.attrs["step"]), **stored)

@@ -14,7 +14,7 @@ takes longer than many a simulation."""
 
 
 class Frames:
-    """Draws a frame at evenly spaced times and stores its particles in single precision.
+    """Draws a frame at evenly spaced times and stores its particles in single precision, and bodies as they are.
 
     The stored frames let ``tisph render`` draw the movie again and an interrupted run go on with it; those up
     to ``resumed_at``, as far as there are any, are drawn first. ``flush`` belongs before a checkpoint: a run that goes

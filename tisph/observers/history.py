@@ -1,6 +1,7 @@
 """History: what a scene follows in time, in ``history.csv``."""
 
 import io
+import math
 import os
 
 import numpy as np
@@ -22,7 +23,7 @@ class History:
     ``followed`` (``scenes/_views.py: Followed``) says which numbers. ``resolved`` is 1 or 0, see
     ``verification/resolution.py``. ``close`` adds their references, of all lines at once, which costs little.
     Lines of an interrupted run up to ``resumed_at`` are kept. ``about`` is the ``Description`` of the run, if the file
-    is to say what it is, in lines that begin with ``#``.
+    is to say what it is, in lines that begin with ``#``. A cell is empty where there is no number.
     """
 
     def __init__(self, path, scene, followed, end, resumed_at=None, about=None):
@@ -84,14 +85,14 @@ class History:
 
 
 def _digits(value):
-    return repr(float(value))
+    return "" if math.isnan(value) else repr(float(value))
 
 
 def read_history(path):
     """Return times (records,) and what was followed (records, numbers) of a ``history.csv``.
 
     Lines that begin with ``#`` and other columns do not count, nor does a last line without its end, which a killed run
-    may leave. ConfigError where lines are damaged.
+    may leave. An empty cell is NaN. ConfigError where lines are damaged.
     """
     with readable(path):
         text = path.read_text(encoding="utf-8")
@@ -100,5 +101,5 @@ def read_history(path):
             return np.empty(0), np.empty((0, 0))
         _, *names = lines[0].split(",")
         count = names.index(RESOLVED) if RESOLVED in names else len(names)
-        table = np.loadtxt(lines[1:], delimiter=",", ndmin=2)
+        table = np.array([[float(cell or "nan") for cell in line.split(",")] for line in lines[1:]])
     return table[:, 0], table[:, 1 : 1 + count]

@@ -12,9 +12,10 @@ class Samples:
 
     A group has the attributes ``t`` and ``step`` and the datasets x, y, u, v, density, pressure, with polymer also
     stress_xx, stress_xy, stress_yy, of shape (particles_fluid,), in the units of the config and the order of
-    creation; beside u and the stresses those of the exact solution, ``u_exact`` and so on. ``about`` is the
-    ``Description`` of the run, if the file is to say what it is. ``resumed_at`` is the time up to which samples of an
-    interrupted run are kept, None for a new file.
+    creation; beside u and the stresses those of the exact solution, ``u_exact`` and so on. Where there are bodies, the
+    group ``bodies`` has a dataset for each field of ``tisph.snapshot.Bodies``. ``about`` is the ``Description`` of
+    the run, if the file is to say what it is. ``resumed_at`` is the time up to which samples of an interrupted run are
+    kept, None for a new file.
     """
 
     def __init__(self, path, scene, times, resumed_at=None, about=None):

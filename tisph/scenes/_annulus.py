@@ -198,7 +198,7 @@ class Annulus(Scene):
         numbers = {"l2_pressure": field_error(self, snapshot, "pressure")}
         exact = self.exact_torques(snapshot.t)
         for index, name in enumerate(("inner", "outer")):
-            numbers[f"torque_{name}"] = None if snapshot.bodies is None else snapshot.bodies.torque[index]
+            numbers[f"torque_{name}"] = snapshot.bodies.torque[index]
             numbers[f"torque_{name}_exact"] = exact[index]
         return {**numbers, **_turning.measures(self, snapshot)[1]}
 
@@ -237,7 +237,7 @@ class Annulus(Scene):
             columns=["torque_inner", "torque_outer"],
             labels=[("inner cylinder", None), ("outer cylinder", None)],
             exact_columns=["torque_inner_exact", "torque_outer_exact"],
-            measure=lambda snapshot: np.full(2, np.nan) if snapshot.bodies is None else snapshot.bodies.torque,
+            measure=lambda snapshot: snapshot.bodies.torque,
             exact=lambda times: np.stack(self.exact_torques(np.asarray(times)), axis=1),
             angular_frequency=max(self.inner.angular_frequency, self.outer.angular_frequency),
         )

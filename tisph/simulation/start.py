@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from tisph.observers._storage import STRESSES
-from tisph.snapshot import Snapshot
+from tisph.snapshot import Bodies, Snapshot
 
 
 def start_values(scene, initial):
@@ -34,6 +34,8 @@ def start_snapshot(scene, values, precision):
     state = {"x": x, "y": y, "u": u, "v": v, "density": nothing + scene.density, "pressure": nothing}
     if "pressure" in scene.fields:
         state["pressure"] = scene.exact("pressure", x, y, scene.start_time)
+    if scene.bodies:
+        state["bodies"] = Bodies.at(scene.start_time, scene.bodies, np.full((2, len(scene.bodies), 3), np.nan))
     return seen_from_config(Snapshot(t=scene.start_time, step=0, **state, **stresses), scene)
 
 

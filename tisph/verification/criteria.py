@@ -75,8 +75,15 @@ class Result:
         path = self.folder / "samples.h5"
         if not path.is_file():
             return {}
+        found = {}
+
+        def take(name, item):
+            if isinstance(item, h5py.Dataset):
+                found[name] = item[()]
+
         with h5py.File(path, "r") as file:
-            return {f"{sample}/{key}": data[()] for sample, group in file.items() for key, data in group.items()}
+            file.visititems(take)
+        return found
 
 
 @dataclass(frozen=True)

@@ -110,18 +110,7 @@ class Bounds:
         """Return the ``Bodies`` at ``time``, ``age`` before the end of the last step, from which ``times`` count."""
         weights = times.at(age, min(LOADS, len(self.loads)))
         loads = sum(weight * load for weight, load in zip(weights, self.loads, strict=False))
-        places = [body.at(time) for body in self.walls.bodies]
-        motions = [body.motion for body in self.walls.bodies]
-        return Bodies(
-            centre=np.array([place.centre for place in places]),
-            angle=np.array([place.angle for place in places]),
-            velocity=np.array([motion.velocity(time) for motion in motions]),
-            angular_velocity=np.array([float(motion.turning.velocity(time)) for motion in motions]),
-            force=loads[0, :, :2],
-            torque=loads[0, :, 2],
-            pressure_force=loads[1, :, :2],
-            pressure_torque=loads[1, :, 2],
-        )
+        return Bodies.at(time, self.walls.bodies, loads)
 
     def drive(self, split, times):
         """Give the velocities of the walls at the end of a step to its solvers, and the curl expected there."""

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tisph.report.raster import LEVELS, PLACES, Discs, blend, dense_line
+from tisph.report.raster import LEVELS, PLACES, STRIPS, Discs, blend, dense_line, filled
 
 SHAPE = (40, 60)
 
@@ -128,3 +128,34 @@ def test_more_discs_in_one_pixel_than_anyone_draws_stay_within_the_scale():
     coverage, value = paint(place, np.full(20_000, 0.5), 3.0)
     assert coverage.max() == 1.0
     assert 0.0 <= value.min() <= value.max() <= 1.1  # of no use, and harmless
+
+
+STRIP = 0.5 / STRIPS  # of a pixel row: an upper or lower edge is at most this far from where it should be
+
+
+@pytest.mark.parametrize("turned", [1, -1])
+def test_rectangle_covers_the_part_of_each_pixel_that_is_in_it(turned):
+    left, right, top, bottom = 10.3, 30.75, 4.0, 20.5
+    corners = np.array([[left, top], [right, top], [right, bottom], [left, bottom]])[::turned]
+    inside = [np.clip(np.minimum(k + 1, b) - np.maximum(k, a), 0, 1) for k, a, b in
+              ((np.arange(SHAPE[0]), top, bottom), (np.arange(SHAPE[1]), left, right))]  # fmt: skip
+    assert np.abs(filled(corners.T, SHAPE) / LEVELS - np.outer(*inside)).max() <= STRIP + LEVEL
+
+
+@given(column=st.floats(-10.0, 70.0), row=st.floats(-10.0, 50.0), radius=st.floats(0.2, 80.0))
+def test_polygon_covers_its_area_and_is_cut_off_at_the_edges(column, row, radius):
+    angle = np.linspace(0.0, 2 * np.pi, 80, endpoint=False)
+    corners = column + radius * np.cos(angle), row + radius * np.sin(angle)
+    coverage = filled(corners, SHAPE) / LEVELS
+    rows, columns = np.mgrid[: SHAPE[0], : SHAPE[1]] + 0.5
+    away = np.hypot(columns - column, rows - row)
+    assert np.all(coverage[away < radius * np.cos(np.pi / 80) - 0.75] == 1.0)  # half a pixel's diagonal, and less
+    assert np.all(coverage[away > radius + 0.75] == 0.0)
+    wide = tuple(3 * side for side in SHAPE)
+    shifted = filled((corners[0] + SHAPE[1], corners[1] + SHAPE[0]), wide) / LEVELS
+    assert np.allclose(shifted[SHAPE[0] : 2 * SHAPE[0], SHAPE[1] : 2 * SHAPE[1]], coverage, atol=LEVEL)
+    if radius < 30:
+        # the first and last strip may be wrong by what they are long, 2 sqrt(2 r strip), and pixels of the edge rounded
+        exact = 0.5 * 80 * np.sin(2 * np.pi / 80) * radius**2
+        error = 4 * np.sqrt(2 * radius / STRIPS) / STRIPS + 8 * (radius + 1) * LEVEL
+        assert shifted.sum() == pytest.approx(exact, abs=error)

@@ -2,7 +2,10 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 LONGEST_SHOWN = 4.0  # heights: of a longer box this much is shown, or its discs would be too small to see
+RIM = 0.04  # of the longer side of a box that bodies bound: so much of them is shown
 
 
 @dataclass(frozen=True)
@@ -34,8 +37,9 @@ class Rect:
 class Layout:
     """The parts of a frame of ``width`` x ``height`` pixels.
 
-    ``scale`` is the size of text and lines relative to a frame of 1280 x 640; ``shown_length`` (length) is
-    the part of the box along x that is drawn, ``pixels_per_length`` the same along x and y.
+    ``scale`` is the size of text and lines relative to a frame of 1280 x 640; ``low`` is the lowest corner of the box
+    and ``high`` the highest of what is drawn of it, ``shown_length`` (length) along x; ``pixels_per_length`` is the
+    same along x and y.
     ``box``, ``profile``, ``time_label``, ``error_label`` and the velocities on walls that oscillate are all that
     changes from frame to frame. The columns left of ``split`` belong to the box, those right of it to the profile.
     """
@@ -44,6 +48,8 @@ class Layout:
     height: int
     scale: float
     split: int
+    low: tuple[float, float]
+    high: tuple[float, float]
     shown_length: float
     pixels_per_length: float
     box: Rect
@@ -52,6 +58,10 @@ class Layout:
     time_label: Rect
     error_label: Rect
     wall_thickness: int
+
+    def places(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return columns and rows in the box [pixels] of places ``x`` and ``y``."""
+        return (x - self.low[0]) * self.pixels_per_length, (self.high[1] - y) * self.pixels_per_length
 
     def wall(self, side: str) -> Rect:
         """The bar of the ``top`` or ``bottom`` wall."""
@@ -75,10 +85,19 @@ class Layout:
         return max(1, round(size * self.scale))
 
 
-def arrange(length: float, gap: float, width: int, height: int, *, walls: bool = True) -> Layout:
+def box_of(scene) -> tuple[np.ndarray, np.ndarray]:
+    """Return the lowest corner and the size (2,) of the box of ``scene``, with a rim where bodies bound it."""
+    rim = 0.0 if scene.walls or not scene.bodies else RIM * max(scene.extent)
+    rims = np.where(scene.periodic, 0.0, rim)
+    return np.subtract(scene.origin, rims), np.add(scene.extent, 2 * rims)
+
+
+def arrange(
+    length: float, gap: float, width: int, height: int, *, walls: bool = True, low: tuple[float, float] = (0.0, 0.0)
+) -> Layout:
     """Return the layout of a frame for a box of ``length`` and ``gap``, in x and y: both axes to the same scale.
 
-    Without ``walls`` there is no room for them.
+    Without ``walls`` there is no room for them. ``low`` is the lowest corner of the box.
     """
     scale = min(width / 1280.0, height / 640.0)
 
@@ -95,7 +114,7 @@ def arrange(length: float, gap: float, width: int, height: int, *, walls: bool =
     profile = _centred(split + px(88), width - px(26), (top + bottom) // 2, width, profile_height)
     half = profile.width // 2
     return Layout(
-        width, height, scale, split, shown, pixels_per_length, box, profile,
+        width, height, scale, split, low, (low[0] + shown, low[1] + gap), shown, pixels_per_length, box, profile,
         colour_bar=_centred(left, right, height - px(57), max(box.width, px(360)), px(12)),
         time_label=Rect(px(24), px(47), split - px(24), px(26)),
         error_label=Rect(profile.right - half, profile.top - px(31), half, px(24)),

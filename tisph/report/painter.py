@@ -6,9 +6,10 @@ from tisph.report import style
 from tisph.report.driving import DriveLabel, wall_labels
 from tisph.report.error_label import field_error_label, velocity_error_label
 from tisph.report.labels import time_label
-from tisph.report.layout import arrange
+from tisph.report.layout import arrange, box_of
 from tisph.report.quantities import quantity
 from tisph.report.raster import Discs, blend, dense_line
+from tisph.report.solids import Solids
 from tisph.report.stage import draw_background
 from tisph.report.text import paint_text
 from tisph.snapshot import Snapshot
@@ -27,7 +28,8 @@ class FramePainter:
 
     def __init__(self, scene, video, title: str, end: float):
         self.scene = scene
-        self.layout = arrange(*scene.extent, video.width, video.height, walls=bool(scene.walls))
+        low, size = box_of(scene)
+        self.layout = arrange(*size, video.width, video.height, walls=bool(scene.walls), low=tuple(low))
         self.quantity = quantity(video.color_by, scene, end)
         labels = wall_labels(scene, self.layout)
         self._background = draw_background(scene, self.layout, self.quantity, title)
@@ -47,6 +49,7 @@ class FramePainter:
         panel, scale = self.layout.profile, self.layout.scale
         inside = panel.height - 2, panel.width - 2  # the axes' lines are on the border
         self._discs = Discs(self.disc_radius, (self.layout.box.height, self.layout.box.width))
+        self._solids = Solids(scene, self.layout) if scene.bodies else None
         self._dots, self._line = Discs(3.0 * scale, inside), Discs(max(0.5, 0.9 * scale), inside)
 
     @property
@@ -69,17 +72,17 @@ class FramePainter:
         return frame
 
     def _paint_box(self, frame: np.ndarray, snapshot: Snapshot) -> None:
-        rect, scale = self.layout.box, self.layout.pixels_per_length
-        width, height = self.scene.extent
-        points = snapshot.x * scale, (height - snapshot.y) * scale
+        points = self.layout.places(snapshot.x, snapshot.y)
         lowest, highest = self.quantity.colour_range
         share = (self.quantity.of_discs(snapshot) - lowest) / (highest - lowest)
         share = np.clip(np.nan_to_num(share, nan=1.0), 0.0, 1.0)  # a run that went wrong still gets its picture
-        panel = frame[rect.slices]
-        periodic = self.layout.shown_length == width and self.scene.periodic[0], self.scene.periodic[1]
+        panel = frame[self.layout.box.slices]
+        periodic = self.layout.shown_length == self.scene.extent[0] and self.scene.periodic[0], self.scene.periodic[1]
         for rows, coverage, mean in self._discs.means(points, share, periodic=periodic):
             entry = (256.0 * coverage + np.minimum(255.0 * mean + 0.5, 255.0)).astype(np.intp)
             panel[rows] = np.take(self._table, entry, axis=0)
+        if self._solids:
+            self._solids.paint(panel, snapshot.bodies)
 
     def _paint_profile(self, frame: np.ndarray, snapshot: Snapshot) -> None:
         panel = frame[self.layout.profile.slices][1:-1, 1:-1]
@@ -97,6 +100,7 @@ class FramePainter:
         rect, (lowest, highest) = self.layout.profile, self.quantity.profile_range
         first, last = self.quantity.profile.line.ends
         column = (values - lowest) / (highest - lowest) * rect.width - 1.0
+        column = np.clip(column, -rect.width, 2 * rect.width)  # an exact curve may go to infinity
         return column, (1.0 - (along - first) / (last - first)) * rect.height - 1.0
 
 

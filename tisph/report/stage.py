@@ -48,13 +48,13 @@ class _Stage:
         self.figure, self.scene, self.layout = figure, scene, layout
         self.overlay = figure.add_axes((0, 0, 1, 1), xlim=(0, layout.width), ylim=(layout.height, 0))
         self.overlay.set_axis_off()
-        self.length_exponent = axis_exponent(max(layout.shown_length, scene.extent[1]))
+        self.length_exponent = axis_exponent(float(np.abs((layout.low, layout.high)).max()))
 
     def box_axes(self) -> None:
         """Axes of the box: x below it, y at the left."""
         layout, unit = self.layout, self.scene.units.length
-        width, height = self.scene.extent
-        axes = self._axes(layout.box, (0.0, layout.shown_length), (0.0, height))
+        width = self.scene.extent[0]
+        axes = self._axes(layout.box, *zip(layout.low, layout.high, strict=True))
         beside = layout.pixels(1)  # the discs, not below them
         for sides, periodic, walls in zip(
             (("left", "right"), ("top", "bottom")), self.scene.periodic, (0, layout.wall_thickness), strict=True

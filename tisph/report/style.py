@@ -18,6 +18,8 @@ MUTED = "#6b7280"
 GRID = "#e3e6ea"
 WALL_MOVING = "#3d4451"
 WALL_RESTING = "#eef0f3"
+SOLID = "#d3d7dd"
+SOLID_EDGE = WALL_MOVING
 PARTICLES = "#8fa3c4"
 EXACT = "#d1362f"
 

@@ -163,6 +163,12 @@ class Annulus(Scene):
         radius = np.clip(self.radii(x, y), self.inner_radius, self.outer_radius)
         return self._flow.settled_velocity(radius, t) if self._settled else self._flow.velocity(radius, t)
 
+    def exact_vorticity(self, x, y, t):
+        """Exact vorticity dv/dx - du/dy (1/time), the shear rate r d(u/r)/dr and twice u/r."""
+        radius = np.clip(self.radii(x, y), self.inner_radius, self.outer_radius)
+        shear_rate = self._flow.settled_shear_rate if self._settled else self._flow.shear_rate
+        return shear_rate(radius, t) + 2 * self.exact_around(x, y, t) / radius
+
     def exact(self, field, x, y, t):
         """Exact value of one of ``fields``; of zero mean for the pressure, at one time."""
         if field == "pressure":
@@ -243,20 +249,21 @@ class Annulus(Scene):
         )
 
     def shown(self, name, end):
-        """Speed with the velocity around the axis over the radius, or vorticity with it, or pressure."""
-        profile = self._pressure() if name == "pressure" else self._velocity()
-        if name == "pressure":
-            of = profile.of
-        elif name == "vorticity":
-            of = _turning.vorticity(self)
-        else:
-            of = lambda snapshot: np.hypot(snapshot.u, snapshot.v)  # noqa: E731
+        """Speed with the velocity around the axis over the radius, or vorticity or pressure over it.
+
+        Where a wall starts, the vorticity is infinite at first: colours and axes are fitted to what is left of it in a
+        layer a quarter of the gap deep, or half-way through the run.
+        """
+        profile = {"speed": self._velocity, "vorticity": self._vorticity, "pressure": self._pressure}[name]()
+        first = self.start_time
+        if name == "vorticity":
+            first = max(first, min(self.viscous_time / 16, 0.5 * (first + end)))
         return Shown(
             name=name,
             signed=name != "speed",
-            of=of,
+            of=profile.of if name != "speed" else lambda snapshot: np.hypot(snapshot.u, snapshot.v),
             profile=profile,
-            ends=profile.extremes(self.start_time, end),
+            ends=profile.extremes(first, end),
             otherwise=1.0,
             error=("pressure", "p") if name == "pressure" else None,
         )
@@ -269,6 +276,10 @@ class Annulus(Scene):
         scale = (self.reference_velocity, "speed of the fastest wall")
         of, exact = self.around, self.exact_around
         return Profile(name="u_θ", unit="velocity", line=self._radius, of=of, exact=exact, scale=scale)
+
+    def _vorticity(self):
+        exact, of = self.exact_vorticity, _turning.vorticity(self)
+        return Profile(name="vorticity", unit="rate", line=self._radius, of=of, exact=exact)
 
     def _pressure(self):
         def of(snapshot):

@@ -28,6 +28,7 @@ MOVIES = {
     "oldroyd_b_couette": 0.7,  # the shear wave has just crossed the gap
     "oldroyd_b_poiseuille": 0.3,  # at the overshoot
     "taylor_green": 0.5,
+    "circular_couette": 0.1,  # the outer cylinder begins to feel it
 }
 """Configs, and the t* of each preview: the first frame after it."""
 

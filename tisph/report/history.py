@@ -16,6 +16,7 @@ _CURVE_POINTS = 300
 _CURVE_POINTS_A_PERIOD = 40
 _MOST_CURVE_POINTS = 4000
 _LEGEND_ENTRIES = 12
+_MARGIN = 0.1  # of the axis, beyond what is resolved of a history that begins at infinity
 
 
 def plot_history(path: Path | str, scene, settings: dict, times: np.ndarray, values: np.ndarray) -> None:
@@ -45,6 +46,8 @@ def plot_history(path: Path | str, scene, settings: dict, times: np.ndarray, val
                 markers.set_label(_label(*followed.labels[index]))
         if exact is not None:
             axes.plot([], [], "-", color=style.TEXT, linewidth=0.9, label="exact")
+            if not np.isfinite(exact).all():
+                _fit_to_what_is_resolved(axes, scene, times, values)
         _mark_unresolved(axes, scene, times)
         _label_axes(axes, scene, followed, float(np.max(np.abs(times))))
         legend = figure.legend(loc="center right", frameon=False, fontsize=10)
@@ -61,6 +64,16 @@ def _mark_unresolved(axes, scene, times: np.ndarray) -> None:
     early = [t for t in times if not resolution(scene, t)[0]]
     if early and early[-1] > times[0]:
         axes.axvspan(times[0], early[-1], color=style.MUTED, alpha=0.2, linewidth=0, label="not resolved")
+
+
+def _fit_to_what_is_resolved(axes, scene, times: np.ndarray, values: np.ndarray) -> None:
+    """Let the axis show the numbers at times at which the flow is resolved, in place of an infinite start."""
+    resolved = [resolution(scene, t)[0] for t in times]
+    values = values[resolved] if any(resolved) else values
+    values = values[np.isfinite(values)]
+    if values.size:
+        margin = _MARGIN * (values.max() - values.min() or 1.0)
+        axes.set_ylim(values.min() - margin, values.max() + margin)
 
 
 def _curve_times(first: float, last: float, periods: float) -> np.ndarray:

@@ -119,6 +119,12 @@ class Annulus(Scene):
         """Viscous time of the gap."""
         return self.viscous_time
 
+    @property
+    def loses_its_scale(self):
+        """Whether the cylinders turn to and fro, or come to rest."""
+        walls = self.inner, self.outer
+        return any(wall.oscillates for wall in walls) or not any(wall.cosine for wall in walls)
+
     def thinnest_layer(self, t):
         """Depth of the thinnest layer at time ``t`` and where it is: that of a wall that started, or oscillates."""
         layers = []
@@ -210,8 +216,7 @@ class Annulus(Scene):
 
     def description(self):
         """Radii and centre."""
-        radii = {"inner_radius": self.inner_radius, "outer_radius": self.outer_radius}
-        return {**radii, "centre": list(self.centre)}
+        return {"inner_radius": self.inner_radius, "outer_radius": self.outer_radius, "centre": list(self.centre)}
 
     def facts(self):
         """Numbers of the flow."""
@@ -274,12 +279,10 @@ class Annulus(Scene):
 
     def _velocity(self):
         scale = (self.reference_velocity, "speed of the fastest wall")
-        of, exact = self.around, self.exact_around
-        return Profile(name="u_θ", unit="velocity", line=self._radius, of=of, exact=exact, scale=scale)
+        return Profile("u_θ", "velocity", self._radius, of=self.around, exact=self.exact_around, scale=scale)
 
     def _vorticity(self):
-        exact, of = self.exact_vorticity, _turning.vorticity(self)
-        return Profile(name="vorticity", unit="rate", line=self._radius, of=of, exact=exact)
+        return Profile("vorticity", "rate", self._radius, of=_turning.vorticity(self), exact=self.exact_vorticity)
 
     def _pressure(self):
         def of(snapshot):

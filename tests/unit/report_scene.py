@@ -1,10 +1,11 @@
-"""A channel and snapshots for the tests of the pictures: exact velocities on a lattice, no simulation."""
+"""A channel, an annulus, and snapshots for the tests of the pictures: exact velocities on a lattice, no simulation."""
 
 from types import SimpleNamespace
 
 import numpy as np
 
 from tisph.scenes._motion import Polymer, WallMotion
+from tisph.scenes.annulus import Annulus
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Snapshot
 
@@ -57,6 +58,23 @@ class PolymerChannel(Channel):
 def make_polymer_channel(**changes) -> PolymerChannel:
     channel = make_channel(polymer=Polymer(relaxation_time=2.0, solvent_fraction=0.5), **changes)
     return PolymerChannel(**vars(channel))
+
+
+def make_annulus(**changes) -> Annulus:
+    settings = {
+        "inner_radius": 1.0,
+        "outer_radius": 2.0,
+        "centre": (0.0, 0.0),
+        "inner": WallMotion(1.0),
+        "outer": WallMotion(0.0),
+        "density": 1.0,
+        "kinematic_viscosity": 0.02,
+        "spacing": 1 / 8,
+        "initial_state": "rest",
+        "start_time": 0.0,
+        "units": SimpleNamespace(length="m", mass="kg", time="s"),
+    }
+    return Annulus(**{**settings, **changes})
 
 
 def make_snapshot(channel, t, slip=0.0) -> Snapshot:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from PIL import Image
-from report_scene import make_channel, make_polymer_channel, make_snapshot
+from report_scene import make_annulus, make_channel, make_polymer_channel, make_snapshot
 
 from tisph.report.history import plot_history
 from tisph.report.profiles import plot_profiles
@@ -141,3 +141,22 @@ def test_legends_overlap_no_other_text(tmp_path, figures):
         assert box.x1 <= PNG_SIZE[0]
         for axes in figure.axes:
             assert not box.overlaps(axes.get_tightbbox())
+
+
+def test_a_torque_that_begins_at_infinity_leaves_room_for_the_rest(tmp_path, figures):
+    annulus, times = make_annulus(), np.linspace(0.0, 20.0, 41)
+    exact = np.stack(annulus.exact_torques(times), axis=1)
+    assert np.isinf(exact[0, 0])
+    torques = np.vstack([[np.nan, np.nan], exact[1:]])
+    plot_history(tmp_path / "history.png", annulus, {}, times, torques)
+    low, high = figures[0].axes[0].get_ylim()
+    resolved = exact[times >= (2 / 8) ** 2 / 0.02]  # a layer of two spacings
+    assert low < resolved.min() < resolved.max() < high
+    assert high - low == pytest.approx(1.2 * np.ptp(resolved))
+    plot_history(tmp_path / "history.png", annulus, {}, times[:1], torques[:1])  # stopped at once: nothing to fit to
+
+
+def test_a_flow_between_cylinders_that_swings_or_stops_has_errors_over_the_wall_speed():
+    swinging, stopped = WallMotion(0.0, 1.0, 2.0), WallMotion(0.0, before=1.0)
+    assert not make_annulus().loses_its_scale
+    assert all(make_annulus(inner=wall).loses_its_scale for wall in (swinging, stopped))

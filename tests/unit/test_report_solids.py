@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from report_scene import make_video
+from report_scene import make_annulus, make_video
 
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
@@ -16,7 +16,6 @@ from tisph.report import style
 from tisph.report.layout import arrange, box_of
 from tisph.report.painter import FramePainter
 from tisph.report.solids import Solids
-from tisph.scenes.annulus import Annulus
 from tisph.simulation.start import start_snapshot, start_values
 from tisph.snapshot import Bodies
 
@@ -113,11 +112,7 @@ def test_marks_slide_with_a_straight_wall_and_the_wall_stays():
 
 @pytest.fixture(scope="module")
 def annulus():
-    return Annulus(
-        inner_radius=1.0, outer_radius=2.0, centre=(3.0, -1.0), inner=WallMotion(1.0), outer=WallMotion(-0.5),
-        density=1.0, kinematic_viscosity=0.02, spacing=1 / 8, initial_state="developed", start_time=0.0,
-        units=SimpleNamespace(length="m", mass="kg", time="s"),
-    )  # fmt: skip
+    return make_annulus(centre=(3.0, -1.0), outer=WallMotion(-0.5), initial_state="developed")
 
 
 def test_frames_of_the_annulus_have_liquid_between_the_cylinders(annulus):

@@ -69,5 +69,5 @@ class Model(BaseModel):
 
     @model_serializer(mode="wrap")
     def _leave_out_unused_keys(self, handler: Any) -> dict[str, Any]:
-        unused = [key for key in (*self.exclusive_keys, *self.unset_keys) if getattr(self, key) is None]
+        unused = [key for key in (*self.exclusive_keys, *self.unset_keys) if getattr(self, key) in (None, ())]
         return {key: value for key, value in handler(self).items() if key not in unused}

@@ -69,6 +69,20 @@ def nearest_valid(config: Any) -> str:
     return f"nearest valid {name}: {' or '.join(choices)}{rest}" if choices else ""
 
 
+def columns_misfit(config: Any) -> list[Problem]:
+    """What is wrong with a ``geometry.length`` whose particles along x are no whole number, ``config.aspect`` across."""
+    rows, whole, length = across(config), config.across, config.geometry.length
+    columns, least = rows * length / whole, least_in_period(config)
+    if is_whole(columns):
+        return []
+    wholes = sorted({max(number, least) for number in (math.floor(columns), math.ceil(columns))})
+    lengths = " or ".join(f"{number * whole / rows:.12g}" for number in wholes)
+    text = f"{round(rows)} particles across make {columns:.6g} columns in the length {length:g}"
+    nearest = nearest_valid(config)
+    text = f"{text}, no whole number; nearest valid geometry.length: {lengths}{nearest and f'; {nearest}'}"
+    return [(resolution_key(config), text, "geometry.length")]
+
+
 def _across(config: Any) -> Iterator[Problem]:
     given, least, key = across(config), least_across(config), resolution_key(config)
     if given < least * (1 - DIVISION_TOLERANCE):

@@ -102,6 +102,11 @@ class RigidMotion:
         """Way (2,) of the centre from t = 0 on."""
         return np.array([self.x.displacement(t), self.y.displacement(t)])
 
+    def largest_speed(self, reach):
+        """Bound of the speed of what is within ``reach`` [length] of the centre."""
+        around = reach * self.turning.largest_speed if self.turning.largest_speed else 0.0
+        return float(np.hypot(self.x.largest_speed, self.y.largest_speed)) + around
+
 
 REST = RigidMotion()
 """No motion at all."""

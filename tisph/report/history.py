@@ -27,6 +27,7 @@ def plot_history(path: Path | str, scene, settings: dict, times: np.ndarray, val
     are shaded.
     """
     followed = scene.followed(**settings)
+    values = values / np.array(followed.sizes) if followed.sizes else values
     with style.plot_style():
         figure = style.plot_figure()
         axes = figure.subplots()

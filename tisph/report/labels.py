@@ -96,6 +96,7 @@ def unit_label(kind: str, units) -> str:
     if kind == "stress":
         return stress_unit(units)
     return {
+        "number": "",
         "rate": f"1/{units.time}",
         "energy": f"{units.length}²/{units.time}²",
         "torque": f"{units.mass} {units.length}/{units.time}²",

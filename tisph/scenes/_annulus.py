@@ -100,8 +100,8 @@ class Annulus(Scene):
         """Particles that fill the annulus; see ``tisph/geometry/filling.py``."""
         return tuple(fill(self.region, self.spacing, max(jitter, LEAST_JITTER), seed).T)
 
-    def inside(self, points):
-        """Whether each of the ``points`` (n, 2) is in the liquid."""
+    def inside(self, points, time=0.0):
+        """Whether each of the ``points`` (n, 2) is in the liquid, at any ``time``."""
         return self.region.distance(points) >= 0.0
 
     @property

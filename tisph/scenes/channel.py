@@ -132,16 +132,10 @@ class Config(schema.Config):
 
     def misfits(self) -> Iterator[Problem]:
         """A length that the spacing does not divide, or that is too short."""
-        rows, gap, length = lattice.across(self), self.geometry.gap, self.geometry.length
-        columns, least = rows * length / gap, lattice.least_in_period(self)
-        if not lattice.is_whole(columns):
-            wholes = sorted({max(whole, least) for whole in (math.floor(columns), math.ceil(columns))})
-            lengths = " or ".join(f"{whole * gap / rows:.12g}" for whole in wholes)
-            text = f"{round(rows)} particles across make {columns:.6g} columns in the length {length:g}"
-            nearest = lattice.nearest_valid(self)
-            text = f"{text}, no whole number; nearest valid geometry.length: {lengths}{nearest and f'; {nearest}'}"
-            yield lattice.resolution_key(self), text, "geometry.length"
-        elif round(columns) < least:
+        least = lattice.least_in_period(self)
+        wrong = lattice.columns_misfit(self)
+        yield from wrong
+        if not wrong and self.columns < least:
             text = f"must be at least {least * self.spacing:.6g}, {least} particle spacings"
             yield "geometry.length", f"{text}: the periodic neighbour search needs three cells along x"
 

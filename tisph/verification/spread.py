@@ -33,7 +33,7 @@ def largest_hole(scene, snapshot):
             places = places[near]
     cells = Voronoi(places)
     within = cells.vertices[((cells.vertices >= low) & (cells.vertices <= low + sizes)).all(axis=1)]
-    centres = within[scene.inside(within)] if scene.bodies else within
+    centres = within[scene.inside(within, snapshot.t)] if scene.bodies else within
     tree, _ = periodic_tree(scene, _places(snapshot))
     return tree.query(np.where(scene.periodic, centres % periods, centres))[0].max() / scene.spacing
 

@@ -38,7 +38,7 @@ def _flow(scene):
     corners = scene.origin, np.add(scene.origin, scene.extent)
     origin, columns, rows = box_around(corners, scene.spacing, scene.periodic, MARGIN * max(scene.extent))
     walls = Walls(scene.bodies, scene.spacing, origin)
-    box = {"origin": origin, "columns": columns, "rows": rows}
+    box = {"origin": origin, "columns": columns, "rows": rows, "acceleration": (scene.acceleration, 0.0)}
     return BoundedFlow(liquid=scene.particles, walls=walls, corners=scene.corners, **box, **liquid)
 
 

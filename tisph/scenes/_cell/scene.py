@@ -1,0 +1,179 @@
+"""A cell with bodies in it: the liquid around them, at rest at first, driven by them, by walls or by an acceleration."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from tisph.geometry.filling import fill
+from tisph.geometry.region import Region
+from tisph.scenes._cell import measures, views
+from tisph.scenes._scene import Scene
+
+LEAST_JITTER = 0.05
+"""What is a lattice far from bodies at first would be torn along the diagonals: pushes cancel there."""
+
+KOZENY = 5.0
+"""Constant of Kozeny and Carman: permeability = porosity^3 / (5 wetted length per area^2)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cell(Scene):
+    """``bodies`` in a cell of ``size`` (width, height) that is ``periodic`` or has walls, which are bodies, too.
+
+    ``names`` are those of the bodies as they are put after those of their numbers, such as ``_0`` in ``drag_0``. The
+    first ``count`` are in the liquid, the others around it. ``planes``: pairs as in ``Scene.walls``.
+    """
+
+    size: tuple[float, float]
+    names: tuple[str, ...]
+    count: int
+    density: float
+    kinematic_viscosity: float
+    spacing: float
+    units: Any
+    bodies: tuple = ()
+    periodic: tuple[bool, bool] = (True, True)
+    origin: tuple[float, float] = (0.0, 0.0)
+    acceleration: float = 0.0
+    planes: tuple = ()
+
+    @classmethod
+    def around(cls, config, bodies, walls, **others):
+        """The scene of a ``config`` with these ``bodies`` in the liquid, and ``walls`` by their names."""
+        numbers = ("",) if len(bodies) == 1 else tuple(f"_{index}" for index in range(len(bodies)))
+        return cls(
+            size=config.extent,
+            names=(*numbers, *(f"_{name}" for name in walls)),
+            count=len(bodies),
+            density=config.fluid.density,
+            kinematic_viscosity=config.kinematic_viscosity,
+            spacing=config.spacing,
+            units=config.units,
+            bodies=(*bodies, *walls.values()),
+            periodic=config.periodic,
+            acceleration=config.drive.acceleration,
+            **others,
+        )
+
+    @property
+    def extent(self):
+        """Width and height of the cell."""
+        return self.size
+
+    @property
+    def walls(self):
+        """The plane walls."""
+        return self.planes
+
+    @cached_property
+    def region(self):
+        """The liquid's region at t = 0."""
+        return Region(self.bodies, self.origin, tuple(np.add(self.origin, self.size)), self.periodic)
+
+    @cached_property
+    def particles(self):
+        """Number of fluid particles."""
+        return round(self.region.area / self.spacing**2)
+
+    def jittered(self, seed, jitter):
+        """Particles that fill the region; see ``tisph/geometry/filling.py``."""
+        return tuple(fill(self.region, self.spacing, max(jitter, LEAST_JITTER), seed).T)
+
+    def inside(self, points, time=0.0):
+        """Whether each of the ``points`` (n, 2) is in the liquid at ``time``."""
+        return self.distance(points, time) >= 0.0
+
+    def distance(self, points, time):
+        """Distances (n,) of ``points`` (n, 2) from the nearest wall at ``time``, negative outside the liquid."""
+        return np.min([body.nearest(points, time).distance for body in self.bodies], axis=0)
+
+    def initial(self, x, y):
+        """Rest."""
+        return {"u": np.zeros_like(x), "v": np.zeros_like(x)}
+
+    @cached_property
+    def reference_length(self):
+        """Height of the largest body, as it stands at first; that of the cell without bodies."""
+        heights = [np.ptp(body.shape.extent[:, 1]) for body in self.bodies[: self.count]]
+        return float(max(heights, default=self.size[1]))
+
+    @property
+    def fastest_body(self):
+        """Bound of the speed of bodies and walls."""
+        return max(body.motion.largest_speed(body.reach if body.shape.area else 0.0) for body in self.bodies)
+
+    @cached_property
+    def driven_velocity(self):
+        """Rough mean velocity by the acceleration: that of Kozeny and Carman, or less.
+
+        acceleration/nu * porosity^3 / (5 s^2), s being the wetted length per area; at most that of a channel as wide as
+        the smaller side of the cell, H^2/12, and sqrt(acceleration * H), which inertia allows.
+        """
+        area = float(np.prod(self.size))
+        wetted, smaller = sum(body.shape.length for body in self.bodies) / area, min(self.size)
+        permeability = min((self.region.area / area) ** 3 / (KOZENY * wetted**2), smaller**2 / 12)
+        drive = abs(self.acceleration)
+        return min(drive * permeability / self.kinematic_viscosity, math.sqrt(drive * smaller))
+
+    @property
+    def reference_velocity(self):
+        """The larger of ``fastest_body`` and ``driven_velocity``."""
+        return max(self.fastest_body, self.driven_velocity)
+
+    @property
+    def peak_velocity(self):
+        """What may become of it in gaps, roughly."""
+        return 2.0 * self.reference_velocity
+
+    @property
+    def force_scale(self):
+        """Size of forces per length: viscous ones, and the acceleration of all liquid."""
+        viscous = self.dynamic_viscosity * self.reference_velocity
+        return max(viscous, self.density * abs(self.acceleration) * self.region.area)
+
+    @property
+    def flow_numbers(self):
+        """Forces, and mean velocity."""
+        loads = [f"{kind}{name}" for name in self.names[: self.count] for kind in measures.LOADS]
+        return (*loads, "superficial_velocity")
+
+    def thinnest_layer(self, t):
+        """Depth of the layer at walls that started at t = 0, or oscillate, and where it is."""
+        layers = [(math.sqrt(self.kinematic_viscosity * t), "the layer at bodies and walls")]
+        for body in self.bodies:
+            for part in (body.motion.x, body.motion.y, body.motion.turning):
+                if part.oscillates and part.largest_speed:
+                    depth = 0.5 * part.penetration_depth(self.kinematic_viscosity)
+                    layers.append((depth, "the layer at what oscillates"))
+        return min(layers)
+
+    def measures(self, snapshot, followed):
+        """Forces, torques, mean velocities, spread; see ``measures.py``."""
+        return measures.measures(self, snapshot)
+
+    def description(self):
+        """Width and height of the cell, number of bodies."""
+        return {**super().description(), "bodies": self.count}
+
+    def facts(self):
+        """Numbers of the flow and of what drives it."""
+        return views.facts(self)
+
+    def profiles(self):
+        """Velocities along the centre lines."""
+        return views.profiles(self)
+
+    def followed(self):
+        """Forces and torques on the bodies, and the mean velocity."""
+        return views.followed(self)
+
+    def shown_fields(self, name):
+        """The pressure, where it is shown."""
+        return ("pressure",) if name == "pressure" else ()
+
+    def shown(self, name, end):
+        """Speed with the velocity along the vertical centre line, vorticity, or pressure."""
+        return views.shown(self, name)

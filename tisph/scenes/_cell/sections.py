@@ -1,0 +1,65 @@
+"""What a config says of a cell with bodies beside its size: drive, start; and what speaks against the bodies in it."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from tisph.bodies._room import problems as room_problems
+from tisph.config.base import Model, Problem, Signed
+from tisph.geometry.body import Body
+
+LEAST_IN_PERIOD = 18
+"""Particles in a period: near walls operators reach up to 5.8 spacings, and the neighbour search needs three cells."""
+
+MOMENTS = 25
+"""Times at which it is looked whether bodies that move keep apart."""
+
+
+class Drive(Model):
+    """Body acceleration along x [length/time^2], of either sign: -(dp/dx) / density of a pressure gradient."""
+
+    acceleration: Signed = 0.0
+
+
+class Start(Model):
+    """The liquid is at rest at first. ``jitter``: uniform random displacement of every particle, +- that many spacings
+    in x and y, after they have been spread evenly; the same ``seed`` gives the same displacements."""
+
+    jitter: Annotated[float, Field(ge=0, lt=0.5)] = 0.0
+    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
+
+
+def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -> Iterator[Problem]:
+    """What is wrong with the ``config`` of a cell with these ``bodies``, and ``walls`` by what messages call them."""
+    rheology = config.fluid.rheology
+    if rheology.carries_stress:
+        yield "fluid.rheology.type", f"must be newtonian: around bodies {rheology.type} cannot be served yet"
+    if config.scheme.type == "wcsph":
+        yield "scheme.type", "wcsph cannot serve bodies yet; take auto or implicit"
+    moving = any(body.motion.largest_speed(body.reach) for body in (*bodies, *walls.values()))
+    if not moving and not config.drive.acceleration:
+        yield "drive.acceleration", "nothing moves: give an acceleration, or let a body or a wall move"
+    yield from room_problems(bodies, walls, config.spacing, _times(config, bodies))
+
+
+def _times(config: Any, bodies: Sequence[Body]) -> Sequence[float]:
+    """Times at which bodies are looked at: the first alone where none of them goes anywhere."""
+    if not any(body.motion.largest_speed(body.reach) for body in bodies):
+        return (0.0,)
+    return np.linspace(0.0, config.time.end, MOMENTS).tolist()
+
+
+def period_misfits(config: Any) -> Iterator[Problem]:
+    """Too few particles in a period."""
+    for periodic, size, key in zip(config.periodic, config.extent, ("length", "height"), strict=True):
+        if periodic and round(size / config.spacing) < LEAST_IN_PERIOD:
+            text = f"must be at least {LEAST_IN_PERIOD * config.spacing:.6g}, {LEAST_IN_PERIOD} particle spacings"
+            yield f"geometry.{key}", f"{text}: the neighbour search needs three cells around bodies"
+
+
+def periods(config: Any) -> tuple[float, float]:
+    """Periods of the cell along x and y, infinite where there are walls."""
+    return tuple(size if periodic else math.inf for size, periodic in zip(config.extent, config.periodic, strict=True))

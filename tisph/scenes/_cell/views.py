@@ -1,0 +1,91 @@
+"""What is looked at in a cell with bodies: centre lines, forces over time, the movie, and in words what the flow is."""
+
+import numpy as np
+
+from tisph.scenes import _turning
+from tisph.scenes._cell import measures
+from tisph.scenes._views import Followed, Profile, Shown
+
+VELOCITY = "superficial_velocity"
+
+
+def profiles(cell):
+    """Velocities along the centre lines."""
+    return [_velocity(cell, "u", "y"), _velocity(cell, "v", "x")]
+
+
+def followed(cell):
+    """Forces and torques on the bodies in the liquid, or on its walls where there are none, and the mean velocity."""
+    names = cell.names[: cell.count] or cell.names
+    columns = [f"{kind}{name}" for name in names for kind in measures.LOADS]
+    force, speed = cell.force_scale, cell.reference_velocity
+    sizes = {"drag": force, "lift": force, "torque": force * cell.reference_length}
+
+    def measure(snapshot):
+        found = measures.loads(cell, snapshot)
+        values = [np.nan if found[column] is None else found[column] for column in columns]
+        return np.array([*values, measures.velocities(cell, snapshot)[VELOCITY]])
+
+    return Followed(
+        content="forces and torques of the liquid on bodies, and the mean velocity, over time t",
+        name="forces over F, torques over F d, velocity over U",
+        unit="number",
+        scale=1.0,
+        columns=[*columns, VELOCITY],
+        labels=[(column.replace("_", " "), None) for column in (*columns, VELOCITY)],
+        exact_columns=[],
+        measure=measure,
+        exact=lambda times: None,
+        sizes=[*(sizes[column.partition("_")[0]] for column in columns), speed],
+    )
+
+
+def shown(cell, name):
+    """Speed with the velocity along the vertical centre line, vorticity along it, or pressure."""
+    speed = 2.0 * cell.reference_velocity
+    if name == "speed":
+        profile, largest = _velocity(cell, "u", "y"), speed
+        of = lambda snapshot: np.hypot(snapshot.u, snapshot.v)  # noqa: E731
+    elif name == "vorticity":
+        of, largest = _turning.vorticity(cell), 2.0 * speed / cell.reference_length
+        profile = _along_centre(cell, name, "rate", of)
+    else:
+        of, largest = lambda snapshot: snapshot.pressure, cell.force_scale / cell.reference_length
+        profile = _along_centre(cell, "p", "stress", of)
+    return Shown(
+        name=name,
+        signed=name != "speed",
+        of=of,
+        profile=profile,
+        ends=(-largest, largest),
+        otherwise=largest,
+    )
+
+
+def facts(cell):
+    """Pairs (label, text) of what the flow is, independent of particles."""
+    length, time = cell.units.length, cell.units.time
+    fastest = cell.fastest_body >= cell.driven_velocity
+    of = "of the fastest body or wall" if fastest else "that the acceleration causes, roughly"
+    width, height = cell.size
+    lines = [
+        ("Reynolds number", f"{cell.reynolds:.6g}  (U d / nu)"),
+        ("speed U", f"{cell.reference_velocity:.6g} {length}/{time}, {of}"),
+        (
+            "length d",
+            f"{cell.reference_length:.6g} {length}, the height of {'the largest body' if cell.count else 'all'}",
+        ),
+        ("kinematic viscosity nu", f"{cell.kinematic_viscosity:.6g} {length}^2/{time}"),
+        ("cell", f"{width:.6g} x {height:.6g} {length}, {cell.region.area / (width * height):.4g} of it liquid"),
+    ]
+    if cell.acceleration:
+        lines.append(("drive", f"{cell.acceleration:.6g} {length}/{time}^2 along x"))
+    return lines
+
+
+def _velocity(cell, field, along):
+    return _along_centre(cell, field, "velocity", lambda snapshot: getattr(snapshot, field), along)
+
+
+def _along_centre(cell, name, unit, of, along="y"):
+    return Profile(name=name, unit=unit, line=_turning.centre_line(cell, along), of=of)

@@ -1,0 +1,73 @@
+"""Bodies in a doubly periodic cell: liquid flows through a lattice of them, or they move in it.
+
+The cell is 0 <= x <= length, 0 <= y <= height; bodies may lie across its edges. The liquid is at rest at first, and
+driven by an acceleration along x, by bodies that move, or both. An acceleration f is that of a pressure which falls by
+density * f per length: at last the forces on the bodies add up to it times the mass of the liquid, and with the
+pressure's own buoyancy, the same for the bodies' areas, to density * f * length * height.
+
+No solution is known. What others have found for cylinders in slow flow: A. S. Sangani and A. Acrivos, Int. J. Multiphase
+Flow 8 (1982) 193-206.
+"""
+
+from collections.abc import Iterator
+from typing import Annotated
+
+from pydantic import Field
+
+from tisph.bodies._body import Bodies
+from tisph.config import lattice, schema
+from tisph.config.base import Model, Positive, Problem
+from tisph.scenes._cell.scene import Cell
+from tisph.scenes._cell.sections import Drive, Start, cell_problems, period_misfits, periods
+
+
+class Geometry(Model):
+    """Periods along x and y [length]."""
+
+    length: Positive
+    height: Positive
+
+
+class Config(schema.Config):
+    """A whole run in the cell."""
+
+    geometry: Geometry
+    bodies: Annotated[Bodies, Field(min_length=1)]
+    drive: Drive = Drive()
+    initial: Start = Start()
+
+    periodic = (True, True)
+    across_name = "the height"
+    colours = ("speed", "vorticity", "pressure")
+
+    @property
+    def across(self) -> float:
+        """The height."""
+        return self.geometry.height
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Width and height."""
+        return self.geometry.length, self.geometry.height
+
+    @property
+    def aspect(self) -> float:
+        """Length over height."""
+        return self.geometry.length / self.geometry.height
+
+    def problems(self) -> Iterator[Problem]:
+        """What the scene has against the config."""
+        yield from cell_problems(self, [body.body(periods(self)) for body in self.bodies], {})
+
+    def misfits(self) -> Iterator[Problem]:
+        """A length that the spacing does not divide, or periods that are too short."""
+        yield from lattice.columns_misfit(self) or period_misfits(self)
+
+
+class Scene:
+    """Makes the scene."""
+
+    @staticmethod
+    def from_config(config):
+        """The scene that a validated config describes."""
+        return Cell.around(config, [body.body(periods(config)) for body in config.bodies], {})

@@ -1,0 +1,46 @@
+"""Mean velocity over a cell with bodies in it, by values between the particles.
+
+The mean over the particles is no good measure: where walls have them a twentieth of a spacing farther off than half a
+spacing, it is too large by some 1e-3 although the velocities themselves are right to 1e-4.
+"""
+
+import numpy as np
+
+from tisph.verification.fits import local_fits, periodic_tree
+
+MOST_NODES = 1600
+"""At which the velocity is taken: at most, so that a mean costs no more than a step."""
+
+DEGREE, NEAREST = 2, 18
+"""Of the fits at the nodes, whose neighbours are particles and points on walls."""
+
+
+def cell_mean(scene, snapshot):
+    """Mean (2,) of the velocity over the box of ``scene``, in which a body's solid moves as it does.
+
+    Over the nodes of a lattice, a particle spacing or more apart; NaN where a number of the snapshot is none.
+    """
+    velocity = np.stack([snapshot.u, snapshot.v], axis=1).astype(float)
+    places = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
+    if not (np.isfinite(velocity).all() and np.isfinite(places).all()):
+        return np.full(2, np.nan)
+    boundaries = [body.boundary_points(scene.spacing, snapshot.t).point for body in scene.bodies]
+    at_walls = [body.velocity(points, snapshot.t) for body, points in zip(scene.bodies, boundaries, strict=True)]
+    tree, _ = periodic_tree(scene, np.concatenate([places, *boundaries]))
+    nodes = _nodes(scene)
+    feet = np.stack([body.nearest(nodes, snapshot.t).distance for body in scene.bodies])
+    values, nearest, liquid = np.zeros_like(nodes), np.argmin(feet, axis=0), feet.min(axis=0) > 0.0
+    for index, body in enumerate(scene.bodies):
+        within = (nearest == index) & ~liquid & bool(body.shape.liquid == "outside" and body.shape.area)
+        values[within] = body.velocity(nodes[within], snapshot.t)
+    everywhere = np.concatenate([velocity, *at_walls])
+    values[liquid] = local_fits(tree, nodes[liquid], everywhere, DEGREE, NEAREST)[0][:, 0]
+    return values.mean(axis=0)
+
+
+def _nodes(scene):
+    """Return the nodes (n, 2), middles of equal parts of the box."""
+    size = np.asarray(scene.extent)
+    counts = np.maximum(1, np.floor(size / max(scene.spacing, np.sqrt(size.prod() / MOST_NODES)) + 1e-9)).astype(int)
+    rows = [low + (np.arange(n) + 0.5) * part / n for low, part, n in zip(scene.origin, size, counts, strict=True)]
+    return np.stack(np.meshgrid(*rows, indexing="ij"), axis=-1).reshape(-1, 2)

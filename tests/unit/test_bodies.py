@@ -17,7 +17,7 @@ from tisph.geometry.motion import REST, RigidMotion, WallMotion
 SCENE = """\
 \"\"\"A scene of a test, with bodies.\"\"\"
 
-from tisph.bodies._body import Bodies
+from tisph.config.fields import Bodies
 from tisph.scenes import taylor_green
 
 

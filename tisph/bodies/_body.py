@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from tisph.config.base import Model, Positive, Signed, refusals
-from tisph.config.fields import Member, number_or
+from tisph.config.fields import number_or
 from tisph.geometry.body import Body
 from tisph.geometry.motion import REST, RigidMotion, WallMotion
 
@@ -90,7 +90,3 @@ class Placed(Model):
         """The body, in a cell of these periods (infinite where it is not periodic)."""
         motion = REST if self.motion == "fixed" else self.motion.rigid()
         return Body(self.shape(), self.centre, self.angle, motion, periods)
-
-
-Bodies = Annotated[tuple[Annotated[Model, Member("bodies", usual="circle")], ...], Field(strict=False, max_length=100)]
-"""The type of the section ``bodies`` of a scene."""

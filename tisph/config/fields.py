@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Discriminator, GetCoreSchemaHandler, Tag, ValidationError
+from pydantic import AfterValidator, Discriminator, Field, GetCoreSchemaHandler, Tag, ValidationError
 from pydantic_core import CoreSchema, core_schema
 
 from tisph import families
@@ -102,3 +102,7 @@ class Member:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         serialization = core_schema.plain_serializer_function_ser_schema(lambda model: model.model_dump())
         return core_schema.no_info_plain_validator_function(self._validate, serialization=serialization)
+
+
+Bodies = Annotated[tuple[Annotated[Model, Member("bodies", usual="circle")], ...], Field(strict=False, max_length=100)]
+"""The type of the section ``bodies`` of a scene; no shape is loaded before one is given."""

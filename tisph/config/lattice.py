@@ -13,6 +13,10 @@ DIVISION_TOLERANCE = 1e-9
 SKIN = 0.3
 """Room for a neighbour list's skin in units of the spacing, where the least length is worked out."""
 
+LEAST_IN_PERIOD = 18
+"""Particles in a period of a box with bodies: near walls operators reach up to 5.8 spacings, and the neighbour search
+needs three cells."""
+
 SMALLEST_F32 = 1e-6
 """Spacing whose fourth power, in the determinant of the moments, is well inside the range of single precision."""
 
@@ -70,7 +74,7 @@ def nearest_valid(config: Any) -> str:
 
 
 def columns_misfit(config: Any) -> list[Problem]:
-    """What is wrong with a ``geometry.length`` whose particles along x are no whole number, ``config.aspect`` across."""
+    """What is wrong with a ``geometry.length`` in which there is no whole number of particles."""
     rows, whole, length = across(config), config.across, config.geometry.length
     columns, least = rows * length / whole, least_in_period(config)
     if is_whole(columns):

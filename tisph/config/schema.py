@@ -259,7 +259,7 @@ class Config(Model):
     def resolved_yaml(self) -> str:
         """The config as YAML with every default filled in; loading it gives an equal config."""
         data = self.model_dump()
-        return yaml_text.dump({key: data[key] for key in self.keys()})
+        return yaml_text.dump({key: data[key] for key in self.keys() if key in data})
 
 
 ORDER = (

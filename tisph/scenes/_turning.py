@@ -9,9 +9,9 @@ from tisph.verification.spread import largest_hole, nearest_two
 
 def centre_line(scene, along):
     """The line ``along`` x or y through the middle of the box, with the particles half a spacing around it."""
-    width, height = scene.extent
-    end, place = (width, 0.5 * height) if along == "x" else (height, 0.5 * width)
-    return Line(along, (0.0, end), place, half_width=0.5 * scene.spacing)
+    axis = "xy".index(along)
+    ends = [(low, low + size) for low, size in zip(scene.origin, scene.extent, strict=True)]
+    return Line(along, ends[axis], 0.5 * sum(ends[1 - axis]), half_width=0.5 * scene.spacing)
 
 
 def vorticity(scene):

@@ -4,10 +4,10 @@ The walls are the planes y = 0 and y = gap; fluid particles start at cell centre
 starts, or changes, at t = 0. The run's clock starts at ``start_time``: at the initial time of the config for the
 state ``exact``, else at 0.
 
-Here is what a config says of it; the flow itself is in ``_channel``.
+Here is what a config says of it; the flow itself is in ``_channel``. With ``bodies`` in it the flow is no more
+parallel, and no solution is known: then it is a cell between two walls (``_cell``), at rest at first.
 """
 
-import math
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
@@ -15,15 +15,12 @@ from pydantic import Field
 
 from tisph.config import lattice, schema
 from tisph.config.base import Model, Positive, Problem, Signed
-from tisph.config.fields import Member, number_or
+from tisph.config.fields import Bodies, Member, number_or
 from tisph.config.motion import Amplitude, WallMotion
 from tisph.scenes._channel.scene import Channel
 from tisph.scenes._initial import Initial, start_problems
 
 __all__ = ["Channel", "Config", "Scene"]
-
-Scene = Channel
-"""The name under which a run asks a module of this folder for its scene."""
 
 WallTreatment = Member("walls", usual="consistent_image")
 
@@ -80,13 +77,23 @@ class Config(schema.Config):
     geometry: Geometry
     walls: Walls
     drive: Drive = Drive()
+    bodies: Bodies = ()
     initial: Initial = Initial()
     tracers: Tracers = Tracers()
 
-    parallel = True
+    unset_keys = ("bodies",)
     periodic = (True, False)
     across_name = "the gap"
-    colours = ("speed", "shear_stress")
+
+    @property
+    def parallel(self) -> bool:
+        """Whether all flow is along x."""
+        return not self.bodies
+
+    @property
+    def colours(self) -> tuple[str, ...]:
+        """What the particles of a movie may be coloured by."""
+        return ("speed", "vorticity", "pressure") if self.bodies else ("speed", "shear_stress")
 
     @property
     def across(self) -> float:
@@ -115,11 +122,16 @@ class Config(schema.Config):
 
     @property
     def followed(self) -> dict[str, Any]:
-        """The tracers."""
-        return {"count": self.tracers.count, "x": self.tracers.x}
+        """The tracers; with bodies it is the forces on them that are followed."""
+        return {} if self.bodies else {"count": self.tracers.count, "x": self.tracers.x}
 
     def problems(self) -> Iterator[Problem]:
         """What the channel has against the config."""
+        if self.bodies:
+            from tisph.scenes._channel.with_bodies import problems  # of no use to the others
+
+            yield from problems(self)
+            return
         yield from _motion(self)
         yield from start_problems(self, ("bottom", "top"))
         yield from _polymer(self)
@@ -132,12 +144,25 @@ class Config(schema.Config):
 
     def misfits(self) -> Iterator[Problem]:
         """A length that the spacing does not divide, or that is too short."""
-        least = lattice.least_in_period(self)
         wrong = lattice.columns_misfit(self)
         yield from wrong
+        least = lattice.LEAST_IN_PERIOD if self.bodies else lattice.least_in_period(self)
         if not wrong and self.columns < least:
             text = f"must be at least {least * self.spacing:.6g}, {least} particle spacings"
             yield "geometry.length", f"{text}: the periodic neighbour search needs three cells along x"
+
+
+class Scene:
+    """Makes the scene of a run: the plane channel, or the cell that it is with bodies."""
+
+    @staticmethod
+    def from_config(config):
+        """The scene that a validated config describes."""
+        if not config.bodies:
+            return Channel.from_config(config)
+        from tisph.scenes._channel.with_bodies import scene
+
+        return scene(config)
 
 
 def _motion(config: Config) -> Iterator[Problem]:

@@ -5,8 +5,8 @@ driven by an acceleration along x, by bodies that move, or both. An acceleration
 density * f per length: at last the forces on the bodies add up to it times the mass of the liquid, and with the
 pressure's own buoyancy, the same for the bodies' areas, to density * f * length * height.
 
-No solution is known. What others have found for cylinders in slow flow: A. S. Sangani and A. Acrivos, Int. J. Multiphase
-Flow 8 (1982) 193-206.
+No solution is known. What others have found for cylinders in slow flow: A. S. Sangani and A. Acrivos, Int. J.
+Multiphase Flow 8 (1982) 193-206.
 """
 
 from collections.abc import Iterator
@@ -14,9 +14,9 @@ from typing import Annotated
 
 from pydantic import Field
 
-from tisph.bodies._body import Bodies
 from tisph.config import lattice, schema
 from tisph.config.base import Model, Positive, Problem
+from tisph.config.fields import Bodies
 from tisph.scenes._cell.scene import Cell
 from tisph.scenes._cell.sections import Drive, Start, cell_problems, period_misfits, periods
 

@@ -14,28 +14,30 @@ def measures(cell, snapshot):
     return {**loads(cell, snapshot), **velocities(cell, snapshot), **_turning.measures(cell, snapshot)[1]}
 
 
+def kinds(body):
+    """Those of ``LOADS`` that a body has: a straight wall, which goes on for ever, has no torque."""
+    return LOADS if body.shape.area else LOADS[:2]
+
+
 def loads(cell, snapshot):
-    """``LOADS`` of each body and, with ``_pressure`` after them, what the pressure has of them; None without forces."""
+    """``LOADS`` of each body and, with ``_pressure`` after them, the pressure's part of them; None without forces."""
     found = {}
-    for index, name in enumerate(cell.names):
-        values = (None,) * 6 if snapshot.bodies is None else _loads(snapshot.bodies, index)
-        found |= dict(
-            zip(
-                [*(f"{kind}{name}" for kind in LOADS), *(f"{kind}_pressure{name}" for kind in LOADS)],
-                values,
-                strict=True,
-            )
-        )
+    for index, (name, body) in enumerate(zip(cell.names, cell.bodies, strict=True)):
+        for part, values in zip(("", "_pressure"), _loads(snapshot.bodies, index), strict=True):
+            found |= {f"{kind}{part}{name}": value for kind, value in zip(kinds(body), values, strict=False)}
     return found
 
 
 def _loads(bodies, index):
-    total, pressure = (*bodies.force[index], bodies.torque[index]), bodies.pressure_force[index]
-    return (*total, *pressure, bodies.pressure_torque[index])
+    """Return all loads of a body, and those of the pressure."""
+    if bodies is None:
+        return (None,) * 3, (None,) * 3
+    pressure = (*bodies.pressure_force[index], bodies.pressure_torque[index])
+    return (*bodies.force[index], bodies.torque[index]), pressure
 
 
 def velocities(cell, snapshot):
-    """Mean velocities along x: ``superficial_velocity`` over the cell, bodies included, ``mean_velocity`` of the liquid.
+    """Mean velocities along x: ``superficial_velocity`` over the cell with the bodies, ``mean_velocity`` of the liquid.
 
     ``flow_rate``: the superficial velocity times the height of the cell, per length across the plane.
     """

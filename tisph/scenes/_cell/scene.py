@@ -1,4 +1,4 @@
-"""A cell with bodies in it: the liquid around them, at rest at first, driven by them, by walls or by an acceleration."""
+"""A cell with bodies in it: liquid around them, at rest at first, driven by them, by walls or by an acceleration."""
 
 import math
 from dataclasses import dataclass
@@ -10,6 +10,7 @@ import numpy as np
 from tisph.geometry.filling import fill
 from tisph.geometry.region import Region
 from tisph.scenes._cell import measures, views
+from tisph.scenes._cell.walls import largest_speed
 from tisph.scenes._scene import Scene
 
 LEAST_JITTER = 0.05
@@ -100,10 +101,10 @@ class Cell(Scene):
         heights = [np.ptp(body.shape.extent[:, 1]) for body in self.bodies[: self.count]]
         return float(max(heights, default=self.size[1]))
 
-    @property
+    @cached_property
     def fastest_body(self):
-        """Bound of the speed of bodies and walls."""
-        return max(body.motion.largest_speed(body.reach if body.shape.area else 0.0) for body in self.bodies)
+        """Speed of the fastest body or wall."""
+        return max(largest_speed(body) for body in self.bodies)
 
     @cached_property
     def driven_velocity(self):

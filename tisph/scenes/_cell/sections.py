@@ -9,10 +9,9 @@ from pydantic import Field
 
 from tisph.bodies._room import problems as room_problems
 from tisph.config.base import Model, Problem, Signed
+from tisph.config.lattice import LEAST_IN_PERIOD
 from tisph.geometry.body import Body
-
-LEAST_IN_PERIOD = 18
-"""Particles in a period: near walls operators reach up to 5.8 spacings, and the neighbour search needs three cells."""
+from tisph.scenes._cell.walls import largest_speed
 
 MOMENTS = 25
 """Times at which it is looked whether bodies that move keep apart."""
@@ -39,7 +38,7 @@ def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -
         yield "fluid.rheology.type", f"must be newtonian: around bodies {rheology.type} cannot be served yet"
     if config.scheme.type == "wcsph":
         yield "scheme.type", "wcsph cannot serve bodies yet; take auto or implicit"
-    moving = any(body.motion.largest_speed(body.reach) for body in (*bodies, *walls.values()))
+    moving = any(largest_speed(body) for body in (*bodies, *walls.values()))
     if not moving and not config.drive.acceleration:
         yield "drive.acceleration", "nothing moves: give an acceleration, or let a body or a wall move"
     yield from room_problems(bodies, walls, config.spacing, _times(config, bodies))
@@ -47,7 +46,7 @@ def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -
 
 def _times(config: Any, bodies: Sequence[Body]) -> Sequence[float]:
     """Times at which bodies are looked at: the first alone where none of them goes anywhere."""
-    if not any(body.motion.largest_speed(body.reach) for body in bodies):
+    if not any(largest_speed(body) for body in bodies):
         return (0.0,)
     return np.linspace(0.0, config.time.end, MOMENTS).tolist()
 

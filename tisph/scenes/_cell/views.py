@@ -16,8 +16,9 @@ def profiles(cell):
 
 def followed(cell):
     """Forces and torques on the bodies in the liquid, or on its walls where there are none, and the mean velocity."""
-    names = cell.names[: cell.count] or cell.names
-    columns = [f"{kind}{name}" for name in names for kind in measures.LOADS]
+    chosen = slice(cell.count or None)
+    pairs = zip(cell.names[chosen], cell.bodies[chosen], strict=True)
+    columns = [f"{kind}{name}" for name, body in pairs for kind in measures.kinds(body)]
     force, speed = cell.force_scale, cell.reference_velocity
     sizes = {"drag": force, "lift": force, "torque": force * cell.reference_length}
 

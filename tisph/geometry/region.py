@@ -41,9 +41,11 @@ class Region:
         if all(self.periodic):
             area = float(np.prod(self.size))
         else:
-            # lines bound a strip, whose area by Gauss is the sum of length times distance, from any one point
+            # by Gauss the sum of length times distance, from any one point, of lines is the area of a strip between
+            # two, and twice that of a box between four
             lines = [body for body in self.bodies if not body.shape.area]
             area = sum(body.shape.length * float(body.nearest(np.zeros((1, 2))).distance[0]) for body in lines)
+            area /= 2 - sum(self.periodic)
         return area + sum(body.shape.area * (1 if body.shape.liquid == "inside" else -1) for body in self.bodies)
 
     def distance(self, points):

@@ -1,16 +1,25 @@
-"""Slow flow in the corner between a wall that slides in its own direction and one at rest.
+"""Flow in the corner between a wall that slides in its own direction and one at rest.
 
-G. I. Taylor, "On scraping viscous fluid from a plane surface" (1962): the stream function r f(theta), with
-f = a cos theta + b sin theta + c theta cos theta + d theta sin theta, theta from the sliding wall. Velocities do not
-depend on the distance r from the corner, the pressure goes like 1/r. Near the corner all flow is like that, whatever it
-is elsewhere: without it no field of finite spacing resolves such a corner (O. Botella, R. Peyret, Comput. Fluids 27
-(1998) 421-433, who subtract it in a cavity).
+In polar coordinates from the corner, theta from the sliding wall, the stream function is, for small r U/nu,
+
+    psi = r f(theta) + r^2 h(theta)/nu + ...,    u_r = psi_theta/r,    u_theta = -psi_r.
+
+The first part is slow flow (G. I. Taylor, "On scraping viscous fluid from a plane surface", 1962): f = a cos theta +
+b sin theta + c theta cos theta + d theta sin theta. Its velocities do not depend on r, its pressure goes like 1/r, and
+so does its acceleration (u . grad) u = -f (f + f'')/r e_r, which has a finite flux out of the corner. The second part
+carries that: h'''' + 4 h'' = -f' (f + f'') - f (f' + f'''), with a pressure e log r. Near the corner all flow is
+like that, whatever it is elsewhere: without it no field of finite spacing resolves such a corner (O. Botella, R.
+Peyret, Comput. Fluids 27 (1998) 421-433, who subtract both parts in a cavity).
 """
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial import Chebyshev, chebyshev
+
+DEGREE = 16
+"""Of the polynomial that h is: for angles up to a right one its coefficients end below 1e-9 of the largest."""
 
 
 @dataclass(frozen=True)
@@ -18,7 +27,7 @@ class SlidingCorner:
     """Corner at ``place`` (2,): a wall that slides away from it along ``along`` (2,), with ``speed``, meets another.
 
     ``inward`` (2,): normal of the sliding wall into the liquid; both directions are of length 1. ``angle`` between the
-    walls, in radians.
+    walls, in radians. The second part of the flow fades with exp(-(r/``reach``)^2): far from the corner it says nothing.
     """
 
     place: tuple[float, float]
@@ -26,6 +35,8 @@ class SlidingCorner:
     inward: tuple[float, float]
     angle: float
     speed: float
+    kinematic_viscosity: float
+    reach: float
 
     @cached_property
     def _coefficients(self):
@@ -39,25 +50,88 @@ class SlidingCorner:
         ]
         return np.linalg.solve(conditions, [0.0, self.speed, 0.0, 0.0])
 
+    def _slow(self, theta):
+        """f and its first three derivatives at ``theta`` (n,)."""
+        a, b, c, d = self._coefficients
+        sine, cosine = np.sin(theta), np.cos(theta)
+        waves = c * cosine + d * sine, d * cosine - c * sine
+        f = a * cosine + b * sine + theta * waves[0]
+        slope = b * cosine - a * sine + waves[0] + theta * waves[1]
+        return f, slope, 2 * waves[1] - f, -2 * waves[0] - slope
+
+    @cached_property
+    def _inertial(self):
+        """h/nu and its first three derivatives, polynomials of theta, and e, by collocation."""
+        domain, size = [0.0, self.angle], 2.0 / self.angle
+        node = chebyshev.chebpts1(DEGREE - 3)
+        basis = [chebyshev.chebder(np.eye(DEGREE + 1), k) * size**k for k in range(5)]
+        at = lambda place, k: chebyshev.chebvander(place, DEGREE - k) @ basis[k]  # noqa: E731
+        f, first, second, third = self._slow((node + 1.0) / size)
+        push = -first * (f + second) - f * (first + third)
+        ends = np.array([-1.0, 1.0])
+        rows = np.concatenate([at(node, 4) + 4.0 * at(node, 2), at(ends, 0), at(ends, 1)])
+        h = Chebyshev(np.linalg.solve(rows, np.concatenate([push, np.zeros(4)])), domain)
+        log = (4.0 * h.deriv()(0.0) + h.deriv(3)(0.0)) + 0.0  # f is 0 at theta = 0
+        return [h, *(h.deriv(k) for k in (1, 2, 3))], float(log)
+
     def _polar(self, points):
-        """Distance from the corner and angle from the sliding wall of ``points`` (n, 2)."""
+        """Distance r and angle theta of ``points`` (n, 2), and the unit vectors (n, 2) along both."""
         away = np.asarray(points, dtype=float) - self.place
         along, inward = away @ np.array(self.along), away @ np.array(self.inward)
-        return np.hypot(along, inward), np.arctan2(inward, along)
+        radius, theta = np.hypot(along, inward), np.arctan2(inward, along)
+        frame, sine, cosine = np.array([self.along, self.inward]), np.sin(theta), np.cos(theta)
+        ways = np.stack([cosine, sine], axis=1) @ frame, np.stack([-sine, cosine], axis=1) @ frame
+        return radius, theta, *ways
+
+    def _fading(self, radius):
+        """S = r^2 exp(-(r/reach)^2): chi = S/r^2, S'/r, S'', S'''."""
+        k, square = self.reach**-2, (radius / self.reach) ** 2
+        chi = np.exp(-square)
+        second, third = 2.0 - 10.0 * square + 4.0 * square**2, -24.0 + 36.0 * square - 8.0 * square**2
+        return chi, (2.0 - 2.0 * square) * chi, second * chi, k * radius * third * chi
 
     def velocity(self, points):
         """Velocity (n, 2) at ``points`` (n, 2)."""
-        a, b, c, d = self._coefficients
-        theta = self._polar(points)[1]
-        sine, cosine = np.sin(theta), np.cos(theta)
-        radial = -a * sine + b * cosine + c * (cosine - theta * sine) + d * (sine + theta * cosine)
-        turning = -(a * cosine + b * sine + c * theta * cosine + d * theta * sine)
-        along, inward = radial * cosine - turning * sine, radial * sine + turning * cosine
-        return along[:, None] * np.array(self.along) + inward[:, None] * np.array(self.inward)
+        radius, theta, out, turn = self._polar(points)
+        f, slope, *_ = self._slow(theta)
+        (h, h1, *_), _ = self._inertial
+        chi, first, *_ = self._fading(radius)
+        scale = radius / self.kinematic_viscosity
+        radial, turning = slope + scale * chi * h1(theta), -f - scale * first * h(theta)
+        return radial[:, None] * out + turning[:, None] * turn
+
+    def gradient(self, points):
+        """Velocity gradient (n, 2, 2) at ``points`` (n, 2), derivatives along the first axis of the velocities along the second."""
+        radius, theta, out, turn = self._polar(points)
+        f, slope, bend, _ = self._slow(theta)
+        h, h1, h2 = (part(theta) / self.kinematic_viscosity for part in self._inertial[0][:3])
+        chi, first, second, _ = self._fading(radius)
+        stretch = (chi - 2.0 * (radius / self.reach) ** 2 * chi) * h1
+        parts = {
+            (0, 0): stretch,
+            (0, 1): -second * h,
+            (1, 0): (bend + f) / radius + chi * h2 + first * h,
+            (1, 1): -first * h1 + chi * h1,
+        }
+        ways = out, turn
+        return sum(part[:, None, None] * ways[i][:, :, None] * ways[j][:, None, :] for (i, j), part in parts.items())
 
     def pressure(self, points):
-        """Pressure (n,) over the dynamic viscosity at ``points`` (n, 2); infinite in the corner."""
+        """Pressure over the density (n,) at ``points`` (n, 2); infinite in the corner."""
         _, _, c, d = self._coefficients
-        distance, theta = self._polar(points)
+        radius, theta, *_ = self._polar(points)
         with np.errstate(divide="ignore", invalid="ignore"):
-            return 2.0 * (c * np.cos(theta) + d * np.sin(theta)) / distance
+            slow = 2.0 * self.kinematic_viscosity * (c * np.cos(theta) + d * np.sin(theta)) / radius
+            return slow + self._inertial[1] * self._fading(radius)[0] * np.log(radius / self.reach)
+
+    def acceleration(self, points):
+        """Acceleration (n, 2) at ``points`` (n, 2) by the pressure and the viscous forces of this flow."""
+        radius, theta, out, turn = self._polar(points)
+        (h, h1, h2, h3), log = self._inertial
+        h, h1, h2, h3 = (part(theta) for part in (h, h1, h2, h3))
+        chi, first, second, third = self._fading(radius)
+        square, k = (radius / self.reach) ** 2, radius * self.reach**-2
+        slope = (chi / radius - 2.0 * k * chi * np.log(radius / self.reach)) * log
+        radial = (second + first) * h1 / radius + chi * h3 / radius - slope
+        turning = -(third + k * (4.0 * square - 8.0) * chi) * h + 2.0 * k * chi * h2
+        return radial[:, None] * out + turning[:, None] * turn

@@ -5,6 +5,7 @@ import numpy as np
 from tisph.neighbours.points import used
 from tisph.runtime import view
 from tisph.schemes._splitting._closure import Closure
+from tisph.schemes._splitting._corners import Corners
 from tisph.schemes._splitting._history import VELOCITIES
 from tisph.schemes._splitting._walls import FARTHEST
 from tisph.snapshot import Bodies
@@ -30,6 +31,7 @@ class Bounds:
         self.history, self.points, self.shift = history, history.points, shift
         self.closure = Closure(history.rows, flow.walls, flow.spacing)
         self.slots = slice(flow.liquid, flow.particles)
+        self.corners = Corners(flow.corners, flow.origin) if flow.corners else None
         self.twists, self.loads = [], []
         self.normal = self.velocity = None
 
@@ -50,33 +52,49 @@ class Bounds:
         """Turn the rows at the points to what the pressure needs."""
         self.closure.place(self.normal)
 
-    def singular(self):
-        """Return the velocities (points, 2) that the flow in the corners has where the points are."""
-        place = view(self.points.place)[: self.flow.particles] + self.flow.origin
-        return sum(corner.velocity(place) for corner in self.flow.corners)
+    def pushed(self, split, length):
+        """Let the solvers of a step of this ``length`` look for what the flow in the corners does not have."""
+        if self.corners:
+            rest = view(split.expected)[: self.flow.particles]
+            force = self.corners.force(self.places, rest)
+            view(split.known)[: self.flow.particles] -= length * force
 
-    def part_off(self, split, leading):
-        """Let the solvers of a step look for what the flow in the corners does not have."""
-        if self.flow.corners:
-            singular = self.singular()
-            for field, factor in ((split.known, leading), (split.expected, 1.0), (split.velocity.x, 1.0)):
-                view(field)[: self.flow.particles] -= factor * singular
+    @property
+    def places(self):
+        """Where particles and points are (points, 2)."""
+        return view(self.points.place)[: self.flow.particles].astype(float)
 
-    def carry(self, sign):
-        """Add the flow in the corners to the velocities carried, or take it off by a ``sign`` of -1."""
-        if self.flow.corners:
-            carried = used(self.history.carried)[:, : 2 * VELOCITIES].reshape(-1, VELOCITIES, 2)
-            carried += sign * self.singular()[:, None]
-            if sign > 0:
-                velocity = carried[: self.flow.liquid, 0]
-                view(self.history.fastest)[()] = np.linalg.norm(velocity - velocity.mean(axis=0), axis=1).max()
+    @property
+    def rests(self):
+        """Velocities (points, ages, 2) that all carry, in place: less those of the flow in the corners."""
+        return used(self.history.carried)[: self.flow.particles, : 2 * VELOCITIES].reshape(-1, VELOCITIES, 2)
+
+    def predict(self, times, length):
+        """Put the particles where they are after a step of this ``length``, where the flow in the corners counts."""
+        if self.corners:
+            liquid = self.flow.liquid
+            weights = lambda part: times.at((1.0 - part) * length, VELOCITIES)  # noqa: E731
+            place = used(self.history.position)[:liquid].astype(float)
+            place = self.corners.gone(place, self.rests[:liquid].astype(float), weights, length)
+            view(self.points.place)[:liquid] = place % [self.flow.length, self.flow.gap]
+
+    def find_fastest(self):
+        """Take up the largest velocity relative to the mean, of which those carried are a part."""
+        if self.corners:
+            liquid = self.flow.liquid
+            velocity = self.rests[:liquid, 0] + self.corners.velocity(self.places[:liquid])
+            view(self.history.fastest)[()] = np.linalg.norm(velocity - velocity.mean(axis=0), axis=1).max()
 
     def begin(self, split):
         """Let the points have the velocities of the walls at the start, and the pressure meet their acceleration."""
-        used(self.history.carried)[self.slots, :2] = self.velocity
-        self.carry(-1)
-        view(split.velocity.x)[: self.flow.particles] = used(self.history.carried)[:, :2]
-        view(split.known)[self.slots] = -self.walls.acceleration(self.flow.start_time)
+        rest = self.rests
+        rest[self.slots, 0] = self.velocity
+        push = -self.walls.acceleration(self.flow.start_time)
+        if self.corners:
+            rest[:, 0] -= self.corners.velocity(self.places)
+            push -= self.corners.force(self.places[self.slots], rest[self.slots, 0])
+        view(split.velocity.x)[: self.flow.particles] = rest[:, 0]
+        view(split.known)[self.slots] = push
         self.conclude(split.velocity.x)
 
     def host_state(self):
@@ -102,7 +120,10 @@ class Bounds:
             ],
             axis=1,
         )
-        pressure = -carried[:, 2 * VELOCITIES, None] * normal
+        tractions = np.stack([viscous, -carried[:, 2 * VELOCITIES, None] * normal])
+        if self.corners:
+            tractions += self.corners.traction(self.places[self.slots], normal, self.flow.kinematic_viscosity)
+        viscous, pressure = tractions
         loads = self.walls.sums(self.flow.density * np.stack([viscous + pressure, pressure]), time)
         self.loads = [loads, *self.loads][:LOADS]
 
@@ -114,7 +135,10 @@ class Bounds:
 
     def drive(self, split, times):
         """Give the velocities of the walls at the end of a step to its solvers, and the curl expected there."""
-        view(split.velocity.x)[self.slots] = self.velocity
+        rest = self.velocity
+        if self.corners:
+            rest = rest - self.corners.velocity(self.places[self.slots])
+        view(split.velocity.x)[self.slots] = rest
         weights = times.ahead(min(KEPT, max(1, len(self.twists))))
         self.closure.twists[...] = sum(weight * twist for weight, twist in zip(weights, self.twists, strict=False))
 
@@ -122,6 +146,3 @@ class Bounds:
         """Keep the curl of the vorticity of the ``velocity`` at the end of a step, a field."""
         self.closure.spin(velocity)
         self.twists = [self.closure.twists.copy(), *self.twists][:KEPT]
-        if self.flow.corners:
-            carried = used(self.history.carried)[:, 2 : 2 * VELOCITIES].reshape(-1, VELOCITIES - 1, 2)
-            carried -= self.singular()[:, None]

@@ -123,6 +123,7 @@ class Scheme:
         used(self.history.carried)[:liquid, :2] = velocity
         used(self.history.number)[:liquid] = np.arange(len(position))
         view(self.history.path)[...] = 0.0
+        self.history.predict()
         self.assemble(self.time)
         if self.bounds:
             self.bounds.begin(self.split)
@@ -130,7 +131,7 @@ class Scheme:
         self.require_solution(self.split.begin(self.flow.kinematic_viscosity, self.residuals[0]))
         if self.bounds:
             self.bounds.measure(self.time)
-            self.bounds.carry(1)
+            self.bounds.find_fastest()
         self.control.begin(self.longest_step)
 
     @property
@@ -163,6 +164,9 @@ class Scheme:
         """Compute the velocities at the end of a step; return their estimated error, and of which order it is."""
         times = Times([length, *self.lengths], length)
         view(self.history.path)[...] = times.path()
+        self.history.predict()
+        if self.bounds:
+            self.bounds.predict(times, length)
         self.assemble(self.time + length)
         leading, back = times.backwards()
         view(self.split.back)[...] = back
@@ -174,7 +178,7 @@ class Scheme:
         self.split.look_back()
         if self.bounds:
             self.bounds.drive(self.split, times)
-            self.bounds.part_off(self.split, leading)
+            self.bounds.pushed(self.split, length)
         self.require_solution(self.split.solve(leading, length, nu, kept, self.residuals))
         error = self.split.error()
         if not math.isfinite(error):
@@ -183,7 +187,6 @@ class Scheme:
 
     def assemble(self, time):
         """Put the points where they are at the end of a step, at ``time``, and compute the operators there."""
-        self.history.predict()
         if self.bounds:
             self.bounds.place(time)
         self.points.find_neighbours()
@@ -213,7 +216,7 @@ class Scheme:
         self.shift.spread(self.steps == 0 and not self.bounds, min(1.0, gone / GONE))
         self.history.settle()
         if self.bounds:
-            self.bounds.carry(1)
+            self.bounds.find_fastest()
         if (self.steps + 1) % TIDYING == 0:
             self.history.tidy()
         self.time = self.control.end(self.time, length)
@@ -252,6 +255,13 @@ class Scheme:
             velocity = np.einsum("a,iac->ic", times.at(age, VELOCITIES), velocities)
             position = position - np.einsum("a,iac->ic", times.since(age), velocities)
             pressure = carried[:, 2 * VELOCITIES :] @ times.at(age, PRESSURES)
+        if self.bounds and self.bounds.corners:
+            if time != self.time:
+                position = self.bounds.corners.gone(
+                    self.seen[2], velocities, lambda part: times.at(part * age, VELOCITIES), -age
+                )
+            velocity = velocity + self.bounds.corners.velocity(position)
+            pressure = pressure + self.bounds.corners.pressure(position)
         return Snapshot(
             t=time,
             step=self.steps,

@@ -12,8 +12,8 @@ from tisph.snapshot import Snapshot
 END = 20.0
 
 
-def make_video(width=480, height=240, color_by="speed") -> SimpleNamespace:
-    return SimpleNamespace(fps=25, width=width, height=height, color_by=color_by)
+def make_video(width=480, height=240, color_by="speed", overlay="none") -> SimpleNamespace:
+    return SimpleNamespace(fps=25, width=width, height=height, color_by=color_by, overlay=overlay)
 
 
 VIDEO = make_video()

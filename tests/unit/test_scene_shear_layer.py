@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from PIL import Image
+from report_scene import make_video
 
 from tisph.config import load
 from tisph.errors import ConfigError
@@ -104,7 +105,7 @@ def test_files_and_pictures_do_without_a_reference(scene, start, tmp_path):
 
 @pytest.mark.parametrize("color_by", ["speed", "vorticity"])
 def test_the_movie_shows_the_layers(scene, start, color_by):
-    video = SimpleNamespace(fps=25, width=640, height=320, color_by=color_by)
+    video = make_video(640, 320, color_by)
     painter = FramePainter(scene, video, "layers", 4.0)
     assert painter._error_label(start) == ""
     panel = painter.paint(start)[painter.layout.box.slices].astype(float)

@@ -8,6 +8,7 @@ import matplotlib
 import numpy as np
 import pytest
 from PIL import Image
+from report_scene import make_video
 from vortices import make_scene, make_snapshot, scaled
 
 from tisph.errors import DivergedError
@@ -179,7 +180,7 @@ def test_profiles_are_drawn(tmp_path):
 
 
 def make_painter(color_by, **changes):
-    video = SimpleNamespace(fps=25, width=960, height=480, color_by=color_by)
+    video = make_video(960, 480, color_by)
     return FramePainter(make_scene(**changes), video, "vortices", 2.0)
 
 

@@ -104,7 +104,10 @@ class Time(Model):
 
 
 class Video(Model):
-    """Movie: frames a second, number of frames, size in pixels (even, as H.264 wants it), what colours show."""
+    """Movie: frames a second, number of frames, size in pixels (even, as H.264 wants it), what colours show.
+
+    ``overlay`` of ``vectors`` are velocities as arrows on an even grid.
+    """
 
     fps: Annotated[int, Field(ge=1, le=120)] = 30
     frames: Annotated[int, Field(ge=2, le=10_000)] = 120
@@ -112,6 +115,7 @@ class Video(Model):
     height: FrameHeight = 640
     renderer: Literal["raster"] = "raster"
     color_by: str = "speed"
+    overlay: Literal["none", "vectors"] = "none"
 
 
 class Output(Model):

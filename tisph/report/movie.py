@@ -15,8 +15,8 @@ from tisph.snapshot import Snapshot
 class Movie:
     """A movie of ``scene`` at ``path``, drawn and encoded a frame at a time.
 
-    ``video`` is the config's ``output.video`` (fps, width, height, color_by), ``title`` the name of the run and
-    ``end`` the time at which it ends, to which axes and colours are fitted. The file is opened by the first
+    ``video`` is the config's ``output.video`` (fps, width, height, color_by, overlay), ``title`` the name of the run
+    and ``end`` the time at which it ends, to which axes and colours are fitted. The file is opened by the first
     frame, so a Movie that only serves ``frame`` or ``save_frame`` writes none. As a context manager it closes the
     file whatever happens: what was added by then can be played.
     Raises TisphError if ffmpeg cannot start or stops early.

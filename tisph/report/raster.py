@@ -120,10 +120,11 @@ def filled(points: Points, shape: tuple[int, int]) -> np.ndarray:
     """Return the coverage (0 to 255) of every pixel by the area within a polygon that does not cross itself, uint8.
 
     Its corners are ``points``, in order; the panel is of ``shape`` (rows, columns), and the polygon may go beyond it.
+    Of many polygons (polygons, corners) all are covered, if they are run through the same way.
     """
     rows, columns = shape
     x, y = points[0], STRIPS * points[1] - 0.5  # strip k has its middle at y = k
-    ahead_x, ahead_y = np.roll(x, -1), np.roll(y, -1)
+    x, y, ahead_x, ahead_y = (part.ravel() for part in (x, y, np.roll(x, -1, axis=-1), np.roll(y, -1, axis=-1)))
     first, last = (
         np.clip(np.ceil(end(y, ahead_y)), 0, STRIPS * rows).astype(np.intp) for end in (np.minimum, np.maximum)
     )

@@ -49,7 +49,7 @@ CASES = {  # channel, end in seconds, color_by
 def measure(case):
     """Return ms a frame of drawing, of waiting and of everything, and the bytes of the movie, of one of ``CASES``."""
     channel, end, color_by = CASES[case]
-    settings = SimpleNamespace(width=WIDTH, height=HEIGHT, fps=FRAMES_PER_SECOND, color_by=color_by)
+    settings = SimpleNamespace(width=WIDTH, height=HEIGHT, fps=FRAMES_PER_SECOND, color_by=color_by, overlay="none")
     snapshots = _moving_particles(channel, end)
     painter = FramePainter(channel, settings, case, end)
     drawing = _milliseconds_a_frame(lambda: [painter.paint(snapshot) for snapshot in snapshots], time.process_time)

@@ -239,12 +239,12 @@ class Annulus(Scene):
 
     def followed(self):
         """Torques on the cylinders."""
-        scale = np.abs(self.exact_torques(max(self.start_time, self.viscous_time))).max()
+        scale = 2 * math.pi * self.inner_radius**2 * self.dynamic_viscosity * self.reference_velocity / self.gap
         return Followed(
             content="torque of the liquid on the cylinders over time t",
             name="torque per length",
             unit="torque",
-            scale=float(scale) or 1.0,
+            scale=scale,
             columns=["torque_inner", "torque_outer"],
             labels=[("inner cylinder", None), ("outer cylinder", None)],
             exact_columns=["torque_inner_exact", "torque_outer_exact"],

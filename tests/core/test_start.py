@@ -1,6 +1,7 @@
 """What a run shows of its start, and that it computes a flow in the flow's own frame."""
 
 import json
+import warnings
 
 import numpy as np
 import pytest
@@ -9,6 +10,9 @@ from tisph import config, simulation
 from tisph.folder import Folder
 from tisph.observers.history import read_history
 from tisph.observers.samples import read_samples
+from tisph.scenes.annulus import Annulus
+from tisph.simulation.start import start_snapshot, start_values
+from tisph.verification.metrics import sample_metrics
 
 CASE = """
 scene: channel
@@ -73,3 +77,29 @@ def test_a_flow_seen_from_a_moving_frame_is_the_same_flow(runs):
         assert np.allclose(seen.u - SPEED, own.u, rtol=0, atol=1e-15)  # the last digit of the speed
         assert np.allclose((seen.x - SPEED * seen.t) % 2.0, own.x, rtol=0, atol=1e-14)
         assert np.allclose(seen.y, own.y, rtol=0, atol=1e-14)
+
+
+ANNULUS = """
+scene: annulus
+fluid: {density: 2.0, kinematic_viscosity: 0.01}
+geometry: {inner_radius: 1.0, outer_radius: 2.0, centre: [3.0, 0.0]}
+walls: {inner: {angular_velocity: 1.0}}
+discretisation: {particles_across: 6}
+time: {end: 1.0}
+"""
+
+
+def test_bodies_at_the_start_are_in_their_places_and_no_number_says_what_the_liquid_does_to_them(tmp_path):
+    (tmp_path / "case.yaml").write_text(ANNULUS)
+    settings = config.load(tmp_path / "case.yaml")
+    scene = Annulus.from_config(settings)
+    snapshot = start_snapshot(scene, start_values(scene, settings.initial), "f64")
+    assert snapshot.bodies.centre.tolist() == [[3.0, 0.0]] * 2
+    assert snapshot.bodies.angular_velocity.tolist() == [1.0, 0.0]
+    assert np.isnan(scene.followed().measure(snapshot)).all()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # of a liquid at rest, and of an infinite torque
+        found = sample_metrics(scene, snapshot, None)
+    assert found["rms"] == 0.0
+    for name in ("torque_inner", "torque_inner_exact", "divergence_over_gradient"):
+        assert found[name] is None

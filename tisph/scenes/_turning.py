@@ -30,14 +30,15 @@ def vorticity(scene):
 def measures(scene, snapshot):
     """Return the mean square of the vorticity, and the numbers of a sample that need no reference.
 
-    ``divergence_over_gradient``: largest |div u| over the largest velocity gradient (Frobenius norm); ``nearest_two``
-    and ``largest_hole``, see ``verification/spread.py``; ``density_variation`` = max |density/density_0 - 1|. Gradients
-    are those of ``verification/gradients.py``, whose own errors are about 1e-4 of the largest at 50 particles a wave,
-    and fall with the fourth power of the spacing.
+    ``divergence_over_gradient``: largest |div u| over the largest velocity gradient (Frobenius norm), None at rest;
+    ``nearest_two`` and ``largest_hole``, see ``verification/spread.py``; ``density_variation`` = max |density/density_0
+    - 1|. Gradients are those of ``verification/gradients.py``, whose own errors are about 1e-4 of the largest at 50
+    particles a wave, and fall with the fourth power of the spacing.
     """
     slopes = velocity_gradients(scene, snapshot)
+    largest = np.max(np.linalg.norm(slopes, axis=0))
     return np.mean(np.square(slopes[2] - slopes[1])), {
-        "divergence_over_gradient": np.max(np.abs(slopes[0] + slopes[3])) / np.max(np.linalg.norm(slopes, axis=0)),
+        "divergence_over_gradient": np.max(np.abs(slopes[0] + slopes[3])) / largest if largest else None,
         "nearest_two": nearest_two(scene, snapshot),
         "largest_hole": largest_hole(scene, snapshot),
         "density_variation": np.max(np.abs(snapshot.density / scene.density - 1)),

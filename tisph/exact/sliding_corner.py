@@ -27,7 +27,8 @@ class SlidingCorner:
     """Corner at ``place`` (2,): a wall that slides away from it along ``along`` (2,), with ``speed``, meets another.
 
     ``inward`` (2,): normal of the sliding wall into the liquid; both directions are of length 1. ``angle`` between the
-    walls, in radians. The second part of the flow fades with exp(-(r/``reach``)^2): far from the corner it says nothing.
+    walls, in radians. The second part of the flow fades with exp(-(r/``reach``)^2), since far from the corner it says
+    nothing; ``share`` is how much of it there is.
     """
 
     place: tuple[float, float]
@@ -37,6 +38,7 @@ class SlidingCorner:
     speed: float
     kinematic_viscosity: float
     reach: float
+    share: float = 1.0
 
     @cached_property
     def _coefficients(self):
@@ -61,7 +63,7 @@ class SlidingCorner:
 
     @cached_property
     def _inertial(self):
-        """h/nu and its first three derivatives, polynomials of theta, and e, by collocation."""
+        """h and its first three derivatives, polynomials of theta, and e, by collocation."""
         domain, size = [0.0, self.angle], 2.0 / self.angle
         node = chebyshev.chebpts1(DEGREE - 3)
         basis = [chebyshev.chebder(np.eye(DEGREE + 1), k) * size**k for k in range(5)]
@@ -70,8 +72,8 @@ class SlidingCorner:
         push = -first * (f + second) - f * (first + third)
         ends = np.array([-1.0, 1.0])
         rows = np.concatenate([at(node, 4) + 4.0 * at(node, 2), at(ends, 0), at(ends, 1)])
-        h = Chebyshev(np.linalg.solve(rows, np.concatenate([push, np.zeros(4)])), domain)
-        log = (4.0 * h.deriv()(0.0) + h.deriv(3)(0.0)) + 0.0  # f is 0 at theta = 0
+        h = self.share * Chebyshev(np.linalg.solve(rows, np.concatenate([push, np.zeros(4)])), domain)
+        log = 4.0 * h.deriv()(0.0) + h.deriv(3)(0.0)  # + f (f + f''), but f is 0 at theta = 0
         return [h, *(h.deriv(k) for k in (1, 2, 3))], float(log)
 
     def _polar(self, points):

@@ -52,11 +52,11 @@ class Bounds:
         """Turn the rows at the points to what the pressure needs."""
         self.closure.place(self.normal)
 
-    def pushed(self, split, length):
+    def push(self, split, times, length):
         """Let the solvers of a step of this ``length`` look for what the flow in the corners does not have."""
         if self.corners:
-            rest = view(split.expected)[: self.flow.particles]
-            force = self.corners.force(self.places, rest)
+            rest = np.einsum("a,nac->nc", times.ahead(KEPT), self.rests[:, :KEPT].astype(float))
+            force = self.corners.force(self.places, rest, length)
             view(split.known)[: self.flow.particles] -= length * force
 
     @property
@@ -92,7 +92,7 @@ class Bounds:
         push = -self.walls.acceleration(self.flow.start_time)
         if self.corners:
             rest[:, 0] -= self.corners.velocity(self.places)
-            push -= self.corners.force(self.places[self.slots], rest[self.slots, 0])
+            push -= self.corners.force(self.places[self.slots], rest[self.slots, 0], 0.0)
         view(split.velocity.x)[: self.flow.particles] = rest[:, 0]
         view(split.known)[self.slots] = push
         self.conclude(split.velocity.x)

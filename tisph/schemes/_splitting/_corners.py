@@ -13,6 +13,9 @@ import numpy as np
 PARTS = 2
 """Of a step, in each of which the way of a particle is found by the classical Runge-Kutta method."""
 
+STEEPEST = 0.5
+"""Gradient of U times a step beyond which w . grad U fades."""
+
 
 class Corners:
     """The sum of the flows in the ``corners``, steady, at places (n, 2) that count from ``origin``."""
@@ -31,10 +34,15 @@ class Corners:
         """P (n,)."""
         return self._sum("pressure", place)
 
-    def force(self, place, rest):
-        """F (n, 2) where ``rest`` (n, 2) is w."""
-        velocity, slopes = rest + self.velocity(place), self._sum("gradient", place)
-        return np.einsum("ni,nij->nj", velocity, slopes) - self._sum("acceleration", place)
+    def force(self, place, rest, length):
+        """F (n, 2) where ``rest`` (n, 2) is w, for a step of this ``length``.
+
+        It fades where an explicit step would be unstable with it: so near the corner w is next to nothing.
+        """
+        slopes = self._sum("gradient", place)
+        steep = length * np.linalg.norm(slopes, axis=(1, 2)) / STEEPEST
+        force = np.einsum("ni,nij->nj", self.velocity(place) + rest, slopes) - self._sum("acceleration", place)
+        return force / (1.0 + steep**4)[:, None]
 
     def traction(self, place, normal, viscosity):
         """Parts (2, n, 2) of viscosity and pressure of the force per area and density along ``normal`` (n, 2)."""

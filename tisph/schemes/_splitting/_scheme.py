@@ -178,7 +178,7 @@ class Scheme:
         self.split.look_back()
         if self.bounds:
             self.bounds.drive(self.split, times)
-            self.bounds.pushed(self.split, length)
+            self.bounds.push(self.split, times, length)
         self.require_solution(self.split.solve(leading, length, nu, kept, self.residuals))
         error = self.split.error()
         if not math.isfinite(error):

@@ -51,8 +51,8 @@ class History:
         self._append("".join(map(self._line, times, values)).encode())
 
     def reading(self, snapshot):
-        """Return the pair of places and values of what is followed, arrays of shape (numbers,)."""
-        return self.followed.places, self.followed.measure(snapshot)
+        """Return what is followed: places and values, arrays of shape (numbers,), and times and values so far."""
+        return self.followed.places, self.followed.measure(snapshot), read_history(self.path)
 
     def flush(self):
         """Do nothing: what was observed is in the file."""

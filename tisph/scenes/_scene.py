@@ -164,10 +164,11 @@ class Scene:
         raise NotImplementedError
 
     def measures(self, snapshot, followed):
-        """What ``summary.json`` gets of a sample beside the errors: numbers by name, None for what does not exist.
+        """What ``summary.json`` gets of a sample beside the errors: numbers by name, or true, false and words, None for what does not exist.
 
-        ``snapshot`` has its ``reference``, as far as there is one; ``followed`` is the pair of ``Followed.places`` and
-        of what ``Followed.measure`` returns for it.
+        ``snapshot`` has its ``reference``, as far as there is one; ``followed`` has ``Followed.places``, what
+        ``Followed.measure`` returns for it, and, in a run, the pair of times (records,) and of what it was at all of
+        them, later ones too, (records, numbers).
         """
         return {}
 

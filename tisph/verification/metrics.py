@@ -12,7 +12,7 @@ ROUNDINGS = 4.0
 def sample_metrics(scene, snapshot, followed):
     """Compare a snapshot with the reference of its scene at its time.
 
-    ``followed`` is the pair of places and values of what the scene follows in time. Returns a dict of numbers, None
+    ``followed`` is what the scene follows in time, see ``Scene.measures``. Returns a dict of numbers, None
     where one does not exist (a relative error of a liquid at rest, any error without a reference):
 
     ``t``, ``step`` (how many there have been), ``t_star`` = t / time scale of the scene; ``resolved`` and the
@@ -32,9 +32,13 @@ def sample_metrics(scene, snapshot, followed):
         "linf": _largest_error(scene, snapshot),
         **scene.measures(snapshot, followed),
     }
-    numbers = {key: value if key == "step" else _number(value) for key, value in measures.items()}
+    numbers = {key: value if _is_word(key, value) else _number(value) for key, value in measures.items()}
     resolved, reason = resolution(scene, snapshot.t)
     return {"t": numbers.pop("t"), "resolved": resolved, "reason": reason, **numbers}
+
+
+def _is_word(key, value):
+    return key == "step" or isinstance(value, bool | str)
 
 
 def _number(value):

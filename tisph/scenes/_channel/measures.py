@@ -27,7 +27,7 @@ def measures(channel, snapshot, tracers):
     """
     return {
         **_stress_errors(channel, snapshot),
-        **_line_fits(channel, snapshot.t, *tracers),
+        **_line_fits(channel, snapshot.t, *tracers[:2]),
         **_centreline(channel, snapshot),
         **_wall_shears(channel, snapshot),
         "density_variation": np.max(np.abs(snapshot.density / channel.density - 1)),

@@ -1,0 +1,311 @@
+"""The cavity under a lid: its walls, what is measured in it, and what is looked at."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from tisph.exact.cavity import RegularCavity, centre_lines
+from tisph.exact.cavity import extremes as tabulated_extremes
+from tisph.exact.sliding_corner import SlidingCorner
+from tisph.geometry.body import Body
+from tisph.geometry.filling import fill
+from tisph.geometry.line import Line
+from tisph.geometry.region import Region
+from tisph.scenes import _steady, _turning
+from tisph.scenes._scene import Scene
+from tisph.scenes._views import Followed, Profile, Shown
+from tisph.verification.fits import interpolated
+
+LEAST_JITTER = 0.05
+"""The particles would stay on a lattice that the flow stretches otherwise, where pushes cancel."""
+
+REACH, VISCOUS_REACH, LEAST_REACH = 0.5, 100.0, 4.0
+"""Of the inertial part of the flow in the corners: in the shorter side, in nu/U at most, and in spacings at least."""
+
+RESOLVED_CORNER = 10.0
+"""Cell Reynolds number U spacing/nu above which that part fades: its slopes become too steep for a step."""
+
+LARGEST_REYNOLDS = 400.0
+"""Of the regular lid, up to which its reference is good to 4e-7."""
+
+POINTS = 401
+"""On a centre line, where its extremes are looked for."""
+
+
+@dataclass(frozen=True)
+class Lid(Body):
+    """A straight wall whose points slide along x with ``speed`` times ``profile``, a polynomial in x/``width``."""
+
+    speed: float = 0.0
+    width: float = 1.0
+    profile: Any = None
+
+    def _along(self, points, polynomial):
+        values = polynomial(np.asarray(points, dtype=float)[:, 0] / self.width)
+        return np.stack([values, np.zeros(len(values))], axis=1)
+
+    def velocity(self, points, time=0.0):
+        """Velocity (n, 2) of the wall at ``points`` (n, 2)."""
+        return self.speed * self._along(points, self.profile)
+
+    def acceleration(self, points, time=0.0):
+        """Acceleration (n, 2) of its material at ``points`` (n, 2), which is carried along it."""
+        return self.speed**2 / self.width * self._along(points, self.profile * self.profile.deriv())
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cavity(Scene):
+    """The box 0 <= x <= ``width``, 0 <= y <= ``height`` under a lid; every number in the config's units.
+
+    ``velocity`` is that of the lid, where it is ``regular`` that of its middle.
+    """
+
+    width: float
+    height: float
+    velocity: float
+    regular: bool
+    density: float
+    kinematic_viscosity: float
+    spacing: float
+    columns: int
+    rows: int
+    units: Any
+
+    periodic = (False, False)
+    flow_numbers = ("u_extreme", "v_min", "v_max", "kinetic_energy")
+
+    @classmethod
+    def from_config(cls, config):
+        """The scene that a validated config describes."""
+        return cls(
+            width=config.geometry.width,
+            height=config.geometry.height,
+            velocity=config.walls.lid.velocity,
+            regular=config.walls.lid.profile == "regular",
+            density=config.fluid.density,
+            kinematic_viscosity=config.kinematic_viscosity,
+            spacing=config.spacing,
+            columns=config.columns,
+            rows=config.rows,
+            units=config.units,
+        )
+
+    @property
+    def extent(self):
+        """Width and height."""
+        return self.width, self.height
+
+    @cached_property
+    def bodies(self):
+        """Bottom, right wall, lid and left wall."""
+        width, height = self.extent
+        lid = Line((width, height), (-1.0, 0.0), width)
+        return (
+            Body(Line((0.0, 0.0), (1.0, 0.0), width)),
+            Body(Line((width, 0.0), (0.0, 1.0), height)),
+            Lid(lid, speed=self.velocity, width=width, profile=self._profile),
+            Body(Line((0.0, height), (0.0, -1.0), height)),
+        )
+
+    @property
+    def _profile(self):
+        return np.polynomial.Polynomial([0.0, 0.0, 16.0, -32.0, 16.0] if self.regular else [1.0])
+
+    @cached_property
+    def corners(self):
+        """The two upper corners, past which a sharp lid slides."""
+        if self.regular:
+            return ()
+        cell = self.reference_velocity * self.spacing / self.kinematic_viscosity
+        viscous = max(VISCOUS_REACH * self.spacing / cell, LEAST_REACH * self.spacing)
+        same = {
+            "inward": (0.0, -1.0),
+            "angle": 0.5 * np.pi,
+            "kinematic_viscosity": self.kinematic_viscosity,
+            "reach": min(REACH * min(self.extent), viscous),
+            "share": min(1.0, RESOLVED_CORNER / cell),
+        }
+        return tuple(
+            SlidingCorner((x, self.height), (way, 0.0), speed=way * self.velocity, **same)
+            for x, way in ((0.0, 1.0), (self.width, -1.0))
+        )
+
+    def jittered(self, seed, jitter):
+        """Particles that fill the box; see ``tisph/geometry/filling.py``."""
+        region = Region(self.bodies, (0.0, 0.0), self.extent)
+        return tuple(fill(region, self.spacing, max(jitter, LEAST_JITTER), seed).T)
+
+    @property
+    def reference_length(self):
+        """The width."""
+        return self.width
+
+    @property
+    def reference_velocity(self):
+        """The largest speed of the lid."""
+        return abs(self.velocity)
+
+    def initial(self, x, y):
+        """Rest."""
+        return {"u": np.zeros(np.shape(x)), "v": np.zeros(np.shape(x))}
+
+    @cached_property
+    def _exact(self):
+        """The flow under the regular lid, None where there is no reference."""
+        if not self.regular or self.reynolds > LARGEST_REYNOLDS:
+            return None
+        return RegularCavity(self.width, self.height, self.velocity, self.kinematic_viscosity)
+
+    @cached_property
+    def _tables(self):
+        """Tabulated ``CentreLine`` s of the square cavity under the sharp lid; none at other Reynolds numbers."""
+        if self.regular or self.width != self.height:
+            return []
+        try:
+            return centre_lines(round(self.reynolds, 9))
+        except ValueError:
+            return []
+
+    def lines(self, snapshot, coordinate):
+        """Velocity u on the vertical centre line and v on the other, at a ``coordinate`` (n,) from 0 to 1 along both.
+
+        Between particles, and points on the walls with their velocities, by ``verification/fits.py``.
+        """
+        places, values = [np.stack([snapshot.x, snapshot.y], 1)], [np.stack([snapshot.u, snapshot.v], 1)]
+        for body in self.bodies:
+            points = body.boundary_points(self.spacing).point
+            places.append(points)
+            values.append(body.velocity(points))
+        middle = np.full(len(coordinate), 0.5)
+        points = np.concatenate([np.stack([middle, coordinate], 1), np.stack([coordinate, middle], 1)])
+        found = interpolated(self, np.concatenate(places), np.concatenate(values).astype(float), points * self.extent)
+        return found[: len(middle), 0], found[len(middle) :, 1]
+
+    def measures(self, snapshot, followed):
+        """Numbers of a snapshot, and, where the flow is steady, their errors.
+
+        ``u_extreme``: of u on the vertical centre line, against the lid; ``v_min``, ``v_max`` on the horizontal one;
+        each also ``_exact``, over the width and the speed of the lid as all else. ``centre_line_error``: largest
+        difference of u and v from the tables; with the regular lid ``l2``, ``rms`` and ``linf`` of the velocities.
+        ``kinetic_energy`` per mass; ``energy_change``, ``steady`` and ``steady_reason``, see ``_steady.py``.
+        """
+        u, v = (line / self.velocity for line in self.lines(snapshot, np.linspace(0.0, 1.0, POINTS)))
+        exact = self.extremes()
+        numbers = {"u_extreme": u.min(), "v_min": v.min(), "v_max": v.max()}
+        state = _steady.state(self, snapshot.t, followed)
+        references = {f"{name}_exact": exact.get(name) if state["steady"] else None for name in numbers}
+        errors = self._errors(snapshot) if state["steady"] else {}
+        others = _turning.measures(self, snapshot)[1]
+        if self.corners:
+            del others["divergence_over_gradient"]  # both are infinite in the corners
+        return {
+            **numbers,
+            **references,
+            "centre_line_error": None,
+            **errors,
+            **self._energy(snapshot),
+            **state,
+            **others,
+        }
+
+    @staticmethod
+    def _energy(snapshot):
+        return {"kinetic_energy": 0.5 * np.mean(np.square(snapshot.u) + np.square(snapshot.v))}
+
+    def extremes(self):
+        """References of the extremes over the speed of the lid, by the names of ``measures``; none without one."""
+        if self._exact:
+            known = self._exact.extremes()
+        elif self._tables:
+            known = tabulated_extremes(round(self.reynolds, 9))
+        else:
+            return {}
+        return {"u_extreme": known["u_min"], "v_min": known["v_min"], "v_max": known["v_max"]}
+
+    def _errors(self, snapshot):
+        """Errors against the reference, at a steady state."""
+        if self._exact:
+            u, v = self._exact.velocity(snapshot.x, snapshot.y)
+            squares = (snapshot.u - u) ** 2 + (snapshot.v - v) ** 2
+            speed = self.reference_velocity
+            return {
+                "l2": np.sqrt(np.sum(squares) / np.sum(u**2 + v**2)),
+                "rms": np.sqrt(np.mean(squares)) / speed,
+                "linf": np.sqrt(np.max(squares)) / speed,
+            }
+        largest = []
+        for table in self._tables:
+            line = self.lines(snapshot, self._along_lid(table))["uv".index(table.component)] / self.velocity
+            largest.append(np.abs(line - table.value).max())
+        return {"centre_line_error": max(largest, default=None)}
+
+    def _along_lid(self, table):
+        """Coordinates of a table, which has the lid move along x; mirrored where it moves the other way."""
+        mirrored = self.velocity < 0 and table.component == "v"
+        return 1.0 - table.coordinate if mirrored else table.coordinate
+
+    def facts(self):
+        """Numbers of the flow."""
+        length, time = self.units.length, self.units.time
+        kind = "regular: 16 X^2 (1 - X)^2 of it" if self.regular else "sharp"
+        references = ["spectral solution"] if self._exact else sorted({table.source for table in self._tables})
+        return [
+            ("Reynolds number", f"{self.reynolds:.6g}  (U W / nu)"),
+            ("velocity of the lid", f"{self.velocity:.6g} {length}/{time}, {kind}"),
+            ("kinematic viscosity nu", f"{self.kinematic_viscosity:.6g} {length}^2/{time}"),
+            ("cavity", f"{self.width:.6g} x {self.height:.6g} {length}"),
+            ("reference", f"{', '.join(references) or 'none'}{', of the steady state' if references else ''}"),
+        ]
+
+    def profiles(self):
+        """Velocities along the centre lines."""
+        return [self._velocity("u", "y"), self._velocity("v", "x")]
+
+    def shown_fields(self, name):
+        """The pressure, where it is shown."""
+        return ("pressure",) if name == "pressure" else ()
+
+    def followed(self):
+        """The kinetic energy."""
+        return Followed(
+            content="mean kinetic energy per mass over time t",
+            name="kinetic energy per mass",
+            unit="energy",
+            scale=0.5 * self.velocity**2,
+            columns=["kinetic_energy"],
+            labels=[("mean over the particles", None)],
+            exact_columns=[],
+            measure=lambda snapshot: np.array([*self._energy(snapshot).values()]),
+            exact=lambda times: None,
+        )
+
+    def shown(self, name, end):
+        """Speed with the velocity along the vertical centre line, or vorticity or pressure along it."""
+        speed, largest = self.reference_velocity, self.reference_velocity
+        if name == "speed":
+            profile, of = self._velocity("u", "y"), lambda snapshot: np.hypot(snapshot.u, snapshot.v)
+        else:
+            vorticity = name == "vorticity"
+            largest = 10.0 * speed / self.width if vorticity else 0.5 * self.density * speed**2
+            of = _turning.vorticity(self) if vorticity else lambda snapshot: snapshot.pressure
+            line = _turning.centre_line(self, "y")
+            profile = Profile(
+                name="vorticity" if vorticity else "p", unit="rate" if vorticity else "stress", line=line, of=of
+            )
+        return Shown(
+            name=name, signed=name != "speed", of=of, profile=profile, ends=(-largest, largest), otherwise=largest
+        )
+
+    def _velocity(self, field, along):
+        exact = self._exact
+        of = None if exact is None else lambda x, y, t: exact.velocity(x, y)["uv".index(field)]
+        return Profile(
+            name=field,
+            unit="velocity",
+            line=_turning.centre_line(self, along),
+            of=lambda snapshot: getattr(snapshot, field),
+            exact=of,
+            scale=(self.reference_velocity, "speed of the lid") if exact else None,
+        )

@@ -1,0 +1,86 @@
+"""Lid-driven cavity: liquid in a box whose top slides, from rest to the steady state.
+
+Particles fill the box evenly, the first layer half a spacing from the walls. The lid starts at t = 0, with one speed
+all along (``sharp``: it slides past the corners, where the flow is singular), or with 16 X^2 (1 - X)^2 of it, X =
+x/width (``regular``). The liquid is a Newtonian one. References are those of the steady state: see
+``tisph/exact/cavity.py``.
+"""
+
+from collections.abc import Iterator
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from tisph.config import schema
+from tisph.config.base import Model, Positive, Problem, Signed
+from tisph.config.lattice import is_whole
+from tisph.scenes._cavity import Cavity
+
+__all__ = ["Cavity", "Config", "Scene"]
+
+Scene = Cavity
+"""The name under which a run asks a module of this folder for its scene."""
+
+
+class Geometry(Model):
+    """Sides of the box 0 <= x <= ``width``, 0 <= y <= ``height`` [length]."""
+
+    width: Positive
+    height: Positive
+
+
+class Lid(Model):
+    """Velocity along x of the lid y = height [length/time]: of all of it (sharp), or of its middle (regular)."""
+
+    velocity: Signed
+    profile: Literal["sharp", "regular"] = "sharp"
+
+
+class Walls(Model):
+    """The lid; the other three walls are at rest."""
+
+    lid: Lid
+
+
+class Initial(Model):
+    """Start at rest. ``jitter``: of the particles, random within +- that many spacings in x and y, by ``seed``."""
+
+    jitter: Annotated[float, Field(ge=0, lt=0.5)] = 0.0
+    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
+
+
+class Config(schema.Config):
+    """A whole run of a lid-driven cavity."""
+
+    geometry: Geometry
+    walls: Walls
+    initial: Initial = Initial()
+
+    periodic = (False, False)
+    across_name = "the width"
+    colours = ("speed", "vorticity", "pressure")
+
+    @property
+    def across(self) -> float:
+        """The width."""
+        return self.geometry.width
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Width and height."""
+        return self.geometry.width, self.geometry.height
+
+    def problems(self) -> Iterator[Problem]:
+        """What the scene has against the config."""
+        if self.fluid.rheology.carries_stress:
+            text = f"must be newtonian: of {self.fluid.rheology.type} the flow in a cavity is not known"
+            yield "fluid.rheology.type", text
+        if self.walls.lid.velocity == 0:
+            yield "walls.lid.velocity", "must not be 0: nothing else drives the flow"
+
+    def misfits(self) -> Iterator[Problem]:
+        """A height that is no whole number of spacings."""
+        if not is_whole(self.geometry.height / self.spacing):
+            rows = max(1, round(self.geometry.height / self.spacing))
+            nearest = f"{rows * self.spacing:.6g}"
+            yield "geometry.height", f"must be a whole number of spacings of {self.spacing:.6g}; nearest: {nearest}"

@@ -13,6 +13,9 @@ from tisph.snapshot import Bodies
 KEPT = 2
 """Times at which the curl of the vorticity at walls is kept, to be extrapolated: from three it is unstable."""
 
+STRAIGHT = 1e-12
+"""Part of its speed below which a wall does not move into the liquid."""
+
 KEPT_LISTS = ("twists", "loads")
 
 LOADS = 3
@@ -85,10 +88,16 @@ class Bounds:
             velocity = self.rests[:liquid, 0] + self.corners.velocity(self.places[:liquid])
             view(self.history.fastest)[()] = np.linalg.norm(velocity - velocity.mean(axis=0), axis=1).max()
 
-    def begin(self, split):
-        """Let the points have the velocities of the walls at the start, and the pressure meet their acceleration."""
+    def begin(self, split, tolerance):
+        """Let the points have the velocities of the walls at the start, and the pressure meet their acceleration.
+
+        Return whether liquid could be pushed away where walls move into it.
+        """
         rest = self.rests
         rest[self.slots, 0] = self.velocity
+        view(split.velocity.x)[self.slots] = self.velocity
+        inwards = np.abs(np.sum(self.normal * self.velocity, axis=1)).max()
+        pushed = inwards <= STRAIGHT * np.abs(self.velocity).max() or split.kick(tolerance)
         push = -self.walls.acceleration(self.flow.start_time)
         if self.corners:
             rest[:, 0] -= self.corners.velocity(self.places)
@@ -96,6 +105,7 @@ class Bounds:
         view(split.velocity.x)[: self.flow.particles] = rest[:, 0]
         view(split.known)[self.slots] = push
         self.conclude(split.velocity.x)
+        return pushed
 
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""

@@ -126,7 +126,7 @@ class Scheme:
         self.history.predict()
         self.assemble(self.time)
         if self.bounds:
-            self.bounds.begin(self.split)
+            self.require_solution(self.bounds.begin(self.split, self.residuals[0]))
         self.history.measure()
         self.require_solution(self.split.begin(self.flow.kinematic_viscosity, self.residuals[0]))
         if self.bounds:

@@ -79,6 +79,39 @@ class Split:
         self.lay()
         return sound
 
+    def kick(self, tolerance):
+        """Let walls that start to move push liquid at rest away at once; return whether it could be.
+
+        u - grad phi, with L phi = 0 and n . grad phi = -n . U: the impulse of a pressure, over the density.
+        """
+        self.jolt()
+        sound = self.pressure.solve(0.0, 1.0, tolerance, rough=False)
+        self.yield_way()
+        return sound
+
+    @ti.kernel
+    def jolt(self):
+        """Right side of the equation for the impulse."""
+        ti.loop_config(serialize=self.rows.serial_light)
+        for i in range(self.points.particles[None]):
+            self.pressure.x[i] = [0.0]
+            self.pressure.b[i] = [0.0]
+        ti.loop_config(serialize=self.rows.serial_light)
+        for i in range(self.points.liquid[None], self.points.particles[None]):
+            self.pressure.b[i] = [self.closure.right_side(i, -self.velocity.x[i], 0.0)]
+
+    @ti.kernel
+    def yield_way(self):
+        """Let the impulse change the velocities that the particles carry."""
+        ti.loop_config(serialize=self.rows.serial_light)
+        for i in range(self.points.liquid[None]):
+            own, slope = self.pressure.x[i][0], ti.Vector([0.0, 0.0])
+            for k in range(self.points.count[i]):
+                difference = self.pressure.x[self.points.table[i, k]][0] - own
+                slope += difference * ti.Vector([self.rows.along[i, k], self.rows.across[i, k]])
+            self.history.carried[i][0] -= slope.x
+            self.history.carried[i][1] -= slope.y
+
     @ti.kernel
     def twist(self):
         """Right side of the pressure's equation at the start."""

@@ -1,0 +1,156 @@
+"""Bodies in cells: scenes that configs describe, what is refused, scales, and mean velocities."""
+
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from tisph import families
+from tisph.config import load
+from tisph.errors import ConfigError
+from tisph.scenes._cell.scene import Cell
+from tisph.scenes.channel import Channel
+from tisph.snapshot import Snapshot
+from tisph.verification.mean_velocity import cell_mean
+
+LIQUID = "fluid: {density: 2.0, kinematic_viscosity: 0.5}\ntime: {end: 1.0}\n"
+LATTICE = f"""
+scene: lattice
+{LIQUID}
+geometry: {{length: 1.0, height: 1.0}}
+bodies: [{{centre: [0.5, 0.5], radius: 0.25}}]
+drive: {{acceleration: 1.0}}
+discretisation: {{particles_across: 32}}
+"""
+CHANNEL = f"""
+scene: channel
+{LIQUID}
+geometry: {{gap: 1.0, length: 1.5}}
+walls: {{top: {{velocity: 1.0}}}}
+bodies: [{{centre: [0.1, 0.5], radius: 0.2}}]
+discretisation: {{particles_across: 24}}
+"""
+REGION = f"""
+scene: region
+{LIQUID}
+walls: {{around: {{type: circle, centre: [3.0, 1.0], radius: 1.0, motion: {{angular_velocity: 2.0}}}}}}
+bodies: [{{centre: [3.2, 1.0], radius: 0.3}}]
+discretisation: {{particles_across: 40}}
+"""
+SANGANI_ACRIVOS = {0.05: 15.56, 0.1: 24.83, 0.2: 51.53, 0.3: 102.90, 0.4: 217.89}
+"""Drag over dynamic viscosity times mean velocity, by solid fraction of a square array."""
+
+
+def loaded(tmp_path, text, *changes):
+    path = tmp_path / "case.yaml"
+    path.write_text(text)
+    return load(path, changes)
+
+
+def scene_of(config):
+    return families.load("scenes", config.scene).Scene.from_config(config)
+
+
+@pytest.mark.parametrize(("text", "area", "count"), [
+    (LATTICE, 1.0 - math.pi / 16, 1),
+    (CHANNEL, 1.5 - math.pi * 0.04, 3),
+    (REGION, math.pi * (1.0 - 0.09), 2),
+])  # fmt: skip
+def test_particles_fill_what_bodies_and_walls_leave(tmp_path, text, area, count):
+    scene = scene_of(loaded(tmp_path, text))
+    assert isinstance(scene, Cell)
+    assert len(scene.bodies) == len(scene.names) == count
+    places = np.stack(scene.jittered(1, 0.2), axis=1)
+    assert len(places) == scene.particles == round(area / scene.spacing**2)
+    assert scene.distance(places, 0.0).min() > 0.2 * scene.spacing  # a quarter, before the last sweeps
+
+
+def test_a_channel_without_bodies_is_what_it_was(tmp_path):
+    config = loaded(tmp_path, CHANNEL, "bodies=[]")
+    assert type(scene_of(config)) is Channel
+    assert config.parallel
+    assert "bodies" not in config.resolved_yaml()
+    path = tmp_path / "case.yaml"
+    path.write_text(config.resolved_yaml())
+    program = f"import sys; from tisph.config import load; load({str(path)!r}); "
+    program += "print([name for name in sys.modules if 'bodies' in name or '_cell' in name])"
+    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert ran.stdout.strip() == "[]"
+
+
+def test_with_bodies_a_channel_turns(tmp_path):
+    config = loaded(tmp_path, CHANNEL)
+    assert not config.parallel
+    scene = scene_of(config)
+    assert [name for name, _ in scene.walls] == ["top", "bottom"]
+    assert scene.names == ("", "_bottom", "_top")
+    assert scene.reference_velocity == 1.0
+    assert scene.reference_length == pytest.approx(0.4)
+    assert loaded(tmp_path, config.resolved_yaml()) == config
+
+
+@pytest.mark.parametrize(("text", "change", "said"), [
+    (LATTICE, "drive.acceleration=0.0", "nothing moves"),
+    (LATTICE, "bodies=[]", "bodies"),
+    (LATTICE, "bodies=[{centre: [0.5, 0.5], radius: 0.47}]", "its own periodic copy"),
+    (LATTICE, "geometry.length=1.01", "nearest valid geometry.length: 1 or 1.03125"),
+    (LATTICE, "discretisation.particles_across=16", "18 particle spacings"),
+    (LATTICE, "scheme.type=wcsph", "wcsph cannot serve bodies"),
+    (CHANNEL, "bodies=[{centre: [0.1, 0.75], radius: 0.2}]", "walls.top"),
+    (CHANNEL, "walls.treatment.type=adami", "must be left out"),
+    (CHANNEL, "walls.top.velocity_before=0.5", "the run starts from rest"),
+    (CHANNEL, "initial.state=developed", "must be rest"),
+    (CHANNEL, "tracers.count=5", "forces"),
+    (REGION, "drive.acceleration=1.0", "the pressure takes it up"),
+    (REGION, "geometry={length: 1.0, height: 1.0}", "not allowed beside walls.around"),
+    (REGION, "walls.around.motion={velocity: [1.0, 0.0]}", "may only turn"),
+    (REGION, "bodies=[{centre: [3.8, 1.0], radius: 0.3}]", "overlaps walls.around"),
+])  # fmt: skip
+def test_what_cannot_be_is_refused(tmp_path, text, change, said):
+    with pytest.raises(ConfigError) as refused:
+        loaded(tmp_path, text, change)
+    assert said in str(refused.value)
+
+
+def test_bodies_that_meet_later_are_refused(tmp_path):
+    bodies = "bodies=[{centre: [0.2, 0.2], radius: 0.1, motion: {velocity: [0.0, 0.5]}}, {centre: [0.2, 0.7], radius: 0.1}]"
+    with pytest.raises(ConfigError, match="at time"):
+        loaded(tmp_path, LATTICE, bodies)
+
+
+@pytest.mark.parametrize("fraction", SANGANI_ACRIVOS)
+def test_the_driven_velocity_is_of_the_size_of_the_true_one(tmp_path, fraction):
+    # within a factor of 4 in slow flow: steps refer to half of it or to the true one, whichever is larger
+    radius = math.sqrt(fraction / math.pi)
+    scene = scene_of(loaded(tmp_path, LATTICE, f"bodies=[{{centre: [0.5, 0.5], radius: {radius}}}]"))
+    true = scene.acceleration / (scene.kinematic_viscosity * SANGANI_ACRIVOS[fraction])
+    assert 0.25 < scene.reference_velocity / true < 4.0
+
+
+def snapshot_of(scene, u, v, t=0.0):
+    x, y = scene.jittered(0, 0.2)
+    zero = np.zeros_like(x)
+    return Snapshot(t, 0, x, y, u(x, y), v(x, y), zero, zero)
+
+
+def test_the_mean_velocity_counts_what_is_solid(tmp_path):
+    body = "bodies=[{centre: [0.9, 0.1], radius: 0.25, motion: {velocity: [3.0, 1.0], angular_velocity: 2.0}}]"
+    scene = scene_of(loaded(tmp_path, LATTICE, body))
+    snapshot = snapshot_of(scene, lambda x, y: 3.0 + 0 * x, lambda x, y: 1.0 + 0 * x)
+    mean = cell_mean(scene, snapshot)
+    # the body turns about its centre: nothing on average, but for the nodes of the lattice, 1/32 apart
+    assert mean == pytest.approx([3.0, 1.0], abs=2e-3)
+
+
+def test_the_mean_velocity_does_not_depend_on_where_particles_are_many(tmp_path):
+    # u = r^2 - a^2 around a cylinder in a box of side 2, less what the square has outside a circle: with particles
+    # pushed off the wall by 0.1 spacings the mean over them is 1e-2 too large
+    scene = scene_of(loaded(tmp_path, LATTICE, "geometry={length: 2.0, height: 2.0}", "bodies=[{centre: [1, 1], radius: 0.5}]",
+                            "discretisation.particles_across=48"))  # fmt: skip
+    field = lambda x, y: np.cos(np.pi * (x - 1.0)) * 0.0 + np.hypot(x - 1.0, y - 1.0) ** 2 - 0.25  # noqa: E731
+    x, y = np.meshgrid(*[(np.arange(2000) + 0.5) / 1000] * 2)
+    exact = np.maximum(field(x, y), 0.0).mean()
+    snapshot = snapshot_of(scene, field, lambda x, y: 0 * x)
+    assert cell_mean(scene, snapshot)[0] == pytest.approx(exact, rel=2e-3)

@@ -2,11 +2,12 @@
 
     python benchmarks/peers/measure.py --code lammps --threads 2 --across 50 --until 20
     python benchmarks/peers/measure.py --code pysph --threads 1 --across 224 --steps 40
+    python benchmarks/peers/measure.py --case taylor_green --code pysph-edac --threads 1 --across 50 --until 2
 
 Keys: ``code``, ``version``, ``threads`` or processes, ``particles`` (fluid), ``steps``, ``loop_seconds`` of the time
 loop alone, ``particle_steps_per_s``, ``l2``, the relative error of the velocity at the end over the fluid particles
 (null with ``--steps``: after a few steps nothing but a layer at the wall has moved), and ``neighbours``, those of a
-particle of the lattice within the reach of the kernel.
+particle of the lattice within the reach of the kernel. The Taylor-Green vortex has one thread and no ``--steps``.
 """
 
 import argparse
@@ -21,11 +22,12 @@ from pathlib import Path
 import couette_case as case
 import numpy as np
 
-from tisph.exact import couette
+from tisph.exact import couette, taylor_green
 
 HERE = Path(__file__).resolve().parent
 
-PYSPH = (HERE / "env-pysph" / "bin" / "python", HERE / "pysph_couette.py")
+PYTHON = HERE / "env-pysph" / "bin" / "python"
+PYSPH = (PYTHON, HERE / "pysph_couette.py")
 PROGRAMS = {
     "lammps": (sys.executable, HERE / "lammps_couette.py"),
     "pysph": PYSPH,
@@ -36,9 +38,15 @@ PROGRAMS = {
 without changing the result, and with its other scheme for flow between walls."""
 
 
+VORTEX = (PYTHON, HERE / "pysph_taylor_green.py")
+VORTEX_PROGRAMS = {"pysph": (*VORTEX, "--scheme", "tvf"), "pysph-edac": (*VORTEX, "--scheme", "edac")}
+"""The same for the Taylor-Green vortex."""
+
+
 def main():
     """Make the environments if they are not there, measure, print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--case", choices=("couette", "taylor_green"), default="couette")
     parser.add_argument("--code", choices=PROGRAMS, required=True)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--across", type=int, default=50)
@@ -46,9 +54,13 @@ def main():
     length.add_argument("--until", type=float, help="time to reach")
     length.add_argument("--steps", type=int, help="steps of the largest stable size to take")
     arguments = parser.parse_args()
-    subprocess.run(["make", "--silent", "-C", HERE], check=True, stdout=sys.stderr)
+    vortex = arguments.case == "taylor_green"
+    if vortex and not (arguments.code in VORTEX_PROGRAMS and arguments.threads == 1 and arguments.until):
+        parser.error(f"--case taylor_green: --code {' or '.join(VORTEX_PROGRAMS)}, --threads 1, --until")
+    environment = f"env-{arguments.code.partition('-')[0]}/installed"
+    subprocess.run(["make", "--silent", "-C", HERE, environment], check=True, stdout=sys.stderr)
     with tempfile.TemporaryDirectory() as folder:
-        print(json.dumps(measured(arguments, Path(folder) / "profile.txt")))
+        print(json.dumps((measured_vortex if vortex else measured)(arguments, Path(folder) / "profile.txt")))
 
 
 def measured(arguments, profile):
@@ -68,6 +80,18 @@ def measured(arguments, profile):
         "l2": l2(profile, end) if arguments.until else None,
         "neighbours": case.lattice_neighbours(),
     }
+
+
+def measured_vortex(arguments, end):
+    """The same of the Taylor-Green vortex; the code writes x, y, u and v of its particles to the file ``end``."""
+    words = ["--across", arguments.across, "--end", arguments.until, "--particles", end]
+    output = call([*VORTEX_PROGRAMS[arguments.code], *words], {"OMP_NUM_THREADS": "1"})
+    found = json.loads(output.splitlines()[-1])
+    x, y, u, v = np.loadtxt(end, unpack=True)
+    flow = {name: found.pop(name) for name in ("length", "speed", "kinematic_viscosity")}
+    exact = np.array(taylor_green.velocity(x, y, found["time"], **flow))
+    error = float(np.linalg.norm(np.array([u, v]) - exact) / np.linalg.norm(exact))
+    return {"code": arguments.code, **found, "l2": error, "neighbours": case.lattice_neighbours()}
 
 
 def call(words, environment):

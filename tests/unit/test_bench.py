@@ -11,9 +11,10 @@ from tisph.cli import app
 from tisph.config import load
 from tisph.report.style import plot_style
 from tisph.study.bench import cases, frontier
-from tisph.study.bench.comparison import BOUNDS, comparisons, leads, table
+from tisph.study.bench.comparison import comparisons, leads, table
+from tisph.study.bench.equals import equals, equals_table
 from tisph.study.bench.measured import Measured, fastest, front
-from tisph.study.bench.peers import QUOTED, RUNS
+from tisph.study.bench.peers import merged, quoted, runs
 from tisph.study.bench.picture import ELSEWHERE, figure_of, looks_of
 
 FLOW = "couette_2.7"
@@ -28,8 +29,9 @@ def lammps(l2, loop):
 
 
 @pytest.mark.parametrize("quick", [False, True])
-def test_every_point_is_a_valid_config_of_its_own(tmp_path, quick):
-    points = cases.points(quick)
+@pytest.mark.parametrize("scene", cases.SCENES)
+def test_every_point_is_a_valid_config_of_its_own(tmp_path, scene, quick):
+    points = cases.points(scene, quick)
     assert len({point.name for point in points}) == len(points)
     for point in points:
         path = tmp_path / "case.yaml"
@@ -70,10 +72,10 @@ def test_the_table_has_the_ratio_of_medians_and_its_spread_over_the_rounds():
     assert "| 15 (8..15) | >= 10 | PASS |" in table(comparisons(rows))
 
 
-@pytest.mark.parametrize("code", BOUNDS)
-def test_a_peer_that_comes_too_close_misses_the_bound(code):
-    ours = row("implicit 4", 1e-3, 1.0)
-    near, far = (row(code, 1e-2, factor * BOUNDS[code], code=code) for factor in (0.99, 1.01))
+@pytest.mark.parametrize(("flow", "bound"), [(key, bound) for key in cases.FLOWS for bound in cases.FLOWS[key].bounds])
+def test_a_peer_that_comes_too_close_misses_the_bound(flow, bound):
+    ours = row("implicit 4", 1e-3, 1.0, flow=flow)
+    near, far = (row(bound.peer, 1e-2, factor * bound.sooner, code=bound.peer, flow=flow) for factor in (0.99, 1.01))
     assert [found.passed for found in comparisons([ours, near, far])] == [False, True]
 
 
@@ -100,24 +102,29 @@ def test_a_missed_bound_is_what_show_returns_and_the_files_hold(tmp_path):
     assert (tmp_path / "frontier.png").is_file()
 
 
-def all_rows():
-    """A row of every way in every flow, and of every peer."""
-    ours = [row(way, 1e-4, 0.1, flow=flow) for flow in cases.FLOWS for way in cases.WAYS]
-    peers = [row(run.label, 1e-3, 1.0, code=run.label.split()[0], flow=run.flow) for run in RUNS]
-    quoted = [row(f"{name}, quoted", 1e-3, 2.0, code=name, flow="couette_20", elsewhere=True) for name in QUOTED]
-    return [*ours, *peers, *quoted]
+def all_rows(scene):
+    """A row of every way in every flow of a scene, and of every peer."""
+    ours = [row(way, 1e-4, 0.1, flow=key) for key in flows_of(scene) for way in cases.FLOWS[key].ways]
+    peers = [row(run.label, 1e-3, 1.0, code=run.label.split()[0], flow=run.flow) for run in runs(scene)]
+    scale = row("LAMMPS", 1e-3, 1.0, code="LAMMPS", flow="couette_20")
+    return [*ours, *peers, *(quoted(scale) if scene == "channel" else merged([], scene))]
 
 
-def test_every_way_looks_different_and_only_what_was_measured_elsewhere_is_hollow():
-    looks = looks_of(all_rows())
+def flows_of(scene):
+    return [key for key, flow in cases.FLOWS.items() if flow.scene == scene]
+
+
+@pytest.mark.parametrize("scene", cases.SCENES)
+def test_every_way_looks_different_and_only_what_was_measured_elsewhere_is_hollow(scene):
+    looks = looks_of(all_rows(scene))
     assert len({(look.colour, look.mark) for look in looks.values()}) == len(looks)
     hollow = {way for way, look in looks.items() if look.options["markerfacecolor"] == "none"}
     assert hollow == {way for way, look in looks.items() if look.group == ELSEWHERE} != set()
 
 
-@pytest.mark.parametrize("flows", [list(cases.FLOWS), ["couette_20"]])
+@pytest.mark.parametrize("flows", [*map(flows_of, cases.SCENES), ["couette_20"]])
 def test_no_legend_of_the_picture_covers_another_or_a_panel(flows):
-    rows = [one for one in all_rows() if one.flow in flows]
+    rows = [one for one in all_rows(cases.FLOWS[flows[0]].scene) if one.flow in flows]
     with plot_style():
         figure = figure_of(rows, {flow: [] for flow in flows})
         figure.draw_without_rendering()
@@ -127,6 +134,64 @@ def test_no_legend_of_the_picture_covers_another_or_a_panel(flows):
         first.xmax <= second.xmin or second.xmax <= first.xmin or first.ymax <= second.ymin or second.ymax <= first.ymin
         for first, second in combinations(boxes, 2)
     )
+
+
+def vortex(way, l2, loop, across=50, code="tisph", elsewhere=False):
+    return Measured("taylor_green_2", way, across, 1, 10, l2, (loop,), (), code, elsewhere)
+
+
+def test_with_as_many_particles_we_have_to_be_more_exact_and_faster():
+    edac = vortex("PySPH EDAC, 1 thread", 2e-2, 90.0, code="PySPH")
+
+    def passed(l2, loop):
+        (found,) = equals([vortex("implicit 4, balanced", l2, loop), edac])
+        return found.passed
+
+    assert [passed(9e-5, 80.0), passed(1.1e-4, 80.0), passed(9e-5, 100.0)] == [True, False, False]
+
+
+def test_only_runs_of_the_rival_way_with_as_many_particles_are_compared():
+    rows = [
+        vortex("implicit 4, high", 1e-6, 1.0),
+        vortex("implicit 4, balanced", 1e-4, 2.0),
+        vortex("implicit 4, balanced", math.nan, 1.0, across=25),
+        vortex("PySPH EDAC", 2e-2, 90.0, code="PySPH"),
+        vortex("PySPH EDAC", 3e-2, 20.0, across=25, code="PySPH"),
+        row("explicit", 1e-3, 1.0),
+        lammps(1e-2, 3.0),
+    ]
+    (found,) = equals(rows)
+    assert (found.peer, found.ours) == (rows[3], rows[1])
+    assert "| 200 | 45 | error >= 200, time > 1 | PASS |" in " ".join(equals_table([found]).split())
+
+
+def test_without_peers_the_vortex_has_quoted_ones_that_are_shown_and_not_judged(tmp_path, capsys):
+    rows = [vortex("implicit 4, balanced", 1e-2, 1000.0), *merged([], "taylor_green")]
+    assert frontier.show(tmp_path, rows)
+    point, compared = [line for line in capsys.readouterr().out.splitlines() if "JAX-SPH TVF, quoted" in line]
+    assert "quoted 23.000" in point
+    assert compared.split("|")[-2].strip() == "-"
+    numbers = json.loads((tmp_path / "frontier.json").read_text())
+    assert all(point["elsewhere"] and point["steps"] is None for point in numbers["points"] if point["code"] != "tisph")
+
+
+def test_a_missed_bound_at_equal_number_is_what_show_returns(tmp_path):
+    fast, edac = vortex("implicit 4, fast", 1e-2, 0.1), vortex("PySPH EDAC", 2e-2, 90.0, code="PySPH")
+    assert frontier.show(tmp_path, [fast, vortex("implicit 4, balanced", 1e-4, 2.0), edac])
+    assert not frontier.show(tmp_path, [fast, vortex("implicit 4, balanced", 2e-4, 2.0), edac])
+    assert [one["passed"] for one in json.loads((tmp_path / "frontier.json").read_text())["equal_number"]] == [False]
+
+
+def test_the_scenes_of_the_command_line_are_those_that_there_are(tmp_path, monkeypatch):
+    asked = []
+    monkeypatch.setattr(
+        frontier, "run", lambda folder, **options: asked.append((folder.name, options["scene"])) or True
+    )
+    for scene in cases.SCENES:
+        assert CliRunner().invoke(app, ["bench", "frontier", "--flow", scene]).exit_code == 0
+    assert CliRunner().invoke(app, ["bench"]).exit_code == 0
+    assert asked == [("frontier", "channel"), ("frontier_taylor_green", "taylor_green"), ("frontier", "channel")]
+    assert CliRunner().invoke(app, ["bench", "frontier", "--flow", "annulus"]).exit_code == 2
 
 
 def test_a_folder_without_the_peers_scripts_is_refused(tmp_path):

@@ -6,7 +6,8 @@ import pytest
 
 from tisph.errors import TisphError
 from tisph.study.bench import peers
-from tisph.study.bench.peers import QUICK_RUNS, RUNS, SCALE, TVF, PeerRun
+from tisph.study.bench.cases import SCENES
+from tisph.study.bench.peers import EDAC_SERIAL, QUICK_RUNS, RUNS, SCALE, TVF, PeerRun
 
 SCRIPT = """
 import json, pathlib, sys
@@ -34,32 +35,34 @@ def round_of(loop_seconds):
 
 
 def test_every_run_is_asked_for_once_and_kept(tmp_path, scripts):
-    first = peers.measure(scripts, tmp_path / "kept", 0, quick=True)
+    first = peers.measure(scripts, tmp_path / "kept", 0, QUICK_RUNS)
     assert set(first) == set(QUICK_RUNS)
     assert sorted(calls(tmp_path)) == sorted(" ".join(run.words) for run in QUICK_RUNS)
-    assert peers.measure(scripts, tmp_path / "kept", 0, quick=True) == first
+    assert peers.measure(scripts, tmp_path / "kept", 0, QUICK_RUNS) == first
     assert len(calls(tmp_path)) == len(QUICK_RUNS)
-    peers.measure(scripts, tmp_path / "kept", 1, quick=True)
+    peers.measure(scripts, tmp_path / "kept", 1, QUICK_RUNS)
     assert len(calls(tmp_path)) == 2 * len(QUICK_RUNS)
 
 
 def test_results_older_than_a_script_are_made_again(tmp_path, scripts):
-    peers.measure(scripts, tmp_path / "kept", 0, quick=True)
+    peers.measure(scripts, tmp_path / "kept", 0, QUICK_RUNS)
     for path in (tmp_path / "kept").iterdir():
         os.utime(path, (0, 0))
-    peers.measure(scripts, tmp_path / "kept", 0, quick=True)
+    peers.measure(scripts, tmp_path / "kept", 0, QUICK_RUNS)
     assert len(calls(tmp_path)) == 2 * len(QUICK_RUNS)
 
 
 def test_a_peer_that_fails_is_named_with_its_message_and_leaves_nothing(tmp_path, scripts):
     (scripts / "measure.py").write_text("import sys; sys.exit('Lost atoms')")
     with pytest.raises(TisphError, match=r"--code lammps.*Lost atoms"):
-        peers.measure(scripts, tmp_path / "kept", 0, quick=True)
+        peers.measure(scripts, tmp_path / "kept", 0, QUICK_RUNS)
     assert list((tmp_path / "kept").iterdir()) == []
 
 
-def test_options_name_code_threads_resolution_and_time():
+def test_options_name_case_code_threads_resolution_and_time():
     assert PeerRun(*TVF, "couette_20", 25).words == [
+        "--case",
+        "couette",
         "--code",
         "pysph",
         "--threads",
@@ -72,14 +75,18 @@ def test_options_name_code_threads_resolution_and_time():
 
 
 def test_rows_have_the_times_of_all_rounds_and_the_name_of_the_code():
-    rows = {(row.flow, row.way, row.across): row for row in peers.merged([round_of(2.0), round_of(5.0), round_of(3.0)])}
+    rows = {
+        (row.flow, row.way, row.across): row
+        for row in peers.merged([round_of(2.0), round_of(5.0), round_of(3.0)], "channel")
+    }
     row = rows["couette_2.7", "PySPH EDAC, 2 threads", 25]
     assert (row.loops, row.loop, row.code, row.ours) == ((2.0, 5.0, 3.0), 3.0, "PySPH", False)
 
 
 def test_quoted_peers_are_multiples_of_lammps():
     rows = {
-        row.way: row for row in peers.merged([{**round_of(1.0), SCALE: {"steps": 9, "l2": 0.1, "loop_seconds": 10.0}}])
+        row.way: row
+        for row in peers.merged([{**round_of(1.0), SCALE: {"steps": 9, "l2": 0.1, "loop_seconds": 10.0}}], "channel")
     }
     quoted = rows["SPHinXsys, quoted"]
     assert (quoted.loop, quoted.elsewhere, quoted.flow) == (pytest.approx(5.7), True, "couette_20")
@@ -87,5 +94,21 @@ def test_quoted_peers_are_multiples_of_lammps():
 
 def test_nothing_is_quoted_without_the_run_that_it_scales_with():
     short = [{run: {"steps": 9, "l2": 0.1, "loop_seconds": 1.0} for run in QUICK_RUNS}]
-    assert not any(row.elsewhere for row in peers.merged(short))
-    assert peers.merged([]) == []
+    assert not any(row.elsewhere for row in peers.merged(short, "channel"))
+    assert peers.merged([], "channel") == []
+
+
+def test_every_run_belongs_to_one_scene():
+    wanted = {scene: peers.runs(scene) for scene in SCENES}
+    assert sorted(map(str, RUNS)) == sorted(str(run) for ones in wanted.values() for run in ones)
+    assert {run.flow for run in wanted["taylor_green"]} == {"taylor_green_2"}
+
+
+def test_vortices_are_quoted_of_codes_that_were_not_measured():
+    assert {row.code for row in peers.merged([], "taylor_green")} == {"PySPH", "JAX-SPH"}
+    run = PeerRun(*EDAC_SERIAL, "taylor_green_2", 50)
+    rows = peers.merged([{run: {"steps": 9, "l2": 0.02, "loop_seconds": 90.0}}], "taylor_green")
+    assert [(row.way, row.elsewhere) for row in rows] == [
+        ("PySPH EDAC, 1 thread", False),
+        ("JAX-SPH TVF, quoted", True),
+    ]

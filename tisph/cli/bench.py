@@ -25,11 +25,20 @@ def bench(
             help="With frontier or throughput: run the peers in DIR (benchmarks/peers) in the same call.",
         ),
     ] = None,
+    flow: Annotated[
+        Literal["channel", "taylor_green"], typer.Option("--flow", help="With frontier: whose flows.")
+    ] = "channel",
     configs: Annotated[
         Path, typer.Option("--configs", metavar="DIR", help="With startup: where the configs are.")
     ] = Path("configs"),
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", parser=folder_name, help=f"Results [default: {FOLDER}/NAME].")
+        Path | None,
+        typer.Option(
+            "--out",
+            metavar="DIR",
+            parser=folder_name,
+            help=f"Results [default: {FOLDER}/NAME, and {FOLDER}/frontier_FLOW of another flow than channel].",
+        ),
     ] = None,
 ) -> None:
     """Measure run time against error, or what parts of a run cost.
@@ -38,7 +47,8 @@ def bench(
     benchmark goes on with the same command. Exit status 1 if a bound is missed.
 
     \b
-    frontier: every flow in every way, three rounds: run time against error
+    frontier: every flow in every way, three rounds: run time against error,
+      of the channel or of Taylor-Green vortices
     throughput: what a particle and a step cost, part by part, and bytes a
       particle, from 5 thousand to a million particles
     features: what each part costs, and that a scene pays for none that it
@@ -52,13 +62,18 @@ def bench(
     Examples:
       tisph bench frontier --quick
       tisph bench frontier --peers benchmarks/peers
+      tisph bench frontier --flow taylor_green
       tisph bench throughput --quick
       tisph bench features
       tisph bench startup --quick
     """
     if peers and not (peers / "measure.py").is_file():
         raise ConfigError(f"--peers {peers}: there is no measure.py; the peers' scripts are in benchmarks/peers")
-    own = {"startup": {"configs": sorted(configs.glob("*.yaml"))}, "features": {}, "scaling": {}}
-    options = own.get(name, {"peers_folder": peers})
-    if not import_module(f"tisph.study.bench.{name}").run(out or FOLDER / name, quick=quick, **options):
+    options = {
+        "frontier": {"peers_folder": peers, "scene": flow},
+        "throughput": {"peers_folder": peers},
+        "startup": {"configs": sorted(configs.glob("*.yaml"))},
+    }
+    folder = out or FOLDER / (f"{name}_{flow}" if name == "frontier" and flow != "channel" else name)
+    if not import_module(f"tisph.study.bench.{name}").run(folder, quick=quick, **options.get(name, {})):
         raise typer.Exit(1)

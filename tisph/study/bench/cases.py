@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from tisph.verification import flows
+from tisph.verification.suite.turning import TAYLOR_GREEN
 
 LENGTH = {"geometry": {"length": 2.0}}
 """That of the peers' case: two gaps."""
@@ -10,18 +11,19 @@ LENGTH = {"geometry": {"length": 2.0}}
 COUETTE = flows.merged(flows.COUETTE.config, LENGTH)
 POISEUILLE = flows.merged(flows.POISEUILLE.config, LENGTH)
 
-FLOWS = {
-    "couette_2.7": ("Couette, Re = 50, t = 2.7", flows.merged(COUETTE, {"time": {"end": 2.7}})),
-    "couette_20": ("Couette, Re = 50, t = 20", flows.merged(COUETTE, {"time": {"end": 20.0}})),
-    "poiseuille_10": ("Poiseuille, t = 10", flows.merged(POISEUILLE, {"time": {"end": 10.0}})),
-}
-"""Title and config with a scheme that every way replaces, by key."""
+VORTEX = {**TAYLOR_GREEN, "runtime": {"threads": 1}}
+"""On one thread, as its peers."""
 
 EXPLICIT = {"scheme": {"type": "wcsph"}}
 STANDARD = flows.merged(EXPLICIT, {"scheme": {"operators": "standard"}}, flows.treatment("adami"))
 LONG_STEPS = flows.merged(EXPLICIT, {"time": {"cfl": 0.4}})
 SECOND_ORDER = flows.merged(flows.implicit(order=2), {"scheme": {"largest_strain": 1.0}, "time": {"tolerance": 1e-4}})
 SINGLE = {"discretisation": {"precision": "f32"}}
+
+
+def ended(config, time):
+    """The config with an end."""
+    return flows.merged(config, {"time": {"end": time}})
 
 
 def auto(accuracy):
@@ -42,14 +44,94 @@ WAYS = {
 }
 """Change of the config, and the numbers of particles across, by the name of a way."""
 
-FINEST_EXPLICIT = {"couette_2.7": 100, "couette_20": 50, "poiseuille_10": 50}
-"""Most particles across with the explicit scheme: the next number takes half a minute or more, 200 several minutes."""
-
 QUICK_WAYS = {
     "explicit": (EXPLICIT, (25, 34)),
     "implicit 4, fast": (auto("fast"), (8, 12)),
     "implicit 4, balanced": (auto("balanced"), (25, 50)),
 }
+
+
+VORTEX_WAYS = {
+    "explicit": (EXPLICIT, (25, 50)),
+    "implicit 4, fast": (auto("fast"), (10, 12, 16, 25, 50, 100)),
+    "implicit 4, balanced": (auto("balanced"), (25, 50, 100)),
+    "implicit 4, high": (auto("high"), (25, 50, 100)),
+}
+QUICK_VORTEX_WAYS = {
+    "explicit": (EXPLICIT, (25,)),
+    "implicit 4, fast": (auto("fast"), (10, 12, 25)),
+    "implicit 4, balanced": (auto("balanced"), (25, 50)),
+}
+
+
+@dataclass(frozen=True)
+class Bound:
+    """What is asked of the runs of a peer whose label begins with ``peer``, ``across`` particles across (None: any).
+
+    ``sooner``: least ratio of its loop time to that of our fastest run with an error no larger. ``more_exact``: least
+    ratio of its error to that of our run with as many particles, which has to be the faster one too; None: not asked.
+    """
+
+    peer: str
+    sooner: float
+    across: int | None = None
+    more_exact: float | None = None
+
+    def of(self, row):
+        """Whether it is asked of the peer's ``row`` (``Measured``)."""
+        return row.way.startswith(self.peer) and self.across in (None, row.across)
+
+
+@dataclass(frozen=True)
+class Flow:
+    """A flow: title, config less what a way changes, and the ways to compute it, ``quick_ways`` in a quick benchmark.
+
+    ``finest_explicit``: most particles across with the explicit scheme, the next number takes half a minute or more.
+    ``asked``: L2 that the explicit and the implicit scheme have to reach. ``bounds``: what is asked of peers; a peer
+    that none names is not judged. ``rival``: the way whose runs stand beside peers with as many particles.
+    """
+
+    title: str
+    config: dict
+    ways: dict
+    quick_ways: dict
+    finest_explicit: int
+    asked: float | None = None
+    bounds: tuple[Bound, ...] = ()
+    rival: str | None = None
+
+    @property
+    def scene(self):
+        """Name of its scene."""
+        return self.config["scene"]
+
+    def bound(self, row):
+        """``Bound`` of a peer's row; None where nothing is asked for, as of one that is quoted."""
+        return next((bound for bound in self.bounds if bound.of(row)), None) if not row.elsewhere else None
+
+
+SLOWER = (Bound("LAMMPS", 10.0), Bound("PySPH", 100.0))
+
+FLOWS = {
+    "couette_2.7": Flow(
+        "Couette, Re = 50, t = 2.7", ended(COUETTE, 2.7), WAYS, QUICK_WAYS, 100, asked=1e-3, bounds=SLOWER
+    ),
+    "couette_20": Flow("Couette, Re = 50, t = 20", ended(COUETTE, 20.0), WAYS, {}, 50, asked=1e-4, bounds=SLOWER),
+    "poiseuille_10": Flow("Poiseuille, t = 10", ended(POISEUILLE, 10.0), WAYS, {}, 50),
+    "taylor_green_2": Flow(
+        "Taylor-Green vortex, Re = 100, t = 2",
+        ended(VORTEX, 2.0),
+        VORTEX_WAYS,
+        QUICK_VORTEX_WAYS,
+        50,
+        bounds=(Bound("PySPH EDAC", 500.0, across=50, more_exact=200.0),),
+        rival="implicit 4, balanced",
+    ),
+}
+"""Every flow by its key."""
+
+SCENES = tuple(dict.fromkeys(flow.scene for flow in FLOWS.values()))
+"""Names of their scenes, each of which is a picture of its own."""
 
 
 @dataclass(frozen=True)
@@ -70,15 +152,16 @@ class Point:
     @property
     def config(self):
         """Its config."""
-        return flows.merged(FLOWS[self.flow][1], self.change, flows.across(self.across))
+        return flows.merged(FLOWS[self.flow].config, self.change, flows.across(self.across))
 
 
-def points(quick):
-    """All points, flow by flow."""
+def points(scene, quick):
+    """All points of a scene, flow by flow."""
     return [
-        Point(flow, way, across, change)
-        for flow in (["couette_2.7"] if quick else FLOWS)
-        for way, (change, resolutions) in (QUICK_WAYS if quick else WAYS).items()
+        Point(key, way, across, change)
+        for key, flow in FLOWS.items()
+        if flow.scene == scene
+        for way, (change, resolutions) in (flow.quick_ways if quick else flow.ways).items()
         for across in resolutions
-        if not (way.startswith("explicit") and across > FINEST_EXPLICIT[flow])
+        if not (way.startswith("explicit") and across > flow.finest_explicit)
     ]

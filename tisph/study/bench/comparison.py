@@ -8,12 +8,6 @@ from tisph.verification.table import format_table
 
 HEADER = ("peer", "across", "its L2", "its time [s]", "tisph to the same or smaller L2", "ratio", "bound", "")
 
-BOUNDS = {"LAMMPS": 10.0, "PySPH": 100.0}
-"""Least ratio of the loop times, by code; the others were measured elsewhere, which is not judged."""
-
-ASKED = {"couette_2.7": 1e-3, "couette_20": 1e-4}
-"""L2 that the explicit and the implicit scheme have to reach in a flow."""
-
 
 @dataclass(frozen=True)
 class Comparison:
@@ -30,7 +24,8 @@ class Comparison:
     @property
     def bound(self):
         """Least ratio allowed; None where nothing is asked for."""
-        return BOUNDS.get(self.peer.code)
+        asked = FLOWS[self.peer.flow].bound(self.peer)
+        return asked and asked.sooner
 
     @property
     def passed(self):
@@ -64,10 +59,10 @@ def comparisons(rows):
 def table(found):
     """Markdown of comparisons: a table for each flow, under its title."""
     parts = []
-    for flow, (title, _) in FLOWS.items():
-        rows = [_cells(one) for one in found if one.peer.flow == flow]
+    for key, flow in FLOWS.items():
+        rows = [_cells(one) for one in found if one.peer.flow == key]
         if rows:
-            parts.append(f"{title}:\n\n{format_table(HEADER, rows)}")
+            parts.append(f"{flow.title}:\n\n{format_table(HEADER, rows)}")
     return "\n\n".join(parts)
 
 
@@ -88,7 +83,7 @@ def _cells(one):
 
 def _ratio(one):
     """Ratio of the medians, and where both ran in several rounds the smallest and the largest within a round."""
-    if not one.ours or one.peer.elsewhere:
+    if not one.ours or len(one.peer.loops) != len(one.ours.loops):
         return f"{one.ratio:.0f}"
     ratios = [theirs / ours for theirs, ours in zip(one.peer.loops, one.ours.loops, strict=True)]
     return f"{one.ratio:.0f} ({min(ratios):.0f}..{max(ratios):.0f})"
@@ -97,12 +92,14 @@ def _ratio(one):
 def leads(rows):
     """Lines: how much sooner than the explicit scheme the implicit one reaches what is asked for."""
     lines = []
-    for flow, error in ASKED.items():
-        of_flow = [row for row in rows if row.flow == flow]
+    for key, flow in FLOWS.items():
+        if flow.asked is None:
+            continue
+        error, of_flow = flow.asked, [row for row in rows if row.flow == key]
         explicit, implicit = fastest(of_flow, error, "explicit"), fastest(of_flow, error, "implicit")
         if explicit and implicit:
             lines.append(
-                f"{FLOWS[flow][0]}, L2 <= {error:g}: {name(implicit)} is {explicit.loop / implicit.loop:.3g} times "
+                f"{flow.title}, L2 <= {error:g}: {name(implicit)} is {explicit.loop / implicit.loop:.3g} times "
                 f"faster than {name(explicit)}"
             )
     return lines

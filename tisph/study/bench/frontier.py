@@ -15,6 +15,7 @@ from tisph.errors import TisphError
 from tisph.study.bench import peers
 from tisph.study.bench.cases import FLOWS, points
 from tisph.study.bench.comparison import comparisons, leads, table
+from tisph.study.bench.equals import equals, equals_table
 from tisph.study.bench.machine import describe
 from tisph.study.bench.measured import Measured, front
 from tisph.study.bench.picture import plot_frontier
@@ -23,18 +24,18 @@ from tisph.study.store import Store
 from tisph.verification.table import format_header, format_row
 
 HEADER = ("flow", "way", "across", "threads", "steps", "L2", "loop [s]", "process [s]", "front")
-WIDTHS = (25, 25, 6, 7, 5, 7, 26, 23, 5)
+WIDTHS = (25, 6, 7, 5, 7, 26, 23, 5)
 ROUNDS = 3
 
 
-def run(folder, quick=False, peers_folder=None):
-    """Measure, print the tables, and leave ``frontier.png`` and ``frontier.json`` in ``folder``.
+def run(folder, quick=False, peers_folder=None, scene="channel"):
+    """Measure the flows of a scene, print the tables, and leave ``frontier.png`` and ``frontier.json`` in ``folder``.
 
-    ``peers_folder``: where the peers' scripts are, None to leave them out. Returns False if a peer comes closer than
-    its bound allows, else True.
+    ``peers_folder``: where the peers' scripts are, None to measure none. Returns False if a peer comes closer than its
+    bound allows, else True.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    wanted = points(quick)
+    wanted, theirs = points(scene, quick), peers.runs(scene, quick)
     rounds = {point.name: [] for point in wanted}
     store = Store(folder / "runs")
     print(f"finished runs are kept in {folder} and used again by the same command\n", flush=True)
@@ -42,9 +43,9 @@ def run(folder, quick=False, peers_folder=None):
     for turn in range(ROUNDS):
         for point in wanted:
             rounds[point.name].append(outcome(store, f"{point.name}_round_{turn}", point.config))
-        if peers_folder:
-            others.append(peers.measure(peers_folder, folder / "peers", turn, quick))
-    rows = [*(measured(point, rounds[point.name]) for point in wanted), *peers.merged(others)]
+        if peers_folder and turn < peers.ROUNDS.get(scene, ROUNDS):
+            others.append(peers.measure(peers_folder, folder / "peers", turn, theirs))
+    rows = [*(measured(point, rounds[point.name]) for point in wanted), *peers.merged(others, scene)]
     return show(folder, rows)
 
 
@@ -80,37 +81,41 @@ def show(folder, rows):
     """Print the tables of ``rows``, write picture and numbers into ``folder``; False if a bound is missed."""
     fronts = {flow: front([row for row in rows if row.flow == flow and row.ours]) for flow in FLOWS}
     _print_points(rows, fronts)
-    found = comparisons(rows)
+    found, same = comparisons(rows), equals(rows)
     print("", *leads(rows), "", table(found), sep="\n")
+    if same:
+        print("", equals_table(same), sep="\n")
     place = describe()
     numbers = {
         "machine": place,
         "points": [asdict(row) | {"loop": row.loop} for row in rows],
         "comparisons": [one.numbers for one in found],
+        "equal_number": [one.numbers for one in same],
     }
     (folder / "frontier.json").write_text(json.dumps(numbers, indent=1) + "\n", encoding="utf-8")
     plot_frontier(folder / "frontier.png", rows, fronts)
     print(f"\n{place['processor']}, {place['cores']} cores, {place['platform']}")
     print(f"picture: {folder / 'frontier.png'}; numbers: {folder / 'frontier.json'}")
-    return all(one.passed for one in found)
+    return all(one.passed for one in (*found, *same))
 
 
 def _print_points(rows, fronts):
     print(f"{ROUNDS} interleaved rounds, median (smallest..largest)\n")
-    print(format_header(HEADER, WIDTHS))
+    widths = (max(len(FLOWS[row.flow].title) for row in rows), *WIDTHS)
+    print(format_header(HEADER, widths))
     for row in rows:
         cells = (
-            FLOWS[row.flow][0],
+            FLOWS[row.flow].title,
             row.way,
             str(row.across),
             str(row.threads),
-            str(row.steps),
+            "" if row.steps is None else str(row.steps),
             f"{row.l2:.1e}",
-            "scaled " * row.elsewhere + _spread(row.loops),
+            "quoted " * row.elsewhere + _spread(row.loops),
             _spread(row.processes) if row.processes else "",
             "*" if row in fronts[row.flow] else "",
         )
-        print(format_row(cells, WIDTHS))
+        print(format_row(cells, widths))
 
 
 def _spread(seconds):

@@ -10,15 +10,15 @@ OURS = "tisph"
 class Measured:
     """What the runs of one flow in one way gave: L2 error, NaN where a run stopped, and seconds of every round.
 
-    ``loops`` are those of the time loop, ``processes`` those of the whole process where they are known.
-    ``code``: the program. ``elsewhere``: measured on another machine, and scaled.
+    ``steps``: None where they are not known. ``loops`` are seconds of the time loop, ``processes`` those of the whole
+    process where they are known. ``code``: the program. ``elsewhere``: quoted from a measurement at another time.
     """
 
     flow: str
     way: str
     across: int
     threads: int
-    steps: int
+    steps: int | None
     l2: float
     loops: tuple[float, ...]
     processes: tuple[float, ...] = ()

@@ -1,8 +1,9 @@
-"""The peers' points of the frontier: measured by the scripts in ``benchmarks/peers``, or quoted and scaled.
+"""The peers' points of the frontier: measured by the scripts in ``benchmarks/peers``, or quoted.
 
 Codes that the package index does not have are quoted from measurements of the same case on another machine of two
 cores, as multiples of what LAMMPS took there with two processes (``docs/performance.md``). pySPlisHSPlasH (2.19.0) is
-in the index, but knows no periodic boundary, so that it cannot run the case.
+in the index, but knows no periodic boundary, so that it cannot run the case. Of the vortex there are quoted seconds for
+all peers, which stand where a code was not measured.
 """
 
 import json
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 from rich.console import Console
 
 from tisph.errors import TisphError
+from tisph.study.bench.cases import FLOWS
 from tisph.study.bench.measured import Measured
 
 
@@ -29,16 +31,23 @@ class PeerRun:
     @property
     def words(self):
         """Options for ``measure.py``."""
-        options = {"code": self.code, "threads": self.threads, "across": self.across, "until": ENDS[self.flow]}
+        case, end = CASES[self.flow]
+        options = {"case": case, "code": self.code, "threads": self.threads, "across": self.across, "until": end}
         return [str(word) for key, value in options.items() for word in (f"--{key}", value)]
 
 
-ENDS = {"couette_2.7": 2.7, "couette_20": 20.0}
+CASES = {"couette_2.7": ("couette", 2.7), "couette_20": ("couette", 20.0), "taylor_green_2": ("taylor_green", 2.0)}
+"""What ``measure.py`` calls the case of a flow, and its end."""
+
+ROUNDS = {"taylor_green": 1}
+"""Rounds of the peers in a scene that does not have as many as of tisph's own runs: PySPH's 50 x 50 vortices take a
+minute and a half each, with a ratio in the hundreds in question."""
 
 LAMMPS = ("LAMMPS SPH, 2 processes", "lammps", 2)
 TVF_SERIAL = ("PySPH TVF, 1 thread", "pysph", 1)
 TVF = ("PySPH TVF, 2 threads", "pysph", 2)
 EDAC = ("PySPH EDAC, 2 threads", "pysph-edac", 2)
+EDAC_SERIAL = ("PySPH EDAC, 1 thread", "pysph-edac", 1)
 
 SCALE = PeerRun(*LAMMPS, "couette_20", 50)
 """The run that quoted times are multiples of."""
@@ -48,10 +57,11 @@ RUNS = (
     *(PeerRun(*peer, "couette_2.7", across) for peer in (TVF_SERIAL, TVF, EDAC) for across in (25, 50)),
     SCALE,
     PeerRun(*TVF, "couette_20", 25),
+    *(PeerRun(*peer, "taylor_green_2", across) for peer in (TVF_SERIAL, EDAC_SERIAL) for across in (25, 50)),
 )
-"""A round of all takes two to three minutes on two quiet cores; PySPH at 50 across to t = 20 would double that."""
+"""A round of a scene takes two to four minutes on two quiet cores; PySPH at 50 across to t = 20 would double that."""
 
-QUICK_RUNS = tuple(run for run in RUNS if run.flow == "couette_2.7" and run.across == 25)
+QUICK_RUNS = tuple(run for run in RUNS if run.flow != "couette_20" and run.across == 25)
 
 QUOTED = {
     "SPHinXsys": (0.57, 2.3e-3, 7038),
@@ -60,16 +70,31 @@ QUOTED = {
 }
 """Loop time over that of ``SCALE``, L2, and steps, by label."""
 
+QUOTED_VORTICES = (
+    ("JAX-SPH TVF", 25, 23.0, 0.252),
+    ("PySPH TVF", 25, 16.0, 0.238),
+    ("PySPH TVF", 50, 74.0, 0.122),
+    ("PySPH EDAC", 25, 18.0, 0.0333),
+    ("PySPH EDAC", 50, 91.0, 0.0219),
+)
+"""Label, particles across, seconds of the processor (of the whole process for JAX-SPH) and L2 at t = 2 that were
+measured of the vortex once, on one thread of another busy machine; times good to a fifth. Not scaled."""
 
-def measure(scripts, folder, turn, quick=False):
-    """One round: the dictionary that ``measure.py`` in ``scripts`` printed, by ``PeerRun``.
+
+def runs(scene, quick=False):
+    """Return the runs of a scene's flows."""
+    return [run for run in (QUICK_RUNS if quick else RUNS) if FLOWS[run.flow].scene == scene]
+
+
+def measure(scripts, folder, turn, wanted):
+    """One round of the runs ``wanted``: the dictionary that ``measure.py`` in ``scripts`` printed, by ``PeerRun``.
 
     What an earlier call left in ``folder`` is used again unless a script is newer. Raises TisphError where one fails.
     """
     folder.mkdir(parents=True, exist_ok=True)
     changed = max(path.stat().st_mtime for path in scripts.iterdir() if path.is_file())
     found = {}
-    for run in QUICK_RUNS if quick else RUNS:
+    for run in wanted:
         kept = folder / f"{run.code}_{run.threads}_{run.flow}_{run.across}_round_{turn}.json"
         if not kept.is_file() or kept.stat().st_mtime < changed:
             with Console(stderr=True).status(kept.stem):
@@ -85,8 +110,8 @@ def _call(command):
     return done.stdout
 
 
-def merged(rounds):
-    """``Measured`` of every peer over all rounds, and the quoted ones where the run is there that they scale with."""
+def merged(rounds, scene):
+    """``Measured`` of every peer over all rounds, and the quoted ones that a scene has beside them."""
     rows = {}
     for run in rounds[0] if rounds else ():
         ones = [one[run] for one in rounds]
@@ -100,7 +125,29 @@ def merged(rounds):
             loops=tuple(one["loop_seconds"] for one in ones),
             code=run.label.split()[0],
         )
-    return [*rows.values(), *(quoted(rows[SCALE]) if SCALE in rows else ())]
+    measured = list(rows.values())
+    if scene == "taylor_green":
+        return [*measured, *quoted_vortices({row.code for row in measured})]
+    return [*measured, *(quoted(rows[SCALE]) if SCALE in rows else ())]
+
+
+def quoted_vortices(codes):
+    """``Measured`` of the vortex as quoted, of codes that are not among ``codes``, those measured here."""
+    return [
+        Measured(
+            flow="taylor_green_2",
+            way=f"{label}, quoted",
+            across=across,
+            threads=1,
+            steps=None,
+            l2=l2,
+            loops=(seconds,),
+            code=label.split()[0],
+            elsewhere=True,
+        )
+        for label, across, seconds, l2 in QUOTED_VORTICES
+        if label.split()[0] not in codes
+    ]
 
 
 def quoted(scale):

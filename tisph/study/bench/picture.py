@@ -16,12 +16,12 @@ FAMILIES = {
     "implicit": ("#d55e00", "v>DpP"),
     "LAMMPS": ("#009e73", "X"),
     "PySPH TVF": ("#cc79a7", "*d"),
-    "PySPH EDAC": ("#56b4e9", "h"),
+    "PySPH EDAC": ("#56b4e9", "hX"),
     "": ("#000000", "s^o"),
 }
 """Colour and marks of the ways, by how their names begin: the first that fits."""
 
-PEERS, ELSEWHERE = "peers, same machine", "measured elsewhere, scaled"
+PEERS, ELSEWHERE = "peers, same machine", "quoted, measured elsewhere"
 LEGENDS = {OURS: "outside lower left", PEERS: "outside lower center", ELSEWHERE: "outside lower right"}
 """Place of the legend of each group of ways, by its title."""
 
@@ -64,7 +64,7 @@ def figure_of(rows, fronts):
     panels = figure.subplots(1, len(flows), squeeze=False)[0]
     for panel, flow in zip(panels, flows, strict=True):
         _draw(panel, flow, [row for row in rows if row.flow == flow], fronts[flow], looks)
-    panels[0].set_ylabel("L2 error of u")
+    panels[0].set_ylabel("L2 error of the velocity")
     for title, place in LEGENDS.items():
         handles = [Line2D([], [], label=way, **look.options) for way, look in looks.items() if look.group == title]
         if title == OURS:
@@ -92,5 +92,5 @@ def _draw(panel, flow, rows, front, looks):
     for way in dict.fromkeys(row.way for row in rows):
         own = sorted((row for row in rows if row.way == way), key=lambda row: row.across)
         panel.plot([row.loop for row in own], [row.l2 for row in own], **looks[way].options)
-    panel.set(xscale="log", yscale="log", title=FLOWS[flow][0], xlabel="time loop [s]")
+    panel.set(xscale="log", yscale="log", title=FLOWS[flow].title, xlabel="time loop [s]")
     panel.grid(True, which="major")

@@ -2,8 +2,9 @@
 
 The cells of the fluid fill the channel in rows 1 .. rows; row 0 lies below the bottom wall and row rows + 1
 above the top wall. Rows follow one another in memory as 1 .. rows, then rows + 1, then 0: the fluid comes
-first. In a box without walls those two are empty, and stand for their copies inside. A stable sort, without
-atomics, gives the same order whatever the number of threads.
+first. In a box that is periodic both ways those two are empty, and stand for their copies inside; wall particles
+of bodies in it are in rows rows + 1 .. 2 rows, which cover the box once more. A stable sort, without atomics, gives
+the same order whatever the number of threads.
 """
 
 import numpy as np
@@ -15,8 +16,9 @@ from tisph.runtime import integer, room, ti
 class Cells:
     """Cells no smaller than ``reach`` (the radius of the neighbour lists), fitted to the box.
 
-    ``rows`` and ``columns`` are not compiled in. ``start[place(row, column)]`` is the first slot of a cell and
-    ``start[place(row, columns)]`` the end of its row, so that neighbouring cells of one row are one range of slots.
+    ``rows`` and ``columns`` are not compiled in; ``levels`` are these rows and those of wall particles.
+    ``start[place(row, column)]`` is the first slot of a cell and ``start[place(row, columns)]`` the end of its row, so
+    that neighbouring cells of one row are one range of slots.
     """
 
     def __init__(self, particles, domain, channel, reach):
@@ -28,10 +30,11 @@ class Cells:
         if columns < 3 or (domain.open_across and rows < 3):
             axis = f"{columns} cells along x" if columns < 3 else f"{rows} cells along y"
             raise ValueError(f"{axis}: a pair and its periodic copy would both be listed")
-        self.rows, self.columns = integer(rows), integer(columns)
-        cells = room((rows + 2) * (columns + 1))
+        levels = 2 * rows + 1 if domain.open_across and particles.has_dummies else rows + 2
+        self.rows, self.columns, self.levels = integer(rows), integer(columns), integer(levels)
+        cells = room(levels * (columns + 1))
         self.start = ti.field(ti.i32, shape=cells)
-        self.start.used = np.s_[: (rows + 2) * (columns + 1)]
+        self.start.used = np.s_[: levels * (columns + 1)]
         self.cursor = ti.field(ti.i32, shape=cells)
         self.cell = ti.field(ti.i32, shape=particles.mobile_slots)
         self.order = ti.field(ti.i32, shape=particles.mobile_slots)
@@ -50,11 +53,11 @@ class Cells:
 
     @ti.func
     def row_of(self, y, k):
-        """Return the row of particle ``k`` at height ``y``: 1 .. rows for fluid, beyond for wall particles."""
+        """Return the row of particle ``k`` at height ``y``: 1 .. rows for fluid, more or 0 for wall particles."""
         rows = self.rows[None]
         row = ti.max(0, ti.min(rows - 1, ti.cast(y / self.domain.gap[None] * rows, ti.i32))) + 1
         if k >= self.particles.first_wall:
-            row = ti.select(y < 0.0, 0, rows + 1)
+            row = row + rows if ti.static(self.domain.open_across) else ti.select(y < 0.0, 0, rows + 1)
         return row
 
     @ti.kernel
@@ -62,7 +65,7 @@ class Cells:
         """Wrap the particles into the period and fill ``order`` and ``start`` from their positions."""
         ti.loop_config(serialize=True)
         for _ in range(1):
-            rows, columns, mobile = self.rows[None] + 2, self.columns[None], self.particles.mobile_number[None]
+            rows, columns, mobile = self.levels[None], self.columns[None], self.particles.mobile_number[None]
             for cell in range(rows * columns):
                 self.cursor[cell] = 0
             for number in range(mobile):
@@ -74,7 +77,7 @@ class Cells:
                 self.cursor[self.cell[k]] += 1
             slot = 0
             for cell in range(rows * columns):
-                if cell == (rows - 2) * columns:
+                if cell == self.rows[None] * columns:
                     slot = self.particles.first_wall
                 row = (cell // columns + 1) % rows
                 count = self.cursor[cell]

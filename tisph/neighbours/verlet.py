@@ -133,37 +133,51 @@ class VerletLists:
         """Fill row ``i`` of the table from the 3 x 3 cells around it and return how many it needed."""
         place = self.centre(now, i)
         column = self.cells.column_of(place.x)
-        row = self.cells.row_of(place.y, 0 if ti.static(self.looks_inside) else i)
+        row = self.cells.row_of(place.y, 0 if ti.static(self.looks_inside or self.domain.open_across) else i)
         lowest = ti.max(row - 1, 0)
         highest = ti.min(row + 1, self.cells.rows[None] + 1)
-        if i >= self.particles.first_wall:
-            lowest = ti.max(row - 1, 1)
-            highest = ti.min(row + 1, self.cells.rows[None])
-        last = self.cells.columns[None]
+        if ti.static(not self.domain.open_across):  # noqa: SIM102 (Taichi would not see the static one)
+            if i >= self.particles.first_wall:
+                lowest = ti.max(row - 1, 1)
+                highest = ti.min(row + 1, self.cells.rows[None])
         found = 0
         across = 0
         for near in range(lowest, highest + 1):
             level = near
             if ti.static(self.domain.open_across):
                 level = self.domain.row_inside(near, self.cells.rows[None])
-            first = self.cells.place(level, 0)
-            begin = self.cells.start[first + ti.max(column - 1, 0)]
-            end = self.cells.start[first + ti.min(column + 2, last)]
-            if ti.static(self.domain.open_across):
-                before = found
-                found = self.append(now, i, begin, end, found, True)
-                across += ti.select(level == near, 0, found - before)
-            else:
-                found = self.append(now, i, begin, end, found, False)
-            if column == 0 or column == last - 1:
-                other = first + ti.select(column == 0, last - 1, 0)
-                before = found
-                found = self.append(now, i, self.cells.start[other], self.cells.start[other + 1], found, True)
-                across += found - before
+            found, across = self.append_level(now, i, column, level, level != near, found, across)
+            if ti.static(self.domain.open_across and self.particles.has_dummies):  # noqa: SIM102
+                if i < self.particles.first_wall:
+                    beyond = level + self.cells.rows[None]
+                    found, across = self.append_level(now, i, column, beyond, level != near, found, across)
         self.crosses[i] = across
         self.count[i] = ti.min(found, self.capacity - 1)
         self.table[i, self.count[i]] = i
         return found
+
+    @ti.func
+    def append_level(self, now, i, column, level, copied, found, across):
+        """Append those within reach in the cells of ``level`` around a ``column``; return the new counts.
+
+        ``copied``: the level stands for its periodic copy. Second count: neighbours across the period.
+        """
+        last = self.cells.columns[None]
+        first = self.cells.place(level, 0)
+        begin = self.cells.start[first + ti.max(column - 1, 0)]
+        end = self.cells.start[first + ti.min(column + 2, last)]
+        before = found
+        if ti.static(self.domain.open_across):
+            found = self.append(now, i, begin, end, found, True)
+            across += ti.select(copied, found - before, 0)
+        else:
+            found = self.append(now, i, begin, end, found, False)
+        if column == 0 or column == last - 1:
+            other = first + ti.select(column == 0, last - 1, 0)
+            before = found
+            found = self.append(now, i, self.cells.start[other], self.cells.start[other + 1], found, True)
+            across += found - before
+        return found, across
 
     @ti.func
     def centre(self, now, i):

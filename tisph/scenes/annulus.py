@@ -13,11 +13,14 @@ from pydantic import Field
 
 from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem, Signed
+from tisph.config.fields import Member
 from tisph.config.motion import Amplitude, WallMotion
 from tisph.scenes._annulus import Annulus
 from tisph.scenes._initial import Initial, start_problems
 
 __all__ = ["Annulus", "Config", "Scene"]
+
+WallTreatment = Member("walls", usual="adami")
 
 Scene = Annulus
 """The name under which a run asks a module of this folder for its scene."""
@@ -50,8 +53,9 @@ class Cylinder(WallMotion):
 
 
 class Walls(Model):
-    """The two cylinders."""
+    """The two cylinders, and how scheme ``wcsph`` treats their walls: null for its own choice."""
 
+    treatment: Annotated[Model, WallTreatment] | None = None
     inner: Cylinder = Cylinder()
     outer: Cylinder = Cylinder()
 
@@ -86,6 +90,11 @@ class Config(schema.Config):
     def start_time(self) -> float:
         """Time at which the run's clock starts [time]: ``initial.time`` for state ``exact``, else 0."""
         return self.initial.time
+
+    @property
+    def members(self) -> dict[str, Model]:
+        """Those of every scene, and the wall treatment where one is given."""
+        return {**({"walls": self.walls.treatment} if self.walls.treatment else {}), **super().members}
 
     def problems(self) -> Iterator[Problem]:
         """What the scene has against the config."""

@@ -46,7 +46,7 @@ def explicit(config, channel):
         "time_step": limits[binding],
         "binding_limit": binding,
         "steps": steps,
-        "run_time": channel.rows * channel.columns * steps * EXPLICIT_COST,
+        "run_time": channel.particles * steps * EXPLICIT_COST,
         "lost": channel.parallel and beyond.lost(config, channel),
         "samples": _forecast.explicit(config, channel, limits[binding]),
     }

@@ -1,4 +1,4 @@
-"""Walls made of dummy particles: fixed layers that move with the wall and carry extrapolated fluid values."""
+"""Walls made of dummy particles: layers that move with the wall and carry extrapolated fluid values."""
 
 import math
 
@@ -9,10 +9,41 @@ from tisph.walls._treatment import WallTreatment
 
 
 @ti.data_oriented
-class DummyWalls(WallTreatment):
-    """Dummy particles on the continued lattice; ``extrapolate`` comes from the treatment."""
+class Dummies(WallTreatment):
+    """Dummy particles, wherever they are; ``extrapolate`` comes from the treatment.
+
+    Where they are and move, ``advance(now, k, elapsed)``, and the velocity of their walls, ``velocity_at(buffer, k)``,
+    come from subclasses; where ``accelerates``, the acceleration of these, ``acceleration_at(k)``, too.
+    """
 
     gathers = True
+    accelerates = False
+
+    @ti.kernel
+    def refresh(self, now: ti.i32):
+        """Extrapolate to all dummy particles once their lists are built."""
+        ti.loop_config(serialize=True)
+        for number in range(self.particles.fluid_number[None], self.particles.mobile_number[None]):
+            self.extrapolate(now, self.particles.slot(number))
+
+    @ti.func
+    def give(self, buffer, k, velocity, pressure, stress):
+        """Set what dummy particle ``k`` carries."""
+        self.write(buffer, k, self.particles.mid_position[buffer, k], velocity, pressure, stress)
+
+    @ti.func
+    def give_wall_values(self, buffer, k):
+        """Let dummy particle ``k``, which has no fluid in reach, move with its wall."""
+        velocity = self.velocity_at(buffer, k)
+        if ti.static(self.particles.carries_stress):
+            self.give(buffer, k, velocity, 0.0, ti.Vector([0.0, 0.0, 0.0]))
+        else:
+            self.give(buffer, k, velocity, 0.0, 0.0)
+
+
+@ti.data_oriented
+class DummyWalls(Dummies):
+    """Dummy particles on the continued lattice, beyond the walls of a channel."""
 
     @staticmethod
     def wall_slots(channel, reach):
@@ -31,13 +62,6 @@ class DummyWalls(WallTreatment):
         velocities = view(self.domain.bottom_velocity), view(self.domain.top_velocity)
         view(self.particles.mid_velocity)[0, first:last, 0] = np.repeat(velocities, len(places) // 2)
 
-    @ti.kernel
-    def refresh(self, now: ti.i32):
-        """Extrapolate to all dummy particles once their lists are built."""
-        ti.loop_config(serialize=True)
-        for number in range(self.particles.fluid_number[None], self.particles.mobile_number[None]):
-            self.extrapolate(now, self.particles.slot(number))
-
     @ti.func
     def advance(self, now, k, elapsed):
         """Carry dummy particle ``k`` along with its wall into the other buffer."""
@@ -46,18 +70,9 @@ class DummyWalls(WallTreatment):
         self.particles.mid_position[1 - now, k] = position
 
     @ti.func
-    def give(self, buffer, k, velocity, pressure, stress):
-        """Set what dummy particle ``k`` carries."""
-        self.write(buffer, k, self.particles.mid_position[buffer, k], velocity, pressure, stress)
-
-    @ti.func
-    def give_wall_values(self, buffer, k):
-        """Let dummy particle ``k``, which has no fluid in reach, move with its wall."""
-        velocity = ti.Vector([self.wall_velocity(self.particles.mid_position[buffer, k].y), 0.0])
-        if ti.static(self.particles.carries_stress):
-            self.give(buffer, k, velocity, 0.0, ti.Vector([0.0, 0.0, 0.0]))
-        else:
-            self.give(buffer, k, velocity, 0.0, 0.0)
+    def velocity_at(self, buffer, k):
+        """Return the velocity of the wall that dummy particle ``k`` belongs to."""
+        return ti.Vector([self.wall_velocity(self.particles.mid_position[buffer, k].y), 0.0])
 
     @ti.func
     def depth(self, y):

@@ -5,7 +5,7 @@ from tisph.runtime import ti
 
 @ti.data_oriented
 class WallTreatment:
-    """Wall particles around a channel; a treatment replaces the methods that it needs.
+    """Wall particles around the liquid; a treatment replaces the methods that it needs.
 
     ``gathers`` tells whether a loop over the wall particles follows the one over the fluid, ``tracks_walls``
     whether one over points of the walls comes before it. ``looks_inside``: the lists of wall particles are those of

@@ -116,6 +116,9 @@ def _problems_without_walls(config):
             f"must be at least {LEAST_COLUMNS} along x and y: the neighbour search of scheme implicit needs three cells"
         )
         yield "discretisation.particles_across", text
+    if "walls" in config.members:
+        text = f"implicit has no {config.walls.treatment.type} walls where the flow turns"
+        yield "walls.treatment.type", f"{text}, but closes its operators itself: leave treatment out, or take wcsph"
     if config.scheme.type == "implicit" and config.scheme.operators.order != 4:
         yield "scheme.operators.order", "must be 4 where the flow turns"
 

@@ -12,10 +12,11 @@ from tisph.config.fields import member_name
 from tisph.equation_of_state import Tait
 from tisph.schemes._estimate import explicit
 from tisph.schemes.wcsph._scheme import Scheme
+from tisph.schemes.wcsph._surroundings import AROUND_BODIES
 
 __all__ = ["Parameters", "Scheme", "estimates", "orders", "problems"]
 
-PERIODIC = [(True, False), (True, True)]
+PERIODIC = [(True, False), (True, True), (False, False)]
 """Boxes that it can have, by whether they are periodic in x and y."""
 
 
@@ -39,6 +40,16 @@ def problems(config):
     if config.fluid.rheology.carries_stress and config.scheme.operators != "consistent":
         text = f"{config.fluid.rheology.type} needs the velocity gradient of the consistent operators"
         yield "scheme.operators", f"{text}: give consistent, or fluid.rheology {{type: newtonian}}"
+    if not any(config.periodic):
+        yield from _problems_around_bodies(config)
+
+
+def _problems_around_bodies(config):
+    if not hasattr(getattr(config, "walls", None), "treatment"):
+        yield "scheme.type", f"wcsph has no walls as those of {config.scene}; take implicit"
+    elif "walls" in config.members and config.walls.treatment.type not in AROUND_BODIES:
+        text = f"{config.walls.treatment.type} is for plane walls"
+        yield "walls.treatment.type", f"{text}; take {' or '.join(AROUND_BODIES)}"
 
 
 def orders(config):

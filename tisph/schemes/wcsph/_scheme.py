@@ -21,7 +21,7 @@ from tisph.schemes._room import clustered
 from tisph.schemes._time_step import effective_viscosity, time_step_limits
 from tisph.schemes.wcsph._shift import shift_speed
 from tisph.schemes.wcsph._stepper import Stepper
-from tisph.schemes.wcsph._surroundings import OpenBox, PlaneWalls
+from tisph.schemes.wcsph._surroundings import surroundings
 from tisph.snapshot import Snapshot
 
 CONTROL_INTERVAL = 50
@@ -61,12 +61,11 @@ class Scheme:
         cutoff = kernel.SUPPORT * self.smoothing_length
         radius = reach(cutoff, channel.spacing)
 
-        self.surroundings = (PlaneWalls if channel.walls else OpenBox)(config, channel)
+        self.surroundings = surroundings(config, channel, radius)
         self.domain, treatment = self.surroundings.domain, self.surroundings.treatment
         self.liquid = Liquid(channel, self.equation_of_state, self.sound_speed, stress)
-        slots = treatment.wall_slots(channel, radius)
-        self.particles = Particles(channel.rows * channel.columns, *slots, rheology.carries_stress)
-        self.cells = Cells(self.particles, self.domain, channel, radius)
+        self.particles = Particles(channel.particles, *self.surroundings.slots, rheology.carries_stress)
+        self.cells = Cells(self.particles, self.domain, self.surroundings.box, radius)
         self.lists = VerletLists(self.cells, cutoff, channel.spacing, serial, treatment.looks_inside)
         speeds = self.sound_speed, self.cfl, channel.solvent_viscosity / self.smoothing_length
         shift = shift_speed(kernel, config.discretisation.smoothing_ratio, *speeds)
@@ -85,7 +84,7 @@ class Scheme:
         """
         self.limit = self.time_step_limit()
         scaled = stress / self.channel.density if self.particles.carries_stress else None
-        self.particles.load(position, velocity, scaled)
+        self.particles.load(position - np.array(self.surroundings.origin), velocity, scaled)
         self.press(position)
         self.surroundings.begin(float(velocity[:, 0].sum()))
         self.rebuild()
@@ -188,8 +187,8 @@ class Scheme:
         """Return the state at the end of the last step as a Snapshot; ``time`` can be no other."""
         position, velocity, compression, stress = self.particles.state(self.now)
         compression = compression.astype(float)
-        sides = zip(position.T, self.channel.extent, self.channel.periodic, strict=True)
-        x, y = (place % size if periodic else place for place, size, periodic in sides)
+        sides = zip(position.T, self.channel.extent, self.channel.periodic, self.surroundings.origin, strict=True)
+        x, y = (first + (place % size if periodic else place) for place, size, periodic, first in sides)
         stresses = {}
         if stress is not None:
             parts = zip(("stress_xx", "stress_xy", "stress_yy"), stress.T, strict=True)

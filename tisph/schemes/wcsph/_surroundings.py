@@ -1,4 +1,8 @@
-"""What is around the liquid of an explicit run: the plane walls of a channel, or copies of the liquid itself."""
+"""What is around the liquid of an explicit run: the plane walls of a channel, bodies, or copies of the liquid itself.
+
+``box`` says how many ``columns`` and ``rows`` of ``spacing`` the cells have to cover, from ``origin`` on; ``slots`` how
+many wall particles of their own and how much room for images there has to be (``tisph/particles.py``).
+"""
 
 from tisph import families
 from tisph.domain import Domain
@@ -7,6 +11,20 @@ from tisph.schemes._momentum import MomentumBalance, WallForces
 from tisph.schemes.wcsph._impulse import ImpulsiveStart
 from tisph.walls._treatment import WallTreatment
 
+AROUND_BODIES = ("adami",)
+"""Wall treatments that there are at walls of any smooth shape; the first one where a config names none."""
+
+
+def surroundings(config, scene, radius):
+    """Return what is around the liquid of a ``scene``, for lists of this ``radius``."""
+    if scene.walls:
+        return PlaneWalls(config, scene, radius)
+    if scene.bodies:
+        from tisph.schemes.wcsph._bodies import Bodies  # of no use to the others
+
+        return Bodies(config, scene, radius)
+    return OpenBox(config, scene)
+
 
 class PlaneWalls:
     """The walls of a channel: their particles, how far these drift, and the momentum that they give to the liquid.
@@ -14,9 +32,13 @@ class PlaneWalls:
     ``drift``: of the bottom and the top wall, how far dummy particles are from where the lists expect them.
     """
 
-    def __init__(self, config, channel):
+    origin = (0.0, 0.0)
+
+    def __init__(self, config, channel, radius):
         self.channel, self.parameters = channel, config.walls.treatment
+        self.box = channel
         self.treatment = families.load("walls", self.parameters.type).Treatment
+        self.slots = self.treatment.wall_slots(channel, radius)
         self.domain = Domain(channel)
         self.balance = MomentumBalance(channel.start_time)
         self.drift, self.built_velocity = [0.0, 0.0], [0.0, 0.0]
@@ -76,8 +98,11 @@ class OpenBox:
 
     treatment = WallTreatment
     drift = (0.0,)
+    origin = (0.0, 0.0)
+    slots = (0, 0)
 
     def __init__(self, config, scene):
+        self.box = scene
         self.particle_mass = scene.density * scene.spacing**2
         self.domain = PeriodicBox(*scene.extent)
         self.initial = 0.0

@@ -1,0 +1,75 @@
+"""Bodies around the liquid of an explicit run, or in it: layers of wall particles that move as these do."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tisph import families
+from tisph.periodic import PeriodicBox
+from tisph.schemes._splitting._flow import box_around
+from tisph.schemes.wcsph._surroundings import AROUND_BODIES, OpenBox
+from tisph.walls._layers import layers_in
+
+
+@dataclass(frozen=True)
+class Box:
+    """``columns`` x ``rows`` spacings, more than liquid and bodies take, so that no end of it sees another."""
+
+    columns: int
+    rows: int
+    spacing: float
+
+
+class Bodies(OpenBox):
+    """Bodies of a scene; for the rest the box around them is periodic, though nothing is near its ends."""
+
+    def __init__(self, config, scene, radius):
+        super().__init__(config, scene)
+        self.scene, self.parameters = scene, config.walls.treatment
+        name = self.parameters.type if self.parameters else AROUND_BODIES[0]
+        self.treatment = families.load("walls", name).BodyTreatment
+        self.layers = layers_in(scene.bodies, scene.spacing, radius)
+        self.slots = len(self.layers.place), 0
+        corners = scene.origin, np.add(scene.origin, scene.extent)
+        origin, columns, rows = box_around(corners, scene.spacing, scene.periodic, 2.0 * radius)
+        self.origin, self.box = tuple(map(float, origin)), Box(columns, rows, scene.spacing)
+        self.domain = PeriodicBox(columns * scene.spacing, rows * scene.spacing)
+        self.radii = [self.layers.radius(number) for number in range(len(scene.bodies))]
+        self.middle = self.built = scene.start_time
+
+    @property
+    def drift(self):
+        """How far the wall particles of each body are, at most, from where the lists expect them."""
+        for body, radius in zip(self.scene.bodies, self.radii, strict=True):
+            here, there = body.at(self.middle), body.at(self.built)
+            yield float(np.linalg.norm(here.centre - there.centre)) + radius * abs(here.angle - there.angle)
+
+    def surround(self, operators, kernel):
+        """Make the ``walls`` that particles see, for the lists and the liquid of ``operators``; return them."""
+        place = self.layers, self.scene.bodies, self.origin
+        self.walls = self.treatment(operators.lists, kernel, operators.liquid, self.parameters, *place)
+        return self.walls
+
+    def begin(self, momentum):
+        """Place the wall particles around a liquid whose velocities along x add up to ``momentum``."""
+        super().begin(momentum)
+        self.walls.load(self.scene.start_time)
+
+    def move_on(self, before, middle):
+        """Move the bodies from the middle of one step to that of the next."""
+        self.middle = middle
+        self.walls.place_bodies(middle)
+
+    def rebuilt(self, now, middle):
+        """Prepare the wall particles for lists that were built anew."""
+        self.built = middle
+        self.walls.refresh(now)
+
+    def state(self):
+        """Return the numbers outside the fields that a resumed run needs."""
+        return {**super().state(), "middle": self.middle, "built": self.built}
+
+    def restore(self, state):
+        """Take up the numbers of ``state``."""
+        super().restore(state)
+        self.middle, self.built = state["middle"], state["built"]

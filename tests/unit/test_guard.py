@@ -12,7 +12,7 @@ from tisph.snapshot import Snapshot
 
 CHANNEL = SimpleNamespace(
     density=2.0, extent=(1.0, 1.0), periodic=(True, False), parallel=True, peak_velocity=0.5, start_time=0.0,
-    spacing=0.1, solvent_viscosity=0.02,
+    spacing=0.1, solvent_viscosity=0.02, bodies=(),
 )  # fmt: skip
 
 

@@ -115,7 +115,9 @@ def test_what_cannot_be_is_refused(tmp_path, text, change, said):
 
 
 def test_bodies_that_meet_later_are_refused(tmp_path):
-    bodies = "bodies=[{centre: [0.2, 0.2], radius: 0.1, motion: {velocity: [0.0, 0.5]}}, {centre: [0.2, 0.7], radius: 0.1}]"
+    bodies = (
+        "bodies=[{centre: [0.2, 0.2], radius: 0.1, motion: {velocity: [0.0, 0.5]}}, {centre: [0.2, 0.7], radius: 0.1}]"
+    )
     with pytest.raises(ConfigError, match="at time"):
         loaded(tmp_path, LATTICE, bodies)
 

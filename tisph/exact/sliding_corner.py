@@ -24,11 +24,11 @@ DEGREE = 16
 
 @dataclass(frozen=True)
 class SlidingCorner:
-    """Corner at ``place`` (2,): a wall that slides away from it along ``along`` (2,), with ``speed``, meets another.
+    """Corner at ``place`` (2,) where a wall that slides with ``speed`` away from it, along ``along``, meets another.
 
-    ``inward`` (2,): normal of the sliding wall into the liquid; both directions are of length 1. ``angle`` between the
-    walls, in radians. The second part of the flow fades with exp(-(r/``reach``)^2), since far from the corner it says
-    nothing; ``share`` is how much of it there is.
+    ``along`` (2,) and ``inward`` (2,), the normal of the sliding wall into the liquid, are of length 1. ``angle``
+    between the walls, in radians. The second part of the flow fades with exp(-(r/``reach``)^2), since far from the
+    corner it says nothing; ``share`` is how much of it there is.
     """
 
     place: tuple[float, float]
@@ -103,9 +103,9 @@ class SlidingCorner:
         return radial[:, None] * out + turning[:, None] * turn
 
     def gradient(self, points):
-        """Velocity gradient (n, 2, 2) at ``points`` (n, 2), derivatives along the first axis of the velocities along the second."""
+        """Velocity gradient (n, 2, 2) at ``points`` (n, 2): by the first axis, of the velocity along the second."""
         radius, theta, out, turn = self._polar(points)
-        f, slope, bend, _ = self._slow(theta)
+        f, _, bend, _ = self._slow(theta)
         h, h1, h2 = (part(theta) / self.kinematic_viscosity for part in self._inertial[0][:3])
         chi, first, second, _ = self._fading(radius)
         stretch = (chi - 2.0 * (radius / self.reach) ** 2 * chi) * h1

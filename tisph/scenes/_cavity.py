@@ -13,6 +13,7 @@ from tisph.geometry.body import Body
 from tisph.geometry.filling import fill
 from tisph.geometry.line import Line
 from tisph.geometry.region import Region
+from tisph.geometry.sliding import SlidingWall
 from tisph.scenes import _steady, _turning
 from tisph.scenes._scene import Scene
 from tisph.scenes._views import Followed, Profile, Shown
@@ -32,27 +33,6 @@ LARGEST_REYNOLDS = 400.0
 
 POINTS = 401
 """On a centre line, where its extremes are looked for."""
-
-
-@dataclass(frozen=True)
-class Lid(Body):
-    """A straight wall whose points slide along x with ``speed`` times ``profile``, a polynomial in x/``width``."""
-
-    speed: float = 0.0
-    width: float = 1.0
-    profile: Any = None
-
-    def _along(self, points, polynomial):
-        values = polynomial(np.asarray(points, dtype=float)[:, 0] / self.width)
-        return np.stack([values, np.zeros(len(values))], axis=1)
-
-    def velocity(self, points, time=0.0):
-        """Velocity (n, 2) of the wall at ``points`` (n, 2)."""
-        return self.speed * self._along(points, self.profile)
-
-    def acceleration(self, points, time=0.0):
-        """Acceleration (n, 2) of its material at ``points`` (n, 2), which is carried along it."""
-        return self.speed**2 / self.width * self._along(points, self.profile * self.profile.deriv())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,7 +85,7 @@ class Cavity(Scene):
         return (
             Body(Line((0.0, 0.0), (1.0, 0.0), width)),
             Body(Line((width, 0.0), (0.0, 1.0), height)),
-            Lid(lid, speed=self.velocity, width=width, profile=self._profile),
+            SlidingWall(lid, speed=self.velocity, width=width, profile=self._profile),
             Body(Line((0.0, height), (0.0, -1.0), height)),
         )
 

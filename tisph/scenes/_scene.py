@@ -164,7 +164,8 @@ class Scene:
         raise NotImplementedError
 
     def measures(self, snapshot, followed):
-        """What ``summary.json`` gets of a sample beside the errors, by name: numbers, or true, false and words, or None.
+        """What ``summary.json`` gets of a sample beside the errors: numbers by name, also true, false and words;
+        None for what does not exist.
 
         ``snapshot`` has its ``reference``, as far as there is one; ``followed`` has ``Followed.places``, what
         ``Followed.measure`` returns for it, and, in a run, the pair of times (records,) and of what it was at all of

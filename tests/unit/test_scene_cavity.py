@@ -1,0 +1,160 @@
+"""The cavity: what its config may say, its walls and corners, and that errors are given of a steady state alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tisph.config import load
+from tisph.errors import ConfigError
+from tisph.exact.cavity import RegularCavity, centre_lines, extremes
+from tisph.scenes.cavity import Scene
+from tisph.simulation.start import start_snapshot, start_values
+from tisph.verification.metrics import sample_metrics
+
+GOOD = """
+scene: cavity
+fluid: {density: 2.0, kinematic_viscosity: 0.01}
+geometry: {width: 1.0, height: 1.0}
+walls: {lid: {velocity: 1.0}}
+initial: {jitter: 0.2}
+discretisation: {particles_across: 30}
+time: {end: 20.0}
+"""
+TIMES = np.linspace(0.0, 20.0, 401)
+STEADY = np.full((401, 1), 0.03)
+
+
+@pytest.fixture
+def case(tmp_path):
+    path = tmp_path / "case.yaml"
+    path.write_text(GOOD)
+    return lambda *overrides: load(path, overrides)
+
+
+@pytest.fixture
+def regular(case):
+    return Scene.from_config(case("walls.lid.profile=regular"))
+
+
+def snapshot_of(scene, velocity=None, t=20.0):
+    """The start, at another time and with the ``velocity`` (u, v) of places."""
+    config = scene_initial(scene)
+    start = replace(start_snapshot(scene, config, "f64"), t=t)
+    return start if velocity is None else replace(start, **dict(zip("uv", velocity(start.x, start.y), strict=True)))
+
+
+def scene_initial(scene):
+    from types import SimpleNamespace
+
+    return start_values(scene, SimpleNamespace(seed=0, jitter=0.2))
+
+
+def measured(scene, snapshot, energies=STEADY):
+    return sample_metrics(scene, snapshot, ((), np.array([0.03]), (TIMES, energies)))
+
+
+@pytest.mark.parametrize(
+    ("overrides", "key"),
+    [
+        (["walls.lid.velocity=0"], "walls.lid.velocity"),
+        (["geometry.height=1.01"], "geometry.height"),
+        (["walls.lid.profile=blunt"], "walls.lid.profile"),
+    ],
+)
+def test_bad_configs_are_refused_by_name(case, overrides, key):
+    with pytest.raises(ConfigError, match=key):
+        case(*overrides)
+
+
+def test_particles_fill_the_box(case):
+    scene = Scene.from_config(case("geometry.height=2.0"))
+    x, y = scene.jittered(0, 0.2)
+    assert len(x) == scene.particles == 1800
+    assert np.all((x > 0) & (x < 1) & (y > 0) & (y < 2))
+
+
+def test_the_sharp_lid_alone_slides_past_corners(case, regular):
+    sharp = Scene.from_config(case("walls.lid.velocity=-2.0"))
+    assert regular.corners == ()
+    lid = np.array([[0.0, 1.0], [0.25, 1.0], [1.0, 1.0]])
+    assert np.array_equal(sharp.bodies[2].velocity(lid), [[-2.0, 0.0]] * 3)
+    assert np.allclose(regular.bodies[2].velocity(lid), [[0.0, 0.0], [0.5625, 0.0], [0.0, 0.0]], rtol=0, atol=1e-15)
+    for corner in sharp.corners:
+        inside = np.array(corner.place) + 0.01 * np.array(corner.along)
+        assert np.allclose(corner.velocity(inside[None]), [[-2.0, 0.0]], rtol=0, atol=1e-12)
+
+
+def test_material_of_the_regular_lid_is_accelerated(regular):
+    points = np.array([[0.2, 1.0], [0.7, 1.0]])
+    lid, step = regular.bodies[2], np.array([1e-6, 0.0])
+    slope = (lid.velocity(points + step) - lid.velocity(points - step)) / 2e-6
+    assert np.allclose(lid.acceleration(points), lid.velocity(points)[:, :1] * slope, rtol=0, atol=1e-8)
+
+
+def test_errors_of_the_exact_flow_are_those_of_the_interpolation(regular):
+    flow = RegularCavity(1.0, 1.0, 1.0, 0.01)
+    found = measured(regular, snapshot_of(regular, flow.velocity))
+    assert (found["steady"], found["steady_reason"]) == (True, None)
+    assert found["l2"] == 0.0
+    for name in ("u_extreme", "v_min", "v_max"):
+        # degree 6 among 30 across: a wave of 30 spacings is met to 1e-7; extremes lie where boundary layers end
+        assert found[name] == pytest.approx(found[f"{name}_exact"], abs=2e-5)
+    assert regular.extremes()["u_extreme"] == pytest.approx(flow.extremes()["u_min"])
+
+
+def test_before_the_steady_state_there_are_no_errors(regular):
+    state = snapshot_of(regular, RegularCavity(1.0, 1.0, 1.0, 0.01).velocity)
+    rising = measured(regular, state, STEADY * (1 + 1e-3 * TIMES[:, None]))
+    assert rising["energy_change"] == pytest.approx(1e-3, rel=0.03)  # over the mean of the last times
+    assert not rising["steady"]
+    assert "changes" in rising["steady_reason"]
+    early = measured(regular, replace(state, t=3.0))
+    assert "less than 5" in early["steady_reason"]
+    for found in (rising, early):
+        assert found["l2"] is None
+        assert found["u_extreme_exact"] is None
+
+
+def test_the_sharp_lid_is_held_against_tables(case):
+    scene = Scene.from_config(case())
+    assert scene.extremes() == {
+        "u_extreme": extremes(100)["u_min"],
+        "v_min": extremes(100)["v_min"],
+        "v_max": extremes(100)["v_max"],
+    }
+    assert Scene.from_config(case("fluid.kinematic_viscosity=0.02")).extremes() == {}
+    assert Scene.from_config(case("geometry.height=2.0")).extremes() == {}
+    # of liquid at rest the largest difference is the largest velocity there
+    largest = max(np.abs(table.value[table.coordinate < 0.85]).max() for table in centre_lines(100))
+    assert largest <= measured(scene, snapshot_of(scene))["centre_line_error"] < 0.7
+
+
+def backwards(case):
+    return Scene.from_config(case("walls.lid.velocity=-1.0"))
+
+
+def test_a_lid_that_moves_the_other_way_is_held_against_the_same_tables(case):
+    """Velocities of a smooth flow that is the mirror image of another have its errors."""
+
+    def velocity(x, y):
+        return 0.1 * np.cos(x) * y**2, 0.1 * x * (1 - x**2) * y
+
+    def mirrored(x, y):
+        u, v = velocity(1 - x, y)
+        return -u, v
+
+    errors = []
+    for scene, flow in ((Scene.from_config(case()), velocity), (backwards(case), mirrored)):
+        errors.append(measured(scene, snapshot_of(scene, flow))["centre_line_error"])
+    assert errors[0] == pytest.approx(errors[1], rel=0.02)  # other places of the particles at the lid
+
+
+def test_check_and_movie_find_what_they_ask_for(case, regular):
+    for scene in (regular, Scene.from_config(case())):
+        state = snapshot_of(scene)
+        assert len(scene.facts()) == 5
+        for colour in ("speed", "vorticity", "pressure"):
+            assert scene.shown(colour, 20.0).of(state).shape == state.x.shape
+        assert scene.followed().measure(state) == [0.0]
+        assert [profile.name for profile in scene.profiles()] == ["u", "v"]

@@ -1,0 +1,29 @@
+"""Wall that stays where it is and slides along itself, with a speed that varies from place to place."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import Polynomial
+
+from tisph.geometry.body import Body
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlidingWall(Body):
+    """A body, a line along x, that slides along x with ``speed`` times ``profile``, a polynomial in x/``width``."""
+
+    speed: float
+    width: float
+    profile: Polynomial
+
+    def _along(self, points, polynomial):
+        values = polynomial(np.asarray(points, dtype=float)[:, 0] / self.width)
+        return np.stack([values, np.zeros(len(values))], axis=1)
+
+    def velocity(self, points, time=0.0):
+        """Velocity (n, 2) of the wall at ``points`` (n, 2)."""
+        return self.speed * self._along(points, self.profile)
+
+    def acceleration(self, points, time=0.0):
+        """Acceleration (n, 2) of its material at ``points`` (n, 2), which is carried along it."""
+        return self.speed**2 / self.width * self._along(points, self.profile * self.profile.deriv())

@@ -5,7 +5,7 @@ import numpy as np
 from tisph.schemes._forecast import Forecast
 from tisph.schemes._splitting._control import FIRST, LARGEST_FACTOR
 from tisph.schemes._splitting._flow import BoundedFlow, PeriodicFlow, box_around
-from tisph.schemes._splitting._scheme import SMALLEST_SPEED, TOLERANCE, Scheme
+from tisph.schemes._splitting._scheme import MOST_VISCOUS, SMALLEST_SPEED, TOLERANCE, Scheme
 from tisph.schemes._splitting._walls import Walls
 
 COST, OVERHEAD = 3.5e-6, 2e-3
@@ -53,10 +53,13 @@ def _steps(config):
 
 
 def estimates(config, scene):
-    """Return what ``tisph check`` says of a run: steps by the Courant number, no estimate of the errors."""
+    """Return what ``tisph check`` says of a run: steps by their longest, no estimate of the errors."""
     courant = _steps(config)[1]
     times = np.linspace(scene.start_time, config.time.end, MOMENTS)
-    rates = _speeds(scene, times) / (courant * scene.spacing)
+    rates, limit = _speeds(scene, times) / (courant * scene.spacing), "cfl"
+    viscous = scene.kinematic_viscosity / (MOST_VISCOUS * scene.spacing**2) if scene.bodies else 0.0
+    if viscous > rates.min():
+        rates, limit = np.maximum(rates, viscous), "viscous"
     gone = np.concatenate([[0.0], np.cumsum(0.5 * (rates[1:] + rates[:-1]) * np.diff(times))])
     begin = np.log(1 / FIRST) / np.log(LARGEST_FACTOR) - 1 / (
         1 - 1 / LARGEST_FACTOR
@@ -67,7 +70,7 @@ def estimates(config, scene):
         "mach": 0.0,
         "sound_speed": None,
         "time_step": float(1 / rates.min()),
-        "binding_limit": "cfl",
+        "binding_limit": limit,
         "steps": counts[-1],
         "run_time": counts[-1] * (OVERHEAD + particles * COST),
         "lost": False,

@@ -76,7 +76,8 @@ def test_a_body_across_the_corners_of_the_cell_is_one_body(make):
 @pytest.mark.parametrize("moves", [False, True])
 def test_momentum_closes(make, moves):
     # drive, or a body that oscillates across the edge of the cell: impulse and momentum between two times, by Simpson
-    body = "bodies=[{centre: [0.98, 0.5], radius: 0.25, motion: {amplitude: [20.0, 0.0], angular_frequency: 500.0, phase: sin}}]"
+    motion = "{amplitude: [20.0, 0.0], angular_frequency: 500.0, phase: sin}"
+    body = f"bodies=[{{centre: [0.98, 0.5], radius: 0.25, motion: {motion}}}]"
     times = np.linspace(0.006, 0.01, 9)
     changes = [body, "drive.acceleration=0.0"] if moves else []
     scene, scheme = make("time.end=0.01", *changes, targets=times.tolist())
@@ -104,8 +105,8 @@ def test_a_body_that_starts_to_move_pushes_the_liquid_away(make):
 
 
 def test_a_cylinder_held_in_couette_flow(make):
-    # R/H = 0.1, L/H = 1: torque -0.063876 mu rate H^2 and effective viscosity 1.096644 by finite elements, to 1e-6. With 6
-    # spacings across the cylinder the stress on it is 14 % off, the flow is not: 2e-3 (with 10 of them 3 % and 2e-4)
+    # R/H = 0.1, L/H = 1: torque -0.063876 mu rate H^2 and effective viscosity 1.096644 by finite elements, to 1e-6.
+    # With 6 spacings across the cylinder the torque is 14 % off, the flow 2e-3; with 10 of them 3 % and 2e-4
     text = """
 scene: channel
 fluid: {density: 1.0, kinematic_viscosity: 10.0}

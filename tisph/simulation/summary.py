@@ -6,9 +6,11 @@ import time
 from tisph import PROCESS_START
 from tisph.observers._files import hdf5_file, replaced
 from tisph.observers._storage import write_snapshot
+from tisph.observers.history import read_history
 from tisph.simulation.drawing import begin_still
 from tisph.simulation.results import peak_memory_mb, provenance
 from tisph.verification.metrics import sample_metrics
+from tisph.verification.steady import steady_since
 
 
 def summarise(job):
@@ -35,9 +37,16 @@ def _numbers(job):
         "spacing": channel.spacing,
         "particles_fluid": job.particles,
         **scheme.numbers(),
+        **_steady(job),
         "dt_min": scheme.shortest if scheme.steps else None,
         "dt_max": scheme.longest if scheme.steps else None,
     }
+
+
+def _steady(job):
+    """Since when the numbers that the scene follows have been the last ones, of scenes that may become steady."""
+    sizes = job.history.followed.sizes
+    return {"steady_since": steady_since(*read_history(job.history.path), sizes)} if sizes else {}
 
 
 def _momentum(job):

@@ -60,6 +60,7 @@ def measured(scene, snapshot, energies=STEADY):
         (["walls.lid.velocity=0"], "walls.lid.velocity"),
         (["geometry.height=1.01"], "geometry.height"),
         (["walls.lid.profile=blunt"], "walls.lid.profile"),
+        (["time.tolerance=1e-6"], "time.tolerance"),
     ],
 )
 def test_bad_configs_are_refused_by_name(case, overrides, key):

@@ -222,6 +222,11 @@ class Config(Model):
         return self.across / self.particles_across
 
     @property
+    def singular(self) -> bool:
+        """Whether the flow is singular somewhere: then a step has no error to speak of, and no tolerance sets it."""
+        return False
+
+    @property
     def columns(self) -> int:
         """Particles along x."""
         return round(self.extent[0] / self.spacing)

@@ -196,12 +196,9 @@ class Cavity(Scene):
 
     def extremes(self):
         """References of the extremes over the speed of the lid, by the names of ``measures``; none without one."""
-        if self._exact:
-            known = self._exact.extremes()
-        elif self._tables:
-            known = tabulated_extremes(round(self.reynolds, 9))
-        else:
+        if not (self._exact or self._tables):
             return {}
+        known = self._exact.extremes() if self._exact else tabulated_extremes(round(self.reynolds, 9))
         return {"u_extreme": known["u_min"], "v_min": known["v_min"], "v_max": known["v_max"]}
 
     def _errors(self, snapshot):
@@ -215,16 +212,29 @@ class Cavity(Scene):
                 "rms": np.sqrt(np.mean(squares)) / speed,
                 "linf": np.sqrt(np.max(squares)) / speed,
             }
-        largest = []
-        for table in self._tables:
-            line = self.lines(snapshot, self._along_lid(table))["uv".index(table.component)] / self.velocity
-            largest.append(np.abs(line - table.value).max())
-        return {"centre_line_error": max(largest, default=None)}
+        differences = [
+            self.lines(snapshot, self._along_lid(table))["uv".index(table.component)] / self.velocity - table.value
+            for table in self._tables
+        ]
+        return {"centre_line_error": max((np.abs(difference).max() for difference in differences), default=None)}
 
     def _along_lid(self, table):
         """Coordinates of a table, which has the lid move along x; mirrored where it moves the other way."""
         mirrored = self.velocity < 0 and table.component == "v"
         return 1.0 - table.coordinate if mirrored else table.coordinate
+
+    def _curve(self, field):
+        """A function of places on a centre line, through the first table of a ``field`` and the walls, or None."""
+        table = next((table for table in self._tables if table.component == field), None)
+        if table is None:
+            return None
+        from scipy.interpolate import CubicSpline  # only pictures need it
+
+        along = np.concatenate([[0.0, 1.0], self._along_lid(table)])
+        values = np.concatenate([[0.0, float(field == "u")], table.value])
+        order = np.argsort(along)
+        curve = CubicSpline(along[order], self.velocity * values[order])
+        return lambda x, y, t: curve((y if field == "u" else x) / self.width) + 0.0 * t
 
     def facts(self):
         """Numbers of the flow."""
@@ -280,7 +290,7 @@ class Cavity(Scene):
 
     def _velocity(self, field, along):
         exact = self._exact
-        of = None if exact is None else lambda x, y, t: exact.velocity(x, y)["uv".index(field)]
+        of = (lambda x, y, t: exact.velocity(x, y)["uv".index(field)]) if exact else self._curve(field)
         return Profile(
             name=field,
             unit="velocity",

@@ -70,6 +70,11 @@ class Config(schema.Config):
         """Width and height."""
         return self.geometry.width, self.geometry.height
 
+    @property
+    def singular(self) -> bool:
+        """Whether the lid slides past corners."""
+        return self.walls.lid.profile == "sharp"
+
     def problems(self) -> Iterator[Problem]:
         """What the scene has against the config."""
         if self.fluid.rheology.carries_stress:
@@ -77,6 +82,9 @@ class Config(schema.Config):
             yield "fluid.rheology.type", text
         if self.walls.lid.velocity == 0:
             yield "walls.lid.velocity", "must not be 0: nothing else drives the flow"
+        if self.singular and self.time.tolerance != "auto":
+            text = "is not allowed with a sharp lid: particles that pass its corners have no error to speak of"
+            yield "time.tolerance", f"{text}; give time.cfl, or scheme.accuracy"
 
     def misfits(self) -> Iterator[Problem]:
         """A height that is no whole number of spacings."""

@@ -62,6 +62,8 @@ def resolve(config):
     time = config.time.model_copy(update={"tolerance": tolerance if given == "auto" else given})
     limit = f"{'Courant number' if turns else 'strain'} {most:g}"
     wanted = f"{config.scheme.accuracy} accuracy, tolerance {time.tolerance:g} and {limit} a step"
+    if config.singular:
+        wanted = f"{config.scheme.accuracy} accuracy, steps of {limit}"
     if config.time.cfl != "auto":
         wanted = f"steps of Courant number {config.time.cfl:g}"
     reason = f"implicit, order {candidate.operators.order}: {wanted}"

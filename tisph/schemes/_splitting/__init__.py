@@ -14,6 +14,9 @@ COST, OVERHEAD = 3.5e-6, 2e-3
 MARGIN = 0.2
 """Room beyond walls over the larger side of the box, for the lattice of the linear solvers, which is periodic."""
 
+LEAST_MARGIN, LEAST_BOX = 3.0, 18.0
+"""The same, and sides of the box with it, in spacings: half of how far operators reach, and three times that."""
+
 MOMENTS = 61
 """Times at which the speed of the reference flow is looked at."""
 
@@ -21,8 +24,6 @@ MOMENTS = 61
 def scheme(config, scene, targets, serial):
     """Return the Scheme for a scene."""
     tolerance, courant = _steps(config)
-    if scene.corners:
-        tolerance = None  # a step's error is that of the few particles that pass a corner
     return Scheme(_flow(scene), targets, serial, tolerance, courant)
 
 
@@ -38,16 +39,20 @@ def _flow(scene):
     if not scene.bodies:
         return PeriodicFlow(columns=scene.columns, rows=scene.rows, **liquid)
     corners = scene.origin, np.add(scene.origin, scene.extent)
-    origin, columns, rows = box_around(corners, scene.spacing, scene.periodic, MARGIN * max(scene.extent))
+    least = 0.5 * (LEAST_BOX * scene.spacing - min(scene.extent))
+    margin = max(MARGIN * max(scene.extent), LEAST_MARGIN * scene.spacing, least)
+    origin, columns, rows = box_around(corners, scene.spacing, scene.periodic, margin)
     walls = Walls(scene.bodies, scene.spacing, origin)
     box = {"origin": origin, "columns": columns, "rows": rows, "acceleration": (scene.acceleration, 0.0)}
     return BoundedFlow(liquid=scene.particles, walls=walls, corners=scene.corners, **box, **liquid)
 
 
 def _steps(config):
-    """Tolerance of a step, None where the Courant number is given, and the largest Courant number."""
+    """Tolerance of a step, None where the Courant number alone sets it, and the largest Courant number."""
     if config.time.cfl != "auto":
         return None, config.time.cfl
+    if config.singular:
+        return None, config.scheme.largest_courant
     tolerance = TOLERANCE if config.time.tolerance == "auto" else config.time.tolerance
     return tolerance, config.scheme.largest_courant
 

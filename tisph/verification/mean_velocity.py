@@ -4,6 +4,8 @@ The mean over the particles is no good measure: where walls have them a twentiet
 spacing, it is too large by some 1e-3 although the velocities themselves are right to 1e-4.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from tisph.verification.fits import local_fits, periodic_tree
@@ -18,7 +20,8 @@ DEGREE, NEAREST = 2, 18
 def cell_mean(scene, snapshot):
     """Mean (2,) of the velocity over the box of ``scene``, in which a body's solid moves as it does.
 
-    Over the nodes of a lattice, a particle spacing or more apart; NaN where a number of the snapshot is none.
+    Over nodes a particle spacing or more apart: those of Gauss and Legendre between walls, where the velocity has a
+    slope at the ends, else of a lattice. NaN where a number of the snapshot is none.
     """
     velocity = np.stack([snapshot.u, snapshot.v], axis=1).astype(float)
     places = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
@@ -27,7 +30,7 @@ def cell_mean(scene, snapshot):
     boundaries = [body.boundary_points(scene.spacing, snapshot.t).point for body in scene.bodies]
     at_walls = [body.velocity(points, snapshot.t) for body, points in zip(scene.bodies, boundaries, strict=True)]
     tree, _ = periodic_tree(scene, np.concatenate([places, *boundaries]))
-    nodes = _nodes(scene)
+    nodes, weights = _nodes(scene)
     feet = np.stack([body.nearest(nodes, snapshot.t).distance for body in scene.bodies])
     values, nearest, liquid = np.zeros_like(nodes), np.argmin(feet, axis=0), feet.min(axis=0) > 0.0
     for index, body in enumerate(scene.bodies):
@@ -35,12 +38,22 @@ def cell_mean(scene, snapshot):
         values[within] = body.velocity(nodes[within], snapshot.t)
     everywhere = np.concatenate([velocity, *at_walls])
     values[liquid] = local_fits(tree, nodes[liquid], everywhere, DEGREE, NEAREST)[0][:, 0]
-    return values.mean(axis=0)
+    return weights @ values
 
 
 def _nodes(scene):
-    """Return the nodes (n, 2), middles of equal parts of the box."""
+    """Return the nodes (n, 2) and their weights (n,), which add up to 1."""
     size = np.asarray(scene.extent)
     counts = np.maximum(1, np.floor(size / max(scene.spacing, np.sqrt(size.prod() / MOST_NODES)) + 1e-9)).astype(int)
-    rows = [low + (np.arange(n) + 0.5) * part / n for low, part, n in zip(scene.origin, size, counts, strict=True)]
-    return np.stack(np.meshgrid(*rows, indexing="ij"), axis=-1).reshape(-1, 2)
+    rows = [_rule(int(count), periodic) for count, periodic in zip(counts, scene.periodic, strict=True)]
+    nodes = np.stack(np.meshgrid(*(places for places, _ in rows), indexing="ij"), axis=-1).reshape(-1, 2)
+    return scene.origin + size * nodes, np.outer(*(weights for _, weights in rows)).ravel()
+
+
+@lru_cache
+def _rule(count, periodic):
+    """Return places (count,) and weights (count,) to integrate over the interval from 0 to 1."""
+    if periodic:
+        return (np.arange(count) + 0.5) / count, np.full(count, 1.0 / count)
+    places, weights = np.polynomial.legendre.leggauss(count)
+    return 0.5 * (places + 1.0), 0.5 * weights

@@ -23,7 +23,7 @@ LEAST_JITTER = 0.05
 """The particles would stay on a lattice that the flow stretches otherwise, where pushes cancel."""
 
 REACH, VISCOUS_REACH, LEAST_REACH = 0.5, 100.0, 4.0
-"""Of the inertial part of the flow in the corners: in the shorter side, in nu/U at most, and in spacings at least."""
+"""Of the inertial part of the flow in the corners: the most in shorter sides and nu/U, the least in spacings."""
 
 RESOLVED_CORNER = 10.0
 """Cell Reynolds number U spacing/nu above which that part fades: its slopes become too steep for a step."""
@@ -129,7 +129,7 @@ class Cavity(Scene):
 
     def initial(self, x, y):
         """Rest."""
-        return {"u": np.zeros(np.shape(x)), "v": np.zeros(np.shape(x))}
+        return dict.fromkeys("uv", np.zeros(np.shape(x)))
 
     @cached_property
     def _exact(self):
@@ -158,10 +158,10 @@ class Cavity(Scene):
             points = body.boundary_points(self.spacing).point
             places.append(points)
             values.append(body.velocity(points))
-        middle = np.full(len(coordinate), 0.5)
-        points = np.concatenate([np.stack([middle, coordinate], 1), np.stack([coordinate, middle], 1)])
-        found = interpolated(self, np.concatenate(places), np.concatenate(values).astype(float), points * self.extent)
-        return found[: len(middle), 0], found[len(middle) :, 1]
+        upright = np.stack([np.full(len(coordinate), 0.5), coordinate], 1)
+        points = np.concatenate([upright, upright[:, ::-1]]) * self.extent
+        found = interpolated(self, np.concatenate(places), np.concatenate(values).astype(float), points)
+        return found[: len(upright), 0], found[len(upright) :, 1]
 
     def measures(self, snapshot, followed):
         """Numbers of a snapshot, and, where the flow is steady, their errors.
@@ -280,10 +280,8 @@ class Cavity(Scene):
             vorticity = name == "vorticity"
             largest = 10.0 * speed / self.width if vorticity else 0.5 * self.density * speed**2
             of = _turning.vorticity(self) if vorticity else lambda snapshot: snapshot.pressure
-            line = _turning.centre_line(self, "y")
-            profile = Profile(
-                name="vorticity" if vorticity else "p", unit="rate" if vorticity else "stress", line=line, of=of
-            )
+            words = ("vorticity", "rate") if vorticity else ("p", "stress")
+            profile = Profile(*words, line=_turning.centre_line(self, "y"), of=of)
         return Shown(
             name=name, signed=name != "speed", of=of, profile=profile, ends=(-largest, largest), otherwise=largest
         )

@@ -6,9 +6,13 @@ import numpy as np
 
 from tisph import families
 from tisph.periodic import PeriodicBox
+from tisph.runtime import view
 from tisph.schemes._splitting._flow import box_around
 from tisph.schemes.wcsph._surroundings import AROUND_BODIES, OpenBox
 from tisph.walls._layers import layers_in
+
+STATE = "middle", "built", "compression"
+"""Attributes of ``Bodies`` that change while it runs."""
 
 
 @dataclass(frozen=True)
@@ -21,7 +25,11 @@ class Box:
 
 
 class Bodies(OpenBox):
-    """Bodies of a scene; for the rest the box around them is periodic, though nothing is near its ends."""
+    """Bodies of a scene; for the rest the box around them is periodic, though nothing is near its ends.
+
+    The mean compression stays what it is at the start: density diffusion, a Laplacian of the pressure, lets some
+    through walls on which the pressure has a slope, as that of liquid that turns has.
+    """
 
     def __init__(self, config, scene, radius):
         super().__init__(config, scene)
@@ -36,6 +44,7 @@ class Bodies(OpenBox):
         self.domain = PeriodicBox(columns * scene.spacing, rows * scene.spacing)
         self.radii = [self.layers.radius(number) for number in range(len(scene.bodies))]
         self.middle = self.built = scene.start_time
+        self.compression = 0.0
 
     @property
     def drift(self):
@@ -53,6 +62,7 @@ class Bodies(OpenBox):
     def begin(self, momentum):
         """Place the wall particles around a liquid whose velocities along x add up to ``momentum``."""
         super().begin(momentum)
+        self.compression = self.mean_compression(0)
         self.walls.load(self.scene.start_time)
 
     def move_on(self, before, middle):
@@ -61,15 +71,22 @@ class Bodies(OpenBox):
         self.walls.place_bodies(middle)
 
     def rebuilt(self, now, middle):
-        """Prepare the wall particles for lists that were built anew."""
+        """Prepare the wall particles for lists that were built anew, and take back what density has leaked."""
         self.built = middle
+        leaked = self.mean_compression(now) - self.compression
+        view(self.walls.particles.compression)[now, : self.walls.particles.fluid] -= leaked
         self.walls.refresh(now)
+
+    def mean_compression(self, now):
+        """Return the mean of the compressions at the end of a step."""
+        return float(view(self.walls.particles.compression)[now, : self.walls.particles.fluid].mean(dtype=float))
 
     def state(self):
         """Return the numbers outside the fields that a resumed run needs."""
-        return {**super().state(), "middle": self.middle, "built": self.built}
+        return {**super().state(), **{name: getattr(self, name) for name in STATE}}
 
     def restore(self, state):
         """Take up the numbers of ``state``."""
         super().restore(state)
-        self.middle, self.built = state["middle"], state["built"]
+        for name in STATE:
+            setattr(self, name, state[name])

@@ -164,7 +164,7 @@ class Cell(Scene):
         return views.facts(self)
 
     def profiles(self):
-        """Velocities along the centre lines."""
+        """Velocities along the vertical centre line."""
         return views.profiles(self)
 
     def followed(self):

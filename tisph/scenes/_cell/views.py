@@ -10,8 +10,8 @@ VELOCITY = "superficial_velocity"
 
 
 def profiles(cell):
-    """Velocities along the centre lines."""
-    return [_velocity(cell, "u", "y"), _velocity(cell, "v", "x")]
+    """Both components of the velocity along the vertical centre line."""
+    return [_along_centre(cell, field, "velocity", _component(field)) for field in "uv"]
 
 
 def followed(cell):
@@ -45,7 +45,7 @@ def shown(cell, name):
     """Speed with the velocity along the vertical centre line, vorticity along it, or pressure."""
     speed = 2.0 * cell.reference_velocity
     if name == "speed":
-        profile, largest = _velocity(cell, "u", "y"), speed
+        profile, largest = profiles(cell)[0], speed
         of = lambda snapshot: np.hypot(snapshot.u, snapshot.v)  # noqa: E731
     elif name == "vorticity":
         of, largest = _turning.vorticity(cell), 2.0 * speed / cell.reference_length
@@ -84,9 +84,9 @@ def facts(cell):
     return lines
 
 
-def _velocity(cell, field, along):
-    return _along_centre(cell, field, "velocity", lambda snapshot: getattr(snapshot, field), along)
+def _component(field):
+    return lambda snapshot: getattr(snapshot, field)
 
 
-def _along_centre(cell, name, unit, of, along="y"):
-    return Profile(name=name, unit=unit, line=_turning.centre_line(cell, along), of=of)
+def _along_centre(cell, name, unit, of):
+    return Profile(name=name, unit=unit, line=_turning.centre_line(cell, "y"), of=of)

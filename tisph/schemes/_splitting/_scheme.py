@@ -14,11 +14,11 @@ from tisph.schemes._room import clustered
 from tisph.schemes._splitting._bounds import Bounds
 from tisph.schemes._splitting._control import StepControl
 from tisph.schemes._splitting._history import PRESSURES, VELOCITIES, History
+from tisph.schemes._splitting._output import carried_in_order, state
 from tisph.schemes._splitting._series import Times
 from tisph.schemes._splitting._shift import GONE, Shift
 from tisph.schemes._splitting._split import Split
 from tisph.schemes._splitting._walls import FARTHER, FARTHEST, SEEN
-from tisph.snapshot import Snapshot
 
 SUPPORT = 2.9
 """Radius of the rows in particle spacings. Below it a lattice that the flow stretches makes them singular before it has
@@ -240,48 +240,13 @@ class Scheme:
         """
         time = self.time if time is None else time
         if self.seen is None or self.seen[0] != self.time:
-            liquid = self.flow.liquid
-            created = np.argsort(used(self.history.number)[:liquid])
-            fields = (
-                used(field)[:liquid][created].astype(float) for field in (self.history.carried, self.history.position)
-            )
-            self.seen = (self.time, *fields)
-        _, carried, position = self.seen
-        velocities = carried[:, : 2 * VELOCITIES].reshape(len(carried), VELOCITIES, 2)
-        pressure = carried[:, 2 * VELOCITIES]
-        velocity = velocities[:, 0]
-        if time != self.time:
-            times, age = Times([0.0, *self.lengths], self.lengths[0]), self.time - time
-            velocity = np.einsum("a,iac->ic", times.at(age, VELOCITIES), velocities)
-            position = position - np.einsum("a,iac->ic", times.since(age), velocities)
-            pressure = carried[:, 2 * VELOCITIES :] @ times.at(age, PRESSURES)
-        if self.bounds and self.bounds.corners:
-            if time != self.time:
-                position = self.bounds.corners.gone(
-                    self.seen[2], velocities, lambda part: times.at(part * age, VELOCITIES), -age
-                )
-            velocity = velocity + self.bounds.corners.velocity(position)
-            pressure = pressure + self.bounds.corners.pressure(position)
-        return Snapshot(
-            t=time,
-            step=self.steps,
-            x=position[:, 0] % self.flow.length + self.flow.origin[0],
-            y=position[:, 1] % self.flow.gap + self.flow.origin[1],
-            u=velocity[:, 0].copy(),
-            v=velocity[:, 1].copy(),
-            density=np.full(len(position), self.flow.density),
-            pressure=self.flow.density * (pressure - pressure.mean()),
-            bodies=self._bodies(time),
-        )
-
-    def _bodies(self, time):
-        if not self.bounds:
-            return None
-        lengths = self.lengths or [1.0]
-        return self.bounds.bodies(time, Times([0.0, *lengths], lengths[0]), self.time - time)
+            self.seen = (self.time, *carried_in_order(self.history, self.flow.liquid))
+        return state(self, time)
 
     def momentum_balance(self):
         """Return the ``change`` of momentum along x up to ``time`` [mass * velocity per length], which has no cause."""
+        if self.bounds:  # walls push and pull: their forces are in the samples
+            return {}
         gained = float(used(self.history.carried)[:, 0].sum(dtype=float)) - self.initial_momentum
         return {"change": self.flow.density * self.flow.spacing**2 * gained}
 

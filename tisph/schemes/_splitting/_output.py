@@ -1,0 +1,45 @@
+"""The state at any time within the last step, from what the particles carry."""
+
+import numpy as np
+
+from tisph.neighbours.points import used
+from tisph.schemes._splitting._history import PRESSURES, VELOCITIES
+from tisph.schemes._splitting._series import Times
+from tisph.snapshot import Snapshot
+
+
+def carried_in_order(history, liquid):
+    """Return what the ``liquid`` particles carry, and where they are, in the order of creation."""
+    created = np.argsort(used(history.number)[:liquid])
+    return (used(field)[:liquid][created].astype(float) for field in (history.carried, history.position))
+
+
+def state(scheme, time):
+    """Return the ``Snapshot`` at ``time`` on the polynomials through what the particles carry, ``scheme.seen``."""
+    flow, bounds, age = scheme.flow, scheme.bounds, scheme.time - time
+    _, carried, position = scheme.seen
+    lengths = scheme.lengths or [1.0]
+    times = Times([0.0, *lengths], lengths[0])
+    velocities = carried[:, : 2 * VELOCITIES].reshape(len(carried), VELOCITIES, 2)
+    pressure, velocity = carried[:, 2 * VELOCITIES], velocities[:, 0]
+    if age:
+        velocity = np.einsum("a,iac->ic", times.at(age, VELOCITIES), velocities)
+        position = position - np.einsum("a,iac->ic", times.since(age), velocities)
+        pressure = carried[:, 2 * VELOCITIES :] @ times.at(age, PRESSURES)
+    if bounds and bounds.corners:
+        if age:
+            at = lambda part: times.at(part * age, VELOCITIES)  # noqa: E731
+            position = bounds.corners.gone(scheme.seen[2], velocities, at, -age)
+        velocity = velocity + bounds.corners.velocity(position)
+        pressure = pressure + bounds.corners.pressure(position)
+    return Snapshot(
+        t=time,
+        step=scheme.steps,
+        x=position[:, 0] % flow.length + flow.origin[0],
+        y=position[:, 1] % flow.gap + flow.origin[1],
+        u=velocity[:, 0].copy(),
+        v=velocity[:, 1].copy(),
+        density=np.full(len(position), flow.density),
+        pressure=flow.density * (pressure - pressure.mean()),
+        bodies=bounds.bodies(time, times, age) if bounds else None,
+    )

@@ -148,8 +148,8 @@ def test_the_mean_velocity_counts_what_is_solid(tmp_path):
 
 
 def test_the_mean_velocity_does_not_depend_on_where_particles_are_many(tmp_path):
-    # u = r^2 - a^2 around a cylinder, in a cell of side 2; left are errors of the fits at the edges of the cell, where
-    # u has kinks, and of the lattice of nodes at the cylinder
+    # u = r^2 - a^2 around a cylinder, in a cell of side 2; left are errors of the fits at the edges of the cell,
+    # where u has kinks, and of the lattice of nodes at the cylinder
     changes = ["geometry={length: 2.0, height: 2.0}", "bodies=[{centre: [1.0, 1.0], radius: 0.5}]"]
     scene = scene_of(loaded(tmp_path, LATTICE, *changes, "discretisation.particles_across=48"))
     field = lambda x, y: np.hypot(x - 1.0, y - 1.0) ** 2 - 0.25  # noqa: E731

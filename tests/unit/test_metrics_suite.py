@@ -45,6 +45,9 @@ def time_scale(config):
     geometry = config["geometry"]
     if config["scene"] == "channel":
         return geometry["gap"] ** 2 / config["fluid"]["kinematic_viscosity"]
+    if config["scene"] == "annulus":
+        gap = geometry["outer_radius"] - geometry["inner_radius"]
+        return gap**2 / config["fluid"]["kinematic_viscosity"]
     return geometry["length"] / config["initial"]["velocity"]
 
 

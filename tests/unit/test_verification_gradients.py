@@ -13,7 +13,7 @@ WAVE = 2 * np.pi
 
 
 def box(rows, periodic=(True, True)):
-    return SimpleNamespace(extent=(1.0, 1.0), periodic=periodic, spacing=1.0 / rows)
+    return SimpleNamespace(origin=(0.0, 0.0), bodies=(), extent=(1.0, 1.0), periodic=periodic, spacing=1.0 / rows)
 
 
 def scattered(rows, jitter=0.2, seed=0):
@@ -85,7 +85,7 @@ def test_the_nearest_two_are_found_across_an_edge():
 def wave_error(rows):
     x, y = scattered(rows)
     points = np.random.default_rng(1).random((500, 2))
-    scene = SimpleNamespace(extent=(1.0, 1.0), periodic=(True, True), parallel=False)
+    scene = SimpleNamespace(origin=(0.0, 0.0), bodies=(), extent=(1.0, 1.0), periodic=(True, True), parallel=False)
     found = interpolated(scene, np.stack([x, y], 1), (np.sin(WAVE * x) * np.cos(WAVE * y))[:, None], points)
     return np.abs(found[:, 0] - np.sin(WAVE * points[:, 0]) * np.cos(WAVE * points[:, 1])).max()
 
@@ -99,7 +99,7 @@ def test_values_between_particles_are_of_seventh_order():
 
 def test_values_of_parallel_flow_need_no_more_than_rows():
     y, x = (np.indices((12, 10)).reshape(2, -1) + 0.5) / 12
-    scene = SimpleNamespace(extent=(10 / 12, 1.0), periodic=(True, False), parallel=True, columns=10)
+    scene = SimpleNamespace(origin=(0.0, 0.0), bodies=(), extent=(10 / 12, 1.0), periodic=(True, False), parallel=True, columns=10)
     points = np.array([[0.0, 0.01], [0.3, 0.5], [0.8, 0.97]])
     found = interpolated(scene, np.stack([x, y], 1), (y**4 - y)[:, None], points)
     # one-sided fits of degree 4 have condition numbers up to 1e8

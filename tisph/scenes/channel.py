@@ -117,8 +117,8 @@ class Config(schema.Config):
 
     @property
     def members(self) -> dict[str, Model]:
-        """Those of every scene, and the wall treatment."""
-        return {"walls": self.walls.treatment, **super().members}
+        """Those of every scene, and the wall treatment, which is for plane walls alone."""
+        return super().members if self.bodies else {"walls": self.walls.treatment, **super().members}
 
     @property
     def followed(self) -> dict[str, Any]:

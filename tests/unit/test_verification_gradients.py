@@ -99,7 +99,8 @@ def test_values_between_particles_are_of_seventh_order():
 
 def test_values_of_parallel_flow_need_no_more_than_rows():
     y, x = (np.indices((12, 10)).reshape(2, -1) + 0.5) / 12
-    scene = SimpleNamespace(origin=(0.0, 0.0), bodies=(), extent=(10 / 12, 1.0), periodic=(True, False), parallel=True, columns=10)
+    box = {"origin": (0.0, 0.0), "extent": (10 / 12, 1.0), "periodic": (True, False)}
+    scene = SimpleNamespace(bodies=(), parallel=True, columns=10, **box)
     points = np.array([[0.0, 0.01], [0.3, 0.5], [0.8, 0.97]])
     found = interpolated(scene, np.stack([x, y], 1), (y**4 - y)[:, None], points)
     # one-sided fits of degree 4 have condition numbers up to 1e8

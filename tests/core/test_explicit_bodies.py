@@ -175,3 +175,8 @@ def test_adami_is_the_default_and_the_only_treatment(load):
             load(f"walls.treatment.type={name}")
     with pytest.raises(ConfigError, match="implicit has no adami walls where the flow turns"):
         load("walls.treatment.type=adami", "scheme={type: auto}")
+
+
+def test_a_cylinder_without_room_for_a_layer_is_refused(load):
+    with pytest.raises(ConfigError, match="the smallest radius of a wall"):
+        load("geometry={inner_radius: 0.08, outer_radius: 1.08}")

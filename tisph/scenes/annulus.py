@@ -87,6 +87,11 @@ class Config(schema.Config):
         return math.pi * (self.geometry.outer_radius + self.geometry.inner_radius) * self.across
 
     @property
+    def smallest_radius(self) -> float:
+        """Smallest radius of curvature of the walls."""
+        return self.geometry.inner_radius
+
+    @property
     def start_time(self) -> float:
         """Time at which the run's clock starts [time]: ``initial.time`` for state ``exact``, else 0."""
         return self.initial.time

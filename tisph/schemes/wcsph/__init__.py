@@ -7,6 +7,7 @@ from typing import Literal
 
 from pydantic import Field
 
+from tisph.config import lattice
 from tisph.config.base import Model
 from tisph.config.fields import member_name
 from tisph.equation_of_state import Tait
@@ -50,6 +51,9 @@ def _problems_around_bodies(config):
     elif "walls" in config.members and config.walls.treatment.type not in AROUND_BODIES:
         text = f"{config.walls.treatment.type} is for plane walls"
         yield "walls.treatment.type", f"{text}; take {' or '.join(AROUND_BODIES)}"
+    elif config.smallest_radius < config.spacing:
+        text = f"must be at most {config.smallest_radius:g}, the smallest radius of a wall"
+        yield lattice.resolution_key(config), f"the spacing, {config.spacing:g}, {text}, with scheme wcsph"
 
 
 def orders(config):

@@ -4,8 +4,8 @@ Run it with env-pysph's Python. Period, speed and density are 1, the Reynolds nu
 the example, as are kernel (quintic spline, h = spacing), steps and the background pressure of both schemes. With
 ``--perturb`` 0.2 its particles start up to 0.2 spacings off a lattice, to one side; tisph's start as far to either.
 
-``loop_seconds`` are seconds of the processor: one thread can have no more of them than of the clock's, and what else
-the machine does does not count.
+``loop_seconds`` are seconds of the processor: one thread can have no more of them than of the clock's. What else the
+machine does counts less then, but it still counts: compare what was timed on a quiet one.
 """
 
 import argparse

@@ -14,7 +14,9 @@ def test_the_implicit_scheme_reaches_an_error_ten_times_sooner(tmp_path):
     store = Store(tmp_path)
     rows = []
     for point in points("channel", quick=True):
-        summaries = [frontier.outcome(store, f"{point.name}_{turn}", point.config) for turn in range(frontier.ROUNDS)]
+        summaries = [
+            frontier.outcome(store, f"{point.name}_{turn}", point.config) for turn in range(frontier.ROUNDS["channel"])
+        ]
         rows.append(frontier.measured(point, summaries))
     explicit = fastest(rows, 1e-3, "explicit")
     implicit = fastest(rows, 1e-3, "implicit")

@@ -47,8 +47,8 @@ def bench(
     benchmark goes on with the same command. Exit status 1 if a bound is missed.
 
     \b
-    frontier: every flow in every way, three rounds: run time against error,
-      of the channel or of Taylor-Green vortices
+    frontier: every flow in every way, in rounds: run time against error, of
+      the channel or of Taylor-Green vortices
     throughput: what a particle and a step cost, part by part, and bytes a
       particle, from 5 thousand to a million particles
     features: what each part costs, and that a scene pays for none that it

@@ -51,15 +51,19 @@ QUICK_WAYS = {
 }
 
 
+COURANT_1 = {"scheme": {"type": "implicit"}, "time": {"cfl": 1.0}}
+
 VORTEX_WAYS = {
     "explicit": (EXPLICIT, (25, 50)),
-    "implicit 4, fast": (auto("fast"), (10, 12, 16, 25, 50, 100)),
+    "implicit 4, CFL 1": (COURANT_1, (16, 20, 25, 50)),
+    "implicit 4, fast": (auto("fast"), (12, 16, 25, 50, 100)),
     "implicit 4, balanced": (auto("balanced"), (25, 50, 100)),
     "implicit 4, high": (auto("high"), (25, 50, 100)),
 }
 QUICK_VORTEX_WAYS = {
     "explicit": (EXPLICIT, (25,)),
-    "implicit 4, fast": (auto("fast"), (10, 12, 25)),
+    "implicit 4, CFL 1": (COURANT_1, (16, 20)),
+    "implicit 4, fast": (auto("fast"), (12, 25)),
     "implicit 4, balanced": (auto("balanced"), (25, 50)),
 }
 

@@ -39,10 +39,6 @@ class PeerRun:
 CASES = {"couette_2.7": ("couette", 2.7), "couette_20": ("couette", 20.0), "taylor_green_2": ("taylor_green", 2.0)}
 """What ``measure.py`` calls the case of a flow, and its end."""
 
-ROUNDS = {"taylor_green": 1}
-"""Rounds of the peers in a scene that does not have as many as of tisph's own runs: PySPH's 50 x 50 vortices take a
-minute and a half each, with a ratio in the hundreds in question."""
-
 LAMMPS = ("LAMMPS SPH, 2 processes", "lammps", 2)
 TVF_SERIAL = ("PySPH TVF, 1 thread", "pysph", 1)
 TVF = ("PySPH TVF, 2 threads", "pysph", 2)

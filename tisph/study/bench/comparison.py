@@ -82,8 +82,8 @@ def _cells(one):
 
 
 def _ratio(one):
-    """Ratio of the medians, and where both ran in several rounds the smallest and the largest within a round."""
-    if not one.ours or len(one.peer.loops) != len(one.ours.loops):
+    """Ratio of the medians, and where the peer ran in several rounds the smallest and the largest within a round."""
+    if not one.ours or len(one.peer.loops) == 1:
         return f"{one.ratio:.0f}"
     ratios = [theirs / ours for theirs, ours in zip(one.peer.loops, one.ours.loops, strict=True)]
     return f"{one.ratio:.0f} ({min(ratios):.0f}..{max(ratios):.0f})"

@@ -53,6 +53,7 @@ def make_any(tmp_path_factory):
         threads = settings.runtime.threads
         if fresh:
             runtime.start(settings.discretisation.precision, threads)
+            build.starts += 1
         targets = sorted({*settings.time.samples, settings.time.end})
         scheme = families.load("schemes", settings.scheme.type).Scheme(settings, channel, targets, threads == 1)
         if started:
@@ -64,6 +65,7 @@ def make_any(tmp_path_factory):
             scheme.start(position, field, stress)
         return scheme
 
+    build.starts = 0
     return build
 
 
@@ -79,15 +81,16 @@ def shared(make_any):
 
     For tests that place particles and list neighbours anew: to read the kernels again takes longer than all they do.
     """
-    built, program = {}, None
+    built, program, starts = {}, None, 0
 
     def find(*overrides):
-        nonlocal program
-        if program is not ti.lang.impl.get_runtime().prog:  # Taichi has started again: all fields are gone
+        nonlocal program, starts
+        # Taichi has started again, perhaps in what it had before: all fields are gone
+        if program is not ti.lang.impl.get_runtime().prog or starts != make_any.starts:
             built.clear()
         if overrides not in built:
             built[overrides] = make_any(*overrides, started=False, fresh=not built)
-            program = ti.lang.impl.get_runtime().prog
+            program, starts = ti.lang.impl.get_runtime().prog, make_any.starts
         return built[overrides]
 
     return find

@@ -20,8 +20,6 @@ def cavity(across, reynolds, regular=False, velocity=1.0):
         density=1.0,
         kinematic_viscosity=1.0 / reynolds,
         spacing=1.0 / across,
-        columns=across,
-        rows=across,
         units=None,
     )
 

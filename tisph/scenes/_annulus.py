@@ -10,20 +10,15 @@ import numpy as np
 from tisph.exact.circular_couette import CircularCouette
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
-from tisph.geometry.filling import fill
 from tisph.geometry.motion import RigidMotion, WallMotion
-from tisph.geometry.region import Region
 from tisph.scenes import _turning
-from tisph.scenes._scene import Scene
+from tisph.scenes._filled import Filled
 from tisph.scenes._views import Followed, Profile, Radius, Shown
 from tisph.verification.metrics import field_error
 
-LEAST_JITTER = 0.05
-"""What is a lattice in the middle at first would be torn along the diagonals: pushes cancel there."""
-
 
 @dataclass(frozen=True, kw_only=True)
-class Annulus(Scene):
+class Annulus(Filled):
     """Two cylinders around ``centre`` that turn as ``inner`` and ``outer`` say; every number in the config's units.
 
     ``initial_state`` is ``rest``, ``developed`` or ``exact`` (the flow that began at t = 0, at ``start_time``).
@@ -85,24 +80,6 @@ class Annulus(Scene):
         shapes = Circle(self.inner_radius), Circle(self.outer_radius, liquid="inside")
         motions = RigidMotion(turning=self.inner), RigidMotion(turning=self.outer)
         return tuple(Body(shape, self.centre, motion=way) for shape, way in zip(shapes, motions, strict=True))
-
-    @property
-    def region(self):
-        """The liquid's region."""
-        return Region(self.bodies, self.origin, tuple(np.add(self.origin, self.extent)))
-
-    @property
-    def particles(self):
-        """Number of fluid particles."""
-        return round(self.region.area / self.spacing**2)
-
-    def jittered(self, seed, jitter):
-        """Particles that fill the annulus; see ``tisph/geometry/filling.py``."""
-        return tuple(fill(self.region, self.spacing, max(jitter, LEAST_JITTER), seed).T)
-
-    def inside(self, points, time=0.0):
-        """Whether each of the ``points`` (n, 2) is in the liquid, at any ``time``."""
-        return self.region.distance(points) >= 0.0
 
     @property
     def reference_length(self):
@@ -232,10 +209,6 @@ class Annulus(Scene):
     def profiles(self):
         """Velocity around the axis, and pressure, over the radius."""
         return [self._velocity(), self._pressure()]
-
-    def shown_fields(self, name):
-        """The pressure, where it is shown."""
-        return ("pressure",) if name == "pressure" else ()
 
     def followed(self):
         """Torques on the cylinders."""

@@ -10,17 +10,12 @@ from tisph.exact.cavity import RegularCavity, centre_lines
 from tisph.exact.cavity import extremes as tabulated_extremes
 from tisph.exact.sliding_corner import SlidingCorner
 from tisph.geometry.body import Body
-from tisph.geometry.filling import fill
 from tisph.geometry.line import Line
-from tisph.geometry.region import Region
 from tisph.geometry.sliding import SlidingWall
 from tisph.scenes import _steady, _turning
-from tisph.scenes._scene import Scene
+from tisph.scenes._filled import Filled
 from tisph.scenes._views import Followed, Profile, Shown
 from tisph.verification.fits import interpolated
-
-LEAST_JITTER = 0.05
-"""The particles would stay on a lattice that the flow stretches otherwise, where pushes cancel."""
 
 REACH, VISCOUS_REACH, LEAST_REACH = 0.5, 100.0, 4.0
 """Of the inertial part of the flow in the corners: the most in shorter sides and nu/U, the least in spacings."""
@@ -36,7 +31,7 @@ POINTS = 401
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cavity(Scene):
+class Cavity(Filled):
     """The box 0 <= x <= ``width``, 0 <= y <= ``height`` under a lid; every number in the config's units.
 
     ``velocity`` is that of the lid, where it is ``regular`` that of its middle.
@@ -49,8 +44,6 @@ class Cavity(Scene):
     density: float
     kinematic_viscosity: float
     spacing: float
-    columns: int
-    rows: int
     units: Any
 
     periodic = (False, False)
@@ -67,8 +60,6 @@ class Cavity(Scene):
             density=config.fluid.density,
             kinematic_viscosity=config.kinematic_viscosity,
             spacing=config.spacing,
-            columns=config.columns,
-            rows=config.rows,
             units=config.units,
         )
 
@@ -111,11 +102,6 @@ class Cavity(Scene):
             SlidingCorner((x, self.height), (way, 0.0), speed=way * self.velocity, **same)
             for x, way in ((0.0, 1.0), (self.width, -1.0))
         )
-
-    def jittered(self, seed, jitter):
-        """Particles that fill the box; see ``tisph/geometry/filling.py``."""
-        region = Region(self.bodies, (0.0, 0.0), self.extent)
-        return tuple(fill(region, self.spacing, max(jitter, LEAST_JITTER), seed).T)
 
     @property
     def reference_length(self):
@@ -252,10 +238,6 @@ class Cavity(Scene):
     def profiles(self):
         """Velocities along the centre lines."""
         return [self._velocity("u", "y"), self._velocity("v", "x")]
-
-    def shown_fields(self, name):
-        """The pressure, where it is shown."""
-        return ("pressure",) if name == "pressure" else ()
 
     def followed(self):
         """The kinetic energy."""

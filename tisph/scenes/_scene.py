@@ -150,11 +150,6 @@ class Scene:
         shift_x, shift_y = np.random.default_rng(seed).uniform(-1.0, 1.0, (2, x.size))
         return x + jitter * self.spacing * shift_x, y + jitter * self.spacing * shift_y
 
-    def inside(self, points, time=0.0):
-        """Whether each of the ``points`` (n, 2) is in the box, or, where walls bound it, in the liquid at ``time``."""
-        beyond = [(points[:, axis] < 0.0) | (points[:, axis] > self.extent[axis]) for axis in (0, 1)]
-        return ~np.any([beyond[axis] for axis in (0, 1) if not self.periodic[axis]] or [beyond[0] & False], axis=0)
-
     def initial(self, x, y):
         """Fields at the places ``x``, ``y`` when the run starts, by name: at least ``u`` and ``v``."""
         raise NotImplementedError

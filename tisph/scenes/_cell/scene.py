@@ -7,21 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from tisph.geometry.filling import fill
-from tisph.geometry.region import Region
 from tisph.scenes._cell import measures, views
 from tisph.scenes._cell.walls import largest_speed
-from tisph.scenes._scene import Scene
-
-LEAST_JITTER = 0.05
-"""What is a lattice far from bodies at first would be torn along the diagonals: pushes cancel there."""
+from tisph.scenes._filled import Filled
 
 KOZENY = 5.0
 """Constant of Kozeny and Carman: permeability = porosity^3 / (5 wetted length per area^2)."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cell(Scene):
+class Cell(Filled):
     """``bodies`` in a cell of ``size`` (width, height) that is ``periodic`` or has walls, which are bodies, too.
 
     ``names`` are those of the bodies as they are put after those of their numbers, such as ``_0`` in ``drag_0``. The
@@ -68,28 +63,6 @@ class Cell(Scene):
     def walls(self):
         """The plane walls."""
         return self.planes
-
-    @cached_property
-    def region(self):
-        """The liquid's region at t = 0."""
-        return Region(self.bodies, self.origin, tuple(np.add(self.origin, self.size)), self.periodic)
-
-    @cached_property
-    def particles(self):
-        """Number of fluid particles."""
-        return round(self.region.area / self.spacing**2)
-
-    def jittered(self, seed, jitter):
-        """Particles that fill the region; see ``tisph/geometry/filling.py``."""
-        return tuple(fill(self.region, self.spacing, max(jitter, LEAST_JITTER), seed).T)
-
-    def inside(self, points, time=0.0):
-        """Whether each of the ``points`` (n, 2) is in the liquid at ``time``."""
-        return self.distance(points, time) >= 0.0
-
-    def distance(self, points, time):
-        """Distances (n,) of ``points`` (n, 2) from the nearest wall at ``time``, negative outside the liquid."""
-        return np.min([body.nearest(points, time).distance for body in self.bodies], axis=0)
 
     def initial(self, x, y):
         """Rest."""
@@ -170,10 +143,6 @@ class Cell(Scene):
     def followed(self):
         """Forces and torques on the bodies, and the mean velocity."""
         return views.followed(self)
-
-    def shown_fields(self, name):
-        """The pressure, where it is shown."""
-        return ("pressure",) if name == "pressure" else ()
 
     def shown(self, name, end):
         """Speed with the velocity along the vertical centre line, vorticity, or pressure."""

@@ -1,0 +1,43 @@
+"""Scenes with bodies: their particles fill what these leave of the box."""
+
+from functools import cached_property
+
+import numpy as np
+
+from tisph.geometry.filling import fill
+from tisph.geometry.region import Region
+from tisph.scenes._scene import Scene
+
+LEAST_JITTER = 0.05
+"""Where particles are on a lattice at first, far from walls, the flow would stretch it, or tear it along the diagonals:
+pushes cancel there."""
+
+
+class Filled(Scene):
+    """A scene with ``bodies``: liquid around them, and within them where the box is not ``periodic``."""
+
+    @cached_property
+    def region(self):
+        """The liquid's region at t = 0."""
+        return Region(self.bodies, self.origin, tuple(np.add(self.origin, self.extent)), self.periodic)
+
+    @cached_property
+    def particles(self):
+        """Number of fluid particles."""
+        return round(self.region.area / self.spacing**2)
+
+    def jittered(self, seed, jitter):
+        """Particles that fill the region; see ``tisph/geometry/filling.py``."""
+        return tuple(fill(self.region, self.spacing, max(jitter, LEAST_JITTER), seed).T)
+
+    def inside(self, points, time=0.0):
+        """Whether each of the ``points`` (n, 2) is in the liquid at ``time``."""
+        return self.distance(points, time) >= 0.0
+
+    def distance(self, points, time):
+        """Distances (n,) of ``points`` (n, 2) from the nearest wall at ``time``, negative outside the liquid."""
+        return np.min([body.nearest(points, time).distance for body in self.bodies], axis=0)
+
+    def shown_fields(self, name):
+        """The pressure, where it is shown."""
+        return ("pressure",) if name == "pressure" else ()

@@ -5,8 +5,26 @@ from dataclasses import dataclass
 import numpy as np
 
 
+@dataclass(frozen=True, kw_only=True)
 class _Flow:
-    """What both kinds have: sizes of the box."""
+    """Liquid in a box of ``columns`` x ``rows`` spacings, its lowest corner the ``origin``; in any consistent units.
+
+    ``reference_velocity`` is the velocity that errors and steps refer to, as seen from the frame of the mean flow.
+    ``acceleration`` is that of the body force; ``walls`` (``_walls.Walls``) are None where there are none, ``corners``
+    those (``exact/sliding_corner.py``) where the velocities of two of them differ.
+    """
+
+    columns: int
+    rows: int
+    spacing: float
+    density: float
+    kinematic_viscosity: float
+    reference_velocity: float
+    start_time: float = 0.0
+    walls: object = None
+    origin: tuple[float, float] = (0.0, 0.0)
+    acceleration: tuple[float, float] = (0.0, 0.0)
+    corners: tuple = ()
 
     @property
     def length(self):
@@ -21,21 +39,7 @@ class _Flow:
 
 @dataclass(frozen=True, kw_only=True)
 class PeriodicFlow(_Flow):
-    """``columns`` x ``rows`` particles ``spacing`` apart in a box without walls, in any consistent units.
-
-    ``reference_velocity`` is the velocity that errors and steps refer to, as seen from the frame of the mean flow.
-    """
-
-    columns: int
-    rows: int
-    spacing: float
-    density: float
-    kinematic_viscosity: float
-    reference_velocity: float
-    start_time: float = 0.0
-
-    walls = None
-    origin = (0.0, 0.0)
+    """A particle in each cell of a box without walls."""
 
     @property
     def liquid(self):
@@ -47,26 +51,13 @@ class PeriodicFlow(_Flow):
 
 @dataclass(frozen=True, kw_only=True)
 class BoundedFlow(_Flow):
-    """``liquid`` particles between ``walls`` (``_walls.Walls``), in a box whose lowest corner is the ``origin``.
+    """``liquid`` particles between ``walls``.
 
-    Where walls bound the liquid the box, of ``columns`` x ``rows`` spacings, goes on beyond them by more than operators
-    reach: what lies at one end of it has nothing to do with what lies at the other. ``acceleration`` is that of the
-    body force, ``corners`` are those (``exact/sliding_corner.py``) where the velocities of two walls differ; the rest
-    is as in ``PeriodicFlow``.
+    Where these bound the liquid the box goes on beyond them by more than operators reach: what lies at one end of it
+    has nothing to do with what lies at the other.
     """
 
     liquid: int
-    walls: object
-    columns: int
-    rows: int
-    spacing: float
-    density: float
-    kinematic_viscosity: float
-    reference_velocity: float
-    start_time: float = 0.0
-    origin: tuple[float, float] = (0.0, 0.0)
-    acceleration: tuple[float, float] = (0.0, 0.0)
-    corners: tuple = ()
 
     @property
     def particles(self):

@@ -100,7 +100,7 @@ class Scheme:
             self.points.liquid = integer(flow.liquid)
             self.bounds = Bounds(flow, self.history, self.shift, SUPPORT, SKIN)
         closure = self.bounds.closure if bounded else None
-        self.split = Split(self.history, self.lattice, flow.spacing, closure, getattr(flow, "acceleration", (0.0, 0.0)))
+        self.split = Split(self.history, self.lattice, flow.spacing, closure, flow.acceleration)
         self.control = StepControl(flow.start_time, targets, tolerance)
         least = ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
         self.residuals = max(PRESSURE_RESIDUAL, least), max(VELOCITY_RESIDUAL, least)

@@ -105,12 +105,18 @@ class Split:
         """Let the impulse change the velocities that the particles carry."""
         ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.points.liquid[None]):
-            own, slope = self.pressure.x[i][0], ti.Vector([0.0, 0.0])
-            for k in range(self.points.count[i]):
-                difference = self.pressure.x[self.points.table[i, k]][0] - own
-                slope += difference * ti.Vector([self.rows.along[i, k], self.rows.across[i, k]])
+            slope = self.slope(i)
             self.history.carried[i][0] -= slope.x
             self.history.carried[i][1] -= slope.y
+
+    @ti.func
+    def slope(self, i):
+        """Return the slope of the pressure, or of the impulse, at a particle."""
+        own, slope = self.pressure.x[i][0], ti.Vector([0.0, 0.0])
+        for k in range(self.points.count[i]):
+            difference = self.pressure.x[self.points.table[i, k]][0] - own
+            slope += difference * ti.Vector([self.rows.along[i, k], self.rows.across[i, k]])
+        return slope
 
     @ti.kernel
     def twist(self):
@@ -169,10 +175,7 @@ class Split:
         """Right side of the velocities' equation."""
         ti.loop_config(serialize=self.rows.serial_light)
         for i in range(self.points.liquid[None]):
-            own, slope = self.pressure.x[i][0], ti.Vector([0.0, 0.0])
-            for k in range(self.points.count[i]):
-                difference = self.pressure.x[self.points.table[i, k]][0] - own
-                slope += difference * ti.Vector([self.rows.along[i, k], self.rows.across[i, k]])
+            slope = self.slope(i)
             if ti.static(self.driven):
                 slope -= self.acceleration[None]
             self.velocity.b[i] = self.known[i] - length * slope

@@ -7,7 +7,9 @@ M. Israeli, S. A. Orszag, J. Comput. Phys. 97 (1991) 414-443, eq. 17). The vorti
 of the step first, and then that of the velocities found with it.
 """
 
-from tisph.runtime import real, ti, view
+import numpy as np
+
+from tisph.runtime import holding, real, ti, view
 
 
 @ti.data_oriented
@@ -19,19 +21,17 @@ class Closure:
     """
 
     def __init__(self, rows, walls, spacing):
-        self.rows, self.points, self.walls = rows, rows.points, walls
+        self.rows, self.points = rows, rows.points
         vector, most = ti.types.vector(2, real()), self.points.most
         self.normal = ti.field(vector, most)
-        self.weight, self.twist, self.vorticity = (
-            ti.field(real(), size) for size in (most, most, self.points.slots + 1)
-        )
-        self.area = spacing**2
+        self.twist, self.vorticity = (ti.field(real(), size) for size in (most, self.points.slots + 1))
+        weight, self.slots = np.zeros(most), slice(self.points.fluid - walls.count, self.points.fluid)
+        weight[self.slots] = walls.length / spacing**2
+        self.weight = holding(ti.field(real(), most), weight)
 
     def place(self, normal):
         """Take up the normals of the points, and turn their rows to the pressure's slope."""
-        first, last = self.points.fluid - self.walls.count, self.points.fluid
-        view(self.normal)[first:last] = normal
-        view(self.weight)[first:last] = self.walls.length / self.area
+        view(self.normal)[self.slots] = normal
         self.turn()
 
     @ti.kernel
@@ -72,7 +72,7 @@ class Closure:
     @property
     def twists(self):
         """Normal parts of the vorticity's curl, (count,), in place."""
-        return view(self.twist)[self.points.fluid - self.walls.count : self.points.fluid]
+        return view(self.twist)[self.slots]
 
     @ti.func
     def right_side(self, i, push, viscosity):

@@ -37,6 +37,7 @@ class Walls:
         ends = np.cumsum([0, *(len(outline.length) for outline in self.outlines)])
         self.parts = [slice(first, last) for first, last in itertools.pairwise(ends)]
         self.count = len(self.length)
+        self._kept = None, None
 
     def at(self, time):
         """Return places, normals into the liquid and velocities of the points at ``time``, (count, 2) each."""
@@ -60,7 +61,11 @@ class Walls:
         return result
 
     def _placed(self, time):
-        return [body.placed(outline, time) for body, outline in zip(self.bodies, self.outlines, strict=True)]
+        """Return the points by body at ``time``; those of the last time are kept, which are asked for twice a step."""
+        if self._kept[0] != time:
+            pairs = zip(self.bodies, self.outlines, strict=True)
+            self._kept = time, [body.placed(outline, time) for body, outline in pairs]
+        return self._kept[1]
 
     def seen(self, place, time):
         """Return the tangents to the nearest walls of each of the places (n, 2), as the nearest points see them.

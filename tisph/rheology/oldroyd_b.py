@@ -7,31 +7,30 @@ eta_s = solvent_fraction * eta acts as in a Newtonian liquid (J. G. Oldroyd, Pro
 523-541). S [mass/(length time^2)] is symmetric; d/dt follows a particle.
 """
 
-from typing import Annotated, ClassVar, Literal
+from typing import Literal
 
-from pydantic import AfterValidator
-
-from tisph.config.base import Model, Positive, refusal
+from tisph.rheology import _polymer
 from tisph.runtime import scalar, ti
 
 
-def _share(value: float) -> float:
-    if not 0 < value <= 1:
-        raise refusal(
-            "must be greater than 0 and at most 1: at 0 (upper-convected Maxwell) the velocity has no viscous term, "
-            "and the momentum equation at the walls divides by the solvent's viscosity"
-        )
-    return value
-
-
-class Parameters(Model):
-    """Relaxation time [time], and the solvent's share of the total viscosity that stands in ``fluid``."""
-
-    carries_stress: ClassVar[bool] = True
+class Mode(_polymer.Mode):
+    """Relaxation time [time]."""
 
     type: Literal["oldroyd_b"] = "oldroyd_b"
-    relaxation_time: Positive
-    solvent_fraction: Annotated[float, AfterValidator(_share)]
+
+
+class Parameters(Mode):
+    """Relaxation time [time], and the solvent's share of the total viscosity that stands in ``fluid``."""
+
+    solvent_fraction: _polymer.SolventFraction
+
+
+class Law(_polymer.Law):
+    """S = modulus * C, the polymer a suspension of linear springs; see ``_polymer.Law``."""
+
+    def relaxation(self, c):
+        """-C/relaxation_time."""
+        return tuple(-1.0 / self.relaxation_time * c[k] for k in range(3))
 
 
 @ti.data_oriented

@@ -8,6 +8,7 @@ from typing import Literal
 
 from tisph import families
 from tisph.config.base import Model
+from tisph.schemes import _rheologies
 
 PERIODIC = [(True, False), (True, True), (False, False)]
 """Boxes that it can have, by whether they are periodic in x and y: those of what it chooses from."""
@@ -37,6 +38,8 @@ def problems(config):
         yield from implicit.problems(config)
         return
     obstacle = _obstacle(config, implicit)
+    if obstacle:
+        yield from _rheologies.problems(config, "wcsph")
     if obstacle and config.time.tolerance != "auto":
         yield "time.tolerance", f"is for scheme implicit, which cannot be taken here: {obstacle}"
 

@@ -16,6 +16,7 @@ from pydantic import Field
 
 from tisph.config.base import Model
 from tisph.least_squares.rows import SUPPORT
+from tisph.schemes import _rheologies
 from tisph.schemes._estimate import implicit
 from tisph.schemes.implicit import _scheme
 from tisph.schemes.implicit._scheme import SKIN, control
@@ -97,8 +98,7 @@ def orders(config):
 
 def problems(config):
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
-    if config.fluid.rheology.carries_stress:
-        yield "scheme.type", f"implicit has no polymer stress, which {config.fluid.rheology.type} needs; take wcsph"
+    yield from _rheologies.problems(config, "implicit")
     if not config.parallel:
         yield from _problems_without_walls(config)
         return

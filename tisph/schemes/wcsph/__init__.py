@@ -11,6 +11,7 @@ from tisph.config import lattice
 from tisph.config.base import Model
 from tisph.config.fields import member_name
 from tisph.equation_of_state import Tait
+from tisph.schemes import _rheologies
 from tisph.schemes._estimate import explicit
 from tisph.schemes.wcsph._scheme import Scheme
 from tisph.schemes.wcsph._surroundings import AROUND_BODIES
@@ -36,6 +37,7 @@ class Parameters(Model):
 
 def problems(config):
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
+    yield from _rheologies.problems(config, "wcsph")
     if config.time.tolerance != "auto":
         yield "time.tolerance", "is for scheme implicit, which estimates the error of its steps; wcsph has time.cfl"
     if config.fluid.rheology.carries_stress and config.scheme.operators != "consistent":

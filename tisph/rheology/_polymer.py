@@ -1,0 +1,92 @@
+"""What the laws of polymers share: the variable that particles carry, and how a flow deforms it.
+
+The variable is the deviation C = A - 1 of the conformation tensor A from its value at rest, which is 1. With
+L_ab = du_a/dx_b and d/dt along a particle's path every law reads
+
+    dC/dt = L C + C L^T + L + L^T + relaxation(C),    S = stress(C),    relaxation(0) = stress(0) = 0
+
+Components stand in the order xx, xy, yy and, where the law needs it, zz. The functions are arithmetic on components
+without branches: NumPy arrays, real or complex, Python floats and Taichi expressions all pass through the same lines.
+In a kernel they are called as ``ti.static(law.relaxation((xx, xy, yy)))``, without which Taichi warns of them.
+
+Source: A. N. Beris and B. J. Edwards, Thermodynamics of Flowing Systems (1994), chapter 8.
+"""
+
+from typing import Annotated, ClassVar
+
+from pydantic import AfterValidator
+
+from tisph import families
+from tisph.config.base import Model, Positive, refusal
+
+
+def _share(value: float) -> float:
+    if not 0 < value <= 1:
+        raise refusal(
+            "must be greater than 0 and at most 1: at 0 (upper-convected Maxwell) the velocity has no viscous term, "
+            "and the momentum equation at the walls divides by the solvent's viscosity"
+        )
+    return value
+
+
+SolventFraction = Annotated[float, AfterValidator(_share)]
+"""The solvent's share of the total viscosity that stands in ``fluid``."""
+
+
+class Mode(Model):
+    """Relaxation time [time] of a polymer."""
+
+    carries_stress: ClassVar[bool] = True
+
+    relaxation_time: Positive
+
+
+class Law:
+    """A polymer of modulus ``polymer_viscosity`` / relaxation time.
+
+    Stresses are over the density where ``polymer_viscosity`` is (kinematic, length^2/time), and mass/(length time^2)
+    where it is dynamic.
+    """
+
+    components: ClassVar[int] = 3
+
+    def __init__(self, parameters, polymer_viscosity):
+        self.relaxation_time = parameters.relaxation_time
+        self.polymer_viscosity = polymer_viscosity
+        self.modulus = polymer_viscosity / parameters.relaxation_time
+
+    def relaxation(self, c):
+        """Tuple of dC/dt by relaxation alone, at the components ``c``."""
+        raise NotImplementedError
+
+    def stress(self, c):
+        """Tuple of the polymer stress S at the components ``c``: modulus * C."""
+        return tuple(self.modulus * c[k] for k in range(self.components))
+
+    def sheared(self, c, rate):
+        """Tuple of dC/dt in simple shear, du/dy = ``rate``: without a gradient along y, C_yy is not stretched."""
+        xx, xy, *rest = self.relaxation(c)
+        return (2 * rate * c[1] + xx, rate * (1 + c[2]) + xy, *rest)
+
+    def deformed(self, c, gradient):
+        """Tuple of dC/dt for the components xx, xy, yx, yy of the velocity ``gradient`` L, L_xy = du/dy."""
+        lxx, lxy, lyx, lyy = (gradient[k] for k in range(4))
+        xx, xy, yy, *rest = self.relaxation(c)
+        return (
+            2 * (lxx * (1 + c[0]) + lxy * c[1]) + xx,
+            lxy * (1 + c[2]) + lyx * (1 + c[0]) + (lxx + lyy) * c[1] + xy,
+            2 * (lyx * c[1] + lyy * (1 + c[2])) + yy,
+            *rest,
+        )
+
+
+def laws(rheology, viscosity):
+    """Tuple of one ``Law`` for each mode of the parameters ``rheology``; ``viscosity`` is the total one.
+
+    Raises ValueError for a rheology without polymer.
+    """
+    if not rheology.carries_stress:
+        raise ValueError(f"{rheology.type} has no polymer")
+    modes = getattr(rheology, "modes", None)
+    shares = [(mode, mode.fraction) for mode in modes] if modes else [(rheology, 1.0 - rheology.solvent_fraction)]
+    return tuple(families.load("rheology", mode.type).Law(mode, share * viscosity) for mode, share in shares)

@@ -1,0 +1,61 @@
+"""FENE-P liquid: polymers are springs that cannot be stretched beyond a length (Peterlin's closure).
+
+    dA/dt = L A + A L^T - (f A - 1)/relaxation_time,    S = eta_p/relaxation_time * (f A - 1)
+    f = (L2 - 3)/(L2 - tr A),    L2 = ``maximum_extension``
+
+with the conformation tensor A in three dimensions, A = 1 and f = 1 at rest, L_ab = du_a/dx_b and eta_p =
+(1 - solvent_fraction) eta; the solvent adds what a Newtonian liquid of the viscosity solvent_fraction * eta does, and
+eta, in ``fluid``, is the viscosity at vanishing shear rate. With C = A - 1 and f - 1 = tr C/(L2 - 3 - tr C),
+relaxation(C) = -(f C + (f - 1))/relaxation_time. C_zz, the stretch across the plane of the flow, follows with it.
+
+Shear thins; N2 is 0; the elongational viscosity is finite. With L2 -> infinity it is ``oldroyd_b``. Sources:
+R. B. Bird, P. J. Dotson and N. L. Johnson, J. Non-Newtonian Fluid Mech. 7 (1980) 213-235; L. E. Wedgewood and
+R. B. Bird, Ind. Eng. Chem. Res. 27 (1988) 1313-1320.
+"""
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
+
+from tisph.config.base import LARGEST
+from tisph.rheology import _polymer
+
+
+class Mode(_polymer.Mode):
+    """Relaxation time [time]; ``maximum_extension``: L2, the largest trace of A, which is 3 at rest (usual: 10 to 1e4).
+
+    It is the square of the longest over the root mean square length along one axis at rest.
+    """
+
+    type: Literal["fene_p"] = "fene_p"
+    maximum_extension: Annotated[float, Field(gt=3, le=LARGEST)]
+
+
+class Parameters(Mode):
+    """As ``Mode``, and the solvent's share of the total viscosity that stands in ``fluid``."""
+
+    solvent_fraction: _polymer.SolventFraction
+
+
+class Law(_polymer.Law):
+    """Components xx, xy, yy and zz; see ``_polymer.Law``."""
+
+    components: ClassVar[int] = 4
+
+    def __init__(self, parameters, polymer_viscosity):
+        super().__init__(parameters, polymer_viscosity)
+        self.slack = parameters.maximum_extension - 3.0
+
+    def relaxation(self, c):
+        """-(f A - 1)/relaxation_time."""
+        return tuple(-1.0 / self.relaxation_time * pull for pull in self._pull(c))
+
+    def stress(self, c):
+        """Modulus * (f A - 1)."""
+        return tuple(self.modulus * pull for pull in self._pull(c))
+
+    def _pull(self, c):
+        """f A - 1 = f C + (f - 1)."""
+        trace = c[0] + c[2] + c[3]
+        more = trace / (self.slack - trace)  # f - 1
+        return (c[0] + more * (1.0 + c[0]), c[1] + more * c[1], c[2] + more * (1.0 + c[2]), c[3] + more * (1.0 + c[3]))

@@ -1,0 +1,53 @@
+"""Phan-Thien-Tanner liquid: a network of polymers that falls apart the faster the more it is stretched.
+
+    Y S + relaxation_time * (dS/dt - L S - S L^T) = eta_p (L + L^T),    z = extensibility * relaxation_time/eta_p * tr S
+    Y = 1 + z (form ``linear``)  or  exp(z) (``exponential``)
+
+with L_ab = du_a/dx_b and eta_p = (1 - solvent_fraction) eta; the solvent adds what a Newtonian liquid of the viscosity
+solvent_fraction * eta does, and eta, in ``fluid``, is the viscosity at vanishing shear rate. It is the affine liquid,
+without slip between network and flow. In the deviation C of the conformation tensor from rest,
+S = eta_p/relaxation_time * C and relaxation(C) = -Y C/relaxation_time with z = extensibility * tr C.
+
+Shear thins; N2 is 0; the elongational viscosity has a largest value (linear: levels off; exponential: falls again).
+With extensibility 0 it would be ``oldroyd_b``. Sources: N. Phan-Thien and R. I. Tanner, J. Non-Newtonian Fluid Mech. 2
+(1977) 353-365 (linear); N. Phan-Thien, J. Rheol. 22 (1978) 259-283 (exponential).
+"""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from tisph.rheology import _polymer
+from tisph.rheology._functions import exp
+
+
+class Mode(_polymer.Mode):
+    """Relaxation time [time]; ``extensibility``, 0 to 1 (usual: 0.01 to 0.25); ``form`` of Y, linear by default."""
+
+    type: Literal["phan_thien_tanner"] = "phan_thien_tanner"
+    extensibility: Annotated[float, Field(ge=0, le=1)]
+    form: Literal["linear", "exponential"] = "linear"
+
+
+class Parameters(Mode):
+    """As ``Mode``, and the solvent's share of the total viscosity that stands in ``fluid``."""
+
+    solvent_fraction: _polymer.SolventFraction
+
+
+class Law(_polymer.Law):
+    """S = modulus * C; see ``_polymer.Law``."""
+
+    def __init__(self, parameters, polymer_viscosity):
+        super().__init__(parameters, polymer_viscosity)
+        self.extensibility = parameters.extensibility
+        self.destruction = {"linear": _linear, "exponential": exp}[parameters.form]
+
+    def relaxation(self, c):
+        """-Y C/relaxation_time."""
+        rate = -1.0 / self.relaxation_time * self.destruction(self.extensibility * (c[0] + c[2]))
+        return tuple(rate * c[k] for k in range(3))
+
+
+def _linear(z):
+    return 1.0 + z

@@ -1,0 +1,13 @@
+"""Which rheologies each scheme serves."""
+
+SERVED = {"implicit": ["newtonian"], "wcsph": ["newtonian", "oldroyd_b"]}
+
+
+def problems(config, scheme):
+    """Yield dotted key and text where ``scheme`` cannot serve the rheology of the config."""
+    name = config.fluid.rheology.type
+    if name in SERVED[scheme]:
+        return
+    others = [other for other, served in SERVED.items() if name in served]
+    way = f"take {' or '.join(others)}" if others else f"it has {' and '.join(SERVED[scheme])}"
+    yield "scheme.type", f"{scheme} has no {name} liquid; {way}"

@@ -1,12 +1,19 @@
 """What a config says of a liquid's rheology, and what is refused of it."""
 
+import numpy as np
 import pytest
 
+from tisph import families
 from tisph.errors import ConfigError
+from tisph.rheology import _polymer
 
 RHEOLOGIES = {
     "giesekus": "{type: giesekus, relaxation_time: 1.0, solvent_fraction: 0.5, mobility: 0.2}",
     "phan_thien_tanner": "{type: phan_thien_tanner, relaxation_time: 1.0, solvent_fraction: 0.5, extensibility: 0.1}",
+    "multi_mode": "{type: multi_mode, solvent_fraction: 0.4, modes: [{relaxation_time: 1.0, fraction: 0.6}]}",
+    "power_law": "{type: power_law, index: 0.5, reference_rate: 1.0, least_rate: 1.0e-3}",
+    "carreau_yasuda": "{type: carreau_yasuda, time: 1.0, index: 0.5}",
+    "herschel_bulkley": "{type: herschel_bulkley, yield_stress: 1.0, index: 1, reference_rate: 1, regularisation: 9}",
     "fene_p": "{type: fene_p, relaxation_time: 1.0, solvent_fraction: 0.5, maximum_extension: 100.0}",
 }
 
@@ -33,6 +40,12 @@ def test_no_scheme_runs_a_liquid_that_it_does_not_have(case, name, scheme):
         ("giesekus", "solvent_fraction=0", "must be greater than 0 and at most 1"),
         ("phan_thien_tanner", "extensibility=2", "must be at most 1"),
         ("phan_thien_tanner", "form=cubic", "must be 'linear' or 'exponential'"),
+        ("multi_mode", "modes=[]", "must not be empty"),
+        ("multi_mode", "modes=[{type: newtonian}]", "must be one of fene_p, giesekus, oldroyd_b, phan_thien_tanner"),
+        ("multi_mode", "modes=[{type: giesekus, mu: 1}]", "allowed: type, relaxation_time, mobility, fraction"),
+        ("power_law", "index=0.2", "must be at least 0.3"),
+        ("carreau_yasuda", "fraction_at_infinity=1.1", "must be at most 1"),
+        ("herschel_bulkley", "regularisation=0", "must be greater than 0"),
         ("fene_p", "maximum_extension=3", "must be greater than 3"),
         ("fene_p", "relaxation_time=0", "must be greater than 0"),
     ],
@@ -41,3 +54,52 @@ def test_ranges(case, name, change, expected):
     text = refusal(case, f"fluid.rheology={RHEOLOGIES[name]}", f"fluid.rheology.{change}")
     assert f"fluid.rheology.{change.partition('=')[0]}" in text
     assert expected in text
+
+
+def parameters(name, **numbers):
+    return families.load("rheology", name).Parameters(**numbers)
+
+
+def test_shares_of_modes_add_up_to_the_whole_viscosity(case):
+    modes = (
+        "[{relaxation_time: 1.0, fraction: 0.3}, {type: giesekus, relaxation_time: 3, mobility: 0.1, fraction: 0.2}]"
+    )
+    text = refusal(case, f"fluid.rheology={{type: multi_mode, solvent_fraction: 0.4, modes: {modes}}}")
+    assert "must add up to 1 with solvent_fraction, but make 0.9" in text
+
+
+def test_laws_of_modes_share_the_viscosity():
+    modes = [
+        {"type": "oldroyd_b", "relaxation_time": 1.0, "fraction": 0.3},
+        {"type": "fene_p", "relaxation_time": 3.0, "maximum_extension": 9.0, "fraction": 0.2},
+    ]
+    rheology = parameters("multi_mode", solvent_fraction=0.5, modes=modes)
+    first, second = _polymer.laws(rheology, 2.0)
+    assert (first.polymer_viscosity, first.modulus, first.components) == (0.6, 0.6, 3)
+    assert (second.polymer_viscosity, second.relaxation_time, second.components) == (0.4, 3.0, 4)
+    assert rheology.relaxation_time == pytest.approx((0.3 * 1 + 0.2 * 3) / 0.5)
+    (alone,) = _polymer.laws(parameters("oldroyd_b", relaxation_time=2.0, solvent_fraction=0.25), 2.0)
+    assert alone.polymer_viscosity == 1.5
+    with pytest.raises(ValueError, match="newtonian has no polymer"):
+        _polymer.laws(parameters("newtonian"), 1.0)
+
+
+def viscosity(name, rates, **numbers):
+    return families.load("rheology", name).Law(parameters(name, **numbers), 0.8).viscosity(rates**2)
+
+
+def test_viscosities_of_liquids_without_memory():
+    rates = np.array([1e-9, 0.5, 2.0, 40.0])
+    power = viscosity("power_law", rates, index=0.5, reference_rate=2.0, least_rate=1e-6)
+    assert np.allclose(power[1:], 0.8 * (rates[1:] / 2.0) ** -0.5, rtol=1e-11)  # (least_rate/rate)^2 is 4e-12
+    assert power[0] == pytest.approx(0.8 * (1e-6 / 2.0) ** -0.5)
+    bent = viscosity("carreau_yasuda", rates, time=2.0, index=0.4, transition=1.5, fraction_at_infinity=0.1)
+    assert bent[0] == pytest.approx(0.8)
+    assert np.allclose(bent, 0.08 + 0.72 * (1 + (2 * rates) ** 1.5) ** (-0.6 / 1.5), rtol=1e-14)
+    yielding = viscosity(
+        "herschel_bulkley", rates, yield_stress=3.0, index=0.7, reference_rate=2.0, regularisation=50.0
+    )
+    stress = yielding * rates
+    # from 0.5 on exp(-50 rate) is at most 1e-11, and the least rate, 2e-5, changes 1 part in 1e9
+    assert np.allclose(stress[1:], 3.0 + 0.8 * 2**0.3 * rates[1:] ** 0.7, rtol=2e-9)
+    assert yielding[0] == pytest.approx(3.0 * 50.0 + 0.8 * 2**0.3 * 2e-5**-0.3, rel=1e-3)

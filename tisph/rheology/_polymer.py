@@ -38,6 +38,7 @@ class Mode(Model):
 
     carries_stress: ClassVar[bool] = True
 
+    type: str
     relaxation_time: Positive
 
 

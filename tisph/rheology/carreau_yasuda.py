@@ -1,0 +1,47 @@
+"""Carreau-Yasuda liquid: a viscosity between two plateaus with a power law between them, without memory.
+
+    viscosity = eta_inf + (eta - eta_inf) (1 + (time * rate)^transition)^((index - 1)/transition)
+
+with rate^2 = 2 D:D = (du/dy)^2 in shear. The viscosity eta in ``fluid`` is that at vanishing shear rate, and eta_inf =
+fraction_at_infinity * eta; scales go by eta. The transition 2 is Carreau's law. Sources: P. J. Carreau, Trans. Soc.
+Rheol. 16 (1972) 99-127; K. Yasuda, R. C. Armstrong and R. E. Cohen, Rheol. Acta 20 (1981) 163-178.
+"""
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
+
+from tisph.config.base import Model, Positive
+
+
+class Parameters(Model):
+    """``time``: 1/shear rate at which the viscosity bends; ``index`` of the power law, 0.3 to 1.5.
+
+    ``transition``, 1 to 4: how sharp the bend is. ``fraction_at_infinity``, 0 to 1: viscosity at infinite over that at
+    vanishing shear rate.
+    """
+
+    carries_stress: ClassVar[bool] = False
+
+    type: Literal["carreau_yasuda"] = "carreau_yasuda"
+    time: Positive
+    index: Annotated[float, Field(ge=0.3, le=1.5)]
+    transition: Annotated[float, Field(ge=1, le=4)] = 2.0
+    fraction_at_infinity: Annotated[float, Field(ge=0, le=1)] = 0.0
+
+
+class Law:
+    """Its viscosity, in the unit of ``viscosity``, that of the fluid; arithmetic as of the laws of polymers."""
+
+    def __init__(self, parameters, viscosity, density=1.0):
+        self.infinite = parameters.fraction_at_infinity * viscosity
+        self.falling = viscosity - self.infinite
+        self.time_squared = parameters.time**2
+        self.half = 0.5 * parameters.transition
+        self.power = (parameters.index - 1.0) / parameters.transition
+
+    def viscosity(self, shear_rate_squared):
+        """Viscosity at the square of the shear rate."""
+        return (
+            self.infinite + self.falling * (1.0 + (self.time_squared * shear_rate_squared) ** self.half) ** self.power
+        )

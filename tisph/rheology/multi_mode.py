@@ -1,0 +1,89 @@
+"""Several polymers in one solvent, a spectrum of relaxation times: the stresses of the modes add up.
+
+    S = sum of S_k,    each S_k by its own law, of the polymer viscosity fraction_k * eta
+
+with the total viscosity eta at vanishing shear rate in ``fluid``. The shares of all modes and ``solvent_fraction`` add
+up to 1. Modes are any of ``oldroyd_b``, ``giesekus``, ``phan_thien_tanner`` and ``fene_p``, also mixed:
+
+    rheology: {type: multi_mode, solvent_fraction: 0.1, modes: [{type: oldroyd_b, relaxation_time: 1.0, fraction: 0.6},
+               {type: giesekus, relaxation_time: 0.1, mobility: 0.2, fraction: 0.3}]}
+
+Source: R. B. Bird, R. C. Armstrong and O. Hassager, Dynamics of Polymeric Liquids 1 (2nd ed. 1987), chapters 5 and 7.
+"""
+
+import math
+from functools import cache
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field, model_validator
+
+from tisph import families
+from tisph.config.base import Model, refusals
+from tisph.config.fields import Member, nearest, one_of
+from tisph.rheology import _polymer
+
+MOST_MODES = 20
+
+
+class _Share(Model):
+    """``fraction``: the mode's share of the total viscosity."""
+
+    fraction: Annotated[float, Field(gt=0, le=1)]
+
+
+class _OfMode(Member):
+    """A map whose ``type`` names a polymer, with its numbers and its share."""
+
+    def model(self, value):
+        """Parameter model of the mode that the raw map ``value`` names, None where it names none."""
+        found = super().model(value)
+        mode = found and _mode(found.model_fields["type"].default)
+        return mode and _with_share(mode)
+
+    def _refuse(self, value):
+        if not isinstance(value, dict):
+            return super()._refuse(value)
+        choices = [name for name in families.names("rheology") if _mode(name)]
+        return refusals([(("type",), one_of(choices) + nearest(value["type"], choices), value["type"])])
+
+
+def _mode(name):
+    """Parameter model of a mode of the rheology ``name``, None where that is no polymer of one mode."""
+    return getattr(families.load("rheology", name), "Mode", None)
+
+
+@cache
+def _with_share(mode):
+    return type("Mode", (_Share, mode), {"__doc__": mode.__doc__, "__module__": mode.__module__})
+
+
+Modes = Annotated[
+    tuple[Annotated[Model, _OfMode("rheology", usual="oldroyd_b")], ...],
+    Field(strict=False, max_length=MOST_MODES),
+]
+
+
+class Parameters(Model):
+    """The solvent's share of the total viscosity that stands in ``fluid``, and the ``modes``."""
+
+    carries_stress: ClassVar[bool] = True
+
+    type: Literal["multi_mode"] = "multi_mode"
+    solvent_fraction: _polymer.SolventFraction
+    modes: Modes
+
+    @model_validator(mode="after")
+    def _check_sum(self):
+        if not self.modes:
+            raise refusals([(("modes",), "must not be empty", {})])
+        total = self.solvent_fraction + math.fsum(mode.fraction for mode in self.modes)
+        if abs(total - 1) > 1e-9:  # shares are typed in by hand, as 1/3 may be
+            text = f"must add up to 1 with solvent_fraction, but make {total:.10g}"
+            raise refusals([(("modes",), f"the fractions {text}", {})])
+        return self
+
+    @property
+    def relaxation_time(self):
+        """Mean relaxation time of the modes, by their shares [time]."""
+        whole = sum(mode.fraction for mode in self.modes)
+        return sum(mode.fraction * mode.relaxation_time for mode in self.modes) / whole

@@ -6,11 +6,12 @@ import numpy as np
 
 from tisph import runtime
 from tisph.geometry.body import Body
+from tisph.geometry.box import box_around
 from tisph.geometry.circle import Circle
 from tisph.geometry.filling import fill
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.region import Region
-from tisph.schemes._splitting._flow import BoundedFlow, box_around
+from tisph.schemes._splitting._flow import BoundedFlow
 from tisph.schemes._splitting._scheme import COURANT, Scheme
 from tisph.schemes._splitting._walls import Walls
 
@@ -32,18 +33,15 @@ def make(turning=(1.0, 0.0), centre=(0.0, 0.0), angle=0.0, acceleration=(0.0, 0.
     cosine, sine = math.cos(angle), math.sin(angle)
     places = places @ np.array([[cosine, sine], [-sine, cosine]]) + centre
     extent = np.add(centre, corner), np.subtract(centre, corner)
-    origin, columns, rows = box_around(extent, spacing, (False, False), 0.8)
+    box = box_around(extent, spacing, (False, False), 0.8)
     flow = BoundedFlow(
         liquid=len(places),
-        walls=Walls(bodies, spacing, origin),
-        columns=columns,
-        rows=rows,
-        spacing=spacing,
+        walls=Walls(bodies, spacing, box.origin),
         density=1.0,
         kinematic_viscosity=viscosity,
         reference_velocity=max(1.0, *map(abs, turning)),
-        origin=origin,
         acceleration=acceleration,
+        **vars(box),
     )
     return flow, places
 

@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from tisph.geometry.box import box_around
 from tisph.schemes._forecast import Forecast
 from tisph.schemes._splitting._control import FIRST, LARGEST_FACTOR
-from tisph.schemes._splitting._flow import BoundedFlow, PeriodicFlow, box_around
+from tisph.schemes._splitting._flow import BoundedFlow, PeriodicFlow
 from tisph.schemes._splitting._scheme import MOST_VISCOUS, SMALLEST_SPEED, TOLERANCE, Scheme
 from tisph.schemes._splitting._walls import Walls
 
@@ -30,21 +31,20 @@ def scheme(config, scene, targets, serial):
 def _flow(scene):
     """Box and liquid of a scene, and its walls."""
     liquid = {
-        "spacing": scene.spacing,
         "density": scene.density,
         "kinematic_viscosity": scene.kinematic_viscosity,
         "reference_velocity": scene.reference_velocity,
         "start_time": scene.start_time,
     }
     if not scene.bodies:
-        return PeriodicFlow(columns=scene.columns, rows=scene.rows, **liquid)
+        return PeriodicFlow(columns=scene.columns, rows=scene.rows, spacing=scene.spacing, **liquid)
     corners = scene.origin, np.add(scene.origin, scene.extent)
     least = 0.5 * (LEAST_BOX * scene.spacing - min(scene.extent))
     margin = max(MARGIN * max(scene.extent), LEAST_MARGIN * scene.spacing, least)
-    origin, columns, rows = box_around(corners, scene.spacing, scene.periodic, margin)
-    walls = Walls(scene.bodies, scene.spacing, origin)
-    box = {"origin": origin, "columns": columns, "rows": rows, "acceleration": (scene.acceleration, 0.0)}
-    return BoundedFlow(liquid=scene.particles, walls=walls, corners=scene.corners, **box, **liquid)
+    box = box_around(corners, scene.spacing, scene.periodic, margin)
+    walls = Walls(scene.bodies, scene.spacing, box.origin)
+    driven = {"acceleration": (scene.acceleration, 0.0), "corners": scene.corners}
+    return BoundedFlow(liquid=scene.particles, walls=walls, **driven, **vars(box), **liquid)
 
 
 def _steps(config):

@@ -2,39 +2,25 @@
 
 from dataclasses import dataclass
 
-import numpy as np
+from tisph.geometry.box import Box
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Flow:
-    """Liquid in a box of ``columns`` x ``rows`` spacings, its lowest corner the ``origin``; in any consistent units.
+class _Flow(Box):
+    """Liquid in a box, in any consistent units.
 
     ``reference_velocity`` is the velocity that errors and steps refer to, as seen from the frame of the mean flow.
     ``acceleration`` is that of the body force; ``walls`` (``_walls.Walls``) are None where there are none, ``corners``
     those (``exact/sliding_corner.py``) where the velocities of two of them differ.
     """
 
-    columns: int
-    rows: int
-    spacing: float
     density: float
     kinematic_viscosity: float
     reference_velocity: float
     start_time: float = 0.0
     walls: object = None
-    origin: tuple[float, float] = (0.0, 0.0)
     acceleration: tuple[float, float] = (0.0, 0.0)
     corners: tuple = ()
-
-    @property
-    def length(self):
-        """Period along x."""
-        return self.columns * self.spacing
-
-    @property
-    def gap(self):
-        """Period along y."""
-        return self.rows * self.spacing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,11 +37,7 @@ class PeriodicFlow(_Flow):
 
 @dataclass(frozen=True, kw_only=True)
 class BoundedFlow(_Flow):
-    """``liquid`` particles between ``walls``.
-
-    Where these bound the liquid the box goes on beyond them by more than operators reach: what lies at one end of it
-    has nothing to do with what lies at the other.
-    """
+    """``liquid`` particles between ``walls``, beyond which the box goes on by more than operators reach."""
 
     liquid: int
 
@@ -63,14 +45,3 @@ class BoundedFlow(_Flow):
     def particles(self):
         """Number of points that have operators: particles of liquid, and points on walls."""
         return self.liquid + self.walls.count
-
-
-def box_around(extent, spacing, periodic, margin):
-    """Return the origin, columns and rows of the box of a region with this ``extent`` (2, 2), its corners."""
-    low, high = np.asarray(extent, dtype=float)
-    ahead = [0.0 if closed else margin for closed in periodic]
-    counts = [
-        round((top - bottom) / spacing) if closed else int(np.ceil((top - bottom + 2 * margin) / spacing))
-        for bottom, top, closed in zip(low, high, periodic, strict=True)
-    ]
-    return tuple(low - ahead), *counts

@@ -1,27 +1,16 @@
 """Bodies around the liquid of an explicit run, or in it: layers of wall particles that move as these do."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from tisph import families
+from tisph.geometry.box import box_around
 from tisph.periodic import PeriodicBox
 from tisph.runtime import view
-from tisph.schemes._splitting._flow import box_around
 from tisph.schemes.wcsph._surroundings import AROUND_BODIES, OpenBox
 from tisph.walls._layers import layers_in
 
 STATE = "middle", "built", "compression"
 """Attributes of ``Bodies`` that change while it runs."""
-
-
-@dataclass(frozen=True)
-class Box:
-    """``columns`` x ``rows`` spacings, more than liquid and bodies take, so that no end of it sees another."""
-
-    columns: int
-    rows: int
-    spacing: float
 
 
 class Bodies(OpenBox):
@@ -39,9 +28,8 @@ class Bodies(OpenBox):
         self.layers = layers_in(scene.bodies, scene.spacing, radius)
         self.slots = len(self.layers.place), 0
         corners = scene.origin, np.add(scene.origin, scene.extent)
-        origin, columns, rows = box_around(corners, scene.spacing, scene.periodic, 2.0 * radius)
-        self.origin, self.box = tuple(map(float, origin)), Box(columns, rows, scene.spacing)
-        self.domain = PeriodicBox(columns * scene.spacing, rows * scene.spacing)
+        self.box = box_around(corners, scene.spacing, scene.periodic, 2.0 * radius)
+        self.origin, self.domain = self.box.origin, PeriodicBox(self.box.length, self.box.gap)
         self.radii = [self.layers.radius(number) for number in range(len(scene.bodies))]
         self.middle = self.built = scene.start_time
         self.compression = 0.0

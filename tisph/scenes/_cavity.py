@@ -12,10 +12,11 @@ from tisph.exact.sliding_corner import SlidingCorner
 from tisph.geometry.body import Body
 from tisph.geometry.line import Line
 from tisph.geometry.sliding import SlidingWall
-from tisph.scenes import _steady, _turning
+from tisph.scenes import _turning
 from tisph.scenes._filled import Filled
 from tisph.scenes._views import Followed, Profile, Shown
 from tisph.verification.fits import interpolated
+from tisph.verification.steady import steadiness
 
 REACH, VISCOUS_REACH, LEAST_REACH = 0.5, 100.0, 4.0
 """Of the inertial part of the flow in the corners: the most in shorter sides and nu/U, the least in spacings."""
@@ -155,12 +156,13 @@ class Cavity(Filled):
         ``u_extreme``: of u on the vertical centre line, against the lid; ``v_min``, ``v_max`` on the horizontal one;
         each also ``_exact``, over the width and the speed of the lid as all else. ``centre_line_error``: largest
         difference of u and v from the tables; with the regular lid ``l2``, ``rms`` and ``linf`` of the velocities.
-        ``kinetic_energy`` per mass; ``energy_change``, ``steady`` and ``steady_reason``, see ``_steady.py``.
+        ``kinetic_energy`` per mass; ``energy_change``, ``steady`` and ``steady_reason``, see
+        ``verification/steady.py``.
         """
         u, v = (line / self.velocity for line in self.lines(snapshot, np.linspace(0.0, 1.0, POINTS)))
         exact = self.extremes()
         numbers = {"u_extreme": u.min(), "v_min": v.min(), "v_max": v.max()}
-        state = _steady.state(self, snapshot.t, followed)
+        state = steadiness(self, snapshot.t, followed)
         references = {f"{name}_exact": exact.get(name) if state["steady"] else None for name in numbers}
         errors = self._errors(snapshot) if state["steady"] else {}
         others = _turning.measures(self, snapshot)[1]

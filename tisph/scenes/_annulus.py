@@ -208,7 +208,7 @@ class Annulus(Filled):
 
     def profiles(self):
         """Velocity around the axis, and pressure, over the radius."""
-        return [self._velocity(), self._pressure()]
+        return [self._velocity(), _turning.pressure_profile(self, self._radius)]
 
     def followed(self):
         """Torques on the cylinders."""
@@ -232,14 +232,15 @@ class Annulus(Filled):
         Where a wall starts, the vorticity is infinite at first: colours and axes are fitted to what is left of it in a
         layer a quarter of the gap deep, or half-way through the run.
         """
-        profile = {"speed": self._velocity, "vorticity": self._vorticity, "pressure": self._pressure}[name]()
+        profiles = {"speed": self._velocity, "vorticity": self._vorticity}
+        profile = profiles[name]() if name in profiles else _turning.pressure_profile(self, self._radius)
         first = self.start_time
         if name == "vorticity":
             first = max(first, min(self.viscous_time / 16, 0.5 * (first + end)))
         return Shown(
             name=name,
             signed=name != "speed",
-            of=profile.of if name != "speed" else lambda snapshot: np.hypot(snapshot.u, snapshot.v),
+            of=profile.of if name != "speed" else _turning.speed,
             profile=profile,
             ends=profile.extremes(first, end),
             otherwise=1.0,
@@ -256,17 +257,3 @@ class Annulus(Filled):
 
     def _vorticity(self):
         return Profile("vorticity", "rate", self._radius, of=_turning.vorticity(self), exact=self.exact_vorticity)
-
-    def _pressure(self):
-        def of(snapshot):
-            offset = np.mean(snapshot.pressure - self.exact("pressure", snapshot.x, snapshot.y, snapshot.t))
-            return snapshot.pressure - offset
-
-        return Profile(
-            name="p",
-            unit="stress",
-            line=self._radius,
-            of=of,
-            exact=lambda x, y, t: self.exact("pressure", x, y, t),
-            scale=(self.density * self.reference_velocity**2, "density U²"),
-        )

@@ -14,7 +14,6 @@ from tisph.geometry.line import Line
 from tisph.geometry.sliding import SlidingWall
 from tisph.scenes import _turning
 from tisph.scenes._filled import Filled
-from tisph.scenes._views import Followed, Profile, Shown
 from tisph.verification.fits import interpolated
 from tisph.verification.steady import steadiness
 
@@ -173,14 +172,10 @@ class Cavity(Filled):
             **references,
             "centre_line_error": None,
             **errors,
-            **self._energy(snapshot),
+            "kinetic_energy": _turning.kinetic_energy(snapshot),
             **state,
             **others,
         }
-
-    @staticmethod
-    def _energy(snapshot):
-        return {"kinetic_energy": 0.5 * np.mean(np.square(snapshot.u) + np.square(snapshot.v))}
 
     def extremes(self):
         """References of the extremes over the speed of the lid, by the names of ``measures``; none without one."""
@@ -243,41 +238,20 @@ class Cavity(Filled):
 
     def followed(self):
         """The kinetic energy."""
-        return Followed(
-            content="mean kinetic energy per mass over time t",
-            name="kinetic energy per mass",
-            unit="energy",
-            scale=0.5 * self.velocity**2,
-            columns=["kinetic_energy"],
-            labels=[("mean over the particles", None)],
-            exact_columns=[],
-            measure=lambda snapshot: np.array([*self._energy(snapshot).values()]),
-            exact=lambda times: None,
-        )
+        return _turning.followed_energy(self)
 
     def shown(self, name, end):
         """Speed with the velocity along the vertical centre line, or vorticity or pressure along it."""
-        speed, largest = self.reference_velocity, self.reference_velocity
-        if name == "speed":
-            profile, of = self._velocity("u", "y"), lambda snapshot: np.hypot(snapshot.u, snapshot.v)
-        else:
-            vorticity = name == "vorticity"
-            largest = 10.0 * speed / self.width if vorticity else 0.5 * self.density * speed**2
-            of = _turning.vorticity(self) if vorticity else lambda snapshot: snapshot.pressure
-            words = ("vorticity", "rate") if vorticity else ("p", "stress")
-            profile = Profile(*words, line=_turning.centre_line(self, "y"), of=of)
-        return Shown(
-            name=name, signed=name != "speed", of=of, profile=profile, ends=(-largest, largest), otherwise=largest
-        )
+        speed = self.reference_velocity
+        largest = {
+            "speed": speed,
+            "vorticity": 10.0 * speed / self.width,
+            "pressure": 0.5 * self.density * speed**2,
+        }
+        return _turning.shown(self, name, self._velocity("u", "y"), largest)
 
     def _velocity(self, field, along):
         exact = self._exact
         of = (lambda x, y, t: exact.velocity(x, y)["uv".index(field)]) if exact else self._curve(field)
-        return Profile(
-            name=field,
-            unit="velocity",
-            line=_turning.centre_line(self, along),
-            of=lambda snapshot: getattr(snapshot, field),
-            exact=of,
-            scale=(self.reference_velocity, "speed of the lid") if exact else None,
-        )
+        scale = (self.reference_velocity, "speed of the lid") if exact else None
+        return _turning.velocity_profile(self, field, along, of, scale)

@@ -1,8 +1,8 @@
-"""What scenes of turning liquid in a doubly periodic box look at: centre lines, vorticity, spread of particles."""
+"""What scenes of turning liquid look at: profiles, kinetic energy, vorticity, spread of particles."""
 
 import numpy as np
 
-from tisph.scenes._views import Line
+from tisph.scenes._views import Followed, Line, Profile, Shown
 from tisph.verification.gradients import velocity_gradients
 from tisph.verification.spread import largest_hole, nearest_two
 
@@ -25,6 +25,65 @@ def vorticity(scene):
         return seen[1]
 
     return of
+
+
+def speed(snapshot):
+    """Return sqrt(u^2 + v^2) of each particle."""
+    return np.hypot(snapshot.u, snapshot.v)
+
+
+def kinetic_energy(snapshot):
+    """Return the mean over the particles of (u^2 + v^2)/2."""
+    return 0.5 * np.mean(np.square(snapshot.u) + np.square(snapshot.v))
+
+
+def velocity_profile(scene, field, along, exact=None, scale=None):
+    """Return the Profile of u or v, the ``field``, on the centre line ``along`` x or y; the others are as there."""
+    line = centre_line(scene, along)
+    return Profile(field, "velocity", line, of=lambda snapshot: getattr(snapshot, field), exact=exact, scale=scale)
+
+
+def pressure_profile(scene, line):
+    """Return the Profile of the pressure on a ``line``, less the mean of what it differs by from the exact one."""
+
+    def exact(x, y, t):
+        return scene.exact("pressure", x, y, t)
+
+    def of(snapshot):
+        return snapshot.pressure - np.mean(snapshot.pressure - exact(snapshot.x, snapshot.y, snapshot.t))
+
+    scale = (scene.density * scene.reference_velocity**2, "density U²")
+    return Profile(name="p", unit="stress", line=line, of=of, exact=exact, scale=scale)
+
+
+def followed_energy(scene):
+    """Return the Followed of the kinetic energy, without a reference."""
+    return Followed(
+        content="mean kinetic energy per mass over time t",
+        name="kinetic energy per mass",
+        unit="energy",
+        scale=0.5 * scene.reference_velocity**2,
+        columns=["kinetic_energy"],
+        labels=[("mean over the particles", None)],
+        exact_columns=[],
+        measure=lambda snapshot: np.array([kinetic_energy(snapshot)]),
+        exact=lambda times: None,
+    )
+
+
+def shown(scene, name, velocity, largest):
+    """Return what a movie coloured by ``name`` shows of a flow without a reference: its size is ``largest``, by name.
+
+    The speed with the profile ``velocity``, vorticity or pressure along the vertical centre line.
+    """
+    if name == "speed":
+        of, profile = speed, velocity
+    else:
+        of = vorticity(scene) if name == "vorticity" else lambda snapshot: snapshot.pressure
+        words = ("vorticity", "rate") if name == "vorticity" else ("p", "stress")
+        profile = Profile(*words, line=centre_line(scene, "y"), of=of)
+    size = largest[name]
+    return Shown(name=name, signed=name != "speed", of=of, profile=profile, ends=(-size, size), otherwise=size)
 
 
 def measures(scene, snapshot):

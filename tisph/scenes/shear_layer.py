@@ -21,7 +21,6 @@ from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem
 from tisph.scenes import _turning
 from tisph.scenes._scene import Scene as AnyScene
-from tisph.scenes._views import Followed, Profile, Shown
 
 THICKEST = 1 / 24
 """Thickness of a layer over the period above which the streams have a kink: tanh' = 1e-5 of the largest between."""
@@ -150,7 +149,7 @@ class Scene(AnyScene):
         """
         square, others = _turning.measures(self, snapshot)
         return {
-            "kinetic_energy": _kinetic_energy(snapshot),
+            "kinetic_energy": _turning.kinetic_energy(snapshot),
             "dissipation": self.kinematic_viscosity * square,
             "mean_u": np.mean(snapshot.u),
             "mean_v": np.mean(snapshot.v),
@@ -175,43 +174,14 @@ class Scene(AnyScene):
 
     def profiles(self):
         """Velocities along the centre lines."""
-        return [self._velocity("u", "y"), self._velocity("v", "x")]
+        return [_turning.velocity_profile(self, "u", "y"), _turning.velocity_profile(self, "v", "x")]
 
     def followed(self):
         """The kinetic energy."""
-        return Followed(
-            content="mean kinetic energy per mass over time t",
-            name="kinetic energy per mass",
-            unit="energy",
-            scale=0.5 * self.speed**2,
-            columns=["kinetic_energy"],
-            labels=[("mean over the particles", None)],
-            exact_columns=[],
-            measure=lambda snapshot: np.array([_kinetic_energy(snapshot)]),
-            exact=lambda times: None,
-        )
+        return _turning.followed_energy(self)
 
     def shown(self, name, end):
         """Speed with the velocity along the vertical centre line, or vorticity along it."""
         largest = self.speed * ROLLING_UP
-        if name == "speed":
-            profile, of = self._velocity("u", "y"), lambda snapshot: np.hypot(snapshot.u, snapshot.v)
-        else:
-            of, largest = _turning.vorticity(self), largest / self.thickness
-            profile = Profile(name="vorticity", unit="rate", line=_turning.centre_line(self, "y"), of=of)
-        return Shown(
-            name=name,
-            signed=name != "speed",
-            of=of,
-            profile=profile,
-            ends=(-largest, largest),
-            otherwise=largest,
-        )
-
-    def _velocity(self, field, along):
-        line = _turning.centre_line(self, along)
-        return Profile(name=field, unit="velocity", line=line, of=lambda snapshot: getattr(snapshot, field))
-
-
-def _kinetic_energy(snapshot):
-    return 0.5 * np.mean(np.square(snapshot.u) + np.square(snapshot.v))
+        sizes = {"speed": largest, "vorticity": largest / self.thickness}
+        return _turning.shown(self, name, self.profiles()[0], sizes)

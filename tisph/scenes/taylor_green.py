@@ -197,7 +197,7 @@ class Scene(AnyScene):
     def shown(self, name, end):
         """Speed with the velocity along the vertical centre line, or vorticity or pressure along it."""
         if name == "speed":
-            profile, of = self._velocity("u", "y"), lambda snapshot: np.hypot(snapshot.u, snapshot.v)
+            profile, of = self._velocity("u", "y"), _turning.speed
         elif name == "vorticity":
             profile = self._vorticity()
             of = profile.of
@@ -223,28 +223,11 @@ class Scene(AnyScene):
         return taylor_green.kinetic_energy(snapshot.t, **self._flow) * np.sum(values**2) / np.sum(exact**2)
 
     def _velocity(self, field, along):
-        return Profile(
-            name=field,
-            unit="velocity",
-            line=_turning.centre_line(self, along),
-            of=lambda snapshot: getattr(snapshot, field),
-            exact=lambda x, y, t: self.exact(field, x, y, t),
-            scale=(self.speed, "largest speed U at the start"),
-        )
+        scale = (self.speed, "largest speed U at the start")
+        return _turning.velocity_profile(self, field, along, lambda x, y, t: self.exact(field, x, y, t), scale)
 
     def _pressure(self):
-        def of(snapshot):
-            offset = np.mean(snapshot.pressure - self.exact("pressure", snapshot.x, snapshot.y, snapshot.t))
-            return snapshot.pressure - offset
-
-        return Profile(
-            name="p",
-            unit="stress",
-            line=_turning.centre_line(self, "y"),
-            of=of,
-            exact=lambda x, y, t: self.exact("pressure", x, y, t),
-            scale=(self.density * self.speed**2, "density U²"),
-        )
+        return _turning.pressure_profile(self, _turning.centre_line(self, "y"))
 
     def _vorticity(self):
         return Profile(

@@ -4,14 +4,14 @@ import numpy as np
 
 from tisph.scenes import _turning
 from tisph.scenes._cell import measures
-from tisph.scenes._views import Followed, Profile, Shown
+from tisph.scenes._views import Followed
 
 VELOCITY = "superficial_velocity"
 
 
 def profiles(cell):
     """Both components of the velocity along the vertical centre line."""
-    return [_along_centre(cell, field, "velocity", _component(field)) for field in "uv"]
+    return [_turning.velocity_profile(cell, field, "y") for field in "uv"]
 
 
 def followed(cell):
@@ -44,23 +44,12 @@ def followed(cell):
 def shown(cell, name):
     """Speed with the velocity along the vertical centre line, vorticity along it, or pressure."""
     speed = 2.0 * cell.reference_velocity
-    if name == "speed":
-        profile, largest = profiles(cell)[0], speed
-        of = lambda snapshot: np.hypot(snapshot.u, snapshot.v)  # noqa: E731
-    elif name == "vorticity":
-        of, largest = _turning.vorticity(cell), 2.0 * speed / cell.reference_length
-        profile = _along_centre(cell, name, "rate", of)
-    else:
-        of, largest = lambda snapshot: snapshot.pressure, cell.force_scale / cell.reference_length
-        profile = _along_centre(cell, "p", "stress", of)
-    return Shown(
-        name=name,
-        signed=name != "speed",
-        of=of,
-        profile=profile,
-        ends=(-largest, largest),
-        otherwise=largest,
-    )
+    largest = {
+        "speed": speed,
+        "vorticity": 2.0 * speed / cell.reference_length,
+        "pressure": cell.force_scale / cell.reference_length,
+    }
+    return _turning.shown(cell, name, profiles(cell)[0], largest)
 
 
 def facts(cell):
@@ -82,11 +71,3 @@ def facts(cell):
     if cell.acceleration:
         lines.append(("drive", f"{cell.acceleration:.6g} {length}/{time}^2 along x"))
     return lines
-
-
-def _component(field):
-    return lambda snapshot: getattr(snapshot, field)
-
-
-def _along_centre(cell, name, unit, of):
-    return Profile(name=name, unit=unit, line=_turning.centre_line(cell, "y"), of=of)

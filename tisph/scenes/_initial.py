@@ -1,4 +1,4 @@
-"""How a flow starts whose walls have a history: at rest, developed, or on the way."""
+"""How a flow starts: at rest, or, where walls have a history, developed, or on the way."""
 
 from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, Literal
@@ -6,6 +6,14 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from tisph.config.base import LARGEST, Model, Problem
+
+
+class Start(Model):
+    """The liquid is at rest at first. ``jitter``: uniform random displacement of every particle, +- that many spacings
+    in x and y, after they have been spread evenly; the same ``seed`` gives the same displacements."""
+
+    jitter: Annotated[float, Field(ge=0, lt=0.5)] = 0.0
+    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
 
 
 class Initial(Model):

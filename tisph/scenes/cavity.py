@@ -7,14 +7,13 @@ x/width (``regular``). The liquid is a Newtonian one. References are those of th
 """
 
 from collections.abc import Iterator
-from typing import Annotated, Literal
-
-from pydantic import Field
+from typing import Literal
 
 from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem, Signed
 from tisph.config.lattice import is_whole
 from tisph.scenes._cavity import Cavity
+from tisph.scenes._initial import Start
 
 __all__ = ["Cavity", "Config", "Scene"]
 
@@ -42,19 +41,12 @@ class Walls(Model):
     lid: Lid
 
 
-class Initial(Model):
-    """Start at rest. ``jitter``: of the particles, random within +- that many spacings in x and y, by ``seed``."""
-
-    jitter: Annotated[float, Field(ge=0, lt=0.5)] = 0.0
-    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
-
-
 class Config(schema.Config):
     """A whole run of a lid-driven cavity."""
 
     geometry: Geometry
     walls: Walls
-    initial: Initial = Initial()
+    initial: Start = Start()
 
     periodic = (False, False)
     across_name = "the width"

@@ -18,7 +18,8 @@ from tisph.config import lattice, schema
 from tisph.config.base import Model, Positive, Problem
 from tisph.config.fields import Bodies
 from tisph.scenes._cell.scene import Cell
-from tisph.scenes._cell.sections import Drive, Start, cell_problems, period_misfits, periods
+from tisph.scenes._cell.sections import Drive, cell_problems, period_misfits, periods
+from tisph.scenes._initial import Start
 
 
 class Geometry(Model):

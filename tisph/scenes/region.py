@@ -18,8 +18,9 @@ from tisph.config import lattice, schema
 from tisph.config.base import Model, Positive, Problem, refusals
 from tisph.config.fields import Bodies, Member
 from tisph.scenes._cell.scene import Cell
-from tisph.scenes._cell.sections import Drive, Start, cell_problems, period_misfits, periods
+from tisph.scenes._cell.sections import Drive, cell_problems, period_misfits, periods
 from tisph.scenes._cell.walls import farthest, plane_walls, planes
+from tisph.scenes._initial import Start
 from tisph.scenes.channel import Wall
 
 

@@ -1,11 +1,10 @@
-"""What a config says of a cell with bodies beside its size: drive, start; and what speaks against the bodies in it."""
+"""What a config says of a cell with bodies beside its size: its drive; and what speaks against the bodies in it."""
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-from pydantic import Field
 
 from tisph.bodies._room import problems as room_problems
 from tisph.config.base import Model, Problem, Signed
@@ -21,14 +20,6 @@ class Drive(Model):
     """Body acceleration along x [length/time^2], of either sign: -(dp/dx) / density of a pressure gradient."""
 
     acceleration: Signed = 0.0
-
-
-class Start(Model):
-    """The liquid is at rest at first. ``jitter``: uniform random displacement of every particle, +- that many spacings
-    in x and y, after they have been spread evenly; the same ``seed`` gives the same displacements."""
-
-    jitter: Annotated[float, Field(ge=0, lt=0.5)] = 0.0
-    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
 
 
 def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -> Iterator[Problem]:

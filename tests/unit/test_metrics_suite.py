@@ -10,7 +10,7 @@ from ruamel.yaml import YAML
 from tisph.config import load
 from tisph.study import verify
 from tisph.verification import suite
-from tisph.verification.criteria import at_most, near
+from tisph.verification.criteria import Result, at_most, ends_at, near
 
 
 def listed(quick):
@@ -48,6 +48,8 @@ def time_scale(config):
     if config["scene"] == "annulus":
         gap = geometry["outer_radius"] - geometry["inner_radius"]
         return gap**2 / config["fluid"]["kinematic_viscosity"]
+    if config["scene"] == "cavity":
+        return geometry["width"] / config["walls"]["lid"]["velocity"]
     return geometry["length"] / config["initial"]["velocity"]
 
 
@@ -119,6 +121,37 @@ def test_every_run_is_a_valid_config(quick, tmp_path):
         path = tmp_path / f"{name}.yaml"
         YAML(typ="safe", pure=True).dump({"name": name, **config}, path)
         assert load(path).time.samples == tuple(config["time"]["samples"])
+
+
+def test_a_number_whose_reference_a_sample_lacks_is_none():
+    """Of a flow that is not yet steady there is none; to be judged by it is to fail."""
+    sample = {"t_star": 1.0, "u_extreme": -0.2, "u_extreme_exact": None}
+    result = Result(Path(), {"status": "done", "samples": [sample]})
+    assert math.isnan(result.measure(1.0, "u_extreme off exact"))
+    assert not at_most("cavity", 1.0, "u_extreme off exact", 1.0).judge(result).passed
+
+
+@pytest.mark.parametrize(("status", "value"), [("done", 0.1), ("diverged", math.nan)])
+def test_only_a_run_that_reached_its_end_ends_at_a_value(status, value):
+    criterion = ends_at("array", "drag", 10.0, 0.2, lambda sample: sample["drag"])
+    check = criterion.judge(Result(Path(), {"status": status, "samples": [{"drag": 5.0}, {"drag": 11.0}]}))
+    assert check.value == pytest.approx(value, nan_ok=True)
+    assert check.passed == (status == "done")
+
+
+def test_momentum_that_is_lost_is_found():
+    """A force that is 1 % too large, on a liquid that is driven by what its momentum says."""
+    (criterion,) = [one for one in suite.bodies.criteria(True) if "momentum" in one.quantity]
+    config = suite.bodies.runs(True)["array_0.2"]
+    drive = config["drive"]["acceleration"] * (1 - math.pi * config["bodies"][0]["radius"] ** 2)
+    for factor, passed in ((1.0, True), (1.01, False)):
+        samples = [
+            {"t": t, "superficial_velocity": 0.5 * drive * t, "drag": 0.5 * factor * drive}
+            for t in config["time"]["samples"]
+        ]
+        check = criterion.judge(Result(Path(), {"status": "done", "samples": samples}))
+        assert check.passed == passed
+        assert check.value == pytest.approx(0.5 * (factor - 1), abs=1e-9)
 
 
 @pytest.fixture

@@ -55,9 +55,15 @@ class Result:
         if quantity == "wall_shear":
             return wall_shear_error(sample)
         name = quantity.removesuffix(OFF_EXACT)
-        if name == quantity or sample[name] is None:
+        if name == quantity:
             return sample[name]
-        return abs(sample[name] / sample[f"{name}_exact"] - 1)
+        value, exact = sample[name], sample[f"{name}_exact"]
+        return None if value is None or exact is None else abs(value / exact - 1)
+
+    @property
+    def last(self):
+        """The sample at the end of the run; None where that was not reached."""
+        return self.summary["samples"][-1] if self.summary["status"] == "done" else None
 
     @property
     def closure(self):
@@ -147,6 +153,18 @@ def steps_at_most(case, bound, t_star):
         f"<= {bound}",
         runs=(case,),
         value=lambda result: result.measure(t_star, "step"),
+        accepts=lambda value: value <= bound,
+    )
+
+
+def ends_at(case, quantity, expected, bound, value):
+    """At the end of the run ``value(sample)``, called ``quantity``, is ``expected`` within the fraction ``bound``."""
+    return Criterion(
+        case,
+        f"{quantity} off {expected:g}",
+        f"<= {bound:g}",
+        runs=(case,),
+        value=lambda result: abs(value(result.last) / expected - 1) if result.last else math.nan,
         accepts=lambda value: value <= bound,
     )
 

@@ -1,11 +1,20 @@
 """The verification suite as data: which runs, and what each is held to; a module for each kind of flow."""
 
-from tisph.verification.suite import channel, circular_couette, couette, implicit, turning, viscoelastic
+from tisph.verification.suite import (
+    bodies,
+    cavity,
+    channel,
+    circular_couette,
+    couette,
+    implicit,
+    turning,
+    viscoelastic,
+)
 
 RESUMED = "_resumed"
 """End of the name of a run that is ended on the way and resumed."""
 
-PARTS = (couette, channel, viscoelastic, implicit, turning, circular_couette)
+PARTS = (couette, channel, viscoelastic, implicit, turning, circular_couette, cavity, bodies)
 
 
 def runs(quick):

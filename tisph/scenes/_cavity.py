@@ -14,7 +14,7 @@ from tisph.geometry.line import Line
 from tisph.geometry.sliding import SlidingWall
 from tisph.scenes import _turning
 from tisph.scenes._filled import Filled
-from tisph.verification.fits import interpolated
+from tisph.verification.fits import interpolated, with_walls
 from tisph.verification.steady import steadiness
 
 REACH, VISCOUS_REACH, LEAST_REACH = 0.5, 100.0, 4.0
@@ -139,14 +139,9 @@ class Cavity(Filled):
 
         Between particles, and points on the walls with their velocities, by ``verification/fits.py``.
         """
-        places, values = [np.stack([snapshot.x, snapshot.y], 1)], [np.stack([snapshot.u, snapshot.v], 1)]
-        for body in self.bodies:
-            points = body.boundary_points(self.spacing).point
-            places.append(points)
-            values.append(body.velocity(points))
         upright = np.stack([np.full(len(coordinate), 0.5), coordinate], 1)
         points = np.concatenate([upright, upright[:, ::-1]]) * self.extent
-        found = interpolated(self, np.concatenate(places), np.concatenate(values).astype(float), points)
+        found = interpolated(self, *with_walls(self, snapshot), points)
         return found[: len(upright), 0], found[len(upright) :, 1]
 
     def measures(self, snapshot, followed):

@@ -21,6 +21,15 @@ ACROSS = 4, 9
 """Degree and nearest rows of values that depend on y alone; above degree 4 the fit at a wall is badly conditioned."""
 
 
+def with_walls(scene, snapshot):
+    """Return places and velocities (n, 2) of the particles, and after them of points on walls a spacing apart."""
+    points = [body.boundary_points(scene.spacing, snapshot.t).point for body in scene.bodies]
+    walls = [body.velocity(places, snapshot.t) for body, places in zip(scene.bodies, points, strict=True)]
+    places = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
+    velocity = np.stack([snapshot.u, snapshot.v], axis=1).astype(float)
+    return np.concatenate([places, *points]), np.concatenate([velocity, *walls])
+
+
 def interpolated(scene, places, values, points):
     """Return ``values`` (particles, fields) at ``places`` (particles, 2) as they are at ``points`` (n, 2): (n, fields).
 

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from tisph.verification.fits import local_fits, periodic_tree
+from tisph.verification.fits import local_fits, periodic_tree, with_walls
 
 MOST_NODES = 1600
 """At which the velocity is taken: at most, so that a mean costs no more than a step."""
@@ -23,21 +23,17 @@ def cell_mean(scene, snapshot):
     Over nodes a particle spacing or more apart: those of Gauss and Legendre between walls, where the velocity has a
     slope at the ends, else of a lattice. NaN where a number of the snapshot is none.
     """
-    velocity = np.stack([snapshot.u, snapshot.v], axis=1).astype(float)
-    places = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
+    places, velocity = with_walls(scene, snapshot)
     if not (np.isfinite(velocity).all() and np.isfinite(places).all()):
         return np.full(2, np.nan)
-    boundaries = [body.boundary_points(scene.spacing, snapshot.t).point for body in scene.bodies]
-    at_walls = [body.velocity(points, snapshot.t) for body, points in zip(scene.bodies, boundaries, strict=True)]
-    tree, _ = periodic_tree(scene, np.concatenate([places, *boundaries]))
+    tree, _ = periodic_tree(scene, places)
     nodes, weights = _nodes(scene)
     feet = np.stack([body.nearest(nodes, snapshot.t).distance for body in scene.bodies])
     values, nearest, liquid = np.zeros_like(nodes), np.argmin(feet, axis=0), feet.min(axis=0) > 0.0
     for index, body in enumerate(scene.bodies):
         within = (nearest == index) & ~liquid & bool(body.shape.liquid == "outside" and body.shape.area)
         values[within] = body.velocity(nodes[within], snapshot.t)
-    everywhere = np.concatenate([velocity, *at_walls])
-    values[liquid] = local_fits(tree, nodes[liquid], everywhere, DEGREE, NEAREST)[0][:, 0]
+    values[liquid] = local_fits(tree, nodes[liquid], velocity, DEGREE, NEAREST)[0][:, 0]
     return weights @ values
 
 

@@ -38,6 +38,11 @@ def walls(bottom, top):
     return {"walls": {"bottom": {"velocity": bottom}, "top": {"velocity": top}}}
 
 
+def at_times(samples):
+    """Change of the times of samples, the last of which is the end."""
+    return {"time": {"end": samples[-1], "samples": list(samples)}}
+
+
 def treatment(name):
     """Change of the wall treatment."""
     return {"walls": {"treatment": {"type": name}}}
@@ -88,7 +93,7 @@ def sampled(config, sample_times):
     viscous_time = config["geometry"]["gap"] ** 2 / config["fluid"]["kinematic_viscosity"]
     # twelve digits, so that the times read as they are meant (1.8, not 1.7999999999999998)
     samples = [float(f"{t_star * viscous_time:.12g}") for t_star in sample_times]
-    return {**config, "time": {"end": samples[-1], "samples": samples}}
+    return {**config, **at_times(samples)}
 
 
 def merged(config, *changes):

@@ -5,7 +5,7 @@ gap; the particles start up to a fifth of a spacing off an even arrangement, and
 """
 
 from tisph.verification.criteria import at_most, order, same_bits
-from tisph.verification.flows import across, merged
+from tisph.verification.flows import across, at_times, merged
 
 VISCOSITY = 0.02
 
@@ -121,5 +121,4 @@ def _sampled(config, *changes_and_times):
     merged_config = merged(config, *changes)
     geometry, liquid = merged_config["geometry"], merged_config["fluid"]
     unit = (geometry["outer_radius"] - geometry["inner_radius"]) ** 2 / liquid["kinematic_viscosity"]
-    samples = [t_star * unit for t_star in times]
-    return merged(merged_config, {"time": {"end": samples[-1], "samples": samples}})
+    return merged(merged_config, at_times([t_star * unit for t_star in times]))

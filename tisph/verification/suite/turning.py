@@ -5,7 +5,7 @@ vortices have Re = U L / nu = 100 and 50 x 50 particles that start up to a fifth
 """
 
 from tisph.verification.criteria import at_least, at_most, order, same_bits, steps_at_most
-from tisph.verification.flows import across, jitter, merged
+from tisph.verification.flows import across, at_times, jitter, merged
 
 TAYLOR_GREEN = {
     "scene": "taylor_green",
@@ -100,7 +100,7 @@ def criteria(quick):
 
 def _sampled(config, *changes_and_times):
     *changes, times = changes_and_times
-    return merged(config, *changes, {"time": {"end": times[-1], "samples": list(times)}})
+    return merged(config, *changes, at_times(times))
 
 
 def _errors(name):

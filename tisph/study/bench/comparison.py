@@ -10,27 +10,16 @@ HEADER = ("peer", "across", "its L2", "its time [s]", "tisph to the same or smal
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """A peer's run, and our fastest one with an error that is no larger; None where no run reaches it."""
+class Judged:
+    """A peer's run, and one of ours beside it, or None: ``ratios`` of theirs over ours, by name, have a ``bound``."""
 
     peer: Measured
     ours: Measured | None
 
     @property
-    def ratio(self):
-        """Median loop time of the peer over ours; 0 without a run of ours."""
-        return self.peer.loop / self.ours.loop if self.ours else 0.0
-
-    @property
-    def bound(self):
-        """Least ratio allowed; None where nothing is asked for."""
-        asked = FLOWS[self.peer.flow].bound(self.peer)
-        return asked and asked.sooner
-
-    @property
-    def passed(self):
-        """Whether the bound holds; True without one."""
-        return self.bound is None or self.ratio >= self.bound
+    def asked(self):
+        """The ``Bound`` against the peer; None where nothing is asked for."""
+        return FLOWS[self.peer.flow].bound(self.peer)
 
     @property
     def numbers(self):
@@ -40,10 +29,47 @@ class Comparison:
             "peer": self.peer.way,
             "across": self.peer.across,
             "tisph": name(self.ours) if self.ours else None,
-            "ratio": self.ratio,
+            **self.ratios,
             "bound": self.bound,
             "passed": self.passed,
         }
+
+    def cells(self, ratios, bound):
+        """Its row of a table, with ``ratios`` and the ``bound`` in words, in which the number is to be put."""
+        verdict = "PASS" if self.passed else "FAIL"
+        return (
+            self.peer.way,
+            str(self.peer.across),
+            f"{self.peer.l2:.1e}",
+            f"{self.peer.loop:.3g}",
+            name(self.ours) if self.ours else "not reached",
+            *ratios,
+            *(("-", "-") if self.bound is None else (bound.format(self.bound), verdict)),
+        )
+
+
+class Comparison(Judged):
+    """A peer's run, and our fastest one with an error that is no larger; None where no run reaches it."""
+
+    @property
+    def ratio(self):
+        """Median loop time of the peer over ours; 0 without a run of ours."""
+        return self.peer.loop / self.ours.loop if self.ours else 0.0
+
+    @property
+    def ratios(self):
+        """The ratio by name."""
+        return {"ratio": self.ratio}
+
+    @property
+    def bound(self):
+        """Least ratio allowed; None where nothing is asked for."""
+        return self.asked and self.asked.sooner
+
+    @property
+    def passed(self):
+        """Whether the bound holds; True without one."""
+        return self.bound is None or self.ratio >= self.bound
 
 
 def comparisons(rows):
@@ -60,25 +86,10 @@ def table(found):
     """Markdown of comparisons: a table for each flow, under its title."""
     parts = []
     for key, flow in FLOWS.items():
-        rows = [_cells(one) for one in found if one.peer.flow == key]
+        rows = [one.cells([_ratio(one)], ">= {:g}") for one in found if one.peer.flow == key]
         if rows:
             parts.append(f"{flow.title}:\n\n{format_table(HEADER, rows)}")
     return "\n\n".join(parts)
-
-
-def _cells(one):
-    peer = one.peer
-    verdict = "PASS" if one.passed else "FAIL"
-    return (
-        peer.way,
-        str(peer.across),
-        f"{peer.l2:.1e}",
-        f"{peer.loop:.3g}",
-        name(one.ours) if one.ours else "not reached",
-        _ratio(one),
-        "-" if one.bound is None else f">= {one.bound:g}",
-        "-" if one.bound is None else verdict,
-    )
 
 
 def _ratio(one):

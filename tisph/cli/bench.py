@@ -12,34 +12,43 @@ from tisph.errors import ConfigError
 FOLDER = Path("runs/bench")
 
 
+Name = Annotated[
+    Literal["frontier", "throughput", "features", "startup", "scaling"], typer.Argument(help="Which benchmark.")
+]
+
+Quick = Annotated[bool, typer.Option("--quick", help="A small one, in two minutes.")]
+
+Peers = Annotated[
+    Path | None,
+    typer.Option(
+        "--peers",
+        metavar="DIR",
+        help="With frontier or throughput: run the peers in DIR (benchmarks/peers) in the same call.",
+    ),
+]
+
+Flow = Annotated[Literal["channel", "taylor_green"], typer.Option("--flow", help="With frontier: whose flows.")]
+
+Configs = Annotated[Path, typer.Option("--configs", metavar="DIR", help="With startup: where the configs are.")]
+
+Out = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        metavar="DIR",
+        parser=folder_name,
+        help=f"Results [default: {FOLDER}/NAME, and {FOLDER}/frontier_FLOW of another flow than channel].",
+    ),
+]
+
+
 def bench(
-    name: Annotated[
-        Literal["frontier", "throughput", "features", "startup", "scaling"], typer.Argument(help="Which benchmark.")
-    ] = "frontier",
-    quick: Annotated[bool, typer.Option("--quick", help="A small one, in two minutes.")] = False,
-    peers: Annotated[
-        Path | None,
-        typer.Option(
-            "--peers",
-            metavar="DIR",
-            help="With frontier or throughput: run the peers in DIR (benchmarks/peers) in the same call.",
-        ),
-    ] = None,
-    flow: Annotated[
-        Literal["channel", "taylor_green"], typer.Option("--flow", help="With frontier: whose flows.")
-    ] = "channel",
-    configs: Annotated[
-        Path, typer.Option("--configs", metavar="DIR", help="With startup: where the configs are.")
-    ] = Path("configs"),
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            metavar="DIR",
-            parser=folder_name,
-            help=f"Results [default: {FOLDER}/NAME, and {FOLDER}/frontier_FLOW of another flow than channel].",
-        ),
-    ] = None,
+    name: Name = "frontier",
+    quick: Quick = False,
+    peers: Peers = None,
+    flow: Flow = "channel",
+    configs: Configs = Path("configs"),
+    out: Out = None,
 ) -> None:
     """Measure run time against error, or what parts of a run cost.
 
@@ -67,6 +76,14 @@ def bench(
       tisph bench features
       tisph bench startup --quick
     """
+    options = _options(name, peers, flow, configs)
+    folder = out or FOLDER / (f"{name}_{flow}" if name == "frontier" and flow != "channel" else name)
+    if not import_module(f"tisph.study.bench.{name}").run(folder, quick=quick, **options):
+        raise typer.Exit(1)
+
+
+def _options(name, peers, flow, configs):
+    """Return what a benchmark takes beside its folder."""
     if peers and not (peers / "measure.py").is_file():
         raise ConfigError(f"--peers {peers}: there is no measure.py; the peers' scripts are in benchmarks/peers")
     options = {
@@ -74,6 +91,4 @@ def bench(
         "throughput": {"peers_folder": peers},
         "startup": {"configs": sorted(configs.glob("*.yaml"))},
     }
-    folder = out or FOLDER / (f"{name}_{flow}" if name == "frontier" and flow != "channel" else name)
-    if not import_module(f"tisph.study.bench.{name}").run(folder, quick=quick, **options.get(name, {})):
-        raise typer.Exit(1)
+    return options.get(name, {})

@@ -1,16 +1,14 @@
 """The explicit scheme between cylinders: wall particles, lists, errors, and the same bits whatever runs it."""
 
-import json
-
 import numpy as np
 import pytest
+from same_bits import check_resuming, check_threads, state
 
 from tisph import config, families, runtime
 from tisph.errors import ConfigError
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.runtime import view
-from tisph.simulation import checkpoint
 from tisph.simulation.start import start_values
 from tisph.verification.metrics import field_error, relative_error
 from tisph.walls._layers import layers_in
@@ -136,35 +134,12 @@ def test_liquid_that_turns_as_a_solid_is_pressed_outwards(make):
     assert field_error(scene, end, "pressure") < 1e-2
 
 
-def state(scheme):
-    """Places, velocities and pressures, and the numbers beside them."""
-    snapshot = scheme.snapshot()
-    return [getattr(snapshot, name).copy() for name in ("x", "y", "u", "v", "pressure")], scheme.host_state()
-
-
 def test_one_and_two_threads_give_the_same_bits(make):
-    one, two = (state(make(f"runtime.threads={threads}", steps=40)) for threads in (1, 2))
-    assert all(np.array_equal(*pair) for pair in zip(one[0], two[0], strict=True))
-    assert json.dumps(one[1]) == json.dumps(two[1])
+    check_threads(*(state(make(f"runtime.threads={threads}", steps=40)) for threads in (1, 2)))
 
 
 def test_a_run_goes_on_from_any_step(make, tmp_path):
-    scheme = make()
-    for number in (11, 14):  # either buffer
-        while scheme.steps < number:
-            scheme.advance()
-        checkpoint.save(tmp_path / f"{number}.h5", scheme, "fingerprint")
-    while scheme.steps < 40:
-        scheme.advance()
-    expected, host = state(scheme)
-    resumed = make(started=False)
-    for number in (11, 14):
-        checkpoint.restore(tmp_path / f"{number}.h5", resumed, "fingerprint")
-        while resumed.steps < 40:
-            resumed.advance()
-        found, found_host = state(resumed)
-        assert all(np.array_equal(*pair) for pair in zip(expected, found, strict=True))
-        assert found_host == host
+    check_resuming(make, tmp_path, stops=(11, 14), steps=40)  # either buffer
 
 
 def test_adami_is_the_default_and_the_only_treatment(load):

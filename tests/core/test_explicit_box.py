@@ -1,13 +1,11 @@
 """The explicit scheme in doubly periodic boxes: lists, errors, momentum, and the same bits whatever runs it."""
 
-import json
-
 import numpy as np
 import pytest
+from same_bits import check_resuming, check_threads, state
 
 from tisph import config, families, runtime
 from tisph.runtime import view
-from tisph.simulation import checkpoint
 from tisph.simulation.start import start_values
 from tisph.verification.metrics import relative_error
 
@@ -127,37 +125,14 @@ def test_momentum_of_the_vortex(make):
     assert scheme.momentum_balance()["change"] == pytest.approx(gained, rel=1e-9)
 
 
-def state(scheme):
-    """Places, velocities and pressures, and the numbers beside them."""
-    snapshot = scheme.snapshot()
-    return [getattr(snapshot, name).copy() for name in ("x", "y", "u", "v", "pressure")], scheme.host_state()
-
-
 def test_one_and_two_threads_give_the_same_bits(make):
     # 625 particles are more than Taichi leaves to one thread
-    one, two = (state(make(f"runtime.threads={threads}", case=LAYERS, steps=60)) for threads in (1, 2))
-    assert all(np.array_equal(*pair) for pair in zip(one[0], two[0], strict=True))
-    assert json.dumps(one[1]) == json.dumps(two[1])
+    check_threads(*(state(make(f"runtime.threads={threads}", case=LAYERS, steps=60)) for threads in (1, 2)))
 
 
 def test_a_run_goes_on_from_any_step(make, tmp_path):
-    scheme = make()
-    for number in (21, 24):  # either buffer
-        while scheme.steps < number:
-            scheme.advance()
-        checkpoint.save(tmp_path / f"{number}.h5", scheme, "fingerprint")
-    while scheme.steps < 60:
-        scheme.advance()
-    expected, host = state(scheme)
-    resumed = make(started=False)
-    for number in (21, 24):
-        checkpoint.restore(tmp_path / f"{number}.h5", resumed, "fingerprint")
-        while resumed.steps < 60:
-            resumed.advance()
-        found, found_host = state(resumed)
-        assert all(np.array_equal(*pair) for pair in zip(expected, found, strict=True))
-        assert found_host == host
-        assert resumed.momentum_balance() == scheme.momentum_balance()
+    scheme, balances = check_resuming(make, tmp_path, stops=(21, 24), steps=60)  # either buffer
+    assert balances == [scheme.momentum_balance()] * 2
 
 
 def test_nothing_of_walls_is_there(make):

@@ -1,0 +1,45 @@
+"""The same bits of an explicit run on any number of threads, and after it was stopped and resumed."""
+
+import json
+
+import numpy as np
+
+from tisph.simulation import checkpoint
+
+
+def state(scheme):
+    """Places, velocities and pressures, and the numbers beside them."""
+    snapshot = scheme.snapshot()
+    return [getattr(snapshot, name).copy() for name in ("x", "y", "u", "v", "pressure")], scheme.host_state()
+
+
+def check_threads(one, two):
+    """Assert that two of what ``state`` returns are the same to the last bit."""
+    assert all(np.array_equal(*pair) for pair in zip(one[0], two[0], strict=True))
+    assert json.dumps(one[1]) == json.dumps(two[1])
+
+
+def check_resuming(make, folder, stops, steps):
+    """Assert that a run of so many ``steps`` goes on from any of the ``stops`` (numbers of steps) as if it had not.
+
+    ``make`` builds the Scheme, with ``started=False`` one to resume with. Return the run and, resumed from each stop,
+    what a run says of its momentum.
+    """
+    scheme, balances = make(), []
+    for number in stops:
+        while scheme.steps < number:
+            scheme.advance()
+        checkpoint.save(folder / f"{number}.h5", scheme, "fingerprint")
+    while scheme.steps < steps:
+        scheme.advance()
+    expected, host = state(scheme)
+    resumed = make(started=False)
+    for number in stops:
+        checkpoint.restore(folder / f"{number}.h5", resumed, "fingerprint")
+        while resumed.steps < steps:
+            resumed.advance()
+        found, found_host = state(resumed)
+        assert all(np.array_equal(*pair) for pair in zip(expected, found, strict=True))
+        assert found_host == host
+        balances.append(resumed.momentum_balance())
+    return scheme, balances

@@ -11,7 +11,7 @@ class Bodies:
 
     ``centre`` and ``velocity`` (n, 2), ``angle`` [radians] and ``angular_velocity`` (n,), counterclockwise; ``force``
     (n, 2) and ``torque`` (n,) around the centre, of which ``pressure_force`` and ``pressure_torque`` are the
-    pressure's: NaN before the first step.
+    pressure's: NaN before the first step, and of a scheme that does not know them.
     """
 
     centre: np.ndarray
@@ -24,11 +24,12 @@ class Bodies:
     pressure_torque: np.ndarray
 
     @classmethod
-    def at(cls, time, bodies, loads):
+    def at(cls, time, bodies, loads=None):
         """Of ``bodies``, ``geometry.body.Body`` each, which move as they say; ``loads`` (2, n, 3) are on them.
 
-        Those are force along x, along y and torque, of all and of the pressure.
+        Those are force along x, along y and torque, of all and of the pressure; None where they are not known.
         """
+        loads = np.full((2, len(bodies), 3), np.nan) if loads is None else loads
         places = [body.at(time) for body in bodies]
         motions = [body.motion for body in bodies]
         return cls(

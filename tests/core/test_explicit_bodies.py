@@ -10,7 +10,7 @@ from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.runtime import view
 from tisph.simulation.start import start_values
-from tisph.verification.metrics import field_error, relative_error
+from tisph.verification.metrics import field_error, relative_error, sample_metrics
 from tisph.walls._layers import layers_in
 
 ANNULUS = """
@@ -123,6 +123,15 @@ def test_steady_flow_stays_as_it_is(make, centre):
     assert scene.inside(np.stack([end.x, end.y], 1)).all()
     # 0.1 h/c times the flux 2 pi of p' through the inner wall, over the area 3 pi: 2.8e-4 would have leaked by now
     assert abs(end.density.mean() / 2.0 - 1.0) < 5e-5
+
+
+def test_a_snapshot_has_the_cylinders_without_forces(make):
+    # pictures draw them, and a history has a place for torques, which this scheme does not know
+    scheme = make(steps=2)
+    end = scheme.snapshot()
+    assert end.bodies.angle.tolist() == [end.t, 0.0]
+    assert np.isnan(scheme.channel.followed().measure(end)).all()
+    assert sample_metrics(scheme.channel, end, [])["torque_inner"] is None
 
 
 def test_liquid_that_turns_as_a_solid_is_pressed_outwards(make):

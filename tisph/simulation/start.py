@@ -35,7 +35,7 @@ def start_snapshot(scene, values, precision):
     if "pressure" in scene.fields:
         state["pressure"] = scene.exact("pressure", x, y, scene.start_time)
     if scene.bodies:
-        state["bodies"] = Bodies.at(scene.start_time, scene.bodies, np.full((2, len(scene.bodies), 3), np.nan))
+        state["bodies"] = Bodies.at(scene.start_time, scene.bodies)
     return seen_from_config(Snapshot(t=scene.start_time, step=0, **state, **stresses), scene)
 
 

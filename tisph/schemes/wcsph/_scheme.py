@@ -22,7 +22,7 @@ from tisph.schemes._time_step import effective_viscosity, time_step_limits
 from tisph.schemes.wcsph._shift import shift_speed
 from tisph.schemes.wcsph._stepper import Stepper
 from tisph.schemes.wcsph._surroundings import surroundings
-from tisph.snapshot import Snapshot
+from tisph.snapshot import Bodies, Snapshot
 
 CONTROL_INTERVAL = 50
 """Steps between two looks at speeds and accelerations for the time step."""
@@ -207,6 +207,7 @@ class Scheme:
                 density=self.channel.density,
                 sound_speed=self.sound_speed,
             ),
+            bodies=Bodies.at(self.time, self.channel.bodies) if self.channel.bodies else None,
             **stresses,
         )
 

@@ -1,6 +1,7 @@
 """One flow seen from two frames: numbers and errors are those of the flow."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,8 +9,12 @@ from report_scene import make_channel, particles
 
 from tisph.cli.check import estimates
 from tisph.errors import ConfigError
+from tisph.geometry.body import Body
+from tisph.geometry.circle import Circle
+from tisph.geometry.motion import RigidMotion
 from tisph.scenes._motion import WallMotion
 from tisph.simulation.start import seen_from_config
+from tisph.snapshot import Bodies
 from tisph.verification.metrics import relative_error, sample_metrics
 
 SPEED = 1.0
@@ -85,6 +90,19 @@ def test_errors_are_the_same_in_every_frame(flow):
     for name in ("wall_shear_bottom", "wall_shear_top"):
         assert other[name] == pytest.approx(one[name], rel=1e-9)
     assert other["centreline"] == pytest.approx(one["centreline"] + SPEED, rel=ROUNDING)
+
+
+def test_bodies_move_with_the_liquid_around_them():
+    """What stands in the frame of the flow goes 3 times 0.5 as the config sees it."""
+    falling = RigidMotion(y=WallMotion(-0.1))
+    bodies = Body(Circle(0.1), (0.5, 0.2)), Body(Circle(0.1), (0.5, 0.7), motion=falling)
+    channel = make_channel()
+    snapshot = particles(channel, 3.0, [0.5], [0.4], [0.0])
+    snapshot = replace(snapshot, bodies=Bodies.at(3.0, bodies))
+    seen = seen_from_config(snapshot, SimpleNamespace(frame_velocity=0.5, start_time=0.0, extent=(1.0, 1.0)))
+    assert seen.x.tolist() == [0.0]
+    assert np.allclose(seen.bodies.centre, [[2.0, 0.2], [2.0, 0.4]], rtol=0, atol=1e-15)  # they are followed, not boxed
+    assert seen.bodies.velocity.tolist() == [[0.5, 0.0], [0.5, -0.1]]
 
 
 def test_a_liquid_at_rest_has_no_relative_error_in_any_frame():

@@ -35,7 +35,7 @@ def start_snapshot(scene, values, precision):
     if "pressure" in scene.fields:
         state["pressure"] = scene.exact("pressure", x, y, scene.start_time)
     if scene.bodies:
-        state["bodies"] = Bodies.at(scene.start_time, scene.bodies)
+        state["bodies"] = Bodies.at(scene.start_time, scene.in_own_frame().bodies)
     return seen_from_config(Snapshot(t=scene.start_time, step=0, **state, **stresses), scene)
 
 
@@ -46,4 +46,7 @@ def seen_from_config(snapshot, scene):
         return snapshot
     travelled = velocity * (snapshot.t - scene.start_time)
     x = (snapshot.x.astype(float) + travelled) % scene.extent[0]
-    return replace(snapshot, x=x, u=snapshot.u.astype(float) + velocity)
+    bodies, along = snapshot.bodies, np.array([1.0, 0.0])
+    if bodies is not None:
+        bodies = replace(bodies, centre=bodies.centre + travelled * along, velocity=bodies.velocity + velocity * along)
+    return replace(snapshot, x=x, u=snapshot.u.astype(float) + velocity, bodies=bodies)

@@ -8,6 +8,8 @@ import pytest
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.exact.cavity import RegularCavity, centre_lines, extremes
+from tisph.report import style
+from tisph.report.profiles import plot_profiles
 from tisph.scenes.cavity import Scene
 from tisph.simulation.start import start_snapshot, start_values
 from tisph.verification.metrics import sample_metrics
@@ -159,3 +161,18 @@ def test_check_and_movie_find_what_they_ask_for(case, regular):
             assert scene.shown(colour, 20.0).of(state).shape == state.x.shape
         assert scene.followed().measure(state) == [0.0]
         assert [profile.name for profile in scene.profiles()] == ["u", "v"]
+
+
+def test_pictures_say_where_a_reference_is_from(case):
+    sharp, regular = (Scene.from_config(case(f"walls.lid.profile={profile}")) for profile in ("sharp", "regular"))
+    source = centre_lines(100)[0].source
+    assert [profile.reference for profile in sharp.profiles()] == [source, source]
+    assert [profile.reference for profile in regular.profiles()] == ["exact", "exact"]
+
+
+def test_the_legend_of_profiles_has_it(case, tmp_path, monkeypatch):
+    scene, figures = Scene.from_config(case()), []
+    monkeypatch.setattr(style, "save", lambda figure, path: figures.append(figure))
+    plot_profiles(tmp_path / "profiles.png", scene, [snapshot_of(scene)])
+    (legend,) = figures[0].legends
+    assert legend.get_texts()[-1].get_text() == centre_lines(100)[0].source

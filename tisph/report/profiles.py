@@ -48,8 +48,9 @@ def plot_profiles(path: Path | str, scene, snapshots: Sequence[Snapshot]) -> Non
                 time = f"t = {number(snapshot.t)} {scene.units.time},  t* = {t_star}"
                 drawn[0].set_label(f"{time},  {error_label(snapshot)}".rstrip(", "))
         _label_axes(axes, panels, scene)
-        if any(profile.exact for profile, _ in panels):
-            axes[0].plot([], [], "-", color=style.TEXT, linewidth=0.9, label="exact")
+        references = dict.fromkeys(profile.reference for profile, _ in panels if profile.exact)
+        if references:
+            axes[0].plot([], [], "-", color=style.TEXT, linewidth=0.9, label=", ".join(references))
         legend = figure.legend(loc="lower center", ncols=3, frameon=False, fontsize=10)
         make_room(figure, grid, legend, below=True)
         style.save(figure, path)
@@ -86,7 +87,7 @@ def _label_axes(axes: Sequence[Axes], panels: Sequence[Panel], scene) -> None:
     for index, (one, (profile, error)) in enumerate(zip(axes, panels, strict=False)):
         name, unit = profile.name, unit_label(profile.unit, scene.units)
         if error:
-            name, unit = f"({name} {MINUS} {name} exact) / {profile.scale[1]}", ""
+            name, unit = f"({name} {MINUS} {name} {profile.reference}) / {profile.scale[1]}", ""
             one.axvline(0.0, color=style.MUTED, linewidth=0.8)
         exponent = axis_exponent(float(np.max(np.abs(one.dataLim.intervalx))))
         one.set_xlabel(axis_label(name, unit, exponent), parse_math=False)

@@ -109,7 +109,7 @@ class _Stage:
             return
         start = self._right_end(particles) + px(16)
         self.overlay.plot([start, start + px(20)], [row, row], "-", color=style.EXACT, linewidth=px(2))
-        self._text(start + px(26), row, "exact", size=14, va="center")
+        self._text(start + px(26), row, quantity.profile.reference, size=14, va="center")
 
     def titles(self, title: str) -> None:
         """Name of the run at the left, what it is at the right."""

@@ -201,18 +201,19 @@ class Cavity(Filled):
         mirrored = self.velocity < 0 and table.component == "v"
         return 1.0 - table.coordinate if mirrored else table.coordinate
 
-    def _curve(self, field):
-        """A function of places on a centre line, through the first table of a ``field`` and the walls, or None."""
-        table = next((table for table in self._tables if table.component == field), None)
-        if table is None:
-            return None
+    def _table(self, field):
+        """The first table of a ``field``, or None."""
+        return next((table for table in self._tables if table.component == field), None)
+
+    def _curve(self, table):
+        """A function of places on a centre line, through a ``table`` and the walls."""
         from scipy.interpolate import CubicSpline  # only pictures need it
 
         along = np.concatenate([[0.0, 1.0], self._along_lid(table)])
-        values = np.concatenate([[0.0, float(field == "u")], table.value])
+        values = np.concatenate([[0.0, float(table.component == "u")], table.value])
         order = np.argsort(along)
         curve = CubicSpline(along[order], self.velocity * values[order])
-        return lambda x, y, t: curve((y if field == "u" else x) / self.width) + 0.0 * t
+        return lambda x, y, t: curve((y if table.component == "u" else x) / self.width) + 0.0 * t
 
     def facts(self):
         """Numbers of the flow."""
@@ -246,7 +247,11 @@ class Cavity(Filled):
         return _turning.shown(self, name, self._velocity("u", "y"), largest)
 
     def _velocity(self, field, along):
-        exact = self._exact
-        of = (lambda x, y, t: exact.velocity(x, y)["uv".index(field)]) if exact else self._curve(field)
-        scale = (self.reference_velocity, "speed of the lid") if exact else None
-        return _turning.velocity_profile(self, field, along, of, scale)
+        flow, table = self._exact, self._table(field)
+        reference = {}
+        if flow:
+            scale = self.reference_velocity, "speed of the lid"
+            reference = {"exact": lambda x, y, t: flow.velocity(x, y)["uv".index(field)], "scale": scale}
+        elif table:
+            reference = {"exact": self._curve(table), "reference": table.source}
+        return _turning.velocity_profile(self, field, along, **reference)

@@ -37,10 +37,10 @@ def kinetic_energy(snapshot):
     return 0.5 * np.mean(np.square(snapshot.u) + np.square(snapshot.v))
 
 
-def velocity_profile(scene, field, along, exact=None, scale=None):
-    """Return the Profile of u or v, the ``field``, on the centre line ``along`` x or y; the others are as there."""
+def velocity_profile(scene, field, along, **reference):
+    """Return the Profile of u or v, the ``field``, on the centre line ``along`` x or y; ``reference`` is as there."""
     line = centre_line(scene, along)
-    return Profile(field, "velocity", line, of=lambda snapshot: getattr(snapshot, field), exact=exact, scale=scale)
+    return Profile(field, "velocity", line, of=lambda snapshot: getattr(snapshot, field), **reference)
 
 
 def pressure_profile(scene, line):

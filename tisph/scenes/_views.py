@@ -69,8 +69,9 @@ class Radius(Line):
 class Profile:
     """A quantity along a line: ``of`` takes it from a snapshot, array (particles,), ``exact`` is its reference.
 
-    ``exact`` takes places x and y and times, which broadcast; it is None where there is no reference. ``unit`` is a
-    kind of unit that ``report/labels.py`` knows. With a ``scale`` (a value and its name) errors are shown over it.
+    ``exact`` takes places x and y and times, which broadcast; it is None where there is no reference, and called
+    ``reference`` in pictures. ``unit`` is a kind of unit that ``report/labels.py`` knows. With a ``scale`` (a value and
+    its name) errors are shown over it.
     """
 
     name: str
@@ -79,6 +80,7 @@ class Profile:
     of: Callable
     exact: Callable | None = None
     scale: tuple[float, str] | None = None
+    reference: str = "exact"
 
     def extremes(self, start: float, end: float) -> tuple[float, float]:
         """The smallest and largest finite value that the reference takes on the line from time ``start`` to ``end``.

@@ -223,8 +223,8 @@ class Scene(AnyScene):
         return taylor_green.kinetic_energy(snapshot.t, **self._flow) * np.sum(values**2) / np.sum(exact**2)
 
     def _velocity(self, field, along):
-        scale = (self.speed, "largest speed U at the start")
-        return _turning.velocity_profile(self, field, along, lambda x, y, t: self.exact(field, x, y, t), scale)
+        exact, scale = lambda x, y, t: self.exact(field, x, y, t), (self.speed, "largest speed U at the start")
+        return _turning.velocity_profile(self, field, along, exact=exact, scale=scale)
 
     def _pressure(self):
         return _turning.pressure_profile(self, _turning.centre_line(self, "y"))

@@ -34,6 +34,13 @@ ANNULUS = [
     "discretisation.particles_across=8",
     "time.tolerance=1e-4",
 ]
+CAVITY = [
+    "scene=cavity",
+    "geometry={width: 1.0, height: 1.0}",
+    "walls={lid: {velocity: 1.0}}",
+    NO_VIDEO,
+]
+TURNING_BODY = "bodies=[{centre: [0.5, 0.5], radius: 0.2, motion: {angular_velocity: 1.0}}]"
 SCENES = {
     "wcsph": ["scheme={type: wcsph}"],
     "implicit": ["scheme={type: implicit}", "time.tolerance=1e-5"],
@@ -42,6 +49,8 @@ SCENES = {
     "oscillating": ["scheme={type: wcsph}", "walls.treatment.type=adami", OSCILLATION, NO_VIDEO],
     "oscillating implicit": ["scheme={type: implicit}", "time.tolerance=1e-5", OSCILLATION, NO_VIDEO],
     "annulus": ANNULUS,
+    "cavity": CAVITY,
+    "channel with a body": [TURNING_BODY, "discretisation.particles_across=18", "time.tolerance=1e-4", NO_VIDEO],
     "single precision": ["scheme={type: wcsph}", "discretisation.precision=f32", NO_VIDEO],
 }
 SLOW = ["implicit order 2", "oscillating implicit", "single precision"]

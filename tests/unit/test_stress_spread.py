@@ -10,6 +10,8 @@ from tisph.study.stress.plan import Plan
 
 VORTEX = Plan(Cell(flow="taylor_green", scheme="implicit 4", t_star=2.0), {}, t_star=2.0, stated=None)
 LAYER = replace(VORTEX, cell=replace(VORTEX.cell, flow="shear_layer"))
+CYLINDERS = replace(VORTEX, cell=replace(VORTEX.cell, flow="annulus0.5", across=12))
+BODY = replace(VORTEX, cell=replace(VORTEX.cell, flow="cylinder2", across=16))
 GOOD = {"rms": 1e-3, "density_variation": 0.0, "largest_hole": 0.8, "nearest_two": 0.75}
 
 
@@ -73,3 +75,22 @@ def test_the_cell_itself_is_its_calm_one():
     cell = Cell(flow="shear_layer", jitter=0.3)
     assert cell.calm == cell
     assert spread.HOLE > 1.0 > spread.NEAREST
+
+
+def test_walls_may_drive_the_flow_and_errors_have_a_bound_that_falls_with_the_spacing():
+    assert verdict(CYLINDERS, energies=(0.1, 0.2, 0.3, 0.4), l2=0.9e-3).verdict == "stable"
+    found = verdict(CYLINDERS, l2=1.1e-3)
+    assert (found.verdict, found.reason) == ("inaccurate", "error 1.1e-03 U")
+    fine = replace(CYLINDERS, cell=replace(CYLINDERS.cell, across=24))
+    assert verdict(fine, l2=1.1e-3 / 8).verdict == "inaccurate"
+    assert verdict(CYLINDERS, l2=0.21).verdict == "WRONG"
+
+
+@pytest.mark.parametrize(("since", "expected"), [(1.0, 0.1), (3.0, None), (None, None)])
+def test_forces_that_are_steady_have_to_balance(since, expected):
+    drags = {"drag": 0.5, "drag_bottom": 0.5, "drag_top": -0.9, "drag_pressure": 7.0, "drag_pressure_top": 7.0}
+    samples = [{**GOOD, "t": t, **drags} for t in (0.5, 1.0, 1.5, 2.0)]
+    summary = {"status": "done", "samples": samples, "numbers": {"steady_since": since}}
+    found = judge.judge(BODY, summary, "", summary)
+    assert found.error == (expected and pytest.approx(0.1 / 0.9))
+    assert found.verdict == ("inaccurate" if expected else "stable")

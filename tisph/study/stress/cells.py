@@ -1,6 +1,6 @@
 """One cell of the stability matrix: a flow, how it is computed, and what is promised of the run.
 
-A time is counted in lengths over reference velocity; in a channel t* = 1 is at t = Re, where the flow turns at t = 1.
+A time is counted in lengths over reference velocity; in a channel t* = 1 is at t = Re, in all other flows at t = 1.
 """
 
 from dataclasses import dataclass, replace
@@ -23,8 +23,11 @@ STABLE, FINISHED, HONEST, REFUSED = "stable", "finished", "honest", "refused"
 """What is promised: a stable run; one that finishes without growth, with an error that the map states; anything but a
 wrong result that looks right; that ``tisph check`` refuses it."""
 
-PROMISING = ("couette", "poiseuille", "taylor_green", "shear_layer")
+PROMISING = ("couette", "poiseuille", "taylor_green", "shear_layer", "annulus0.5", "annulus0.9", "cylinder2")
 """Flows of which something is promised."""
+
+RESOLVED = 10.0
+"""Cell Reynolds number up to which a flow between walls of any shape is promised to be stable, 12 across or more."""
 
 
 @dataclass(frozen=True)
@@ -65,8 +68,8 @@ class Cell:
 
     @property
     def calm(self):
-        """The same cell from the lattice, which where the flow turns is no calmer: there it is the cell itself."""
-        return self if self.turns else replace(self, jitter=0.0)
+        """The same cell from the lattice, which where the flow crosses is no calmer: there it is the cell itself."""
+        return self if self.crosses else replace(self, jitter=0.0)
 
     @property
     def cell_reynolds(self):
@@ -90,6 +93,16 @@ class Cell:
         return FLOWS[self.flow].turns
 
     @property
+    def has_walls(self):
+        """Whether it is between walls of any shape."""
+        return FLOWS[self.flow].walls
+
+    @property
+    def crosses(self):
+        """Whether particles cross each other's ways, so that none stays in its row."""
+        return self.turns or self.has_walls
+
+    @property
     def measure(self):
         """Error that is judged: l2 or rms, None where there is none, or where the flow cannot be predicted."""
         lost = self.turns and self.reynolds > 1000 and self.t_star > PREDICTABLE
@@ -100,6 +113,8 @@ class Cell:
         """``STABLE``, ``FINISHED``, ``HONEST`` or ``REFUSED``."""
         if (self.has_polymer and self.scheme != "explicit") or (self.turns and self.scheme == "implicit 2"):
             return REFUSED
+        if self.has_walls:
+            return self._promise_walls()
         resolved = self.across >= 25 and self.jitter <= 0.3 and self.scheme != "implicit 2"
         if not (self.usual and resolved and self.flow in PROMISING):
             return HONEST
@@ -114,6 +129,12 @@ class Cell:
             return STABLE
         return FINISHED if self.reynolds <= 1000 else HONEST
 
+    def _promise_walls(self):
+        if FLOWS[self.flow].refused:
+            return REFUSED
+        resolved = self.across >= 12 and self.jitter <= 0.3 and self.cell_reynolds <= RESOLVED
+        return STABLE if self.usual and resolved and self.flow in PROMISING else HONEST
+
     @property
     def promised(self):
         """Whether something is promised of the result."""
@@ -125,7 +146,7 @@ class Cell:
         end = t_star * flow.unit_time(self.reynolds)
         return merged(
             {
-                **({"geometry": {"length": 1.0}} if self.turns else self._channel()),
+                **self._box(),
                 "fluid": {"density": 1.0},
                 "initial": {"jitter": self.jitter},
                 "discretisation": {"particles_across": self.across, "precision": self.precision},
@@ -137,7 +158,11 @@ class Cell:
             self._scheme_change(),
         )
 
-    def _channel(self):
+    def _box(self):
+        if self.has_walls:
+            return {}
+        if self.turns:
+            return {"geometry": {"length": 1.0}}
         walls = {"treatment": {"type": self.treatment}}
         return {"scene": "channel", "geometry": {"gap": 1.0, "length": self.aspect}, "walls": walls}
 
@@ -147,8 +172,9 @@ class Cell:
             change = {"scheme": {"type": "wcsph", "equation_of_state": state}}
             return merged(change, {"time": {"cfl": AUTO_CFL * self.step}} if self.step != 1.0 else {})
         scheme = {"type": "implicit", "operators": {"order": int(self.scheme[-1])}}
-        if self.turns:  # other steps than the default are not controlled by their error
-            steps = {"tolerance": TURNING_TOLERANCE} if self.step == 1.0 else {"cfl": digits(COURANT * self.step)}
+        if self.crosses:  # other steps than the default are not controlled by their error
+            usual = {} if self.has_walls else {"tolerance": TURNING_TOLERANCE}
+            steps = usual if self.step == 1.0 else {"cfl": digits(COURANT * self.step)}
             return {"scheme": {**scheme, "largest_courant": COURANT}, "time": steps}
         # the error of a step goes with the third power of its length
         return {

@@ -22,23 +22,31 @@ PREDICTABLE = 5.0
 their size grow by a factor e in 2, there is nothing to damp them, and the exact flow is one that no run can stay on."""
 
 
+RADIUS, ACROSS, ALONG = 3, 16, 24
+"""Radius of a cylinder near the lower wall of a channel, height and length of the channel, in spacings."""
+
+
 @dataclass(frozen=True)
 class Flow:
     """``change(nu)``: what a viscosity makes of the config.
 
     ``measure``: the error that is judged, rms where the velocity crosses zero or dies away; None without a reference.
     ``peak``: bound of the speed in reference velocities, see ``Scene.peak_velocity``. A flow that ``turns`` is in a
-    doubly periodic square, all others are in a channel.
+    doubly periodic square; one with ``walls`` of any shape is told whole by ``change``; all others are in a channel.
+    ``largest``: error of a stable run between such walls, 12 particles across; ``refused``: whether none is allowed.
     """
 
     change: Callable
     measure: str | None = "l2"
     peak: float = 1.0
     turns: bool = False
+    walls: bool = False
+    largest: float = 0.0
+    refused: bool = False
 
     def unit_time(self, reynolds):
         """Return the time t* = 1 in lengths over reference velocity: in a channel the viscous time."""
-        return 1.0 if self.turns else reynolds
+        return 1.0 if self.turns or self.walls else reynolds
 
 
 def digits(number):
@@ -79,6 +87,28 @@ def _layers(nu):
     return merged(_viscosity(nu), {"scene": "shear_layer", "initial": start})
 
 
+def _annulus(ratio):
+    """Steady flow between cylinders of a ratio of radii, of which the inner one turns; the gap is 1."""
+    inner, outer = (digits(radius / (1.0 - ratio)) for radius in (ratio, 1.0))
+    walls_given = {"inner": {"angular_velocity": digits(1.0 / inner)}}
+    scene = {"scene": "annulus", "initial": {"state": "developed"}}
+    cylinders = {"geometry": {"inner_radius": inner, "outer_radius": outer}, "walls": walls_given}
+    return lambda nu: merged(_viscosity(nu), scene, cylinders)
+
+
+def _cavity(profile):
+    scene = {"scene": "cavity", "geometry": {"width": 1.0, "height": 1.0}}
+    return lambda nu: merged(_viscosity(nu), scene, {"walls": {"lid": {"velocity": 1.0, "profile": profile}}})
+
+
+def _cylinder(gap):
+    """A cylinder at rest, ``gap`` spacings above a wall at rest, under one that moves."""
+    spacing = 1.0 / ACROSS
+    body = {"centre": [0.5 * ALONG * spacing, (RADIUS + gap) * spacing], "radius": RADIUS * spacing}
+    channel = {"scene": "channel", "geometry": {"gap": 1.0, "length": ALONG * spacing}, "bodies": [body]}
+    return lambda nu: merged(_viscosity(nu), channel, {"walls": {"top": {"velocity": 1.0}}})
+
+
 def _viscosity(nu):
     return {"fluid": {"kinematic_viscosity": digits(nu)}}
 
@@ -93,5 +123,14 @@ FLOWS = {
     "oldroyd5": Flow(_polymer(5.0)),
     "taylor_green": Flow(_vortices, "rms", turns=True),
     "shear_layer": Flow(_layers, None, peak=1.25, turns=True),
+    "annulus0.2": Flow(_annulus(0.2), walls=True, largest=1e-3),
+    "annulus0.5": Flow(_annulus(0.5), walls=True, largest=1e-3),
+    "annulus0.9": Flow(_annulus(0.9), walls=True, largest=1e-3),
+    "regular_lid": Flow(_cavity("regular"), walls=True, largest=0.03),
+    "sharp_lid": Flow(_cavity("sharp"), "centre_line_error", walls=True, largest=0.02),
+    "cylinder1.5": Flow(_cylinder(1.5), "unbalanced", walls=True, refused=True),
+    "cylinder2": Flow(_cylinder(2.0), "unbalanced", walls=True, largest=0.02),
+    "cylinder5": Flow(_cylinder(5.0), "unbalanced", walls=True, largest=0.02),
 }
-"""The number behind oldroyd is Wi."""
+"""The number behind oldroyd is Wi, that behind annulus the ratio of the radii, that behind cylinder the gap in spacings
+if there are ``ACROSS``."""

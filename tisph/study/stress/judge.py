@@ -2,7 +2,7 @@
 
 Errors are ``Cell.measure``. Two things are known without the exact solution of a user's own flow, and a run is held
 to both: the calm run, the same from the lattice, and what ``tisph check`` said of it, its estimate of the error (the
-stated error) and its warnings. Where the flow turns there are bounds of their own (``spread.py``): a lattice is no
+stated error) and its warnings. Where the flow crosses there are bounds of their own (``spread.py``): a lattice is no
 calmer there.
 """
 
@@ -85,7 +85,7 @@ def refused(plan):
 def judge(plan, summary, message, calm):
     """Judge the run of a plan by its ``summary``, its error ``message`` and the summary of the ``calm`` run."""
     looks = [_look(plan.cell, sample, summary) for sample in summary["samples"]]
-    compared = calm["status"] == "done" and not plan.cell.turns
+    compared = calm["status"] == "done" and not plan.cell.crosses
     calm_errors = [sample[plan.cell.measure] for sample in calm["samples"]] if compared else []
     verdict, reason = _verdict(plan, summary["status"], message, looks, calm_errors)
     last = looks[-1] if looks else {}
@@ -100,8 +100,8 @@ def judge(plan, summary, message, calm):
 
 
 def _look(cell, sample, summary):
-    if cell.turns:
-        return spread.look(cell, sample)
+    if cell.crosses:
+        return spread.look(cell, sample, summary)
     speed = summary["numbers"]["reference_velocity"]
     return {
         "error": sample[cell.measure],
@@ -125,7 +125,7 @@ def _verdict(plan, status, message, looks, calm_errors):
 
 
 def _faults(plan, looks, calm_errors):
-    if plan.cell.turns:
+    if plan.cell.crosses:
         yield from spread.faults(plan, looks)
         return
     yield from _error_faults(plan, looks[-1]["error"], calm_errors)

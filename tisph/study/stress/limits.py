@@ -11,9 +11,10 @@ from tisph.verification.table import format_table
 
 ARRANGEMENTS = {"lattice": lambda cell: cell.jitter == 0, "disordered": lambda cell: cell.jitter > 0}
 LIQUIDS = {
-    "": lambda cell: not (cell.has_polymer or cell.turns),
+    "": lambda cell: not (cell.has_polymer or cell.crosses),
     ", of the solvent of Oldroyd-B": lambda cell: cell.has_polymer,
     " where the flow turns": lambda cell: cell.turns,
+    " between walls of any shape": lambda cell: cell.has_walls,
 }
 
 

@@ -14,6 +14,9 @@ JITTERS = (0.0, 0.1, 0.3)
 TREATMENTS = ("consistent_image", "comoving_image", "virtual_image", "fixed_image", "adami")
 STEPS = (1.0, 1.5, 2.0, 3.0, 4.0)
 SOUNDS = (5.0, SCALE_RATIO, 40.0)
+COURANTS = (1 / 6, 1.0, 10 / 3)
+"""Steps between walls of any shape: Courant numbers 0.05, the default and 1."""
+
 BOTH = ("explicit", "implicit 4")
 
 FLOW_THROUGHS = 200
@@ -26,7 +29,7 @@ TURNING = tuple(name for name, flow in FLOWS.items() if flow.turns)
 """Flows that turn, in a periodic square."""
 
 AXES = {
-    "flow": tuple(name for name in FLOWS if name not in TURNING),
+    "flow": tuple(name for name, flow in FLOWS.items() if not (flow.turns or flow.walls)),
     "reynolds": REYNOLDS,
     "jitter": (0.1, 0.0, 0.3),
     "across": (25, 8, 50),
@@ -110,6 +113,7 @@ def _full():
         SubMatrix("long runs", _long_runs(), ("flow", "reynolds", "t_star"), rows),
         SubMatrix("covering set", tuple(Cell(**row) for row in covering_set(AXES, exists))),
         *_turning(),
+        *_walls(),
         _refused(),
     ]
 
@@ -158,6 +162,49 @@ def _turning():
     ]
 
 
+def _walls():
+    """Three lengths over speed between cylinders, twenty in cavities, two around bodies, which at Re = 1 get steady."""
+    annuli, lids, bodies = ("annulus0.2", "annulus0.5"), ("regular_lid", "sharp_lid"), ("cylinder2", "cylinder5")
+    rough = {"jitter": [0.3], "scheme": ["implicit 4"]}
+    few, more, short = {"across": [12]}, {"across": [16]}, {"t_star": [3.0]}
+    slow, middle, fast = ({"reynolds": [reynolds]} for reynolds in (1.0, 100.0, 1000.0))
+    re, rows = ("reynolds",), ("flow", "across", "jitter")
+    even = {"jitter": [0.0], "scheme": ["implicit 4"]}
+    return [
+        SubMatrix(
+            "walls: radius ratio x Re",
+            grid(flow=annuli, reynolds=(1.0, 100.0), **few, **rough, **short)
+            + grid(flow=annuli[1:], **fast, **few, **rough, **short)
+            + grid(flow=annuli[1:], **middle, **more, **rough, **short)
+            + grid(flow=annuli[1:], **middle, **few, **even, **short)
+            + grid(flow=["annulus0.9"], **middle, **few, **rough, t_star=[1.0]),
+            re,
+            rows,
+        ),
+        SubMatrix(
+            "walls: cavities",
+            grid(flow=lids, **slow, **few, **rough, t_star=[2.0])
+            + grid(flow=lids, **middle, **few, **rough, t_star=[20.0])
+            + grid(flow=lids, **fast, **few, **rough, t_star=[20.0]),
+            re,
+            rows,
+        ),
+        SubMatrix(
+            "walls: gap at a body",
+            grid(flow=("cylinder1.5", *bodies), reynolds=(1.0, 100.0), **more, **rough, t_star=[2.0]),
+            re,
+            rows,
+        ),
+        SubMatrix(
+            "walls: steps",
+            grid(flow=("annulus0.5", "sharp_lid"), **middle, **few, step=COURANTS, **rough, **short)
+            + grid(flow=bodies[:1], **middle, **more, step=COURANTS, **rough, t_star=[2.0]),
+            ("step",),
+            ("flow",),
+        ),
+    ]
+
+
 def _long_runs():
     """To t* = 2, and as many lengths of the channel as ``FLOW_THROUGHS``, which at Re = 1000 t* = 1 has anyway."""
     through = FLOW_THROUGHS * Cell().aspect / 50.0
@@ -192,6 +239,13 @@ def _quick():
             + grid(flow=TURNING[:1], reynolds=[1000.0], jitter=[0.3], t_star=[0.5]),
             re,
             ("flow", "scheme"),
+        ),
+        SubMatrix(
+            "walls: of any shape",
+            grid(flow=["annulus0.5"], across=[12], jitter=[0.3], t_star=[0.5], scheme=["implicit 4"])
+            + grid(flow=["cylinder2"], across=[16], jitter=[0.3], t_star=[0.2], scheme=["implicit 4"]),
+            re,
+            ("flow",),
         ),
         _refused(),
     ]

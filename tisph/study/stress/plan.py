@@ -10,7 +10,7 @@ from tisph.study.stress.cells import FINISHED, STABLE, Cell
 BUDGET = 6.0
 PROMISED_BUDGET = {STABLE: 400.0, FINISHED: 40.0}
 """Seconds of one thread after which a cell ends, by ``_seconds``; the second, by promise, for flows with 25 particles
-across, so that what is promised of t* = 1, in double precision, is seen there."""
+across or walls of any shape, so that what is promised of t* = 1, in double precision, is seen there."""
 
 STEP_SECONDS = {"explicit": 6e-5, "implicit 2": 1.5e-3, "implicit 4": 2e-3}
 PARTICLE_SECONDS = {"explicit": 1.2e-7, "implicit 2": 1e-6, "implicit 4": 2.5e-6}
@@ -48,7 +48,7 @@ def plan(cell, forecast, folder):
             numbers, warnings = _checked(cell, t_star, forecast, folder)
     except ConfigError as error:
         return Plan(cell, cell.config(t_star), t_star, refusal=str(error).partition(": ")[2])
-    stated = getattr(numbers["samples"][-1], cell.measure) if cell.measure else None
+    stated = getattr(numbers["samples"][-1], cell.measure, None) if cell.measure else None
     return Plan(cell, cell.config(t_star), t_star, _seconds(cell, numbers), stated, tuple(warnings))
 
 
@@ -67,5 +67,5 @@ def _seconds(cell, numbers):
 
 
 def _budget(cell):
-    compared = cell.across == 25 and (cell.precision == "f64" or cell.promise == FINISHED)
+    compared = (cell.across == 25 or cell.has_walls) and (cell.precision == "f64" or cell.promise == FINISHED)
     return PROMISED_BUDGET.get(cell.promise, BUDGET) if compared else BUDGET

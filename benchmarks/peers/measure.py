@@ -3,11 +3,15 @@
     python benchmarks/peers/measure.py --code lammps --threads 2 --across 50 --until 20
     python benchmarks/peers/measure.py --code pysph --threads 1 --across 224 --steps 40
     python benchmarks/peers/measure.py --case taylor_green --code pysph-edac --threads 1 --across 50 --until 2
+    python benchmarks/peers/measure.py --case cavity --code pysph --threads 1 --across 25 --until 10
+    python benchmarks/peers/measure.py --case cylinder --code pysph --threads 1 --across 24 --until 12.5
 
 Keys: ``code``, ``version``, ``threads`` or processes, ``particles`` (fluid), ``steps``, ``loop_seconds`` of the time
 loop alone, ``particle_steps_per_s``, ``l2``, the relative error of the velocity at the end over the fluid particles
 (null with ``--steps``: after a few steps nothing but a layer at the wall has moved), and ``neighbours``, those of a
-particle of the lattice within the reach of the kernel. The Taylor-Green vortex has one thread and no ``--steps``.
+particle of the lattice within the reach of the kernel. Cases other than Couette flow have one thread and no
+``--steps``. In the cavity the error is that of the extremes on the centre lines, with cylinders that of their drag
+(``tisph/study/bench/cases.py``); with cylinders the end is in radius^2/viscosity.
 """
 
 import argparse
@@ -18,11 +22,15 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from types import SimpleNamespace
 
 import couette_case as case
 import numpy as np
 
+from tisph import config, families
 from tisph.exact import couette, taylor_green
+from tisph.study.bench import cases
+from tisph.verification.flows import across, merged
 
 HERE = Path(__file__).resolve().parent
 
@@ -38,15 +46,23 @@ PROGRAMS = {
 without changing the result, and with its other scheme for flow between walls."""
 
 
-VORTEX = (PYTHON, HERE / "pysph_taylor_green.py")
-VORTEX_PROGRAMS = {"pysph": (*VORTEX, "--scheme", "tvf"), "pysph-edac": (*VORTEX, "--scheme", "edac")}
-"""The same for the Taylor-Green vortex."""
+def both_schemes(script):
+    """The same for an example of PySPH's own that has both schemes."""
+    return {code: (PYTHON, HERE / script, "--scheme", code[6:] or "tvf") for code in ("pysph", "pysph-edac")}
+
+
+SERIAL = {
+    "taylor_green": both_schemes("pysph_taylor_green.py"),
+    "cavity": both_schemes("pysph_cavity.py"),
+    "cylinder": {"pysph": (PYTHON, HERE / "pysph_cylinders.py")},
+}
+"""The same for the cases that have one thread."""
 
 
 def main():
     """Make the environments if they are not there, measure, print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--case", choices=("couette", "taylor_green"), default="couette")
+    parser.add_argument("--case", choices=("couette", *SERIAL), default="couette")
     parser.add_argument("--code", choices=PROGRAMS, required=True)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--across", type=int, default=50)
@@ -54,13 +70,13 @@ def main():
     length.add_argument("--until", type=float, help="time to reach")
     length.add_argument("--steps", type=int, help="steps of the largest stable size to take")
     arguments = parser.parse_args()
-    vortex = arguments.case == "taylor_green"
-    if vortex and not (arguments.code in VORTEX_PROGRAMS and arguments.threads == 1 and arguments.until):
-        parser.error(f"--case taylor_green: --code {' or '.join(VORTEX_PROGRAMS)}, --threads 1, --until")
+    programs = SERIAL.get(arguments.case)
+    if programs and not (arguments.code in programs and arguments.threads == 1 and arguments.until):
+        parser.error(f"--case {arguments.case}: --code {' or '.join(programs)}, --threads 1, --until")
     environment = f"env-{arguments.code.partition('-')[0]}/installed"
     subprocess.run(["make", "--silent", "-C", HERE, environment], check=True, stdout=sys.stderr)
     with tempfile.TemporaryDirectory() as folder:
-        print(json.dumps((measured_vortex if vortex else measured)(arguments, Path(folder) / "profile.txt")))
+        print(json.dumps((measured_serial if programs else measured)(arguments, Path(folder) / "profile.txt")))
 
 
 def measured(arguments, profile):
@@ -82,16 +98,41 @@ def measured(arguments, profile):
     }
 
 
-def measured_vortex(arguments, end):
-    """The same of the Taylor-Green vortex; the code writes x, y, u and v of its particles to the file ``end``."""
+def measured_serial(arguments, end):
+    """The same of the other cases; the code writes x, y, u and v of its particles to the file ``end``."""
     words = ["--across", arguments.across, "--end", arguments.until, "--particles", end]
-    output = call([*VORTEX_PROGRAMS[arguments.code], *words], {"OMP_NUM_THREADS": "1"})
+    output = call([*SERIAL[arguments.case][arguments.code], *words], {"OMP_NUM_THREADS": "1"})
     found = json.loads(output.splitlines()[-1])
-    x, y, u, v = np.loadtxt(end, unpack=True)
+    error = float(ERRORS[arguments.case](np.loadtxt(end, unpack=True), found, arguments))
+    return {"code": arguments.code, **found, "l2": error, "neighbours": case.lattice_neighbours()}
+
+
+def vortex_error(particles, found, arguments):
+    """L2 error of the Taylor-Green vortex."""
+    x, y, u, v = particles
     flow = {name: found.pop(name) for name in ("length", "speed", "kinematic_viscosity")}
     exact = np.array(taylor_green.velocity(x, y, found["time"], **flow))
-    error = float(np.linalg.norm(np.array([u, v]) - exact) / np.linalg.norm(exact))
-    return {"code": arguments.code, **found, "l2": error, "neighbours": case.lattice_neighbours()}
+    return np.linalg.norm(np.array([u, v]) - exact) / np.linalg.norm(exact)
+
+
+def cavity_error(particles, found, arguments):
+    """Error of the extremes on the centre lines of the cavity, interpolated as those of our own particles are."""
+    described = merged(cases.FLOWS["cavity_10"].config, across(arguments.across))
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "cavity.yaml"
+        path.write_text(json.dumps(described), encoding="utf-8")  # JSON is YAML
+        settings = config.load(path)
+    scene = families.load("scenes", settings.scene).Scene.from_config(settings)
+    u, v = scene.lines(SimpleNamespace(**dict(zip("xyuv", particles, strict=True))), np.linspace(0.0, 1.0, 401))
+    return cases.extremes({"u_extreme": u.min(), "v_min": v.min(), "v_max": v.max()})
+
+
+def cylinder_error(particles, found, arguments):
+    """Error of the drag of a cylinder, which is given over the dynamic viscosity."""
+    return cases.resistance(found, viscosity=1.0)
+
+
+ERRORS = {"taylor_green": vortex_error, "cavity": cavity_error, "cylinder": cylinder_error}
 
 
 def call(words, environment):

@@ -18,6 +18,8 @@ from tisph.study.bench.peers import merged, quoted, runs
 from tisph.study.bench.picture import ELSEWHERE, figure_of, looks_of
 
 FLOW = "couette_2.7"
+QUOTED = ("channel", "taylor_green")
+"""Groups of flows of which some peers are quoted."""
 
 
 def row(way, l2, *loops, code="tisph", flow=FLOW, elsewhere=False):
@@ -29,9 +31,9 @@ def lammps(l2, loop):
 
 
 @pytest.mark.parametrize("quick", [False, True])
-@pytest.mark.parametrize("scene", cases.SCENES)
-def test_every_point_is_a_valid_config_of_its_own(tmp_path, scene, quick):
-    points = cases.points(scene, quick)
+@pytest.mark.parametrize("group", cases.GROUPS)
+def test_every_point_is_a_valid_config_of_its_own(tmp_path, group, quick):
+    points = cases.points(group, quick)
     assert len({point.name for point in points}) == len(points)
     for point in points:
         path = tmp_path / "case.yaml"
@@ -102,34 +104,35 @@ def test_a_missed_bound_is_what_show_returns_and_the_files_hold(tmp_path):
     assert (tmp_path / "frontier.png").is_file()
 
 
-def all_rows(scene):
-    """A row of every way in every flow of a scene, and of every peer."""
-    ours = [row(way, 1e-4, 0.1, flow=key) for key in flows_of(scene) for way in cases.FLOWS[key].ways]
-    peers = [row(run.label, 1e-3, 1.0, code=run.label.split()[0], flow=run.flow) for run in runs(scene)]
+def all_rows(group):
+    """A row of every way in every flow of a group, and of every peer."""
+    ours = [row(way, 1e-4, 0.1, flow=key) for key in flows_of(group) for way in cases.FLOWS[key].ways]
+    peers = [row(run.label, 1e-3, 1.0, code=run.label.split()[0], flow=run.flow) for run in runs(group)]
     scale = row("LAMMPS", 1e-3, 1.0, code="LAMMPS", flow="couette_20")
-    return [*ours, *peers, *(quoted(scale) if scene == "channel" else merged([], scene))]
+    return [*ours, *peers, *(quoted(scale) if group == "channel" else merged([], group))]
 
 
-def flows_of(scene):
-    return [key for key, flow in cases.FLOWS.items() if flow.scene == scene]
+def flows_of(group):
+    return [key for key, flow in cases.FLOWS.items() if flow.group == group]
 
 
-@pytest.mark.parametrize("scene", cases.SCENES)
-def test_every_way_looks_different_and_only_what_was_measured_elsewhere_is_hollow(scene):
-    looks = looks_of(all_rows(scene))
+@pytest.mark.parametrize("group", cases.GROUPS)
+def test_every_way_looks_different_and_only_what_was_measured_elsewhere_is_hollow(group):
+    looks = looks_of(all_rows(group))
     assert len({(look.colour, look.mark) for look in looks.values()}) == len(looks)
     hollow = {way for way, look in looks.items() if look.options["markerfacecolor"] == "none"}
-    assert hollow == {way for way, look in looks.items() if look.group == ELSEWHERE} != set()
+    assert hollow == {way for way, look in looks.items() if look.group == ELSEWHERE}
+    assert bool(hollow) == (group in QUOTED)
 
 
-@pytest.mark.parametrize("flows", [*map(flows_of, cases.SCENES), ["couette_20"]])
+@pytest.mark.parametrize("flows", [*map(flows_of, cases.GROUPS), ["couette_20"]])
 def test_no_legend_of_the_picture_covers_another_or_a_panel(flows):
-    rows = [one for one in all_rows(cases.FLOWS[flows[0]].scene) if one.flow in flows]
+    rows = [one for one in all_rows(cases.FLOWS[flows[0]].group) if one.flow in flows]
     with plot_style():
         figure = figure_of(rows, {flow: [] for flow in flows})
         figure.draw_without_rendering()
         boxes = [part.get_tightbbox() for part in (*figure.legends, *figure.axes)]
-    assert len(figure.legends) == 3
+    assert len(figure.legends) == len({look.group for look in looks_of(rows).values()})
     assert all(
         first.xmax <= second.xmin or second.xmax <= first.xmin or first.ymax <= second.ymin or second.ymax <= first.ymin
         for first, second in combinations(boxes, 2)
@@ -182,15 +185,16 @@ def test_a_missed_bound_at_equal_number_is_what_show_returns(tmp_path):
     assert [one["passed"] for one in json.loads((tmp_path / "frontier.json").read_text())["equal_number"]] == [False]
 
 
-def test_the_scenes_of_the_command_line_are_those_that_there_are(tmp_path, monkeypatch):
+def test_the_groups_of_the_command_line_are_those_that_there_are(tmp_path, monkeypatch):
     asked = []
     monkeypatch.setattr(
-        frontier, "run", lambda folder, **options: asked.append((folder.name, options["scene"])) or True
+        frontier, "run", lambda folder, **options: asked.append((folder.name, options["group"])) or True
     )
-    for scene in cases.SCENES:
-        assert CliRunner().invoke(app, ["bench", "frontier", "--flow", scene]).exit_code == 0
+    for group in cases.GROUPS:
+        assert CliRunner().invoke(app, ["bench", "frontier", "--flow", group]).exit_code == 0
     assert CliRunner().invoke(app, ["bench"]).exit_code == 0
-    assert asked == [("frontier", "channel"), ("frontier_taylor_green", "taylor_green"), ("frontier", "channel")]
+    others = [(f"frontier_{group}", group) for group in cases.GROUPS if group != "channel"]
+    assert asked == [("frontier", "channel"), *others, ("frontier", "channel")]
     assert CliRunner().invoke(app, ["bench", "frontier", "--flow", "annulus"]).exit_code == 2
 
 
@@ -198,3 +202,12 @@ def test_a_folder_without_the_peers_scripts_is_refused(tmp_path):
     result = CliRunner().invoke(app, ["bench", "frontier", "--peers", str(tmp_path)])
     assert result.exit_code == 2
     assert "there is no measure.py" in result.stderr
+
+
+def test_each_flow_has_the_error_that_its_title_names():
+    exact = {"u_extreme": -0.2140417, "v_min": -0.253803, "v_max": 0.1795728}
+    assert cases.FLOWS["cavity_10"].error(exact) == 0.0
+    assert cases.FLOWS["cavity_10"].error({**exact, "v_max": 1.03 * 0.1795728}) == pytest.approx(0.03)
+    assert cases.FLOWS["cylinder"].error({"drag": 1068.12, "superficial_velocity": 0.5}) == pytest.approx(1.0)
+    assert cases.FLOWS["circular_couette_2"].error({"l2": 1e-3}) == 1e-3
+    assert math.isnan(cases.FLOWS["circular_couette_2"].error({"l2": None}))

@@ -6,7 +6,7 @@ import pytest
 
 from tisph.errors import TisphError
 from tisph.study.bench import peers
-from tisph.study.bench.cases import SCENES
+from tisph.study.bench.cases import GROUPS
 from tisph.study.bench.peers import EDAC_SERIAL, QUICK_RUNS, RUNS, SCALE, TVF, PeerRun
 
 SCRIPT = """
@@ -98,8 +98,8 @@ def test_nothing_is_quoted_without_the_run_that_it_scales_with():
     assert peers.merged([], "channel") == []
 
 
-def test_every_run_belongs_to_one_scene():
-    wanted = {scene: peers.runs(scene) for scene in SCENES}
+def test_every_run_belongs_to_one_group():
+    wanted = {group: peers.runs(group) for group in GROUPS}
     assert sorted(map(str, RUNS)) == sorted(str(run) for ones in wanted.values() for run in ones)
     assert {run.flow for run in wanted["taylor_green"]} == {"taylor_green_2"}
 

@@ -27,7 +27,10 @@ Peers = Annotated[
     ),
 ]
 
-Flow = Annotated[Literal["channel", "taylor_green"], typer.Option("--flow", help="With frontier: whose flows.")]
+Flow = Annotated[
+    Literal["channel", "taylor_green", "circular_couette", "cavity", "cylinder"],
+    typer.Option("--flow", help="With frontier: whose flows."),
+]
 
 Configs = Annotated[Path, typer.Option("--configs", metavar="DIR", help="With startup: where the configs are.")]
 
@@ -57,7 +60,8 @@ def bench(
 
     \b
     frontier: every flow in every way, in rounds: run time against error, of
-      the channel or of Taylor-Green vortices
+      the channel, Taylor-Green vortices, circular Couette flow, the cavity, or
+      cylinders in a channel
     throughput: what a particle and a step cost, part by part, and bytes a
       particle, from 5 thousand to a million particles
     features: what each part costs, and that a scene pays for none that it
@@ -72,6 +76,7 @@ def bench(
       tisph bench frontier --quick
       tisph bench frontier --peers benchmarks/peers
       tisph bench frontier --flow taylor_green
+      tisph bench frontier --flow cavity --peers benchmarks/peers
       tisph bench throughput --quick
       tisph bench features
       tisph bench startup --quick
@@ -87,7 +92,7 @@ def _options(name, peers, flow, configs):
     if peers and not (peers / "measure.py").is_file():
         raise ConfigError(f"--peers {peers}: there is no measure.py; the peers' scripts are in benchmarks/peers")
     options = {
-        "frontier": {"peers_folder": peers, "scene": flow},
+        "frontier": {"peers_folder": peers, "group": flow},
         "throughput": {"peers_folder": peers},
         "startup": {"configs": sorted(configs.glob("*.yaml"))},
     }

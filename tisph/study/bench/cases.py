@@ -1,8 +1,12 @@
 """What ``tisph bench frontier`` runs: flows, and ways to compute them, as configs in plain dicts."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
+from tisph.exact import cavity
 from tisph.verification import flows
+from tisph.verification.suite import bodies, circular_couette
+from tisph.verification.suite.cavity import SHARP
 from tisph.verification.suite.turning import TAYLOR_GREEN
 
 LENGTH = {"geometry": {"length": 2.0}}
@@ -13,6 +17,8 @@ POISEUILLE = flows.merged(flows.POISEUILLE.config, LENGTH)
 
 VORTEX = {**TAYLOR_GREEN, "runtime": {"threads": 1}}
 """On one thread, as its peers."""
+
+SERIAL = {"runtime": {"threads": 1}, "time": {"samples": None}}
 
 EXPLICIT = {"scheme": {"type": "wcsph"}}
 STANDARD = flows.merged(EXPLICIT, {"scheme": {"operators": "standard"}}, flows.treatment("adami"))
@@ -68,6 +74,41 @@ QUICK_VORTEX_WAYS = {
 }
 
 
+COARSE = (10, 12, 16, 25)
+WALL_WAYS = {
+    "implicit 4, fast": (auto("fast"), COARSE),
+    "implicit 4, balanced": (auto("balanced"), (12, 25, 50)),
+    "implicit 4, high": (auto("high"), (25,)),
+}
+QUICK_WALL_WAYS = {"implicit 4, fast": (auto("fast"), (10, 12)), "implicit 4, balanced": (auto("balanced"), (12, 16))}
+
+BODY_WAYS = {
+    "implicit 4, fast": (auto("fast"), (12, 16, 20)),
+    "implicit 4, balanced": (auto("balanced"), (12, 20, 40)),
+    "implicit 4, high": (auto("high"), (20,)),
+}
+"""The period, half as long again, has at least 18 particles."""
+
+QUICK_BODY_WAYS = {"implicit 4, fast": (auto("fast"), (12, 16)), "implicit 4, balanced": (auto("balanced"), (12, 20))}
+
+
+def l2(sample):
+    """The relative L2 error of the velocity; NaN where a ``sample`` of a summary has none."""
+    return sample["l2"] if sample["l2"] is not None else float("nan")
+
+
+def extremes(sample):
+    """Largest error of the extremes on the centre lines of the cavity at Re = 100, over what they should be."""
+    known = cavity.extremes(100.0)
+    names = {"u_extreme": "u_min", "v_min": "v_min", "v_max": "v_max"}
+    return max(abs(sample[ours] / known[theirs] - 1.0) for ours, theirs in names.items())
+
+
+def resistance(sample, viscosity=bodies.VISCOSITY):
+    """Error of the drag of a cylinder in a channel over dynamic ``viscosity`` and superficial velocity."""
+    return abs(sample["drag"] / (viscosity * sample["superficial_velocity"]) / bodies.MORRIS_RESISTANCE - 1.0)
+
+
 @dataclass(frozen=True)
 class Bound:
     """What is asked of the runs of a peer whose label begins with ``peer``, ``across`` particles across (None: any).
@@ -90,6 +131,8 @@ class Bound:
 class Flow:
     """A flow: title, config less what a way changes, and the ways to compute it, ``quick_ways`` in a quick benchmark.
 
+    ``group``: what it is shown with. ``error``: of the last sample of a run, which ``Measured.l2`` holds.
+
     ``finest_explicit``: most particles across with the explicit scheme, the next number takes half a minute or more.
     ``asked``: L2 that the explicit and the implicit scheme have to reach. ``bounds``: what is asked of peers; a peer
     that none names is not judged. ``rival``: the way whose runs stand beside peers with as many particles.
@@ -99,15 +142,12 @@ class Flow:
     config: dict
     ways: dict
     quick_ways: dict
-    finest_explicit: int
+    finest_explicit: int = 50
+    group: str = "channel"
+    error: Callable = l2
     asked: float | None = None
     bounds: tuple[Bound, ...] = ()
     rival: str | None = None
-
-    @property
-    def scene(self):
-        """Name of its scene."""
-        return self.config["scene"]
 
     def bound(self, row):
         """``Bound`` of a peer's row; None where nothing is asked for, as of one that is quoted."""
@@ -127,15 +167,39 @@ FLOWS = {
         ended(VORTEX, 2.0),
         VORTEX_WAYS,
         QUICK_VORTEX_WAYS,
-        50,
+        group="taylor_green",
         bounds=(Bound("PySPH EDAC", 500.0, across=50, more_exact=200.0),),
         rival="implicit 4, balanced",
+    ),
+    "circular_couette_2": Flow(
+        "Circular Couette start-up, Re = 50, t = 2",
+        ended(flows.merged(circular_couette.ANNULUS, circular_couette.START, SERIAL), 2.0),
+        WALL_WAYS,
+        QUICK_WALL_WAYS,
+        group="circular_couette",
+    ),
+    "cavity_10": Flow(
+        "Cavity, Re = 100, t = 10: extremes",
+        ended(flows.merged(SHARP, SERIAL), 10.0),
+        WALL_WAYS,
+        QUICK_WALL_WAYS,
+        group="cavity",
+        error=extremes,
+        bounds=(Bound("PySPH", 100.0),),
+    ),
+    "cylinder": Flow(
+        "Cylinders in a channel: drag",
+        flows.merged(bodies.MORRIS, SERIAL),
+        BODY_WAYS,
+        QUICK_BODY_WAYS,
+        group="cylinder",
+        error=resistance,
     ),
 }
 """Every flow by its key."""
 
-SCENES = tuple(dict.fromkeys(flow.scene for flow in FLOWS.values()))
-"""Names of their scenes, each of which is a picture of its own."""
+GROUPS = tuple(dict.fromkeys(flow.group for flow in FLOWS.values()))
+"""Names of their groups, each of which is a picture of its own."""
 
 
 @dataclass(frozen=True)
@@ -159,12 +223,12 @@ class Point:
         return flows.merged(FLOWS[self.flow].config, self.change, flows.across(self.across))
 
 
-def points(scene, quick):
-    """All points of a scene, flow by flow."""
+def points(group, quick):
+    """All points of a group, flow by flow."""
     return [
         Point(key, way, across, change)
         for key, flow in FLOWS.items()
-        if flow.scene == scene
+        if flow.group == group
         for way, (change, resolutions) in (flow.quick_ways if quick else flow.ways).items()
         for across in resolutions
         if not (way.startswith("explicit") and across > flow.finest_explicit)

@@ -23,30 +23,30 @@ from tisph.study.processes import run_side_by_side
 from tisph.study.store import Store
 from tisph.verification.table import format_header, format_row
 
-HEADER = ("flow", "way", "across", "threads", "steps", "L2", "loop [s]", "process [s]", "front")
+HEADER = ("flow", "way", "across", "threads", "steps", "error", "loop [s]", "process [s]", "front")
 WIDTHS = (25, 6, 7, 5, 7, 26, 23, 5)
-ROUNDS = {"channel": 3, "taylor_green": 1}
-"""Rounds by scene: PySPH's vortices take minutes, and ratios of many hundreds need no median."""
+ROUNDS = {"channel": 3}
+"""Rounds by group, else one: PySPH's vortices take minutes, and ratios of many hundreds need no median."""
 
 
-def run(folder, quick=False, peers_folder=None, scene="channel"):
-    """Measure the flows of a scene, print the tables, and leave ``frontier.png`` and ``frontier.json`` in ``folder``.
+def run(folder, quick=False, peers_folder=None, group="channel"):
+    """Measure the flows of a group, print the tables, and leave ``frontier.png`` and ``frontier.json`` in ``folder``.
 
     ``peers_folder``: where the peers' scripts are, None to measure none. Returns False if a peer comes closer than its
     bound allows, else True.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    wanted, theirs = points(scene, quick), peers.runs(scene, quick)
+    wanted, theirs = points(group, quick), peers.runs(group, quick)
     rounds = {point.name: [] for point in wanted}
     store = Store(folder / "runs")
     print(f"finished runs are kept in {folder} and used again by the same command\n", flush=True)
     others = []
-    for turn in range(ROUNDS[scene]):
+    for turn in range(ROUNDS.get(group, 1)):
         for point in wanted:
             rounds[point.name].append(outcome(store, f"{point.name}_round_{turn}", point.config))
         if peers_folder:
             others.append(peers.measure(peers_folder, folder / "peers", turn, theirs))
-    rows = [*(measured(point, rounds[point.name]) for point in wanted), *peers.merged(others, scene)]
+    rows = [*(measured(point, rounds[point.name]) for point in wanted), *peers.merged(others, group)]
     return show(folder, rows)
 
 
@@ -72,7 +72,7 @@ def measured(point, summaries):
         across=point.across,
         threads=summaries[0]["provenance"]["threads"],
         steps=costs[0]["steps"],
-        l2=samples[-1]["l2"] if samples else float("nan"),
+        l2=FLOWS[point.flow].error(samples[-1]) if samples else float("nan"),
         loops=tuple(cost["wall_loop_s"] for cost in costs),
         processes=tuple(cost["wall_total_s"] for cost in costs),
     )

@@ -8,10 +8,11 @@ OURS = "tisph"
 
 @dataclass(frozen=True)
 class Measured:
-    """What the runs of one flow in one way gave: L2 error, NaN where a run stopped, and seconds of every round.
+    """What the runs of one flow in one way gave: error and seconds of every round.
 
-    ``steps``: None where they are not known. ``loops`` are seconds of the time loop, ``processes`` those of the whole
-    process where they are known. ``code``: the program. ``elsewhere``: quoted from a measurement at another time.
+    ``l2``: the L2 error, or another where the ``Flow`` says so, NaN where a run stopped. ``steps``: None where they are
+    not known. ``loops`` are seconds of the time loop, ``processes`` those of the whole process where they are known.
+    ``code``: the program. ``elsewhere``: quoted from a measurement at another time.
     """
 
     flow: str

@@ -36,7 +36,13 @@ class PeerRun:
         return [str(word) for key, value in options.items() for word in (f"--{key}", value)]
 
 
-CASES = {"couette_2.7": ("couette", 2.7), "couette_20": ("couette", 20.0), "taylor_green_2": ("taylor_green", 2.0)}
+CASES = {
+    "couette_2.7": ("couette", 2.7),
+    "couette_20": ("couette", 20.0),
+    "taylor_green_2": ("taylor_green", 2.0),
+    "cavity_10": ("cavity", 10.0),
+    "cylinder": ("cylinder", 12.5),
+}
 """What ``measure.py`` calls the case of a flow, and its end."""
 
 LAMMPS = ("LAMMPS SPH, 2 processes", "lammps", 2)
@@ -54,10 +60,12 @@ RUNS = (
     SCALE,
     PeerRun(*TVF, "couette_20", 25),
     *(PeerRun(*peer, "taylor_green_2", across) for peer in (TVF_SERIAL, EDAC_SERIAL) for across in (25, 50)),
+    *(PeerRun(*peer, "cavity_10", across) for peer in (TVF_SERIAL, EDAC_SERIAL) for across in (25, 50)),
+    *(PeerRun(*TVF_SERIAL, "cylinder", across) for across in (24, 48)),
 )
-"""A round of a scene takes two to four minutes on two quiet cores; PySPH at 50 across to t = 20 would double that."""
+"""A round of a group takes two to four minutes on two quiet cores; PySPH at 50 across to t = 20 would double that."""
 
-QUICK_RUNS = tuple(run for run in RUNS if run.flow != "couette_20" and run.across == 25)
+QUICK_RUNS = tuple(run for run in RUNS if run.flow != "couette_20" and run.across in (24, 25))
 
 QUOTED = {
     "SPHinXsys": (0.57, 2.3e-3, 7038),
@@ -77,9 +85,9 @@ QUOTED_VORTICES = (
 measured of the vortex once, on one thread of another busy machine; times good to a fifth. Not scaled."""
 
 
-def runs(scene, quick=False):
-    """Return the runs of a scene's flows."""
-    return [run for run in (QUICK_RUNS if quick else RUNS) if FLOWS[run.flow].scene == scene]
+def runs(group, quick=False):
+    """Return the runs of a group's flows."""
+    return [run for run in (QUICK_RUNS if quick else RUNS) if FLOWS[run.flow].group == group]
 
 
 def measure(scripts, folder, turn, wanted):
@@ -106,8 +114,8 @@ def _call(command):
     return done.stdout
 
 
-def merged(rounds, scene):
-    """``Measured`` of every peer over all rounds, and the quoted ones that a scene has beside them."""
+def merged(rounds, group):
+    """``Measured`` of every peer over all rounds, and the quoted ones that a group has beside them."""
     rows = {}
     for run in rounds[0] if rounds else ():
         ones = [one[run] for one in rounds]
@@ -122,7 +130,7 @@ def merged(rounds, scene):
             code=run.label.split()[0],
         )
     measured = list(rows.values())
-    if scene == "taylor_green":
+    if group == "taylor_green":
         return [*measured, *quoted_vortices({row.code for row in measured})]
     return [*measured, *(quoted(rows[SCALE]) if SCALE in rows else ())]
 

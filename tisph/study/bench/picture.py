@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from tisph.report.style import MUTED, plot_style
-from tisph.study.bench.cases import FLOWS
+from tisph.study.bench.cases import FLOWS, l2
 from tisph.study.bench.measured import OURS
 
 # Okabe and Ito's colours, which colour-blind eyes tell apart too; the marks tell the same without colour.
@@ -64,7 +64,7 @@ def figure_of(rows, fronts):
     panels = figure.subplots(1, len(flows), squeeze=False)[0]
     for panel, flow in zip(panels, flows, strict=True):
         _draw(panel, flow, [row for row in rows if row.flow == flow], fronts[flow], looks)
-    panels[0].set_ylabel("L2 error of the velocity")
+    panels[0].set_ylabel("L2 error of the velocity" if FLOWS[flows[0]].error is l2 else "relative error")
     for title, place in LEGENDS.items():
         handles = [Line2D([], [], label=way, **look.options) for way, look in looks.items() if look.group == title]
         if title == OURS:

@@ -1,6 +1,7 @@
 """One liquid of each law of polymers, and states of its particles, for the tests of laws."""
 
 import numpy as np
+from scipy.special import lambertw
 
 from tisph import families
 
@@ -28,3 +29,42 @@ def deviations(components, count):
     """Deviations C of positive conformation tensors, shape (components, count), up to a stretch of some 1.5."""
     a, b, c, d = 1 + np.random.default_rng(5).uniform(-0.5, 0.5, (4, count))
     return np.array([a * a + b * b - 2.0, (b - 1) * c, c * c - 1, d * d - 1])[:components]
+
+
+def giesekus_shear(wi, mobility):
+    """C_xx, C_xy, C_yy in steady shear (Giesekus 1982)."""
+    part = 8 * mobility * (1 - mobility) * wi**2
+    chi = np.sqrt(2 / (np.sqrt(1 + 2 * part) + 1))  # ((1 + 2 part)^(1/2) - 1)/part, without cancellation
+    f = (1 - chi) / (1 + (1 - 2 * mobility) * chi)
+    viscosity = (1 - f) ** 2 / (1 + (1 - 2 * mobility) * f)
+    first = 2 * f * (1 - mobility * f) / (mobility * (1 - f))
+    return first - f, viscosity * wi, -f
+
+
+def least_root(cubic):
+    """The real root above 1 of Y^3 - Y^2 = ``cubic``."""
+    return max(np.roots([1.0, -1.0, 0.0, -cubic]).real)
+
+
+def network_shear(wi, y):
+    """C_xx, C_xy, C_yy in steady shear of a network of Y = ``y``."""
+    return 2 * (wi / y) ** 2, wi / y, 0.0
+
+
+def fene_shear(wi, extension):
+    """C of FENE-P in steady shear: f A = 1 + ..., with f from f^3 - f^2 = 2 Wi^2/L2."""
+    f = least_root(2 * wi**2 / extension)
+    return (1 + 2 * (wi / f) ** 2) / f - 1, wi / f**2, 1 / f - 1, 1 / f - 1
+
+
+def steady_shear(kind, wi):
+    """C in steady simple shear of the liquids of KINDS, at ``wi`` = relaxation time * rate: closed forms."""
+    numbers = KINDS[kind]
+    if kind == "giesekus":
+        return giesekus_shear(wi, numbers["mobility"])
+    if kind == "fene_p":
+        return fene_shear(wi, numbers["maximum_extension"])
+    if kind == "oldroyd_b":
+        return network_shear(wi, 1.0)
+    strength = 2 * numbers["extensibility"] * wi**2
+    return network_shear(wi, least_root(strength) if kind == "linear_ptt" else np.exp(lambertw(2 * strength).real / 2))

@@ -2,51 +2,13 @@
 
 import numpy as np
 import pytest
-from polymer_laws import KINDS, LAWS, TIME, VISCOSITY, deviations, law
+from polymer_laws import KINDS, LAWS, TIME, VISCOSITY, deviations, giesekus_shear, law, least_root, steady_shear
 from scipy.integrate import solve_ivp
 from scipy.special import lambertw
 
 ROUNDING = 2e-13  # of numbers up to the square of the largest rate, 100, over the smallest law
 WEISSENBERG = [0.01, 0.5, 3.0, 100.0]
 NONLINEAR = [kind for kind in KINDS if kind != "oldroyd_b"]
-
-
-def giesekus_shear(wi, mobility):
-    """C_xx, C_xy, C_yy in steady shear (Giesekus 1982)."""
-    part = 8 * mobility * (1 - mobility) * wi**2
-    chi = np.sqrt(2 / (np.sqrt(1 + 2 * part) + 1))  # ((1 + 2 part)^(1/2) - 1)/part, without cancellation
-    f = (1 - chi) / (1 + (1 - 2 * mobility) * chi)
-    viscosity = (1 - f) ** 2 / (1 + (1 - 2 * mobility) * f)
-    first = 2 * f * (1 - mobility * f) / (mobility * (1 - f))
-    return first - f, viscosity * wi, -f
-
-
-def least_root(cubic):
-    """The real root above 1 of Y^3 - Y^2 = ``cubic``."""
-    return max(np.roots([1.0, -1.0, 0.0, -cubic]).real)
-
-
-def network_shear(wi, y):
-    """C_xx, C_xy, C_yy in steady shear of a network of Y = ``y``."""
-    return 2 * (wi / y) ** 2, wi / y, 0.0
-
-
-def fene_shear(wi, extension):
-    """C of FENE-P in steady shear: f A = 1 + ..., with f from f^3 - f^2 = 2 Wi^2/L2."""
-    f = least_root(2 * wi**2 / extension)
-    return (1 + 2 * (wi / f) ** 2) / f - 1, wi / f**2, 1 / f - 1, 1 / f - 1
-
-
-def steady_shear(kind, wi):
-    numbers = KINDS[kind]
-    if kind == "giesekus":
-        return giesekus_shear(wi, numbers["mobility"])
-    if kind == "fene_p":
-        return fene_shear(wi, numbers["maximum_extension"])
-    if kind == "oldroyd_b":
-        return network_shear(wi, 1.0)
-    strength = 2 * numbers["extensibility"] * wi**2
-    return network_shear(wi, least_root(strength) if kind == "linear_ptt" else np.exp(lambertw(2 * strength).real / 2))
 
 
 @pytest.mark.parametrize("wi", WEISSENBERG)

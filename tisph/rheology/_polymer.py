@@ -41,6 +41,10 @@ class Mode(Model):
     type: str
     relaxation_time: Positive
 
+    def laws(self, viscosity):
+        """``laws`` of a liquid of one mode."""
+        return laws(self, viscosity)
+
 
 class Law:
     """A polymer of modulus ``polymer_viscosity`` / relaxation time.

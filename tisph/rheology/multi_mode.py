@@ -82,6 +82,10 @@ class Parameters(Model):
             raise refusals([(("modes",), f"the fractions {text}", {})])
         return self
 
+    def laws(self, viscosity):
+        """``_polymer.laws`` of all modes."""
+        return _polymer.laws(self, viscosity)
+
     @property
     def relaxation_time(self):
         """Mean relaxation time of the modes, by their shares [time]."""

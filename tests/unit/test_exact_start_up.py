@@ -1,0 +1,204 @@
+"""Start-up of any liquid: against closed forms, against itself at another order, and against linear theory."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from polymer_laws import law, steady_shear
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+from tisph import families
+from tisph.exact import oldroyd_b, oscillating_wall
+from tisph.exact.start_up import Flow, Polymer, StartUp, Viscous, Wall
+
+HEIGHTS = np.linspace(0.0, 1.0, 41)
+COUETTE, POISEUILLE = Flow(1.0, top=Wall(1.0)), Flow(1.0, acceleration=2.0)
+BOTH = Flow(1.0, Wall(-0.4), Wall(0.7), 3.0)
+ACCURACY = 1e-8
+"""That the module promises, relative to the largest value in the gap."""
+
+
+def liquid(kind, fraction=0.1, relaxation_time=1.0):
+    """A liquid of total viscosity 1 with one of KINDS as its polymer."""
+    return Polymer(fraction, (law(kind, viscosity=1.0 - fraction, relaxation_time=relaxation_time),))
+
+
+def viscous(name, **numbers):
+    member = families.load("rheology", name)
+    return Viscous(member.Law(member.Parameters(**numbers), 1.0), 1.0)
+
+
+def apart(found, expected):
+    return np.max(np.abs(found - expected)) / np.max(np.abs(expected))
+
+
+def closed(flow):
+    return oldroyd_b.Flow(flow.gap, flow.bottom.speed, flow.top.speed, flow.acceleration)
+
+
+@pytest.mark.parametrize(
+    ("flow", "before", "fraction", "relaxation_time"),
+    [
+        (COUETTE, None, 0.1, 1.0),
+        (POISEUILLE, None, 0.01, 1.0),
+        (BOTH, None, 0.5, 0.02),
+        (Flow(1.0, top=Wall(0.2)), BOTH, 0.3, 0.5),
+    ],
+)
+def test_oldroyd_b_is_met(flow, before, fraction, relaxation_time):
+    found = StartUp(liquid("oldroyd_b", fraction, relaxation_time), flow, before)
+    numbers = {
+        "liquid": oldroyd_b.Liquid(1.0, fraction, 1.0 - fraction, relaxation_time),
+        "flow": closed(flow),
+        "before": before and closed(before),
+    }
+    for t in np.array([1e-5, 1e-3, 0.1, 1.0]) / fraction:
+        xx, xy, yy = found.polymer_stress(HEIGHTS, t)
+        assert apart(found.velocity(HEIGHTS, t), oldroyd_b.velocity(HEIGHTS, t, **numbers)) < ACCURACY
+        assert apart(xy, oldroyd_b.shear_stress(HEIGHTS, t, **numbers)) < ACCURACY
+        assert apart(xx, oldroyd_b.normal_stress(HEIGHTS, t, **numbers)) < 2 * ACCURACY
+        # a slope: the accuracy times the number of times that the layer fits into the gap, 100 at most from here on
+        assert apart(found.shear_rate(HEIGHTS, t), oldroyd_b.shear_rate(HEIGHTS, t, **numbers)) < 10 * ACCURACY
+        assert not np.any(yy)
+
+
+@pytest.mark.parametrize(
+    ("kind", "flow"),
+    [("giesekus", COUETTE), ("linear_ptt", POISEUILLE), ("exponential_ptt", COUETTE), ("fene_p", POISEUILLE)],
+)
+def test_flows_end_as_closed_forms_say(kind, flow):
+    """In the end the shear stress is linear in y, and the polymer's is that of its closed form at the rate there."""
+    now = liquid(kind, 0.2, 3.0)
+    found = StartUp(now, flow)
+    t = 200.0
+    total, rate = found.shear_stress(HEIGHTS, t), found.shear_rate(HEIGHTS, t)
+    if flow is POISEUILLE:
+        assert np.allclose(total, 2.0 * (0.5 - HEIGHTS), atol=ACCURACY)
+    else:
+        assert np.allclose(total, total[0], rtol=ACCURACY)
+        assert np.allclose(rate, 1.0, rtol=ACCURACY)
+    stress = found.polymer_stress(HEIGHTS, t)
+    for k, slope in enumerate(rate):
+        expected = now.laws[0].stress(steady_shear(kind, 3.0 * abs(slope) + 1e-12))[:3]
+        assert np.allclose(stress[:, k] * [1, np.sign(slope) or 1, 1], expected, rtol=1e-7, atol=ACCURACY)
+
+
+@pytest.mark.parametrize("kind", ["giesekus", "fene_p"])
+def test_another_order_changes_nothing(kind):
+    one, other = (
+        StartUp(liquid(kind, 0.1, 5.0), COUETTE),
+        StartUp(liquid(kind, 0.1, 5.0), COUETTE, order=20, finest=3e-5),
+    )
+    for t in (1e-3, 0.1, 1.0, 10.0):
+        assert apart(one.velocity(HEIGHTS, t), other.velocity(HEIGHTS, t)) < ACCURACY
+        for mine, its in zip(one.polymer_stress(HEIGHTS, t)[:2], other.polymer_stress(HEIGHTS, t)[:2], strict=True):
+            assert apart(mine, its) < 3 * ACCURACY
+
+
+def test_a_small_strain_meets_linear_theory():
+    # what bends is of the order of the squared Weissenberg number of the layer: (1e-5)^2 times 1/(its depth)^2, 1e3
+    speed = 1e-5
+    found = StartUp(liquid("giesekus"), Flow(1.0, top=Wall(speed)))
+    numbers = {"liquid": oldroyd_b.Liquid(1.0, 0.1, 0.9, 1.0), "flow": oldroyd_b.Flow(1.0, top=speed)}
+    for t in (0.01, 1.0):
+        assert apart(found.velocity(HEIGHTS, t), oldroyd_b.velocity(HEIGHTS, t, **numbers)) < ACCURACY
+        assert apart(found.polymer_stress(HEIGHTS, t)[1], oldroyd_b.shear_stress(HEIGHTS, t, **numbers)) < 1e-6
+
+
+def test_two_equal_modes_are_one():
+    half = law("fene_p", viscosity=0.4, relaxation_time=1.0)
+    one, two = StartUp(liquid("fene_p", 0.2), BOTH), StartUp(Polymer(0.2, (half, half)), BOTH)
+    assert apart(two.velocity(HEIGHTS, 0.01), one.velocity(HEIGHTS, 0.01)) < 1e-11
+    assert apart(two.polymer_stress(HEIGHTS, 0.01), one.polymer_stress(HEIGHTS, 0.01)) < 1e-10
+
+
+def developed_velocity(now, y):
+    """Velocity of the developed flow POISEUILLE, from the wall: the shear stress is 2 (0.5 - y)."""
+
+    def rate(y):
+        return brentq(lambda rate: now.flux(rate) - 2.0 * (0.5 - y), -1e-9, 1e3, xtol=1e-14, rtol=1e-13)
+
+    return quad(rate, 0.0, y, epsabs=1e-11, epsrel=1e-11, limit=200)[0]
+
+
+@pytest.mark.parametrize(
+    ("now", "bound"),
+    [
+        (viscous("power_law", index=0.5, reference_rate=1.0, least_rate=1e-3), ACCURACY),
+        (viscous("power_law", index=1.5, reference_rate=1.0, least_rate=1e-3), ACCURACY),
+        (viscous("carreau_yasuda", time=10.0, index=0.4), ACCURACY),
+        # the edges of its plug, 1e-3 of the gap wide, are inside of elements
+        (viscous("herschel_bulkley", yield_stress=0.4, index=1.0, reference_rate=1.0, regularisation=1e3), 1e-6),
+    ],
+    ids=["thinning", "thickening", "carreau", "bingham"],
+)
+def test_developed_flow_without_memory(now, bound):
+    found = StartUp(now, POISEUILLE)
+    t = 200.0  # of a liquid whose viscosity falls to 0.2, and that takes 5 times as long
+    expected = [developed_velocity(now, y) for y in HEIGHTS[:21]]
+    assert apart(found.velocity(HEIGHTS[:21], t), np.array(expected)) < bound
+    assert np.allclose(found.shear_stress(HEIGHTS, t), 2.0 * (0.5 - HEIGHTS), atol=10 * bound)
+
+
+def test_power_law_and_plug_of_the_textbook():
+    """u = n/(n+1) (g/K)^(1/n) (h^(1+1/n) - |y - h|^(1+1/n)), h = 1/2; Bingham plug: (g h - yield stress)^2/(2 g K)."""
+    found = StartUp(viscous("power_law", index=0.5, reference_rate=1.0, least_rate=1e-4), POISEUILLE)
+    expected = 4.0 / 3.0 * (0.5**3 - np.abs(HEIGHTS - 0.5) ** 3)
+    # rates up to the least rate, 1e-4, differ, in the middle 0.01 of the gap: 1e-6 of a velocity of 0.17
+    assert apart(found.velocity(HEIGHTS, 20.0), expected) < 1e-5
+    numbers = {"yield_stress": 0.4, "index": 1.0, "reference_rate": 1.0, "regularisation": 1e4}
+    plug = StartUp(viscous("herschel_bulkley", **numbers), POISEUILLE).velocity(0.5, 20.0)
+    assert plug == pytest.approx((1.0 - 0.4) ** 2 / 4.0, rel=2e-3)  # 1/m over the largest rate, 1.7e-4, times some 10
+
+
+@dataclass(frozen=True)
+class Swinging:
+    """A wall that oscillates, and its acceleration."""
+
+    cosine: float
+    sine: float
+    angular_frequency: float
+
+    def velocity(self, t):
+        angle = self.angular_frequency * np.asarray(t)
+        return self.cosine * np.cos(angle) + self.sine * np.sin(angle)
+
+    def acceleration(self, t):
+        angle = self.angular_frequency * np.asarray(t)
+        return self.angular_frequency * (self.sine * np.cos(angle) - self.cosine * np.sin(angle))
+
+
+@pytest.mark.parametrize(
+    "now",
+    [
+        viscous("power_law", index=1.0, reference_rate=1.0, least_rate=1.0),
+        Polymer(1.0, (law("oldroyd_b", viscosity=0.0),)),
+    ],
+    ids=["solved", "with_layer"],
+)
+def test_walls_that_swing(now):
+    wall = Swinging(0.6, -0.8, 40.0)
+    found = StartUp(now, Flow(1.0, top=wall))
+    for t in (1e-3, 0.1, 1.0):
+        expected = oscillating_wall.velocity(HEIGHTS, t, gap=1.0, kinematic_viscosity=1.0, wall=wall)
+        assert apart(found.velocity(HEIGHTS, t), expected) < ACCURACY
+
+
+def test_what_was_asked_before_changes_nothing():
+    one, other = (StartUp(liquid("giesekus"), COUETTE) for _ in range(2))
+    other.velocity(HEIGHTS, 3.0)
+    assert np.array_equal(one.velocity(HEIGHTS, [[0.2], [0.7]]), other.velocity(HEIGHTS, [[0.2], [0.7]]))
+
+
+def test_the_start_itself():
+    found = StartUp(liquid("giesekus"), COUETTE)
+    assert np.array_equal(found.velocity(HEIGHTS, 0.0), HEIGHTS == 1.0)
+    assert found.shear_stress(1.0, 0.0) == np.inf
+    assert not np.any(found.polymer_stress(HEIGHTS, 0.0))
+    with pytest.raises(ValueError, match="for t >= 0 only"):
+        found.velocity(0.5, -1.0)
+    with pytest.raises(ValueError, match="solvent_viscosity must be above 0"):
+        Polymer(0.0, ())
+    with pytest.raises(ValueError, match="gap of 2"):
+        StartUp(liquid("giesekus"), COUETTE, Flow(2.0))

@@ -1,0 +1,94 @@
+"""Spectral elements across a gap: polynomials on Legendre-Gauss-Lobatto points, joined where elements meet.
+
+``count`` elements of one ``order`` p between ``edges`` (count + 1,), which may be as close together as a layer at a
+wall needs. Continuous fields, such as a velocity, have one value a node, (..., count p + 1); others, such as a stress,
+have values of their own in each element, (..., count, p + 1). Integrals by the rule of the same points make the mass
+diagonal: an equation in time stays one.
+
+Source: C. Canuto, M. Y. Hussaini, A. Quarteroni and T. A. Zang, Spectral Methods: Fundamentals in Single Domains
+(2006), chapters 1 to 3.
+"""
+
+import numpy as np
+from numpy.polynomial.legendre import Legendre
+
+
+def barycentric_weights(points):
+    """Weights of barycentric interpolation through distinct ``points`` (n,)."""
+    gaps = points[:, None] - points[None, :]
+    np.fill_diagonal(gaps, 1.0)
+    return 1 / gaps.prod(axis=1)
+
+
+def interpolation(points, x):
+    """Matrix (len(x), n) that takes values at ``points`` (n,) to those of their polynomial at ``x``."""
+    distance = x[:, None] - points[None, :]
+    hit = distance == 0
+    ratios = barycentric_weights(points) / np.where(hit, 1.0, distance)
+    matrix = ratios / ratios.sum(axis=1, keepdims=True)
+    return np.where(hit.any(axis=1, keepdims=True), hit.astype(float), matrix)
+
+
+def lobatto(order):
+    """Points (order + 1,) on [-1, 1], weights of their rule, and the matrix that differentiates their polynomial."""
+    inner = np.sort(Legendre.basis(order).deriv().roots().real)
+    points = np.concatenate([[-1.0], (inner - inner[::-1]) / 2, [1.0]])  # symmetric to the last bit
+    weights = 2 / (order * (order + 1) * Legendre.basis(order)(points) ** 2)
+    bary = barycentric_weights(points)
+    gaps = points[:, None] - points[None, :] + np.eye(order + 1)
+    derivative = bary[None, :] / bary[:, None] / gaps
+    np.fill_diagonal(derivative, 0.0)
+    np.fill_diagonal(derivative, -derivative.sum(axis=1))
+    return points, weights, derivative
+
+
+class Elements:
+    """Elements between ``edges``, all of one ``order``."""
+
+    def __init__(self, edges, order):
+        self.edges = np.asarray(edges, dtype=float)
+        self.order, self.count = order, len(self.edges) - 1
+        self.points, self.weights, self.matrix = lobatto(order)
+        self.stretch = np.diff(self.edges)[:, None] / 2
+        self.nodes = order * np.arange(self.count)[:, None] + np.arange(order + 1)
+        self.size = self.count * order + 1
+        self.y = self.edges[:-1, None] + self.stretch * (self.points + 1)
+        self.mass = self.joined(np.broadcast_to(self.stretch * self.weights, self.y.shape))
+
+    def slope(self, field):
+        """Derivative (..., count, p + 1) of a continuous ``field`` (..., size)."""
+        return np.einsum("qi,...ei->...eq", self.matrix, field[..., self.nodes]) / self.stretch
+
+    def weak_divergence(self, flux):
+        """Divergence (..., size) of ``flux`` (..., count, p + 1), tested with each node's function, without walls'."""
+        return -self.joined(np.einsum("qi,...eq->...ei", self.matrix, self.weights * flux)) / self.mass
+
+    def joined(self, parts):
+        """Sums (..., size) of what elements (..., count, p + 1) give to each node."""
+        whole = np.zeros((*parts.shape[:-2], self.size), dtype=parts.dtype)
+        whole[..., :-1] = parts[..., :-1].reshape(*parts.shape[:-2], -1)
+        whole[..., self.order :: self.order] += parts[..., -1]
+        return whole
+
+    def stiffness(self, coefficient):
+        """Matrices (count, p + 1, p + 1) of elements: of -d/dy(coefficient d/dy), coefficient (count, p + 1)."""
+        scaled = coefficient * self.weights / self.stretch
+        return np.einsum("qi,eq,qj->eij", self.matrix, scaled, self.matrix, optimize=True)
+
+    def interpolated(self, field, y):
+        """Values (..., heights) at ``y`` (heights,) of a field (..., count, p + 1)."""
+        element = np.clip(np.searchsorted(self.edges, y, side="right") - 1, 0, self.count - 1)
+        local = (y - self.edges[element]) / self.stretch[element, 0] - 1
+        matrix = interpolation(self.points, local)
+        return np.einsum("...hi,hi->...h", field[..., element, :], matrix)
+
+
+def graded_edges(gap, finest, widest, ratio=3.0):
+    """Edges of elements on [0, gap], from ``finest`` at the walls, each ``ratio`` times the last, to ``widest``."""
+    sizes = [finest]
+    while sizes[-1] * ratio < widest and 2 * (sum(sizes) + sizes[-1] * ratio) < gap:
+        sizes.append(sizes[-1] * ratio)
+    layer = np.concatenate([[0.0], np.cumsum(sizes)])
+    middle = gap - 2 * layer[-1]
+    inner = np.linspace(layer[-1], gap - layer[-1], 1 + int(np.ceil(middle / widest)))
+    return np.concatenate([layer[:-1], inner, (gap - layer[:-1])[::-1]])

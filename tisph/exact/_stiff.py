@@ -1,0 +1,130 @@
+"""Stiff equations in time to many digits: collocation at Radau points of sqrt(t), dense between the steps.
+
+dX/dt = f(X, t) with s = sqrt(t), in which flows are smooth that start with a layer sqrt(t) deep. In each step X is the
+polynomial of degree ``STAGES`` in s that meets the equation at the Radau points of the step: an implicit Runge-Kutta
+method, L-stable, of order 2 STAGES - 1 at the steps' ends and STAGES + 1 between. Newton's method finds its stages,
+with one Jacobian a step; the eigenvectors of the method's matrix, which the weight dt/ds = 2 s is part of, take the
+stages apart. The last Legendre coefficient of each step's polynomial is kept below ``tolerance`` of the largest value.
+
+The steps depend on the equations alone, not on what is asked. Source: E. Hairer and G. Wanner, Solving Ordinary
+Differential Equations II, sections IV.5 and IV.8 (method, Newton's method).
+"""
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from tisph.exact._elements import interpolation
+
+STAGES = 7
+ITERATIONS = 12
+LARGEST_GROWTH, LEAST_GROWTH = 2.0, 0.2
+SAFETY = 0.85
+MOST_STEPS = 20_000
+ROUNDING = 10.0
+"""Of the tolerance: what may be left where Newton's method comes no nearer."""
+
+
+def _radau():
+    """Points on (0, 1], and the matrix of integrals from 0 to each point of the polynomial through all of them."""
+    last, before = legendre.Legendre.basis(STAGES), legendre.Legendre.basis(STAGES - 1)
+    x = np.sort((last - before).roots().real)
+    x[-1] = 1.0
+    values = legendre.legvander(x, STAGES)
+    integrals = np.empty((STAGES, STAGES))
+    integrals[:, 0] = (x + 1) / 2
+    for k in range(1, STAGES):
+        integrals[:, k] = (values[:, k + 1] - values[:, k - 1]) / (2 * k + 1) / 2
+    return (x + 1) / 2, integrals @ np.linalg.inv(values[:, :STAGES])
+
+
+POINTS, MATRIX = _radau()
+NODES = np.concatenate([[0.0], POINTS])
+LAST_COEFFICIENT = np.linalg.inv(legendre.legvander(2 * NODES - 1, STAGES))[-1, 1:]
+
+
+class Solution:
+    """The solution of ``equations`` from ``start`` (size,) at t = 0 on; as far as it has been asked for.
+
+    ``equations`` has ``rates(states, times)`` with states (stages, size), ``scales(states)`` (size,), what 1 is in the
+    tolerance, and ``jacobian(state)``, an object whose ``solver(shift)`` solves (shift - J) x = b for x (size,). Raises
+    ArithmeticError where Newton's method finds no step of any length.
+    """
+
+    def __init__(self, equations, start, first_step, tolerance):
+        self.equations, self.tolerance = equations, tolerance
+        self.begins, self.lengths, self.pieces = [], [], []
+        self.root, self.next_length, self.state = 0.0, first_step, np.array(start, dtype=float)
+        self.largest = np.zeros(len(self.state))
+
+    def at(self, time):
+        """State (size,) at one ``time`` >= 0."""
+        root = np.sqrt(time)
+        while self.root < root or not self.pieces:
+            self._step()
+        k = max(int(np.searchsorted(self.begins, root, side="right")) - 1, 0)
+        local = np.array([(root - self.begins[k]) / self.lengths[k]])
+        return (interpolation(NODES, local) @ self.pieces[k])[0]
+
+    def _step(self):
+        if len(self.pieces) >= MOST_STEPS:
+            raise ArithmeticError(f"{MOST_STEPS} steps were not enough to come beyond t = {self.root**2:g}")
+        length, smooth, before = self.next_length, True, np.inf
+        while True:
+            found = self._stages(length, smooth)
+            if found is None:
+                length, smooth = length / 3, False
+                if length < 1e-14 * max(self.root, self.next_length):
+                    raise ArithmeticError(f"the equations have no solution that goes on after t = {self.root**2:g}")
+                continue
+            scales = np.maximum(self.largest, self.equations.scales(self.state + found))
+            error = np.max(np.abs(LAST_COEFFICIENT @ found) / scales)
+            factor = SAFETY * (self.tolerance / max(error, 1e-300)) ** (1 / STAGES)
+            if error <= self.tolerance:
+                break
+            if error > before / 2 and error < ROUNDING * self.tolerance:
+                factor = 1.0  # a shorter step is no better: these are rounding errors
+                break
+            length, before = length * max(min(factor, 0.9), LEAST_GROWTH), error
+        self.largest = scales
+        self.pieces.append(np.concatenate([self.state[None], self.state + found]))
+        self.begins.append(self.root)
+        self.lengths.append(length)
+        self.state, self.root = self.state + found[-1], self.root + length
+        self.next_length = length * min(max(factor, LEAST_GROWTH), LARGEST_GROWTH if smooth else 1.0)
+
+    def _stages(self, length, extrapolate):
+        """Increments (STAGES, size) of the stages of a step, None where Newton's method does not find them."""
+        roots = self.root + length * POINTS
+        inverse = np.linalg.inv(MATRIX * (2 * roots)) / length
+        found = np.zeros((STAGES, len(self.state)))
+        if extrapolate and self.pieces:
+            matrix = interpolation(NODES, 1 + POINTS * length / self.lengths[-1])
+            found = matrix @ self.pieces[-1] - self.state
+        with np.errstate(all="ignore"):  # what is no number is no step
+            return self._newton(found, roots**2, inverse)
+
+    def _newton(self, found, times, inverse):
+        values, vectors = np.linalg.eig(inverse)
+        backwards = np.linalg.inv(vectors)
+        kept = np.flatnonzero(values.imag >= 0)
+        jacobian = self.equations.jacobian(self.state + found[STAGES // 2], times[STAGES // 2])
+        if jacobian is None:
+            return None
+        solvers = [jacobian.solver(values[k]) for k in kept]
+        before = np.inf
+        for _ in range(ITERATIONS):
+            residual = self.equations.rates(self.state + found, times) - inverse @ found
+            parts = backwards @ residual
+            change = np.zeros_like(found)
+            for k, solve in zip(kept, solvers, strict=True):
+                change += (1 + (values[k].imag > 0)) * np.outer(vectors[:, k], solve(parts[k])).real
+            found = found + change
+            scales = np.maximum(self.largest, self.equations.scales(self.state + found))
+            size = np.max(np.abs(change) / scales)
+            if not size < 2 * before:
+                return None
+            stalled = size > before / 3  # rounding errors, of a liquid that is nearly solid somewhere, are what is left
+            if size < (ROUNDING if stalled else 0.02) * self.tolerance:
+                return found
+            before = size
+        return None

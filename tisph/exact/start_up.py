@@ -1,0 +1,226 @@
+"""Start-up flow of any liquid between two walls, where there is no closed form: solved to 1e-8.
+
+Equations for 0 < y < gap, with g = -(dp/dx)/density, all stresses over the density:
+
+    du/dt = g + d/dy [ flux(du/dy) + sum of S_xy ],    dC/dt = law.sheared(C, du/dy),    S = law.stress(C)
+
+for each law (mode) of a polymer, C the deviation of its conformation tensor from rest (``tisph/rheology``), and flux =
+solvent_viscosity * du/dy, or viscosity((du/dy)^2) * du/dy of a generalised Newtonian liquid. The walls move with given
+velocities; the flow starts from rest at t = 0, or, with ``before``, from the developed flow of other walls.
+
+A wall whose velocity jumps at t = 0 makes a layer sqrt(t) deep. Where a solvent of constant viscosity takes it, the
+solvent's own start (``couette``) is left to that closed form, u = v + solvent's start, and v is smooth. Generalised
+Newtonian liquids, which remember nothing, start with the jump between the wall and the next point.
+
+Numerics: polynomials of high order on elements that are finest at the walls (``_elements``), collocation in sqrt(t)
+with the tolerance 1e-10 (``_stiff``). Solved once, as far as it is asked for; no result depends on what was asked
+before.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tisph.exact import couette
+from tisph.exact._elements import Elements, graded_edges
+from tisph.exact._sheared import Equations
+from tisph.exact._stiff import Solution
+
+ORDER = 16
+FINEST, WIDEST = 1e-4, 0.0625
+"""Order of the elements, and the width over the gap of those at the walls and in the middle."""
+
+TOLERANCE = 1e-10
+REMEMBERED, MOST_DOUBLINGS, STEADY = 20.0, 8, 1e-9
+"""Longest times of the liquid, viscous and relaxation, after which a flow may be developed. It is where as long a time
+again changes all by less than STEADY of the largest value; else the time is doubled."""
+
+
+@dataclass(frozen=True)
+class Polymer:
+    """Kinematic viscosity of the solvent (> 0, else ValueError) and ``laws`` of the polymer's modes, over density."""
+
+    solvent_viscosity: float
+    laws: tuple[Any, ...]
+
+    def __post_init__(self):
+        if not self.solvent_viscosity > 0:
+            raise ValueError(f"solvent_viscosity must be above 0, not {self.solvent_viscosity}")
+
+    @property
+    def longest_time(self):
+        """The longest relaxation time."""
+        return max(law.relaxation_time for law in self.laws)
+
+    @property
+    def total_viscosity(self):
+        """Kinematic viscosity at vanishing shear rate."""
+        return self.solvent_viscosity + sum(law.polymer_viscosity for law in self.laws)
+
+    def flux(self, rate):
+        """The solvent's shear stress."""
+        return self.solvent_viscosity * rate
+
+    carried = flux
+    """That of the part of the shear rate which has inertia of its own."""
+
+
+@dataclass(frozen=True)
+class Viscous:
+    """Generalised Newtonian: ``law.viscosity(shear_rate_squared)``, kinematic; ``total_viscosity``, typical of it."""
+
+    law: Any
+    total_viscosity: float
+    laws: tuple[Any, ...] = ()
+    longest_time: float = 0.0
+
+    def flux(self, rate):
+        """Shear stress."""
+        return self.law.viscosity(rate * rate) * rate
+
+    def carried(self, rate):
+        """Nothing: the whole flow is solved for."""
+        return 0.0 * rate
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A wall of constant ``speed``."""
+
+    speed: float = 0.0
+
+    def velocity(self, t):
+        """``speed``, of the shape of ``t``."""
+        return self.speed + 0.0 * np.asarray(t)
+
+    def acceleration(self, t):
+        """0, of the shape of ``t``."""
+        return 0.0 * np.asarray(t)
+
+
+@dataclass(frozen=True)
+class Flow:
+    """Walls y = 0 and y = ``gap``, each with ``velocity(t)`` and ``acceleration(t)``; acceleration g along them."""
+
+    gap: float
+    bottom: Any = Wall()
+    top: Any = Wall()
+    acceleration: float = 0.0
+
+
+def _edges(liquid, flows, finest):
+    """Edges over the gap. Liquids without memory have plugs, and kinks where the rate is 0: mid-gap, by symmetry."""
+    if liquid.laws:
+        return graded_edges(1.0, finest, WIDEST)
+    if any(flow.bottom != flow.top for flow in flows):
+        return graded_edges(1.0, finest, WIDEST / 2)
+    half = graded_edges(0.5, finest, WIDEST / 2)
+    return np.concatenate([half[:-1], 1 - half[::-1]])
+
+
+class StartUp:
+    """The flow of a ``Polymer`` or ``Viscous`` liquid from rest, or from the developed flow ``before``.
+
+    Heights ``y`` and times ``t`` >= 0 broadcast; results have their shape. Stresses are over the density. ``order`` and
+    ``finest``, the width over the gap of those at the walls, or all ``edges`` over the gap, set the elements.
+    ArithmeticError where no solution is found that goes on, ValueError for other times.
+    """
+
+    def __init__(self, liquid, flow, before=None, *, order=ORDER, finest=FINEST, edges=None):
+        self.liquid, self.flow = liquid, flow
+        edges = _edges(liquid, (flow, before or flow), finest) if edges is None else edges
+        self.elements = Elements(flow.gap * edges, order)
+        walls, ends = (flow.bottom, flow.top), [0, self.elements.size - 1]
+        self.jumps = [float(wall.velocity(0.0)) for wall in walls]
+        start = None
+        if before is not None:
+            if before.gap != flow.gap:
+                raise ValueError(f"the flow before has a gap of {before.gap}, the flow one of {flow.gap}")
+            start = StartUp(liquid, before, order=order, edges=edges)._developed()
+            self.jumps = [new - old for new, old in zip(self.jumps, start[ends], strict=True)]
+        driven = abs(flow.acceleration) * flow.gap**2 / liquid.total_viscosity
+        speed = max(1e-200, driven / 12, *map(abs, self.jumps), *([] if start is None else np.abs(start[ends])))
+        self.equations = Equations(self.elements, liquid, walls, flow.acceleration, self._layer, speed)
+        start = np.zeros(self.equations.size) if start is None else start
+        if not liquid.laws:
+            start[ends] += self.jumps
+        first = 1e-3 * flow.gap / np.sqrt(liquid.total_viscosity)
+        self._solution = Solution(self.equations, start, first, TOLERANCE)
+
+    def velocity(self, y, t):
+        """Velocity u along the walls; at t = 0 the walls have their new velocity already, the liquid its old one."""
+        return self._by_time(self._velocity, y, t)
+
+    def shear_rate(self, y, t):
+        """Velocity gradient du/dy (1/time); infinite at t = 0 on a wall whose velocity jumps."""
+        return self._by_time(self._shear_rate, y, t)
+
+    def polymer_stress(self, y, t):
+        """Stress of all modes together, shape (3, ...): S_xx, S_xy and S_yy; N1 = S_xx - S_yy."""
+        return np.stack([self._by_time(lambda y, t, k=k: self._stress(y, t)[k], y, t) for k in range(3)])
+
+    def deviations(self, y, t):
+        """C of each mode at heights ``y`` (heights,) and one time ``t``: list of arrays (components, heights)."""
+        return [self.elements.interpolated(c, y) for c in self.equations.deviations(self._solution.at(t))]
+
+    def shear_stress(self, y, t):
+        """Shear stress of solvent and polymer together."""
+        return self._by_time(self._whole_stress, y, t)
+
+    def _layer_numbers(self):
+        bottom, top = self.jumps
+        viscosity = self.liquid.solvent_viscosity
+        return {"gap": self.flow.gap, "kinematic_viscosity": viscosity, "bottom": bottom, "top": top}
+
+    def _layer(self, times):
+        """Shear rate (times, count, p + 1) of the solvent's own start."""
+        if not (self.liquid.laws and any(self.jumps)):
+            return np.zeros((len(times), *self.elements.y.shape))
+        return couette.shear_rate(self.elements.y, times[:, None, None], **self._layer_numbers())
+
+    def _developed(self):
+        """The state (size,) that the flow ends in: v is all of the velocity then."""
+        time = REMEMBERED * max(self.liquid.longest_time, self.flow.gap**2 / self.liquid.total_viscosity)
+        for _ in range(MOST_DOUBLINGS):  # a liquid that thins takes longer
+            state = self._solution.at(time)
+            later = self._solution.at(2 * time)
+            time *= 2
+            if np.max(np.abs(later - state) / self.equations.scales(later[None])) < STEADY:
+                break
+        state = later
+        nodes = np.append(self.elements.y[:, :-1].ravel(), self.flow.gap)
+        return np.concatenate([self._velocity(nodes, time), state[self.elements.size :]])
+
+    def _velocity(self, y, time):
+        v = self._solution.at(time)[: self.elements.size]
+        known = couette.velocity(y, time, **self._layer_numbers()) if self.liquid.laws else 0.0
+        return self.elements.interpolated(v[self.elements.nodes], y) + known
+
+    def _shear_rate(self, y, time):
+        slope = self.elements.slope(self._solution.at(time)[: self.elements.size])
+        known = couette.shear_rate(y, time, **self._layer_numbers()) if self.liquid.laws else 0.0
+        return self.elements.interpolated(slope, y) + known
+
+    def _stress(self, y, time):
+        deviations = self.deviations(y, time)
+        whole = [law.stress(tuple(c)) for law, c in zip(self.liquid.laws, deviations, strict=True)]
+        return sum((np.stack(stress[:3]) for stress in whole), np.zeros((3, len(y))))
+
+    def _whole_stress(self, y, time):
+        if self.liquid.laws:
+            return self.liquid.flux(self._shear_rate(y, time)) + self._stress(y, time)[1]
+        # smoother than the shear rate where the viscosity changes much, as in a plug
+        v = self._solution.at(time)[: self.elements.size]
+        return self.elements.interpolated(self.liquid.flux(self.elements.slope(v)), y)
+
+    def _by_time(self, profile, y, t):
+        """Values of ``profile(heights, time)``, called once for each different time; a scalar for scalar arguments."""
+        heights, times = np.broadcast_arrays(np.asarray(y, dtype=float), np.asarray(t, dtype=float))
+        if np.any(times < 0):
+            raise ValueError("this flow starts at t = 0: it is defined for t >= 0 only")
+        result = np.empty(times.shape)
+        for time in np.unique(times)[::-1]:
+            here = times == time
+            result[here] = profile(heights[here], float(time))
+        return result[()]

@@ -5,6 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 
+STRESSES = ("stress_xx", "stress_xy", "stress_yy")
+"""What a snapshot has of a polymer's stress."""
+
+
 @dataclass(frozen=True)
 class Bodies:
     """What the n bodies of a scene do at one time, and what the liquid does to them; per length across the plane.

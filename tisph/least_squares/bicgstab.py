@@ -51,6 +51,13 @@ class BiCGStab:
         values[self.points.most + k] = self.parity * self.ghosts.value(values, k)
 
     @ti.func
+    def spread(self, values: ti.template(), particles):
+        """Give what a product of ``values`` needs beyond those of the particles."""
+        ti.loop_config(serialize=True)
+        for k in range(self.ghosts.count[None]):
+            self.reflect(values, k)
+
+    @ti.func
     def dot(self, left: ti.template(), right: ti.template()):
         """Return the sum of products, in a fixed order."""
         part = ti.Vector([0.0] * LANES)
@@ -63,9 +70,7 @@ class BiCGStab:
     def start(self):
         """Residual of the guess and its ``norm``, inverse diagonal, and the ``size`` |b|."""
         particles = self.points.particles[None]
-        ti.loop_config(serialize=True)
-        for k in range(self.ghosts.count[None]):
-            self.reflect(self.x, k)
+        self.spread(self.x, particles)
         ti.loop_config(serialize=self.rows.serial_light)
         for i in range(particles):
             self.inverse[i] = 1.0 / (self.own[None] - self.coefficient[None] * self.rows.diagonal[i])
@@ -92,9 +97,7 @@ class BiCGStab:
             direction = self.residual[i] + self.beta[None] * (self.direction[i] - self.omega[None] * self.along[i])
             self.direction[i] = direction
             self.search[i] = self.inverse[i] * direction
-        ti.loop_config(serialize=True)
-        for k in range(self.ghosts.count[None]):
-            self.reflect(self.search, k)
+        self.spread(self.search, particles)
         ti.loop_config(serialize=self.rows.serial_light)
         for i in range(particles):
             self.along[i] = self.product(self.search, i)
@@ -105,9 +108,7 @@ class BiCGStab:
         for i in range(particles):
             self.residual[i] -= self.alpha[None] * self.along[i]
             self.half[i] = self.inverse[i] * self.residual[i]
-        ti.loop_config(serialize=True)
-        for k in range(self.ghosts.count[None]):
-            self.reflect(self.half, k)
+        self.spread(self.half, particles)
         ti.loop_config(serialize=self.rows.serial_light)
         for i in range(particles):
             self.across[i] = self.product(self.half, i)

@@ -13,11 +13,9 @@ import numpy as np
 
 from tisph.folder import partial, spare
 from tisph.observers._files import hdf5_file, readable, replaced
-from tisph.snapshot import Bodies, Snapshot
+from tisph.snapshot import STRESSES, Bodies, Snapshot
 
 FIELDS = ("x", "y", "u", "v", "density", "pressure")
-STRESSES = ("stress_xx", "stress_xy", "stress_yy")
-"""Fields that only liquids with polymer have."""
 
 BODIES = "bodies"
 """Name of the group with a dataset for each field of the bodies."""

@@ -24,12 +24,16 @@ class DenseOutput:
         self.began, self.length = time, length
         self.state = None
 
+    def within(self, time):
+        """Return the part of the last step up to ``time``, and its length."""
+        return (time - self.began) / self.length, self.length
+
     def at(self, time):
         """Return positions (fluid, 2) and velocities (2, fluid) at ``time``, and the ``others`` (fluid) as they are."""
         if self.state is None:
             self.state = self._read()
         start, end, start_rate, end_rate, position, *others = self.state
-        part = (time - self.began) / self.length
+        part = self.within(time)[0]
         velocity = self._velocity(part, start, end, start_rate, end_rate)
         return position + self._gone(part, start, end).T, velocity, *others
 
@@ -53,10 +57,8 @@ class DenseOutput:
             found.append((when, x[when] + apart[np.searchsorted(some, when), particle], y, u))
         return [np.concatenate(column) for column in zip(*found, strict=True)]
 
-    def _velocity(self, part, start, end, start_rate, end_rate):
-        late = part * part * (3.0 - 2.0 * part)
-        change = self.length * part * (1.0 - part) * ((1.0 - part) * start_rate - part * end_rate)
-        return (1.0 - late) * start + late * end + change
+    def _velocity(self, part, *ends):
+        return hermite(part, self.length, *ends)
 
     def _gone(self, part, start, end):
         return self.length * (part * start + 0.5 * part**2 * (end - start))
@@ -65,3 +67,10 @@ class DenseOutput:
         viscous, motion = self.viscous, self.motion
         fields = (motion.start_velocity, viscous.end, viscous.start_rate, viscous.end_rate)
         return [used(field).astype(float) for field in (*fields, motion.start_position, *self.others)]
+
+
+def hermite(part, length, start, end, start_rate, end_rate):
+    """Return at a ``part`` of a step of ``length`` the cubic with these values and time derivatives at its ends."""
+    late = part * part * (3.0 - 2.0 * part)
+    change = length * part * (1.0 - part) * ((1.0 - part) * start_rate - part * end_rate)
+    return (1.0 - late) * start + late * end + change

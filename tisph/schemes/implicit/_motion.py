@@ -34,6 +34,7 @@ class Motion:
         x = x - half * slope[0, :, 1] * y
         squares = np.stack([0.5 * x * x, x * y, 0.5 * y * y], axis=1)
         change = slope[..., 0] * x + slope[..., 1] * y + np.einsum("cnk,nk->cn", curvature, squares)
+        self.viscous.follow(moved, y)
         velocity = used(self.viscous.velocity)
         velocity[:, moved] += change
         used(self.position)[moved] = view(self.points.place)[moved] - half * velocity[:, moved].T
@@ -45,7 +46,7 @@ class Motion:
         used(self.start_velocity)[...] = velocity
         position += (0.5 * length) * (velocity + end).T
         position[:, 0] = self.wrapped(position[:, 0])
-        velocity[...] = end
+        self.viscous.accept()
 
     def wrapped(self, x):
         """Return ``x`` moved by whole periods into [0, period)."""

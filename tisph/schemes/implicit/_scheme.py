@@ -15,7 +15,6 @@ from tisph.schemes.implicit._control import FIRST, StepControl
 from tisph.schemes.implicit._dense import DenseOutput
 from tisph.schemes.implicit._field import VelocityField
 from tisph.schemes.implicit._ghosts import MirrorGhosts
-from tisph.schemes.implicit._kick import Kick
 from tisph.schemes.implicit._motion import Motion
 from tisph.schemes.implicit._pressure import Projection
 from tisph.schemes.implicit._shift import Shift
@@ -24,7 +23,7 @@ from tisph.schemes.implicit._virtual import VirtualGhosts
 from tisph.schemes.implicit._viscous import ViscousStep
 from tisph.schemes.implicit._wall_force import WallForce
 from tisph.schemes.implicit._walls import WallSeries
-from tisph.snapshot import Snapshot
+from tisph.snapshot import STRESSES, Snapshot
 
 SKIN = 0.1
 """Room, in particle spacings, for the pairs that shifting brings together after they were listed."""
@@ -64,15 +63,22 @@ class Scheme:
         self.points = Points(channel, self.domain, reach, kind.room(channel, reach), serial, kind.mirrors)
         self.ghosts = kind(self.points, channel, reach)
         self.rows = LeastSquaresRows(self.points, SUPPORT[order] * channel.spacing, order)
-        self.solver = ViscousSolver(self.rows, self.ghosts, channel)
-        self.walls = WallSeries(channel, treatment)
-        self.viscous = ViscousStep(self.solver, channel, self.walls)
+        self.elastic = config.fluid.rheology.carries_stress
+        if self.elastic:
+            from tisph.schemes.implicit import _viscoelastic  # of no use to most runs
+
+            self.viscous = _viscoelastic.step(config, channel, self.rows, self.ghosts)
+        else:
+            solver = ViscousSolver(self.rows, self.ghosts, channel)
+            self.viscous = ViscousStep(solver, channel, WallSeries(channel, treatment))
+        self.solver, self.walls = self.viscous.solver, self.viscous.wall_series
         self.wall_force = WallForce(self.viscous, channel)
         self.field = VelocityField(self.viscous)
         self.shift = Shift(self.points, self.ghosts, channel.spacing)
         self.projection = Projection(self.viscous, self.field, channel.gap)
         self.motion = Motion(self.field, self.shift, channel.length)
-        self.dense = DenseOutput(self.viscous, self.motion, (self.field.volume, self.projection.pressure))
+        others = self.field.volume, self.projection.pressure
+        self.dense = DenseOutput(self.viscous, self.motion, others)
         self.control = control(config, channel, targets)
         self.reset()
 
@@ -93,9 +99,12 @@ class Scheme:
         used(self.viscous.velocity)[...] = velocity.T
         self.momentum.initial = float(velocity[:, 0].sum())
         self.transverse = bool(np.any(velocity[:, 1] != 0.0))
+        if self.elastic:
+            self.assemble(0.0)
+            self.viscous.begin_with(stress.T / self.channel.density)
         if self.walls.obeys_momentum and self.walls.any_jump:
             self.assemble(0.0)
-            self.momentum.impulse = Kick(self.viscous).apply(*self.walls.jumps)
+            self.momentum.impulse = self.viscous.kick().apply(*self.walls.jumps)
 
     @property
     def finished(self):
@@ -146,7 +155,7 @@ class Scheme:
         """Depth sqrt(nu t) of the layers that walls have made by jumping, in particle spacings; infinite without."""
         if not self.walls.any_jump:
             return math.inf
-        return math.sqrt(self.channel.kinematic_viscosity * self.time) / self.channel.spacing
+        return math.sqrt(self.channel.solvent_viscosity * self.time) / self.channel.spacing
 
     def solve(self, length):
         """Compute the velocities at the end of a step; return the estimated error over the reference velocity."""
@@ -194,8 +203,10 @@ class Scheme:
             time = self.time
             fields = (self.motion.position, self.viscous.velocity, self.field.volume, self.projection.pressure)
             position, velocity, volume, pressure = (used(field).astype(float) for field in fields)
+            stresses = self.viscous.stress() if self.elastic else ()
         else:
             position, velocity, volume, pressure = self.dense.at(time)
+            stresses = self.viscous.stress_at(*self.dense.within(time)) if self.elastic else ()
         with np.errstate(over="ignore"):  # of a run that diverges; the guard finds it
             density = self.channel.density * np.exp(-volume)
         return Snapshot(
@@ -207,6 +218,7 @@ class Scheme:
             v=velocity[1],
             density=density,
             pressure=self.channel.density * pressure,
+            **dict(zip(STRESSES, self.channel.density * np.array(stresses), strict=False)),
         )
 
     def around(self, times, x, half_width):

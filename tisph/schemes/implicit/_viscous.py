@@ -7,6 +7,7 @@ import numpy as np
 from tisph.neighbours.points import used
 from tisph.runtime import holding, real, scalar, ti, view
 from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, TIMES, WEIGHTS, guesses
+from tisph.schemes.implicit._kick import Kick
 
 
 @ti.data_oriented
@@ -35,7 +36,7 @@ class ViscousStep:
         )
         self.weights = holding(ti.field(real(), 4), WEIGHTS)
         self.defect = holding(ti.field(real(), 4), np.subtract(WEIGHTS, EMBEDDED))
-        self.viscosity = scalar(channel.kinematic_viscosity)
+        self.viscosity = scalar(channel.solvent_viscosity)
         self.acceleration = channel.acceleration
 
     def advance(self, component, time, length, tolerance):
@@ -53,6 +54,17 @@ class ViscousStep:
         sound = self.solver.solve(coefficient, 1e-2) and sound
         error = view(self.solver.x)[: self.points.fluid]
         return math.sqrt(np.einsum("i,i", error, error, dtype=float) / error.size) if sound else float("nan")
+
+    def accept(self):
+        """Take up the end of the step as the start of the next."""
+        used(self.velocity)[...] = used(self.end)
+
+    def kick(self):
+        """Return what gives the impulse of walls that start at once."""
+        return Kick(self)
+
+    def follow(self, moved, across):
+        """Let what else particles carry follow those that were ``moved`` by ``across``: nothing here."""
 
     def set_source(self, component, time):
         """Evaluate what drives a component at ``time``: the walls' part of the ghosts, body acceleration, pressure."""

@@ -1,0 +1,90 @@
+"""What walls prescribe for the mirror images in a liquid with memory.
+
+At a wall the momentum equation ties the solvent's share to the slope of the stress, nu_s u_yy + S_y = a = U' - g, and
+the slopes of the conformation obey the law's derivative there,
+
+    C_y' = F_C C_y + F_u' u_yy,    S_y = S_C C_y,    u_yy = (a - S_y) / nu_s,
+
+and so, but for products of slopes, do the third derivatives, with u_yyyy and (u_yy)' in the places of u_yy and a. They
+are integrated beside the particles, by the same method; the matrices are those of the liquid at the wall at the
+start of a step. The stress has an image of its own, S_I = S_F - 2 d S_d - d^3/3 S_ddd.
+"""
+
+import numpy as np
+
+from tisph.schemes.implicit._esdirk import GAMMA, STAGES, TIMES
+from tisph.schemes.implicit._walls import WallSeries
+
+FIT = 3
+"""Terms of the polynomial in the distance that the liquid near a wall is described by."""
+
+
+class ElasticWalls(WallSeries):
+    """Series of both walls; ``first`` and ``third`` (2, components) are C_y and C_yyy at (bottom, top) wall."""
+
+    def __init__(self, channel, treatment, memory):
+        super().__init__(channel, treatment)
+        self.memory, self.viscosity = memory, channel.solvent_viscosity
+        self.first, self.third = (np.zeros((2, memory.components)) for _ in range(2))
+        self.steady = False
+        self.moments, self.stages = [], []
+
+    def begin(self, time, length, near_walls):
+        """Integrate over a step from ``time``; ``near_walls``: (state, shear rate) of the liquid at each wall."""
+        self.moments = [time + part * length for part in TIMES]
+        self.stages = [self._integrated(side, time, length, *near_walls[side]) for side in range(2)]
+
+    def conclude(self):
+        """Take up the state at the end of the step."""
+        self.first = np.array([stages[-1][0] for stages in self.stages])
+        self.third = np.array([stages[-1][1] for stages in self.stages])
+
+    def _integrated(self, side, time, length, state, shear_rate):
+        """Return (C_y, C_yyy, u_yy, u_yyyy, S_y, S_yyy) of one wall at the stages of a step."""
+        wall, nu = self.walls[side], self.viscosity
+        decay, pull, stress = self.memory.slopes(state, shear_rate)
+        matrix = decay - np.outer(pull, stress) / nu  # of C_y and C_yyy alike
+        first, third, firsts, thirds, found = self.first[side], self.third[side], [], [], []
+        for stage, moment in enumerate(self.moments):
+            step = length * np.array(STAGES[stage][:stage])
+            known_first, known_third = first + step @ firsts if stage else first, third
+            if stage:
+                known_third = third + step @ thirds
+            implicit = np.eye(len(pull)) - (GAMMA * length if stage else 0.0) * matrix
+            driving = wall.acceleration(moment) - self.channel.acceleration
+            slope = np.linalg.solve(implicit, known_first + (GAMMA * length if stage else 0.0) * pull * driving / nu)
+            firsts.append(matrix @ slope + pull * driving / nu)
+            driving_third = (wall.jerk(moment) - stress @ firsts[-1]) / nu
+            fourth_part = (GAMMA * length if stage else 0.0) * pull * driving_third / nu
+            third_slope = np.linalg.solve(implicit, known_third + fourth_part)
+            thirds.append(matrix @ third_slope + pull * driving_third / nu)
+            across, highest = stress @ slope, stress @ third_slope
+            found.append(
+                (slope, third_slope, (driving - across) / nu, (driving_third - highest) / nu, across, highest)
+            )
+        return found
+
+    def __call__(self, time):
+        """Return the series of the (bottom, top) wall at ``time``, one of the stages of the step."""
+        if not self.obeys_momentum:
+            return [[2.0 * wall.velocity(time), 0.0, 0.0] for wall in self.walls]
+        both = [stage[2:4] for stage in self._at(time)]
+        return [
+            [2.0 * wall.velocity(time), second, fourth / 12.0]
+            for wall, (second, fourth) in zip(self.walls, both, strict=True)
+        ]
+
+    def stress_series(self, time):
+        """Return the first and third derivatives of S_xy along y at the (bottom, top) wall."""
+        if not self.obeys_momentum:
+            return [(0.0, 0.0), (0.0, 0.0)]
+        return [stage[4:] for stage in self._at(time)]
+
+    def first_images(self, ghosts):
+        """Return what images of each component of C have more than their sources, (components, ghosts)."""
+        signs = np.where(ghosts.side == 0, -2.0, 2.0)
+        return self.first[ghosts.side].T * (signs * ghosts.depth)
+
+    def _at(self, time):
+        number = int(np.argmin(np.abs(np.array(self.moments) - time)))
+        return [stages[number] for stages in self.stages]

@@ -1,0 +1,134 @@
+"""The stress with memory that particles carry, and how it answers to a shear rate over an implicit stage.
+
+In a parallel flow the deviations C of the conformation tensors follow dC/dt = F(C, u_y), point by point. A stage of
+the time integration asks for C = K + g F(C, u_y) with known K: Newton's method finds C for a given u_y, and with it
+dS_xy/du_y, by which the momentum equation sees the stress of a velocity that is still sought.
+"""
+
+import itertools
+
+import numpy as np
+
+from tisph.rheology._polymer import laws
+
+SMALL = 1e-30
+"""Imaginary step of derivatives; its square vanishes beside 1."""
+
+MOST_ITERATIONS = 30
+CONVERGED = 1e-13
+"""Residual, over 1 plus the largest component, at which Newton's method is done: rounding is left."""
+
+
+class Memory:
+    """Laws of a liquid's modes; states C are arrays (components of all modes, ...); stresses are over the density."""
+
+    def __init__(self, rheology, kinematic_viscosity):
+        self.laws = laws(rheology, kinematic_viscosity)
+        ends = itertools.accumulate((law.components for law in self.laws), initial=0)
+        self.parts = [slice(first, last) for first, last in itertools.pairwise(ends)]
+        self.components = self.parts[-1].stop
+
+    def state_of(self, stress):
+        """Return C of one mode whose stress over the density is ``stress`` (3, fluid), proportional to C."""
+        state = np.zeros((self.components, stress.shape[1]))
+        state[:3] = stress / self.laws[0].modulus
+        return state
+
+    def stress(self, state):
+        """Return S_xx, S_xy, S_yy, the sums over the modes."""
+        return np.stack([sum(column) for column in zip(*(s[:3] for s in self._each("stress", state)), strict=True)])
+
+    def shear_stress(self, state):
+        """Return S_xy."""
+        return sum(stress[1] for stress in self._each("stress", state))
+
+    def rate(self, state, shear_rate):
+        """Return dC/dt of particles in simple shear."""
+        return np.concatenate([np.stack(rate) for rate in self._each("sheared", state, shear_rate)])
+
+    def respond(self, known, duration, shear_rate, guess):
+        """Solve C = ``known`` + ``duration`` F(C, ``shear_rate``) from a ``guess``; return C and dS_xy/d shear_rate."""
+        state, slope = np.empty_like(known), 0.0
+        for law, part in zip(self.laws, self.parts, strict=True):
+            state[part], along = _respond(law, known[part], duration, shear_rate, guess[part])
+            slope = slope + _derivative(lambda c, law=law: law.stress(c)[1], state[part], along)
+        return state, slope
+
+    def linear(self, state, duration, shear_rate, defect):
+        """Return dS_xy/dC . (1 - duration F_C)^-1 ``defect``, linearised about ``state``."""
+        total = 0.0
+        for law, part in zip(self.laws, self.parts, strict=True):
+            matrix = _matrix(law, state[part], duration, shear_rate)
+            change = eliminate(matrix, defect[part])
+            total = total + _derivative(lambda c, law=law: law.stress(c)[1], state[part], change)
+        return total
+
+    def slopes(self, state, shear_rate):
+        """Return F_C (components, components), F_u' and dS_xy/dC (components) of the liquid at one place."""
+        size = self.components
+        decay, pull, stress = np.zeros((size, size)), np.zeros(size), np.zeros(size)
+        for law, part in zip(self.laws, self.parts, strict=True):
+            unity = np.eye(part.stop - part.start)
+            ahead = state[part][:, None] + 1j * SMALL * unity
+            decay[part, part] = np.imag(np.stack(law.sheared(ahead, shear_rate))) / SMALL
+            stress[part] = np.imag(law.stress(ahead)[1]) / SMALL
+            pull[part][:2] = 2.0 * state[part][1], 1.0 + state[part][2]
+        return decay, pull, stress
+
+    def positive(self, state):
+        """Return where all conformation tensors 1 + C are positive definite."""
+        inside = True
+        for part in self.parts:
+            xx, xy, yy = (state[part][k] for k in range(3))
+            inside = inside & (1 + xx > 0) & ((1 + xx) * (1 + yy) > xy * xy)
+        return inside
+
+    def _each(self, name, state, *more):
+        return [getattr(law, name)(state[part], *more) for law, part in zip(self.laws, self.parts, strict=True)]
+
+
+def _respond(law, known, duration, shear_rate, guess):
+    """``Memory.respond`` of one mode; the second result is dC/d shear_rate."""
+    state, matrix = guess.copy(), None
+    for _ in range(MOST_ITERATIONS):
+        residual = known + duration * np.stack(law.sheared(state, shear_rate)) - state
+        if matrix is not None and not np.abs(residual).max() > CONVERGED * (1.0 + np.abs(state).max()):
+            break
+        matrix = _matrix(law, state, duration, shear_rate)
+        state += eliminate(matrix, residual)
+    pull = np.stack([2.0 * state[1], 1.0 + state[2], *np.zeros_like(state[2:])])
+    return state, eliminate(matrix, duration * pull)
+
+
+def _matrix(law, state, duration, shear_rate):
+    """Return 1 - ``duration`` dF/dC, rows of columns of arrays."""
+    size, columns = len(state), []
+    for column in range(size):
+        ahead = state.astype(complex)
+        ahead[column] += 1j * SMALL
+        slopes = [np.imag(value) / SMALL for value in law.sheared(ahead, shear_rate)]
+        columns.append([float(row == column) - duration * slopes[row] for row in range(size)])
+    return [[columns[column][row] for column in range(size)] for row in range(size)]
+
+
+def _derivative(function, state, direction):
+    """Return the derivative of a function of the components along a direction."""
+    return np.imag(function(state + 1j * SMALL * direction)) / SMALL
+
+
+def eliminate(matrix, right):
+    """Solve small systems side by side, without exchanging rows: they are near 1 where time steps are sensible."""
+    matrix, right = [list(row) for row in matrix], list(right)
+    size = len(right)
+    for k in range(size):
+        inverse = 1.0 / matrix[k][k]
+        for i in range(k + 1, size):
+            factor = matrix[i][k] * inverse
+            for j in range(k + 1, size):
+                matrix[i][j] = matrix[i][j] - factor * matrix[k][j]
+            right[i] = right[i] - factor * right[k]
+    for k in reversed(range(size)):
+        for j in range(k + 1, size):
+            right[k] = right[k] - matrix[k][j] * right[j]
+        right[k] = right[k] / matrix[k][k]
+    return np.stack(right)

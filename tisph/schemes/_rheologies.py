@@ -1,6 +1,9 @@
 """Which rheologies each scheme serves."""
 
-SERVED = {"implicit": ["newtonian"], "wcsph": ["newtonian", "oldroyd_b"]}
+SERVED = {
+    "implicit": ["newtonian", "oldroyd_b", "giesekus", "phan_thien_tanner", "fene_p", "multi_mode"],
+    "wcsph": ["newtonian", "oldroyd_b"],
+}
 
 
 def problems(config, scheme):

@@ -16,6 +16,9 @@ PERIODIC = [(True, False), (True, True), (False, False)]
 STEPS = {"fast": (3e-4, 1.5), "balanced": (3e-5, 0.7), "high": (3e-7, 0.5)}
 """Tolerance of a step, and its largest strain, by accuracy."""
 
+ELASTIC_STEPS = {"fast": (1e-4, 1.5), "balanced": (1e-5, 0.7), "high": (3e-7, 0.5)}
+"""The same in a liquid with memory, whose waves keep the errors of steps where viscosity would let them die away."""
+
 TURNING_STEPS = {"fast": (2e-5, 0.6), "balanced": (2e-6, 0.3), "high": (3e-7, 0.15)}
 """Tolerance of a step, and its largest Courant number, where the flow turns."""
 
@@ -59,7 +62,9 @@ def resolve(config):
     if obstacle:
         chosen = families.load("schemes", "wcsph").Parameters()
         return config.model_copy(update={"scheme": chosen}), f"wcsph, since {obstacle}"
-    tolerance, most = (TURNING_STEPS if turns else STEPS)[config.scheme.accuracy]
+    elastic = config.fluid.rheology.carries_stress
+    table = TURNING_STEPS if turns else ELASTIC_STEPS if elastic else STEPS
+    tolerance, most = table[config.scheme.accuracy]
     candidate = implicit.Parameters(**{"largest_courant" if turns else "largest_strain": most})
     given = config.time.tolerance
     time = config.time.model_copy(update={"tolerance": tolerance if given == "auto" else given})

@@ -20,16 +20,18 @@ class ElasticKick(Kick):
         places = step.near_walls()
         for side, (jump, rate) in enumerate(zip(velocity_jumps, acceleration_jumps, strict=True)):
             if jump != 0.0 or rate != 0.0:
-                gained, states, first, third = self.changes(side, jump, rate, *places[side])
+                gained, strain, more, first, third = self.changes(side, jump, rate, *places[side])
                 used(step.velocity)[0] += gained
-                used(step.state)[...] += states
+                step.memory.strain(used(step.state), strain)
+                used(step.state)[...] += more
                 step.walls.first[side] += first
                 step.walls.third[side] += third
                 gains[side] = float(gained.sum(dtype=float))
         return gains
 
     def changes(self, side, jump, rate, state, shear_rate):
-        """Return those of velocities, states, and first and third slopes of C at a wall; see ``apply``."""
+        """Return the velocities gained, the strain of the liquid in that moment, what relaxes of the states meanwhile,
+        and the changes of first and third slopes of C at a wall."""
         step, nu, rows = self.viscous, self.viscosity, self.viscous.rows
         decay, pull, stress = step.memory.slopes(state, shear_rate)
         modulus = float(stress @ pull)
@@ -42,11 +44,10 @@ class ElasticKick(Kick):
         velocity = nu * (self.spread(direct, side, rows.laplacian) + self.laplacian(velocity_2))
         velocity += step.solver.slopes(modulus * sheared_2, 1.0) + step.from_images(side, 0.0, stress @ third_2)
         sheared = self.spread(direct, side, rows.across) + step.solver.slopes(velocity_2, -1.0)
-        states = np.multiply.outer(pull, jump * sheared + rate * sheared_2)
-        states += np.multiply.outer(decay @ pull, jump * sheared_2)
+        relaxing = np.multiply.outer(decay @ pull, jump * sheared_2)
         first = jump * pull / nu
         third = jump * (-modulus / nu * third_2 + (decay - np.outer(pull, stress) / nu) @ third_2) + rate * third_2
-        return jump * velocity + rate * velocity_2, states, first, third
+        return jump * velocity + rate * velocity_2, jump * sheared + rate * sheared_2, relaxing, first, third
 
     def spread(self, series, side, rows):
         """Return the sums over the images of one wall, with the values that the series gives them, (fluid)."""

@@ -59,9 +59,7 @@ class ElasticWalls(WallSeries):
             third_slope = np.linalg.solve(implicit, known_third + fourth_part)
             thirds.append(matrix @ third_slope + pull * driving_third / nu)
             across, highest = stress @ slope, stress @ third_slope
-            found.append(
-                (slope, third_slope, (driving - across) / nu, (driving_third - highest) / nu, across, highest)
-            )
+            found.append((slope, third_slope, (driving - across) / nu, (driving_third - highest) / nu, across, highest))
         return found
 
     def __call__(self, time):

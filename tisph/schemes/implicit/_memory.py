@@ -42,6 +42,13 @@ class Memory:
         """Return S_xy."""
         return sum(stress[1] for stress in self._each("stress", state))
 
+    def strain(self, state, strain):
+        """Shear the states at once: A = 1 + C becomes F A F^T, which stays positive, F being the shear by ``strain``."""
+        for part in self.parts:
+            xx, xy, yy = state[part][:3]
+            xx += strain * (2.0 * xy + strain * (1.0 + yy))
+            xy += strain * (1.0 + yy)
+
     def rate(self, state, shear_rate):
         """Return dC/dt of particles in simple shear."""
         return np.concatenate([np.stack(rate) for rate in self._each("sheared", state, shear_rate)])
@@ -75,13 +82,13 @@ class Memory:
             pull[part][:2] = 2.0 * state[part][1], 1.0 + state[part][2]
         return decay, pull, stress
 
-    def positive(self, state):
-        """Return where all conformation tensors 1 + C are positive definite."""
-        inside = True
+    def lost(self, state):
+        """Return which particles (n,) have a conformation tensor 1 + C that is not positive definite."""
+        lost = np.zeros(state.shape[1], dtype=bool)
         for part in self.parts:
-            xx, xy, yy = (state[part][k] for k in range(3))
-            inside = inside & (1 + xx > 0) & ((1 + xx) * (1 + yy) > xy * xy)
-        return inside
+            xx, xy, yy = state[part][:3]
+            lost |= ~((1.0 + xx > 0.0) & ((1.0 + xx) * (1.0 + yy) > xy * xy))
+        return np.flatnonzero(lost)
 
     def _each(self, name, state, *more):
         return [getattr(law, name)(state[part], *more) for law, part in zip(self.laws, self.parts, strict=True)]

@@ -68,11 +68,12 @@ class Scheme:
             from tisph.schemes.implicit import _viscoelastic  # of no use to most runs
 
             self.viscous = _viscoelastic.step(config, channel, self.rows, self.ghosts)
+            self.wall_force = self.viscous.wall_force()
         else:
             solver = ViscousSolver(self.rows, self.ghosts, channel)
             self.viscous = ViscousStep(solver, channel, WallSeries(channel, treatment))
+            self.wall_force = WallForce(self.viscous, channel)
         self.solver, self.walls = self.viscous.solver, self.viscous.wall_series
-        self.wall_force = WallForce(self.viscous, channel)
         self.field = VelocityField(self.viscous)
         self.shift = Shift(self.points, self.ghosts, channel.spacing)
         self.projection = Projection(self.viscous, self.field, channel.gap)
@@ -253,7 +254,8 @@ class Scheme:
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
         state = {name: getattr(self, name) for name in HOST_STATE}
-        return {**state, "control": vars(self.control), "momentum": vars(self.momentum)}
+        parts = {"control": vars(self.control), "momentum": vars(self.momentum)}
+        return {**state, **parts, **({"walls": self.viscous.host_state()} if self.elastic else {})}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
@@ -261,6 +263,8 @@ class Scheme:
             setattr(self, name, state[name])
         vars(self.control).update(state["control"])
         vars(self.momentum).update(state["momentum"])
+        if self.elastic:
+            self.viscous.restore_host_state(state["walls"])
         if self.projections:
             self.viscous.push = self.projection.push
 

@@ -11,8 +11,10 @@ import math
 
 import numpy as np
 
+from tisph.errors import DivergedError
 from tisph.neighbours.points import used
 from tisph.runtime import real, view
+from tisph.schemes.implicit._elastic_wall_force import ElasticWallForce
 from tisph.schemes.implicit._elastic_walls import FIT, ElasticWalls
 from tisph.schemes.implicit._dense import hermite
 from tisph.schemes.implicit._elastic_kick import ElasticKick
@@ -32,7 +34,7 @@ class ViscoelasticStep(ViscousStep):
 
     def __init__(self, solver, channel, walls, memory):
         super().__init__(solver, channel, walls)
-        self.memory, self.walls = memory, walls
+        self.channel, self.memory, self.walls = channel, memory, walls
         fields = (self.points.field(real(), memory.components) for _ in range(6))
         self.state, self.state_end, self.state_rate, self.state_end_rate, self.state_start, self.state_slope = fields
         self.shear_rate, self.mean_stress = (self.points.field(real()) for _ in range(2))
@@ -91,11 +93,24 @@ class ViscoelasticStep(ViscousStep):
         used(self.state_end)[...], used(self.state_end_rate)[...] = state, rates[-1]
         used(self.state_rate)[...], used(self.shear_rate)[...] = rates[0], shear_rate
         used(self.mean_stress)[...] = mean
-        return self.error(implicit, length * weighted(np.subtract(WEIGHTS, EMBEDDED), rates), slope) if sound else float("nan")
+        return (
+            self.error(implicit, length * weighted(np.subtract(WEIGHTS, EMBEDDED), rates), slope)
+            if sound
+            else float("nan")
+        )
 
     def accept(self):
-        """Take up the end of the step as the start of the next, on the particles and at the walls."""
+        """Take up the end of the step as the start of the next, on the particles and at the walls.
+
+        Raises DivergedError where a polymer has lost the positive conformation that it has in nature.
+        """
         super().accept()
+        lost = self.memory.lost(used(self.state_end))
+        if lost.size:
+            raise DivergedError(
+                f"stress: the conformation tensor of particle {lost[0]} is not positive definite any more "
+                f"({lost.size} particles are wrong)"
+            )
         used(self.state_start)[...] = used(self.state)
         used(self.state)[...] = used(self.state_end)
         self.walls.conclude()
@@ -145,10 +160,27 @@ class ViscoelasticStep(ViscousStep):
 
     def from_images(self, side, slope, third):
         """Return what images of S_xy beyond one wall have more, by its first and third derivatives there, in D S."""
-        ghosts, sums, sign = self.ghosts, np.zeros(self.points.fluid), 1.0 if side == 0 else -1.0
-        more = sign * np.where(ghosts.side == side, ghosts.depth * (-2.0 * slope - ghosts.depth**2 / 3.0 * third), 0.0)
-        sums[ghosts.near] = ghosts.sums(self.rows.across, more[ghosts.listed])[0]
+        sums = np.zeros(self.points.fluid)
+        more = self.images(side, slope, third)
+        sums[self.ghosts.near] = self.ghosts.sums(self.rows.across, more[self.ghosts.listed])[0]
         return sums
+
+    def images(self, side, slope, third):
+        """Return what each image beyond one wall has of S_xy more than its source, (ghosts)."""
+        ghosts, sign = self.ghosts, 1.0 if side == 0 else -1.0
+        return sign * np.where(ghosts.side == side, ghosts.depth * (-2.0 * slope - ghosts.depth**2 / 3.0 * third), 0.0)
+
+    def host_state(self):
+        """Return the numbers outside the fields that a resumed run needs."""
+        return {"first": self.walls.first.tolist(), "third": self.walls.third.tolist()}
+
+    def restore_host_state(self, state):
+        """Take up the numbers of ``host_state``."""
+        self.walls.first, self.walls.third = np.array(state["first"]), np.array(state["third"])
+
+    def wall_force(self):
+        """Return what measures the impulses of the walls."""
+        return ElasticWallForce(self, self.channel)
 
     def sheared(self, time):
         """Return du/dy of the velocities in ``solver.x`` at ``time``."""

@@ -1,8 +1,8 @@
 """What the walls do to the liquid, for the balance of momentum along the channel.
 
-By the velocity gradient at the wall, once layers are resolved: with the distance d from a wall, u_d = A + w_2 d + B d^2
-there, where w_2 = (U' - g)/nu follows from the momentum equation; A and B are fitted to the gradients of the particles
-near the wall, and the wall pulls with -nu A. In the first moments after a jump there is no such gradient yet: then by
+By the shear stress at the wall, once layers are resolved: with the distance d from a wall, it is A + a d + B d^2 there,
+over the density, where a = U' - g follows from the momentum equation; A and B are fitted to the stresses of the particles
+near the wall, and the wall pulls with -A. In the first moments after a jump there is no such gradient yet: then by
 what the ghosts do to the particles, which is exact on a lattice, and in disorder off by some per cent, since rows of
 least-squares operators do not conserve momentum pair by pair.
 """
@@ -34,19 +34,29 @@ class WallForce:
         beyond[...] = ghosts.given() - ghosts.taken(mean)
         if not resolved:
             differences = beyond[ghosts.listed] - mean[ghosts.near[ghosts.row]]
-            pulls = ghosts.sums(self.rows.laplacian, differences)[1]
-            return [channel.kinematic_viscosity * length * float(pull) for pull in pulls]
+            return [length * float(pull) for pull in self.pulls(differences, stages)]
         relative = [sum(weight * wall.acceleration(moment) for weight, moment in stages) for wall in self.walls]
-        second = [(rate - channel.acceleration) / channel.kinematic_viscosity for rate in relative]
-        slope = self.rows.apply_to(ghosts.near, self.rows.across, mean)
-        rises = np.stack([slope, -slope]) - np.array(second)[:, None] * ghosts.offset
+        rise = [rate - channel.acceleration for rate in relative]
+        stress = self.stress(self.rows.apply_to(ghosts.near, self.rows.across, mean))
+        rises = np.stack([stress, -stress]) - np.array(rise)[:, None] * ghosts.offset
         area = channel.length / channel.spacing**2
-        slopes = [_intercept(*fit, ghosts.reach) for fit in zip(ghosts.offset, rises, strict=True)]
-        return [-channel.kinematic_viscosity * length * area * slope for slope in slopes]
+        stresses = [_intercept(*fit, ghosts.reach) for fit in zip(ghosts.offset, rises, strict=True)]
+        return [-length * area * stress for stress in stresses]
+
+    def stress(self, shear_rate):
+        """Return the mean shear stress over the density of the particles near walls, by their mean ``shear_rate``."""
+        return self.channel.kinematic_viscosity * shear_rate
+
+    def pulls(self, differences, stages):
+        """Return what images beyond the (bottom, top) wall do, ``differences`` being those of the mean velocities.
+
+        ``stages``: weights and times of the stages of the step.
+        """
+        return self.channel.kinematic_viscosity * self.ghosts.sums(self.rows.laplacian, differences)[1]
 
 
 def _intercept(distance, slope, reach):
-    """Return A of the least-squares fit A + B d^2 to slopes within ``reach`` of a wall; without particles, 0."""
+    """Return A of the least-squares fit A + B d^2 to values within ``reach`` of a wall; without particles, 0."""
     near = distance < reach
     square, slope = distance[near] ** 2, slope[near]
     second, fourth = square.sum(), (square * square).sum()

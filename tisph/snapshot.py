@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-
 STRESSES = ("stress_xx", "stress_xy", "stress_yy")
 """What a snapshot has of a polymer's stress."""
 

@@ -88,10 +88,13 @@ def implicit(config, channel, control):
 
     ``control``: the ``StepControl`` of the run; its targets must be all times that steps meet.
     """
-    from tisph.schemes._forecast import implicit_rows  # it needs the package that needs this one
+    from tisph.schemes._forecast import elastic_rows, implicit_rows  # they need the package that needs this one
 
     channel = channel.in_own_frame()
-    rows = implicit_rows.Rows(config, _coarse(channel, MOST_IMPLICIT_ROWS), control)
+    if config.fluid.rheology.carries_stress:
+        rows = elastic_rows.ElasticRows(config, _coarse(channel, MOST_ROWS["polymer"]), control)
+    else:
+        rows = implicit_rows.Rows(config, _coarse(channel, MOST_IMPLICIT_ROWS), control)
     forecasts, counts = [], [(channel.start_time, 0)]
     for time in config.time.samples:
         if time == channel.start_time:

@@ -7,53 +7,46 @@ acceleration relative to the drive that jumps by J_1 by B_2 J_1. All is linearis
 
 import numpy as np
 
-from tisph.neighbours.points import used
-from tisph.schemes.implicit._kick import Kick
+
+def kick(stages, flow, velocity_jumps, acceleration_jumps):
+    """Change the velocities and states of ``flow``, which ``stages`` advance, and those at the walls.
+
+    Returns the velocity gained from the (bottom, top) wall, summed over the particles.
+    """
+    gains, places = [0.0, 0.0], stages.near_walls(flow)
+    for side, (jump, rate) in enumerate(zip(velocity_jumps, acceleration_jumps, strict=True)):
+        if jump != 0.0 or rate != 0.0:
+            gained, strain, relaxed = _changes(stages, side, jump, rate, *places[side])
+            flow.velocity += gained
+            stages.memory.strain(flow.state, strain)
+            flow.state += relaxed
+            gains[side] = float(gained.sum(dtype=float))
+    return gains
 
 
-class ElasticKick(Kick):
-    """Applies the jumps of the walls to the velocities and states of a ``ViscoelasticStep``."""
+def _changes(stages, side, jump, rate, state, shear_rate):
+    """Return those of the velocities, the strain, and what relaxes meanwhile of the states; change the walls'."""
+    operators, nu = stages.operators, stages.viscosity
+    decay, pull, stress = stages.memory.slopes(state, shear_rate)
+    modulus = float(stress @ pull)
 
-    def apply(self, velocity_jumps, acceleration_jumps):
-        """Change velocities and states; return the velocity gained from the (bottom, top) wall, summed."""
-        step, gains = self.viscous, [0.0, 0.0]
-        places = step.near_walls()
-        for side, (jump, rate) in enumerate(zip(velocity_jumps, acceleration_jumps, strict=True)):
-            if jump != 0.0 or rate != 0.0:
-                gained, strain, more, first, third = self.changes(side, jump, rate, *places[side])
-                used(step.velocity)[0] += gained
-                step.memory.strain(used(step.state), strain)
-                used(step.state)[...] += more
-                step.walls.first[side] += first
-                step.walls.third[side] += third
-                gains[side] = float(gained.sum(dtype=float))
-        return gains
-
-    def changes(self, side, jump, rate, state, shear_rate):
-        """Return the velocities gained, the strain of the liquid in that moment, what relaxes of the states meanwhile,
-        and the changes of first and third slopes of C at a wall."""
-        step, nu, rows = self.viscous, self.viscosity, self.viscous.rows
-        decay, pull, stress = step.memory.slopes(state, shear_rate)
-        modulus = float(stress @ pull)
-        fourth = [0.0, 0.0, 1.0 / (12.0 * nu**2)]  # of the series, for U'' = 1
-        back = -modulus / (12.0 * nu**3)  # what it becomes by the stress in the next moment, twice
-        velocity_2 = nu * self.spread(fourth, side, rows.laplacian)
-        sheared_2 = self.spread(fourth, side, rows.across)
-        third_2 = pull / nu**2
-        direct = [0.0, 1.0 / nu, 2.0 * back]
-        velocity = nu * (self.spread(direct, side, rows.laplacian) + self.laplacian(velocity_2))
-        velocity += step.solver.slopes(modulus * sheared_2, 1.0) + step.from_images(side, 0.0, stress @ third_2)
-        sheared = self.spread(direct, side, rows.across) + step.solver.slopes(velocity_2, -1.0)
-        relaxing = np.multiply.outer(decay @ pull, jump * sheared_2)
-        first = jump * pull / nu
-        third = jump * (-modulus / nu * third_2 + (decay - np.outer(pull, stress) / nu) @ third_2) + rate * third_2
-        return jump * velocity + rate * velocity_2, jump * sheared + rate * sheared_2, relaxing, first, third
-
-    def spread(self, series, side, rows):
-        """Return the sums over the images of one wall, with the values that the series gives them, (fluid)."""
+    def spread(name, *series):
         both = [[0.0] * 3, [0.0] * 3]
         both[side] = series
-        self.ghosts.prescribe(*both)
-        sums = np.zeros(self.viscous.points.fluid)
-        sums[self.ghosts.near] = self.ghosts.sums(rows, self.ghosts.given()[self.ghosts.listed])[0]
-        return sums
+        return operators.given(name, both)
+
+    fourth = 0.0, 0.0, 1.0 / (12.0 * nu**2)  # of the series, for U'' = 1
+    direct = (
+        0.0,
+        1.0 / nu,
+        -modulus / (6.0 * nu**3),
+    )  # for U' = 1: the stress pulls back, by its own and its slope's part
+    velocity_2, sheared_2, third_2 = nu * spread("laplacian", *fourth), spread("across", *fourth), pull / nu**2
+    velocity = nu * (spread("laplacian", *direct) + operators.laplacian(velocity_2))
+    velocity += operators.slopes(modulus * sheared_2, 1.0) + operators.images(side, 0.0, stress @ third_2)
+    sheared = spread("across", *direct) + operators.slopes(velocity_2, -1.0)
+    stages.walls.first[side] += jump * pull / nu
+    falling = (decay - np.outer(pull, stress) / nu) @ third_2 - modulus / nu * third_2
+    stages.walls.third[side] += jump * falling + rate * third_2
+    relaxed = np.multiply.outer(decay @ pull, jump * sheared_2)
+    return jump * velocity + rate * velocity_2, jump * sheared + rate * sheared_2, relaxed

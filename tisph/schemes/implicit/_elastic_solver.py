@@ -1,24 +1,29 @@
-"""The linear systems of a viscoelastic step: (1 - c A - D t D) x = b, with D = d/dy and t the tangent of the stress.
+"""The operators of a liquid with memory on particles, and the linear systems (1 - c A - D t D) x = b of its stages.
 
 A particle's stress follows the velocities of its neighbours, their gradient and the divergence of the stress each by a
 row of the same least-squares operators, so that what the solver sees is the scheme's own discrete equation. The
 mirror image of the gradient, and of the stress, is even where that of the velocities is odd.
 """
 
+import numpy as np
+
 from tisph.least_squares.bicgstab import BiCGStab
-from tisph.neighbours.points import LANES, used
+from tisph.neighbours.points import LANES
 from tisph.runtime import real, ti, view
+
+FIT = 3
+"""Terms of the polynomial in the distance that the liquid near a wall is described by."""
 
 
 class ElasticSolver(BiCGStab):
-    """Solver of (1 - c A - D ``tangent`` D) x = b, ``tangent`` (fluid) >= 0; ``pull`` (slots + 1) is ``tangent`` D x."""
+    """Operators as ``_elastic_stages.py`` wants them; ``pull`` (slots + 1) is ``tangent`` D x of the solver."""
 
     def __init__(self, rows, ghosts):
         super().__init__(rows, ghosts, -1.0)
         self.tangent, self.found = self.points.field(real()), self.points.field(real())
         self.pull = ti.field(real(), self.points.slots + 1)
-        for scratch in (self.tangent, self.found, self.pull):
-            scratch.used = scratch.used if scratch is not self.pull else None
+        self.tangent.used = self.found.used = self.pull.used = None  # for checkpoints
+        self.fluid = slice(self.points.fluid)
 
     @ti.func
     def spread(self, values: ti.template(), particles):
@@ -45,19 +50,71 @@ class ElasticSolver(BiCGStab):
                 total += viscous + self.rows.across[i, k] * (self.pull[j] - pulled)
         return self.own[None] * own - total
 
+    def solve(self, coefficient, tangent, right, guess, tolerance):
+        """Solve (1 - ``coefficient`` A - D ``tangent`` D) x = ``right``; return x, or None where that fails."""
+        view(self.x)[self.fluid], view(self.b)[self.fluid] = guess, right
+        view(self.tangent)[self.fluid] = tangent
+        return view(self.x)[self.fluid].copy() if super().solve(coefficient, tolerance) else None
+
+    def laplacian(self, values):
+        """Return A of velocities (fluid)."""
+        self.lay(values, -1.0)
+        self.curve()
+        return view(self.found)[self.fluid].copy()
+
     def slopes(self, values, parity):
-        """Return d/dy of ``values`` (fluid), whose mirror images have ``parity`` times their values; until the next."""
+        """Return d/dy of ``values`` (fluid), whose mirror images have ``parity`` times theirs."""
+        self.lay(values, parity)
+        self.differentiate()
+        return view(self.found)[self.fluid].copy()
+
+    def lay(self, values, parity):
+        """Put values and their mirror images where derivatives are taken from."""
         everywhere = view(self.pull)
-        everywhere[: self.points.fluid] = values
+        everywhere[self.fluid] = values
         ghosts = self.ghosts.part(everywhere)
         ghosts[...] = parity * self.ghosts.taken(everywhere)
-        self.differentiate()
-        return used(self.found)
+
+    @ti.kernel
+    def curve(self):
+        """Compute the Laplacian of what has been laid out."""
+        particles = self.points.particles[None]
+        ti.loop_config(serialize=self.rows.serial_light)
+        for i in range(particles):
+            self.found[i] = self.rows.apply(self.rows.laplacian, self.pull, i)
 
     @ti.kernel
     def differentiate(self):
-        """Compute d/dy of ``pull``."""
+        """Compute d/dy of what has been laid out."""
         particles = self.points.particles[None]
         ti.loop_config(serialize=self.rows.serial_light)
         for i in range(particles):
             self.found[i] = self.rows.apply(self.rows.across, self.pull, i)
+
+    def given(self, name, series):
+        """Return what the ``series`` of the images beyond both walls add to "laplacian" or "across" (fluid)."""
+        self.ghosts.prescribe(*series)
+        return self.from_images(getattr(self.rows, name), self.ghosts.given())
+
+    def images(self, side, slope, third):
+        """Return what D S has more by the first and third derivative of the stress at a wall (fluid)."""
+        return self.from_images(self.rows.across, self.more(side, slope, third))
+
+    def more(self, side, slope, third):
+        """Return what each image beyond one wall has of the stress more than its source (ghosts)."""
+        depth, sign = self.ghosts.depth, 1.0 if side == 0 else -1.0
+        return np.where(self.ghosts.side == side, sign * depth * (-2.0 * slope - depth**2 / 3.0 * third), 0.0)
+
+    def from_images(self, rows, values):
+        """Return the sums over the images with such ``values`` (fluid)."""
+        sums = np.zeros(self.points.fluid)
+        sums[self.ghosts.near] = self.ghosts.sums(rows, values[self.ghosts.listed])[0]
+        return sums
+
+    def at_walls(self, values):
+        """Yield polynomials (FIT, quantities) in the distance from each wall through ``values`` (quantities, fluid)."""
+        ghosts, near = self.ghosts, np.asarray(values)[:, self.ghosts.near].T.astype(float)
+        for offset in ghosts.offset:
+            close = offset < ghosts.reach
+            powers = (offset[close, None] / ghosts.reach) ** np.arange(FIT)
+            yield np.linalg.lstsq(powers, near[close], rcond=None)[0] / ghosts.reach ** np.arange(FIT)[:, None]

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from tisph.neighbours.points import used
 from tisph.schemes.implicit._wall_force import WallForce
 
 
@@ -11,13 +10,13 @@ class ElasticWallForce(WallForce):
 
     def stress(self, shear_rate):
         """Return the mean shear stress over the density, of solvent and polymer, of the particles near walls."""
-        return self.channel.solvent_viscosity * shear_rate + used(self.viscous.mean_stress)[self.ghosts.near]
+        return self.channel.solvent_viscosity * shear_rate + self.viscous.stages.mean_stress[self.ghosts.near]
 
     def pulls(self, differences, stages):
         """Return what images beyond the (bottom, top) wall do; see ``WallForce.pulls``."""
-        ghosts, stress = self.ghosts, used(self.viscous.mean_stress)
+        ghosts, stress = self.ghosts, self.viscous.stages.mean_stress
         series = sum(weight * np.array(self.viscous.walls.stress_series(moment)) for weight, moment in stages)
-        more = sum(self.viscous.images(side, *series[side]) for side in range(2))
+        more = sum(self.viscous.solver.more(side, *series[side]) for side in range(2))
         everywhere = np.zeros(self.viscous.points.slots + 1)
         everywhere[: stress.size] = stress
         images = ghosts.taken(everywhere) + more

@@ -15,9 +15,6 @@ import numpy as np
 from tisph.schemes.implicit._esdirk import GAMMA, STAGES, TIMES
 from tisph.schemes.implicit._walls import WallSeries
 
-FIT = 3
-"""Terms of the polynomial in the distance that the liquid near a wall is described by."""
-
 
 class ElasticWalls(WallSeries):
     """Series of both walls; ``first`` and ``third`` (2, components) are C_y and C_yyy at (bottom, top) wall."""
@@ -77,11 +74,6 @@ class ElasticWalls(WallSeries):
         if not self.obeys_momentum:
             return [(0.0, 0.0), (0.0, 0.0)]
         return [stage[4:] for stage in self._at(time)]
-
-    def first_images(self, ghosts):
-        """Return what images of each component of C have more than their sources, (components, ghosts)."""
-        signs = np.where(ghosts.side == 0, -2.0, 2.0)
-        return self.first[ghosts.side].T * (signs * ghosts.depth)
 
     def _at(self, time):
         number = int(np.argmin(np.abs(np.array(self.moments) - time)))

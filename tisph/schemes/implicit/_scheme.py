@@ -105,7 +105,7 @@ class Scheme:
             self.viscous.begin_with(stress.T / self.channel.density)
         if self.walls.obeys_momentum and self.walls.any_jump:
             self.assemble(0.0)
-            self.momentum.impulse = self.viscous.kick().apply(*self.walls.jumps)
+            self.momentum.impulse = self.viscous.kick(*self.walls.jumps)
 
     @property
     def finished(self):
@@ -166,8 +166,19 @@ class Scheme:
         ]
         return math.hypot(*errors) / self.channel.reference_velocity
 
+    def require_positive(self):
+        """Raise DivergedError where a polymer has lost the positive conformation that it has in nature."""
+        lost = self.viscous.lost()
+        if lost.size:
+            raise DivergedError(
+                f"stress: the conformation tensor of particle {lost[0]} is not positive definite any more, at step "
+                f"{self.steps + 1}, t = {self.time:.6g} ({lost.size} particles are wrong)"
+            )
+
     def conclude(self, length):
         """Measure the new velocities and move the particles."""
+        if self.elastic:
+            self.require_positive()
         resolved = self.depth >= RESOLVED
         self.momentum.add_impulse(self.wall_force.impulse(self.time, length, resolved))
         end = self.control.end(self.time, length)

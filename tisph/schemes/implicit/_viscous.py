@@ -59,9 +59,9 @@ class ViscousStep:
         """Take up the end of the step as the start of the next."""
         used(self.velocity)[...] = used(self.end)
 
-    def kick(self):
-        """Return what gives the impulse of walls that start at once."""
-        return Kick(self)
+    def kick(self, velocity_jumps, acceleration_jumps):
+        """Let walls that start at once give their impulse; return what is gained from each, see ``Kick.apply``."""
+        return Kick(self).apply(velocity_jumps, acceleration_jumps)
 
     def follow(self, moved, across):
         """Let what else particles carry follow those that were ``moved`` by ``across``: nothing here."""

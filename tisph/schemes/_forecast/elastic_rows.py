@@ -1,0 +1,142 @@
+"""The rows of scheme ``implicit`` in a liquid with memory: the stages of its steps, on the rows of the start lattice."""
+
+import math
+
+import numpy as np
+
+from tisph.schemes._forecast.images import mirrored
+from tisph.schemes._forecast.linear import product
+from tisph.schemes._forecast.stencils import least_squares
+from tisph.schemes.implicit._elastic_kick import kick
+from tisph.schemes.implicit._elastic_solver import FIT
+from tisph.schemes.implicit._elastic_stages import ElasticStages, Flow
+from tisph.schemes.implicit._elastic_walls import ElasticWalls
+from tisph.schemes.implicit._memory import Memory
+
+EXACT = 1e-12
+"""Tolerance of a stage, whose systems are solved directly."""
+
+
+class ElasticRows:
+    """Velocities of the rows of a channel, step by step; attributes as of ``implicit_rows.Rows``.
+
+    Its linear systems leave no ``residual``.
+    """
+
+    residual = 0.0
+
+    def __init__(self, config, channel, control):
+        self.channel, self.control = channel, control
+        memory = Memory(config.fluid.rheology, channel.kinematic_viscosity)
+        self.operators = _Operators(channel, config.scheme.operators.order)
+        self.heights = self.operators.heights
+        self.walls = ElasticWalls(channel, config.walls.treatment.type, memory)
+        self.stages = ElasticStages(self.operators, channel, self.walls, memory)
+        self.time, self.steps, self.longest, self.steepest = channel.start_time, 0, 0.0, 0.0
+        self.flow = self._start(memory)
+
+    def _start(self, memory):
+        channel, heights = self.channel, self.heights
+        fields = channel.initial(np.zeros_like(heights), heights)
+        stress = np.stack([fields[name] for name in ("stress_xx", "stress_xy", "stress_yy")]) / channel.density
+        flow = Flow(fields["u"].astype(float), memory.state_of(stress), np.zeros_like(heights))
+        self.stages.settle(flow.state)
+        if self.walls.obeys_momentum and self.walls.any_jump:
+            kick(self.stages, flow, *self.walls.jumps)
+        return flow
+
+    @property
+    def velocity(self):
+        """Velocities of the rows."""
+        return self.flow.velocity
+
+    @property
+    def strained(self):
+        """Whether the strain limits the steps."""
+        return self.steepest > 0.0 and self.control.wish == self.control.largest_strain / self.steepest
+
+    def run_to(self, target):
+        """Take steps to the time ``target``, one of those that the control meets."""
+        while self.time < target:
+            self._advance()
+
+    def _advance(self):
+        control = self.control
+        while True:
+            length = control.length(self.time)
+            end, error = self.stages.advance(self.flow, self.time, length, EXACT)
+            if control.accepts(error / self.channel.reference_velocity / control.tolerance, length):
+                break
+        self.flow = end
+        self.walls.conclude()
+        self.time = control.end(self.time, length)
+        self.steps += 1
+        self.longest = max(self.longest, length)
+        self.steepest = float(np.max(np.abs(end.shear_rate)))
+        control.step_taken(self.time, self.steepest)
+
+
+class _Operators:
+    """Operators as ``_elastic_stages.py`` wants them, as matrices of the rows."""
+
+    def __init__(self, channel, order):
+        rows, spacing = channel.rows, channel.spacing
+        laplacian, across = least_squares(order)
+        self.layers = len(laplacian) // 2
+        self.gap, self.spacing = channel.gap, spacing
+        self.heights = (np.arange(rows) + 0.5) * spacing
+        self.depths = (np.arange(self.layers) + 0.5) * spacing
+        self.extended = {"laplacian": self._banded(laplacian / spacing**2, rows)}
+        self.extended["across"] = self._banded(across / spacing, rows)
+        self.odd_laplacian = self._closed("laplacian", -1.0)
+        self.across = {parity: self._closed("across", parity) for parity in (-1.0, 1.0)}
+
+    def _banded(self, weights, rows):
+        """Return the rows of an operator (rows, rows and the layers beyond both walls)."""
+        matrix = np.zeros((rows, rows + 2 * self.layers))
+        for row in range(rows):
+            matrix[row, row : row + len(weights)] = weights
+        matrix[np.arange(rows), np.arange(rows) + self.layers] -= weights.sum()
+        return matrix
+
+    def _closed(self, name, parity):
+        shares, _ = mirrored(self.layers, len(self.heights))
+        below, inside, above = self._parts(name)
+        return inside + parity * (product(below[:, ::-1], shares) + product(above, shares[:, ::-1]))
+
+    def _parts(self, name):
+        return np.split(self.extended[name], [self.layers, -self.layers], axis=1)
+
+    def laplacian(self, values):
+        """Return A of velocities."""
+        return product(self.odd_laplacian, values)
+
+    def slopes(self, values, parity):
+        """Return d/dy of ``values``."""
+        return product(self.across[parity], values)
+
+    def given(self, name, series):
+        """Return what the ``series`` of the images beyond both walls add to an operator."""
+        below, _, above = self._parts(name)
+        bottom, top = np.asarray(series) @ self.depths ** np.array([[0], [2], [4]])
+        return product(below[:, ::-1], bottom) + product(above, top)
+
+    def images(self, side, slope, third):
+        """Return what D S has more by the first and third derivative of the stress at a wall."""
+        below, _, above = self._parts("across")
+        more = self.depths * (-2.0 * slope - self.depths**2 / 3.0 * third)
+        return product(below[:, ::-1], more) if side == 0 else product(above, -more)
+
+    def solve(self, coefficient, tangent, right, guess, tolerance):
+        """Solve (1 - ``coefficient`` A - D ``tangent`` D) x = ``right``; None where numbers are no numbers."""
+        elastic = product(self.across[1.0], tangent[:, None] * self.across[-1.0])
+        found = np.linalg.solve(np.eye(len(right)) - coefficient * self.odd_laplacian - elastic, right)
+        return found if math.isfinite(found.sum()) else None
+
+    def at_walls(self, values):
+        """Yield polynomials (FIT, quantities) in the distance from each wall through ``values`` (quantities, rows)."""
+        for offset in (self.heights, self.gap - self.heights):
+            close = offset < (self.layers + 1) * self.spacing
+            powers = (offset[close, None] / self.spacing) ** np.arange(FIT)
+            fit = np.linalg.lstsq(powers, values[:, close].T, rcond=None)[0]
+            yield fit / self.spacing ** np.arange(FIT)[:, None]

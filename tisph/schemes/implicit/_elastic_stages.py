@@ -1,0 +1,152 @@
+"""One implicit step of velocity and stress together, in a parallel flow of a liquid with memory.
+
+    u' = nu_s A u + D S_xy(C) + s(t),    C' = F(C, D u),    D = d/dy,
+
+by the stages of ``_esdirk.py``. In a stage C depends on the velocities through D u alone, point by point
+(``_memory.py``): linearised, S_xy = S* + t (D u - shear rate*), so that the systems are those of the velocities,
+(1 - g nu_s A - g D t D) u = ...; with a law that is linear there is nothing to repeat.
+
+What A and D are is left to ``operators``: rows of particles (``_elastic_solver.py``), or of the start lattice
+(``schemes/_forecast/elastic_rows.py``). They have
+
+    laplacian(values), slopes(values, parity)  A and D, of values whose mirror images have ``parity`` times theirs
+    given(name, series)                        what the walls' series of velocities add to "laplacian" or "across"
+    images(side, slope, third)                 what D S has more by the derivatives of the stress at a wall
+    solve(coefficient, tangent, right, guess, tolerance)  (1 - coefficient A - D tangent D) x = right; None if it fails
+    at_walls(values)                           coefficients of polynomials in the distance from the (bottom, top) wall
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, TIMES, WEIGHTS, guesses
+
+MOST_REPETITIONS = 12
+DEFECT = np.subtract(WEIGHTS, EMBEDDED)
+GUESSES = guesses()
+
+
+@dataclass
+class Flow:
+    """Velocities (n), states C (components, n) and shear rates (n), with the rates of the first two."""
+
+    velocity: np.ndarray
+    state: np.ndarray
+    shear_rate: np.ndarray
+    velocity_rate: np.ndarray | None = None
+    state_rate: np.ndarray | None = None
+
+
+class ElasticStages:
+    """Advances a ``Flow`` of a ``channel``; ``walls`` are ``ElasticWalls``.
+
+    ``mean_velocity`` and ``mean_stress`` (n): integrals over the last step, over its length.
+    """
+
+    def __init__(self, operators, channel, walls, memory):
+        self.operators, self.walls, self.memory = operators, walls, memory
+        self.viscosity, self.acceleration = channel.solvent_viscosity, channel.acceleration
+        self.speed = channel.reference_velocity
+        self.stress_of_speed = channel.kinematic_viscosity / channel.gap
+        self.mean_velocity = self.mean_stress = None
+
+    def advance(self, start, time, length, tolerance):
+        """Return the ``Flow`` after a step and the estimated error; None and NaN where no solution is found.
+
+        The rates of ``start`` are set. The error is the root mean square of those of u, and of S_xy over the viscosity
+        per gap.
+        """
+        memory, implicit = self.memory, GAMMA * length
+        self.walls.begin(time, length, self.near_walls(start))
+        shear_rate = self.sheared(start.velocity, time)
+        stress = memory.shear_stress(start.state)
+        viscous = self.viscosity * self.operators.laplacian(start.velocity)
+        rates = [viscous + self.drive(time, stress)]
+        state_rates = [memory.rate(start.state, shear_rate)]
+        start.velocity_rate, start.state_rate = rates[0], state_rates[0]
+        velocity, state, slope = start.velocity, start.state, None
+        mean_velocity, mean_stress = WEIGHTS[0] * velocity, WEIGHTS[0] * stress
+        for stage in range(1, 4):
+            known = start.velocity + length * weighted(STAGES[stage], rates)
+            known_state = start.state + length * weighted(STAGES[stage], state_rates)
+            guess = start.velocity + length * weighted(GUESSES[stage], rates)
+            moment = time + TIMES[stage] * length
+            found = self.solved(known, known_state, guess, state, moment, implicit, tolerance)
+            if found is None:
+                return None, math.nan
+            velocity, state, shear_rate, stress, slope = found
+            rates.append((velocity - known) / implicit)
+            state_rates.append((state - known_state) / implicit)
+            mean_velocity, mean_stress = (
+                mean_velocity + WEIGHTS[stage] * velocity,
+                mean_stress + WEIGHTS[stage] * stress,
+            )
+        self.mean_velocity, self.mean_stress = mean_velocity, mean_stress
+        end = Flow(velocity, state, shear_rate, rates[-1], state_rates[-1])
+        return end, self.error(
+            end, implicit, slope, length * weighted(DEFECT, rates), length * weighted(DEFECT, state_rates)
+        )
+
+    def solved(self, known, known_state, guess, state, moment, implicit, tolerance):
+        """Solve a stage, u = ``known`` + implicit u' and C = ``known_state`` + implicit C' at ``moment``.
+
+        Returns velocity, state, shear rate, shear stress and its slope over the shear rate, or None.
+        """
+        memory, velocity = self.memory, guess
+        shear_rate = self.sheared(guess, moment)
+        given = self.operators.given("across", self.walls(moment))
+        for _ in range(MOST_REPETITIONS):
+            state, slope = memory.respond(known_state, implicit, shear_rate, state)
+            stress = memory.shear_stress(state)
+            right = known + implicit * self.drive(moment, stress + slope * (given - shear_rate))
+            velocity = self.operators.solve(implicit * self.viscosity, implicit * slope, right, velocity, tolerance)
+            if velocity is None:
+                return None
+            found = self.sheared(velocity, moment)
+            expected, shear_rate = stress + slope * (found - shear_rate), found
+            state, slope = memory.respond(known_state, implicit, shear_rate, state)
+            stress = memory.shear_stress(state)
+            missed = math.sqrt(np.mean((stress - expected) ** 2)) / self.stress_of_speed
+            if not missed > tolerance * self.speed:
+                break
+        return velocity, state, shear_rate, stress, slope
+
+    def error(self, end, implicit, slope, defect, state_defect):
+        """Return the estimated error from what second and third order differ by, filtered as a stage is."""
+        pull = self.memory.linear(end.state, implicit, end.shear_rate, state_defect)
+        right = defect + implicit * self.operators.slopes(pull, 1.0)
+        velocity = self.operators.solve(implicit * self.viscosity, implicit * slope, right, np.zeros_like(right), 1e-2)
+        if velocity is None:
+            return math.nan
+        stress = pull + slope * self.operators.slopes(velocity, -1.0)
+        return math.sqrt(np.mean(velocity**2) + np.mean(stress**2) / self.stress_of_speed**2)
+
+    def drive(self, time, stress):
+        """Return what drives the velocities: acceleration, walls, and the divergence of ``stress`` and its images."""
+        source = self.acceleration + self.viscosity * self.operators.given("laplacian", self.walls(time))
+        source += self.operators.slopes(stress, 1.0)
+        for side, series in enumerate(self.walls.stress_series(time)):
+            source += self.operators.images(side, *series)
+        return source
+
+    def sheared(self, velocity, time):
+        """Return du/dy of ``velocity`` at ``time``."""
+        return self.operators.slopes(velocity, -1.0) + self.operators.given("across", self.walls(time))
+
+    def near_walls(self, flow):
+        """Return (C, du/dy) of the liquid at each wall, by polynomials through what is near."""
+        fits = self.operators.at_walls(np.vstack([flow.state, flow.shear_rate]))
+        return [(fit[0, :-1], fit[0, -1]) for fit in fits]
+
+    def settle(self, state):
+        """Take the slopes at the walls from the ``state`` of the liquid near them, that a run starts with."""
+        fits = self.operators.at_walls(state)
+        self.walls.first = np.array([sign * fit[1] for sign, fit in zip((1.0, -1.0), fits, strict=True)])
+        self.walls.third = np.zeros_like(self.walls.first)
+
+
+def weighted(weights, rates):
+    """Return the sum of the ``rates`` so far, each with its weight."""
+    return sum(weight * rate for weight, rate in zip(weights, rates, strict=False))

@@ -1,4 +1,4 @@
-"""The rows of scheme ``implicit`` in a liquid with memory: the stages of its steps, on the rows of the start lattice."""
+"""The rows of scheme ``implicit`` in a liquid with memory: stages of its steps, on the rows of the start lattice."""
 
 import math
 

@@ -1,8 +1,15 @@
 """The stress with memory that particles carry, and how it answers to a shear rate over an implicit stage.
 
-In a parallel flow the deviations C of the conformation tensors follow dC/dt = F(C, u_y), point by point. A stage of
-the time integration asks for C = K + g F(C, u_y) with known K: Newton's method finds C for a given u_y, and with it
-dS_xy/du_y, by which the momentum equation sees the stress of a velocity that is still sought.
+Of a conformation tensor A a particle carries w - 1, A_xy, A_yy - 1 and, where the law has it, A_zz - 1, with
+
+    w = A_xx - t^2 A_yy,    t = A_xy / A_yy,    w' = (1, -t) R (1, -t)^T,    R the relaxation's part of dA/dt:
+
+a shear does not change w, and A is positive definite as long as w and A_yy are positive, however large A_xx is; carried
+as it stands A_xx would have to be right to 1 in A_xy^2 for that (the square root of A by Cholesky, N. Vaithianathan and
+L. R. Collins, J. Comput. Phys. 187 (2003) 1-21, without the root). In a parallel flow these states C follow
+dC/dt = F(C, u_y), point by point. A stage of the time integration asks for C = K + g F(C, u_y) with known K: Newton's
+method finds C for a given u_y, and with it dS_xy/du_y, by which the momentum equation sees the stress of a velocity
+that is still sought.
 """
 
 import itertools
@@ -20,7 +27,7 @@ CONVERGED = 1e-13
 
 
 class Memory:
-    """Laws of a liquid's modes; states C are arrays (components of all modes, ...); stresses are over the density."""
+    """Laws of a liquid's modes; states C are arrays (numbers of all modes, ...); stresses are over the density."""
 
     def __init__(self, rheology, kinematic_viscosity):
         self.laws = laws(rheology, kinematic_viscosity)
@@ -29,36 +36,37 @@ class Memory:
         self.components = self.parts[-1].stop
 
     def state_of(self, stress):
-        """Return C of one mode whose stress over the density is ``stress`` (3, fluid), proportional to C."""
+        """Return C of one mode whose stress over the density is ``stress`` (3, fluid), proportional to A - 1."""
         state = np.zeros((self.components, stress.shape[1]))
-        state[:3] = stress / self.laws[0].modulus
+        xx, xy, yy = stress / self.laws[0].modulus
+        state[:3] = xx - xy * xy / (1.0 + yy), xy, yy
         return state
 
     def stress(self, state):
         """Return S_xx, S_xy, S_yy, the sums over the modes."""
-        return np.stack([sum(column) for column in zip(*(s[:3] for s in self._each("stress", state)), strict=True)])
+        each = [law.stress(deviation(state[part]))[:3] for law, part in zip(self.laws, self.parts, strict=True)]
+        return np.stack([sum(column) for column in zip(*each, strict=True)])
 
     def shear_stress(self, state):
         """Return S_xy."""
-        return sum(stress[1] for stress in self._each("stress", state))
+        return sum(_shear_stress(law, state[part]) for law, part in zip(self.laws, self.parts, strict=True))
 
     def strain(self, state, strain):
-        """Shear the states at once: A = 1 + C becomes F A F^T, which stays positive, F being the shear by ``strain``."""
+        """Shear the states at once by ``strain``, A to F A F^T."""
         for part in self.parts:
-            xx, xy, yy = state[part][:3]
-            xx += strain * (2.0 * xy + strain * (1.0 + yy))
-            xy += strain * (1.0 + yy)
+            state[part][1] += strain * (1.0 + state[part][2])
 
     def rate(self, state, shear_rate):
         """Return dC/dt of particles in simple shear."""
-        return np.concatenate([np.stack(rate) for rate in self._each("sheared", state, shear_rate)])
+        each = [_rate(law, state[part], shear_rate) for law, part in zip(self.laws, self.parts, strict=True)]
+        return np.concatenate([np.stack(rate) for rate in each])
 
     def respond(self, known, duration, shear_rate, guess):
         """Solve C = ``known`` + ``duration`` F(C, ``shear_rate``) from a ``guess``; return C and dS_xy/d shear_rate."""
         state, slope = np.empty_like(known), 0.0
         for law, part in zip(self.laws, self.parts, strict=True):
             state[part], along = _respond(law, known[part], duration, shear_rate, guess[part])
-            slope = slope + _derivative(lambda c, law=law: law.stress(c)[1], state[part], along)
+            slope = slope + _along(law, state[part], along)
         return state, slope
 
     def linear(self, state, duration, shear_rate, defect):
@@ -67,7 +75,7 @@ class Memory:
         for law, part in zip(self.laws, self.parts, strict=True):
             matrix = _matrix(law, state[part], duration, shear_rate)
             change = eliminate(matrix, defect[part])
-            total = total + _derivative(lambda c, law=law: law.stress(c)[1], state[part], change)
+            total = total + _along(law, state[part], change)
         return total
 
     def slopes(self, state, shear_rate):
@@ -77,33 +85,53 @@ class Memory:
         for law, part in zip(self.laws, self.parts, strict=True):
             unity = np.eye(part.stop - part.start)
             ahead = state[part][:, None] + 1j * SMALL * unity
-            decay[part, part] = np.imag(np.stack(law.sheared(ahead, shear_rate))) / SMALL
-            stress[part] = np.imag(law.stress(ahead)[1]) / SMALL
-            pull[part][:2] = 2.0 * state[part][1], 1.0 + state[part][2]
+            decay[part, part] = np.imag(np.stack(_rate(law, ahead, shear_rate))) / SMALL
+            stress[part] = np.imag(_shear_stress(law, ahead)) / SMALL
+            pull[part][1] = 1.0 + state[part][2]
         return decay, pull, stress
 
     def lost(self, state):
-        """Return which particles (n,) have a conformation tensor 1 + C that is not positive definite."""
+        """Return which particles (n,) have a conformation tensor that is not positive definite."""
         lost = np.zeros(state.shape[1], dtype=bool)
         for part in self.parts:
-            xx, xy, yy = state[part][:3]
-            lost |= ~((1.0 + xx > 0.0) & ((1.0 + xx) * (1.0 + yy) > xy * xy))
+            first, _, *others = state[part]
+            lost |= ~(np.min([first, *others], axis=0) > -1.0)
         return np.flatnonzero(lost)
 
-    def _each(self, name, state, *more):
-        return [getattr(law, name)(state[part], *more) for law, part in zip(self.laws, self.parts, strict=True)]
+
+def deviation(state):
+    """Return A - 1 of one mode: components xx, xy, yy and, where the law has it, zz."""
+    first, xy, *others = state
+    return (first + xy * xy / (1.0 + others[0]), xy, *others)
+
+
+def _rate(law, state, shear_rate):
+    """Return dC/dt of one mode in simple shear."""
+    xx, xy, *others = law.relaxation(deviation(state))
+    tilt = state[1] / (1.0 + state[2])
+    return (xx + tilt * (tilt * others[0] - 2.0 * xy), shear_rate * (1.0 + state[2]) + xy, *others)
+
+
+def _shear_stress(law, state):
+    return law.stress(deviation(state))[1]
+
+
+def _along(law, state, direction):
+    """Return the derivative of S_xy along a direction."""
+    return np.imag(_shear_stress(law, state + 1j * SMALL * direction)) / SMALL
 
 
 def _respond(law, known, duration, shear_rate, guess):
     """``Memory.respond`` of one mode; the second result is dC/d shear_rate."""
     state, matrix = guess.copy(), None
     for _ in range(MOST_ITERATIONS):
-        residual = known + duration * np.stack(law.sheared(state, shear_rate)) - state
+        residual = known + duration * np.stack(_rate(law, state, shear_rate)) - state
         if matrix is not None and not np.abs(residual).max() > CONVERGED * (1.0 + np.abs(state).max()):
             break
         matrix = _matrix(law, state, duration, shear_rate)
         state += eliminate(matrix, residual)
-    pull = np.stack([2.0 * state[1], 1.0 + state[2], *np.zeros_like(state[2:])])
+    pull = np.zeros_like(state)
+    pull[1] = 1.0 + state[2]
     return state, eliminate(matrix, duration * pull)
 
 
@@ -113,14 +141,9 @@ def _matrix(law, state, duration, shear_rate):
     for column in range(size):
         ahead = state.astype(complex)
         ahead[column] += 1j * SMALL
-        slopes = [np.imag(value) / SMALL for value in law.sheared(ahead, shear_rate)]
+        slopes = [np.imag(value) / SMALL for value in _rate(law, ahead, shear_rate)]
         columns.append([float(row == column) - duration * slopes[row] for row in range(size)])
     return [[columns[column][row] for column in range(size)] for row in range(size)]
-
-
-def _derivative(function, state, direction):
-    """Return the derivative of a function of the components along a direction."""
-    return np.imag(function(state + 1j * SMALL * direction)) / SMALL
 
 
 def eliminate(matrix, right):

@@ -76,7 +76,7 @@ class ViscoelasticStep(ViscousStep):
             slope[...] = self.solver.slopes(state, 1.0) + sum(walls)
 
     def lost(self):
-        """Return the particles whose conformation is not positive definite at the end of the step, as it is in nature."""
+        """Return the particles whose conformation is not positive definite at the end of the step."""
         return self.memory.lost(used(self.state_end))
 
     def follow(self, moved, across):

@@ -42,7 +42,6 @@ def test_a_tolerance_of_the_config_goes_before(resolved):
 @pytest.mark.parametrize(
     ("override", "reason"),
     [
-        (POLYMER, "no oldroyd_b liquid"),
         ("walls.treatment={type: adami}", "no adami walls"),
         ("walls.treatment={type: fixed_image}", "no fixed_image walls"),
         ("time.cfl=0.2", "time.cfl gives a Courant number"),

@@ -37,10 +37,9 @@ class ElasticRows:
 
     def _start(self, memory):
         channel, heights = self.channel, self.heights
-        fields = channel.initial(np.zeros_like(heights), heights)
-        stress = np.stack([fields[name] for name in ("stress_xx", "stress_xy", "stress_yy")]) / channel.density
-        flow = Flow(fields["u"].astype(float), memory.state_of(stress), np.zeros_like(heights))
-        self.stages.settle(flow.state)
+        velocity = channel.initial_velocity(heights).astype(float)
+        flow = Flow(velocity, memory.start(channel, heights), np.zeros_like(heights))
+        self.stages.settle(channel)
         if self.walls.obeys_momentum and self.walls.any_jump:
             kick(self.stages, flow, *self.walls.jumps)
         return flow

@@ -16,7 +16,7 @@ def kick(stages, flow, velocity_jumps, acceleration_jumps):
     gains, places = [0.0, 0.0], stages.near_walls(flow)
     for side, (jump, rate) in enumerate(zip(velocity_jumps, acceleration_jumps, strict=True)):
         if jump != 0.0 or rate != 0.0:
-            gained, strain, relaxed = _changes(stages, side, jump, rate, *places[side])
+            gained, strain, relaxed = _changes(stages, side, jump, rate, places[side])
             flow.velocity += gained
             stages.memory.strain(flow.state, strain)
             flow.state += relaxed
@@ -24,10 +24,10 @@ def kick(stages, flow, velocity_jumps, acceleration_jumps):
     return gains
 
 
-def _changes(stages, side, jump, rate, state, shear_rate):
+def _changes(stages, side, jump, rate, liquid):
     """Return those of the velocities, the strain, and what relaxes meanwhile of the states; change the walls'."""
     operators, nu = stages.operators, stages.viscosity
-    decay, pull, stress = stages.memory.slopes(state, shear_rate)
+    decay, pull, stress = stages.memory.slopes(liquid[:-1], liquid[-1])
     modulus = float(stress @ pull)
 
     def spread(name, *series):

@@ -24,6 +24,9 @@ import numpy as np
 from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, TIMES, WEIGHTS, guesses
 
 MOST_REPETITIONS = 12
+NEAR, TERMS = 0.1, 8
+"""Part of the gap, and terms of a polynomial in it, by which the slopes of the start at the walls are taken."""
+
 DEFECT = np.subtract(WEIGHTS, EMBEDDED)
 GUESSES = guesses()
 
@@ -136,15 +139,18 @@ class ElasticStages:
         return self.operators.slopes(velocity, -1.0) + self.operators.given("across", self.walls(time))
 
     def near_walls(self, flow):
-        """Return (C, du/dy) of the liquid at each wall, by polynomials through what is near."""
-        fits = self.operators.at_walls(np.vstack([flow.state, flow.shear_rate]))
-        return [(fit[0, :-1], fit[0, -1]) for fit in fits]
+        """Return C and du/dy of the liquid at each wall (2, components + 1), by polynomials through what is near."""
+        return np.array([fit[0] for fit in self.operators.at_walls(np.vstack([flow.state, flow.shear_rate]))])
 
-    def settle(self, state):
-        """Take the slopes at the walls from the ``state`` of the liquid near them, that a run starts with."""
-        fits = self.operators.at_walls(state)
-        self.walls.first = np.array([sign * fit[1] for sign, fit in zip((1.0, -1.0), fits, strict=True)])
-        self.walls.third = np.zeros_like(self.walls.first)
+    def settle(self, channel):
+        """Take the slopes at the walls from the flow of the ``channel`` that a run starts with."""
+        reach = NEAR * channel.gap
+        distance = np.polynomial.chebyshev.chebpts1(TERMS) + 1.0
+        for side, height in enumerate((0.5 * reach * distance, channel.gap - 0.5 * reach * distance)):
+            state = self.memory.start(channel, height)
+            fit = np.polynomial.polynomial.polyfit(distance, state.T, TERMS - 1)
+            towards = (1.0 if side == 0 else -1.0) * 2.0 / reach
+            self.walls.first[side], self.walls.third[side] = towards * fit[1], 6.0 * towards**3 * fit[3]
 
 
 def weighted(weights, rates):

@@ -7,7 +7,7 @@ the slopes of the conformation obey the law's derivative there,
 
 and so, but for products of slopes, do the third derivatives, with u_yyyy and (u_yy)' in the places of u_yy and a. They
 are integrated beside the particles, by the same method; the matrices are those of the liquid at the wall at the
-start of a step. The stress has an image of its own, S_I = S_F - 2 d S_d - d^3/3 S_ddd.
+stages, by what it was at the last two steps. The stress has an image of its own, S_I = S_F - 2 d S_d - d^3/3 S_ddd.
 """
 
 import numpy as np
@@ -24,25 +24,49 @@ class ElasticWalls(WallSeries):
         self.memory, self.viscosity = memory, channel.solvent_viscosity
         self.first, self.third = (np.zeros((2, memory.components)) for _ in range(2))
         self.steady = False
-        self.moments, self.stages = [], []
+        self.forget()
 
-    def begin(self, time, length, near_walls):
-        """Integrate over a step from ``time``; ``near_walls``: (state, shear rate) of the liquid at each wall."""
+    def forget(self):
+        """Go back to before the first step."""
+        self.moments, self.stages, self.near, self.past = [], [], None, None
+
+    def begin(self, time, length, near):
+        """Integrate over a step from ``time``; ``near`` (2, components + 1): C and shear rate of the liquid there."""
         self.moments = [time + part * length for part in TIMES]
-        self.stages = [self._integrated(side, time, length, *near_walls[side]) for side in range(2)]
+        self.near = time, near
+        change = 0.0
+        if self.past is not None:
+            before, values = self.past
+            change = (near - values) / (time - before)
+        liquid = [near + (moment - time) * change for moment in self.moments]
+        self.stages = [self._integrated(side, length, [values[side] for values in liquid]) for side in range(2)]
 
     def conclude(self):
         """Take up the state at the end of the step."""
+        self.past = self.near
         self.first = np.array([stages[-1][0] for stages in self.stages])
         self.third = np.array([stages[-1][1] for stages in self.stages])
 
-    def _integrated(self, side, time, length, state, shear_rate):
-        """Return (C_y, C_yyy, u_yy, u_yyyy, S_y, S_yyy) of one wall at the stages of a step."""
+    def host_state(self):
+        """Return the numbers that a resumed run needs."""
+        past = self.past and (self.past[0], self.past[1].tolist())
+        return {"first": self.first.tolist(), "third": self.third.tolist(), "past": past}
+
+    def restore_host_state(self, state):
+        """Take up the numbers of ``host_state``."""
+        self.first, self.third = np.array(state["first"]), np.array(state["third"])
+        self.past = state["past"] and (state["past"][0], np.array(state["past"][1]))
+
+    def _integrated(self, side, length, liquid):
+        """Return (C_y, C_yyy, u_yy, u_yyyy, S_y, S_yyy) of one wall at the stages of a step.
+
+        ``liquid``: C and shear rate there at each of them.
+        """
         wall, nu = self.walls[side], self.viscosity
-        decay, pull, stress = self.memory.slopes(state, shear_rate)
-        matrix = decay - np.outer(pull, stress) / nu  # of C_y and C_yyy alike
         first, third, firsts, thirds, found = self.first[side], self.third[side], [], [], []
-        for stage, moment in enumerate(self.moments):
+        for stage, (moment, values) in enumerate(zip(self.moments, liquid, strict=True)):
+            decay, pull, stress = self.memory.slopes(values[:-1], values[-1])
+            matrix = decay - np.outer(pull, stress) / nu  # of C_y and C_yyy alike
             step = length * np.array(STAGES[stage][:stage])
             known_first, known_third = first + step @ firsts if stage else first, third
             if stage:

@@ -17,6 +17,7 @@ import itertools
 import numpy as np
 
 from tisph.rheology._polymer import laws
+from tisph.snapshot import STRESSES
 
 SMALL = 1e-30
 """Imaginary step of derivatives; its square vanishes beside 1."""
@@ -38,9 +39,16 @@ class Memory:
     def state_of(self, stress):
         """Return C of one mode whose stress over the density is ``stress`` (3, fluid), proportional to A - 1."""
         state = np.zeros((self.components, stress.shape[1]))
+        if not stress.any():  # of several modes, too
+            return state
         xx, xy, yy = stress / self.laws[0].modulus
         state[:3] = xx - xy * xy / (1.0 + yy), xy, yy
         return state
+
+    def start(self, channel, heights):
+        """Return C at ``heights`` of a channel when the run starts."""
+        fields = channel.initial(np.zeros_like(heights), heights)
+        return self.state_of(np.stack([fields[name] for name in STRESSES]) / channel.density)
 
     def stress(self, state):
         """Return S_xx, S_xy, S_yy, the sums over the modes."""

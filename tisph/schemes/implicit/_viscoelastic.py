@@ -34,10 +34,11 @@ class ViscoelasticStep(ViscousStep):
         self.shear_rate = self.points.field(real())
 
     def begin_with(self, stress):
-        """Take up the stress (3, fluid) at the start, and the slopes at the walls from the liquid near them."""
+        """Take up the stress (3, fluid) at the start, and the slopes at the walls."""
         used(self.state)[...] = self.memory.state_of(stress)
         used(self.shear_rate)[...] = 0.0
-        self.stages.settle(used(self.state))
+        self.walls.forget()
+        self.stages.settle(self.channel)
 
     def kick(self, velocity_jumps, acceleration_jumps):
         """Let walls that start at once give their impulse to velocities and states; see ``ViscousStep``."""
@@ -98,11 +99,11 @@ class ViscoelasticStep(ViscousStep):
 
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
-        return {"first": self.walls.first.tolist(), "third": self.walls.third.tolist()}
+        return self.walls.host_state()
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
-        self.walls.first, self.walls.third = np.array(state["first"]), np.array(state["third"])
+        self.walls.restore_host_state(state)
 
 
 def step(config, channel, rows, ghosts):

@@ -1,0 +1,184 @@
+"""Polymer in scheme implicit: orders, impulses, positivity and momentum of a liquid that remembers."""
+
+import functools
+
+import numpy as np
+import pytest
+from implicit_case import IMPLICIT, run
+
+from tisph.scenes.channel import Channel
+from tisph.schemes._forecast.elastic_rows import ElasticRows
+from tisph.schemes.implicit._memory import Memory, deviation
+from tisph.schemes.implicit._scheme import control
+
+LIQUID = "fluid={{density: 2.0, kinematic_viscosity: 1.0, rheology: {}}}"
+OLDROYD = LIQUID.format("{type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.1}")
+GIESEKUS = LIQUID.format("{type: giesekus, relaxation_time: 1.0, solvent_fraction: 0.1, mobility: 0.3}")
+DRIVEN = ("walls.top.velocity=0.0", "drive.acceleration=4.0")
+
+
+@pytest.fixture
+def make(make):
+    """``make`` for scheme implicit with an Oldroyd-B liquid."""
+    return functools.partial(make, *IMPLICIT, OLDROYD)
+
+
+def errors(scheme):
+    """Run to the end; return the relative errors of u, S_xy and S_xx."""
+    last = run(scheme)
+    exact = scheme.channel.exact
+    pairs = [(getattr(last, name), exact(name, last.x, last.y, last.t)) for name in ("u", "stress_xy", "stress_xx")]
+    return np.array([np.linalg.norm(found - wanted) / np.linalg.norm(wanted) for found, wanted in pairs])
+
+
+def test_the_order_in_the_spacing_is_that_of_the_rows(make):
+    # from the smooth flow at t = 0.5, whose wave has crossed half of the gap
+    options = ("initial={state: exact, time: 0.5}", "time={end: 0.8, tolerance: 1.0e-9}", *DRIVEN)
+    found = [errors(make(f"discretisation.particles_across={across}", *options)) for across in (12, 24)]
+    assert np.all(np.log2(found[0] / found[1]) > 3.5)
+
+
+@pytest.mark.parametrize("law", [OLDROYD, GIESEKUS])
+def test_steps_are_of_third_order_in_velocity_and_stress(make, law):
+    # a driven start without a jump; the truth is that of much shorter steps on the same lattice
+    states = {}
+    for length in (0.1, 0.05, 0.00625):
+        scheme = make(law, *DRIVEN, "time.end=0.8", "scheme.largest_strain=2.0")
+        scheme.control.fixed = scheme.control.wish = length
+        last = run(scheme)
+        states[length] = [last.u, last.stress_xy, last.stress_xx]
+    for rough, fine, truth in zip(*states.values(), strict=True):
+        # 8, less what the next order takes with steps of a tenth of the relaxation time
+        assert np.linalg.norm(rough - truth) / np.linalg.norm(fine - truth) > 5.5
+
+
+def test_a_wall_that_jumps(make):
+    # 25 across, from t = 0.5 on, when the first front has crossed half of the gap; twice what was measured
+    scheme = make("walls.top.velocity=1.0", "discretisation.particles_across=25", "time={end: 0.5, tolerance: 1.0e-6}")
+    assert np.all(errors(scheme) < [8e-5, 8e-5, 6e-4])
+
+
+def test_disorder_costs_no_more_than_a_factor_of_two(make):
+    options = ("walls.top.velocity=1.0", "discretisation.particles_across=25", "time.end=1.0")
+    lattice, disorder = (errors(make(*options, jitter=jitter)) for jitter in (0.0, 0.2))
+    assert np.all(disorder[:2] < 2.0 * lattice[:2] + 1e-5)
+
+
+def test_the_momentum_of_walls_drive_and_liquid_closes(make):
+    scheme = make(*DRIVEN, "discretisation.particles_across=25", "time.end=1.0")
+    run(scheme)
+    # at first, while layers are thinner than spacings, the walls' part follows from what their images do
+    assert scheme.momentum_balance()["closure"] < 3e-3
+
+
+def rows(tmp_path_factory, *overrides):
+    from tisph import config
+    from tisph.schemes import resolve
+
+    path = tmp_path_factory.mktemp("rows") / "case.yaml"
+    path.write_text(
+        "scene: channel\nfluid: {density: 1.0, kinematic_viscosity: 1.0}\ngeometry: {gap: 1.0, length: 1.0}\n"
+        "walls: {top: {velocity: 1.0}}\ndiscretisation: {particles_across: 16}\nscheme: {type: implicit}\n"
+        "time: {end: 0.1}\n"
+    )
+    settings = resolve(config.load(path, overrides))[0]
+    channel = Channel.from_config(settings)
+    return ElasticRows(settings, channel, control(settings, channel, [settings.time.end]))
+
+
+def test_a_jump_is_the_limit_of_a_fast_ramp(tmp_path_factory):
+    # the wall speeds up by a polynomial within 1e-3 of the time in which momentum crosses a spacing
+    jumped = rows(tmp_path_factory, OLDROYD)
+    ramped = rows(tmp_path_factory, OLDROYD)
+    channel, stages = ramped.channel, ramped.stages
+    ramped.flow.velocity[...] = 0.0
+    ramped.flow.state[...] = 0.0
+    ramped.walls.first[...] = ramped.walls.third[...] = 0.0
+    duration = 1e-3 * channel.spacing**2
+    ramped.walls.walls = (channel.bottom, Ramp(duration))
+    flow, number = ramped.flow, 400
+    for step in range(number):
+        flow, _ = stages.advance(flow, step * duration / number, duration / number, 1e-12)
+        ramped.walls.conclude()
+    # a few times the 1e-3 of the rates that the limit leaves out
+    for found, wanted in ((jumped.flow.velocity, flow.velocity), (jumped.flow.state[1], flow.state[1])):
+        assert np.abs(found - wanted).max() < 1e-3 * np.abs(wanted).max()
+    for found, wanted in ((jumped.walls.first, ramped.walls.first), (jumped.walls.third, ramped.walls.third)):
+        assert found == pytest.approx(wanted, rel=1e-3, abs=1e-3 * np.abs(wanted).max())
+
+
+class Ramp:
+    """A wall that speeds up to 1 with three continuous derivatives."""
+
+    oscillates = False
+
+    def __init__(self, duration):
+        self.duration = duration
+        self.curve = np.polynomial.Polynomial([0, 0, 0, 0, 35, -84, 70, -20])
+
+    def velocity(self, time):
+        return self.curve(time / self.duration)
+
+    def acceleration(self, time):
+        return self.curve.deriv()(time / self.duration) / self.duration
+
+    def jerk(self, time):
+        return self.curve.deriv(2)(time / self.duration) / self.duration**2
+
+
+# --- the law at a point
+
+
+@pytest.fixture(
+    params=[
+        "{type: oldroyd_b, relaxation_time: 2.0, solvent_fraction: 0.1}",
+        "{type: giesekus, relaxation_time: 2.0, solvent_fraction: 0.1, mobility: 0.3}",
+        "{type: fene_p, relaxation_time: 2.0, solvent_fraction: 0.1, maximum_extension: 30.0}",
+        "{type: multi_mode, solvent_fraction: 0.1, modes: [{type: oldroyd_b, relaxation_time: 1, "
+        "fraction: 0.5}, {type: giesekus, relaxation_time: 3, mobility: 0.2, fraction: 0.4}]}",
+    ]
+)
+def memory(request, tmp_path):
+    """The memory of a liquid."""
+    from tisph import config
+
+    path = tmp_path / "case.yaml"
+    path.write_text(
+        f"scene: channel\nfluid: {{density: 1.0, kinematic_viscosity: 1.0, rheology: {request.param}}}\n"
+        "geometry: {gap: 1.0, length: 1.0}\nwalls: {top: {velocity: 1.0}}\ntime: {end: 1.0}\n"
+    )
+    return Memory(config.load(path).fluid.rheology, 1.0)
+
+
+def test_the_answer_to_a_shear_rate_solves_the_stage_and_its_slope_is_the_derivative(memory):
+    known = 0.3 * np.random.default_rng(1).uniform(-1.0, 1.0, (memory.components, 7))
+    rates = np.linspace(-3.0, 3.0, 7)
+    state, slope = memory.respond(known, 0.2, rates, known)
+    assert state == pytest.approx(known + 0.2 * memory.rate(state, rates), abs=1e-11)  # Newton ends at 1e-13 of 10
+    step = 1e-5
+    ahead, behind = (memory.shear_stress(memory.respond(known, 0.2, rates + one, known)[0]) for one in (step, -step))
+    assert slope == pytest.approx((ahead - behind) / (2 * step), rel=1e-6)  # differences: 1e-10 and rounding 1e-11
+
+
+def test_the_states_shear_as_the_conformation_does(memory):
+    # what is carried is another form of A; small steps of the law in A itself lead to the same stress
+    carried, plain = np.zeros((memory.components, 1)), [np.zeros(law.components) for law in memory.laws]
+    rate, length = 4.0, 1e-4
+    for _ in range(2000):
+        middle = carried + 0.5 * length * memory.rate(carried, rate)
+        carried = carried + length * memory.rate(middle, rate)
+        for law, state in zip(memory.laws, plain, strict=True):
+            middle = state + 0.5 * length * np.array(law.sheared(state, rate))
+            state += length * np.array(law.sheared(middle, rate))
+    for part, state in zip(memory.parts, plain, strict=True):
+        # midpoint rules of step 4e-4 of the strain: 1e-7 each
+        assert np.array(deviation(carried[part]))[:, 0] == pytest.approx(state, rel=1e-6, abs=1e-6)
+
+
+def test_the_conformation_stays_positive_at_large_strain(make):
+    # 40 units of strain while nothing relaxes: A_xx = 1 + 1600, and one unit less would not be positive
+    law = LIQUID.format("{type: oldroyd_b, relaxation_time: 1000.0, solvent_fraction: 0.5}")
+    scheme = make(law, "walls.top.velocity=40.0", "time={end: 1.0, tolerance: 1.0e-3}")
+    run(scheme)
+    states = scheme.viscous.memory.lost(scheme.viscous.flow().state)
+    assert states.size == 0

@@ -102,9 +102,9 @@ def test_a_jump_is_the_limit_of_a_fast_ramp(tmp_path_factory):
         ramped.walls.conclude()
     # a few times the 1e-3 of the rates that the limit leaves out
     for found, wanted in ((jumped.flow.velocity, flow.velocity), (jumped.flow.state[1], flow.state[1])):
-        assert np.abs(found - wanted).max() < 1e-3 * np.abs(wanted).max()
+        assert np.abs(found - wanted).max() < 3e-3 * np.abs(wanted).max()
     for found, wanted in ((jumped.walls.first, ramped.walls.first), (jumped.walls.third, ramped.walls.third)):
-        assert found == pytest.approx(wanted, rel=1e-3, abs=1e-3 * np.abs(wanted).max())
+        assert found == pytest.approx(wanted, rel=3e-3, abs=3e-3 * np.abs(wanted).max())
 
 
 class Ramp:

@@ -3,8 +3,8 @@
 By the shear stress at the wall, once layers are resolved: with the distance d from a wall, over the density, it is
 A + a d + B d^2 there, where a = U' - g follows from the momentum equation; A and B are fitted to the stresses of the
 particles near the wall, and the wall pulls with -A. In the first moments after a jump there is no such gradient yet:
-then by what the ghosts do to the particles, which is exact on a lattice, and in disorder off by some per cent, since rows of
-least-squares operators do not conserve momentum pair by pair.
+then by what the ghosts do to the particles, which is exact on a lattice, and in disorder off by some per cent, since
+rows of least-squares operators do not conserve momentum pair by pair.
 """
 
 import numpy as np

@@ -178,6 +178,13 @@ def _motion(config: Config) -> Iterator[Problem]:
 
 
 def _polymer(config: Config) -> Iterator[Problem]:
+    rheology, swings = (
+        config.fluid.rheology,
+        [wall.amplitude is not None for wall in (config.walls.bottom, config.walls.top)],
+    )
+    if rheology.type != "newtonian" and any(swings) and config.initial.state == "developed":
+        text = f"no periodic flow is built in for {rheology.type} liquids"
+        yield "initial.state", f"{text}: take rest, or walls of constant velocity"
     for side in ("bottom", "top"):
         if config.fluid.rheology.carries_stress and getattr(config.walls, side).amplitude is not None:
             text = "no exact solution is built in for walls that oscillate in an Oldroyd-B liquid"

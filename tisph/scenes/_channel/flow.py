@@ -15,7 +15,7 @@ class NewtonianFlow:
     def __init__(self, channel):
         self.channel = channel
         walls = (channel.bottom, channel.top)
-        self._before = _velocities_before(channel) if channel.settled else (0.0, 0.0)
+        self._before = velocities_before(channel) if channel.settled else (0.0, 0.0)
         self._jumps = [
             0.0 if wall.oscillates else wall.cosine - before for wall, before in zip(walls, self._before, strict=True)
         ]
@@ -32,8 +32,12 @@ class NewtonianFlow:
 
     def polymer_stress(self, y, t):
         """Zero stresses (S_xx, S_xy): there is no polymer."""
-        nothing = np.zeros(np.broadcast_shapes(np.shape(y), np.shape(t)))
+        nothing = self.transverse_stress(y, t)
         return nothing, nothing
+
+    def transverse_stress(self, y, t):
+        """Zero stress S_yy."""
+        return np.zeros(np.broadcast_shapes(np.shape(y), np.shape(t)))
 
     def _parts(self, quantity, y, t):
         """Contributions to ``quantity``, velocity or shear_rate, by the functions of that name."""
@@ -81,7 +85,7 @@ class OldroydFlow:
         )
         drive = channel.acceleration
         flow = oldroyd_b.Flow(channel.gap, channel.bottom.cosine, channel.top.cosine, drive)
-        before = oldroyd_b.Flow(channel.gap, *_velocities_before(channel), drive) if channel.settled else None
+        before = oldroyd_b.Flow(channel.gap, *velocities_before(channel), drive) if channel.settled else None
         self._numbers = {"liquid": self._liquid, "flow": flow, "before": before}
 
     def velocity(self, y, t):
@@ -94,15 +98,19 @@ class OldroydFlow:
         return solvent + self.polymer_shear_stress(y, t)
 
     def polymer_stress(self, y, t):
-        """Polymer stresses (S_xx, S_xy); S_yy is 0."""
+        """Polymer stresses (S_xx, S_xy)."""
         return oldroyd_b.normal_stress(y, t, **self._numbers), self.polymer_shear_stress(y, t)
 
     def polymer_shear_stress(self, y, t):
         """Polymer stress S_xy alone, which costs much less than S_xx."""
         return oldroyd_b.shear_stress(y, t, **self._numbers)
 
+    def transverse_stress(self, y, t):
+        """Zero stress S_yy."""
+        return np.zeros(np.broadcast_shapes(np.shape(y), np.shape(t)))
 
-def _velocities_before(channel):
+
+def velocities_before(channel):
     """Velocities of the walls (bottom, top) before t = 0 in a settled flow; 0 for one that oscillates."""
     walls = (channel.bottom, channel.top)
     constant = [wall.cosine if wall.before is None else wall.before for wall in walls]

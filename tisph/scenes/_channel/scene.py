@@ -9,8 +9,12 @@ from tisph.scenes._channel import views
 from tisph.scenes._channel.flow import NewtonianFlow, OldroydFlow
 from tisph.scenes._channel.layers import thinnest_layer
 from tisph.scenes._channel.measures import measures
+from tisph.scenes._channel.solved import SolvedFlow
 from tisph.scenes._motion import Polymer, WallMotion
 from tisph.scenes._scene import Scene
+
+CLOSED_FORMS = ("newtonian", "oldroyd_b")
+"""Rheologies whose flows are sums of closed forms; those of all others are solved for."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,10 +22,11 @@ class Channel(Scene):
     """Geometry, wall motion, drive, liquid and exact solution; every number in the config's units.
 
     ``kinematic_viscosity`` is the total one, of solvent and ``polymer`` (None without); ``acceleration`` acts
-    on the liquid along x. ``initial_state`` is ``rest`` (the liquid starts from rest at t = 0), ``developed`` (the
-    flow has developed before t = 0, under the walls' velocities before) or ``exact`` (the flow that started at
-    t = 0, taken up at ``start_time``). ``rows`` and ``columns`` count the fluid particles across and along the
-    channel, ``units`` holds the labels for plots and tables.
+    on the liquid along x; ``rheology`` has the numbers of a liquid that is not one of ``CLOSED_FORMS``, else it is
+    None. ``initial_state`` is ``rest`` (the liquid starts from rest at t = 0), ``developed`` (the flow has developed
+    before t = 0, under the walls' velocities before) or ``exact`` (the flow that started at t = 0, taken up at
+    ``start_time``). ``rows`` and ``columns`` count the fluid particles across and along the channel, ``units`` holds
+    the labels for plots and tables.
     """
 
     gap: float
@@ -32,6 +37,7 @@ class Channel(Scene):
     top: WallMotion
     acceleration: float = 0.0
     polymer: Polymer | None = None
+    rheology: Any = None
     initial_state: str
     start_time: float
     spacing: float
@@ -52,6 +58,7 @@ class Channel(Scene):
             top=WallMotion.from_config(config.walls.top),
             acceleration=config.drive.acceleration,
             polymer=Polymer(rheology.relaxation_time, rheology.solvent_fraction) if rheology.carries_stress else None,
+            rheology=None if rheology.type in CLOSED_FORMS else rheology,
             initial_state=config.initial.state,
             start_time=config.start_time,
             spacing=config.spacing,
@@ -174,8 +181,12 @@ class Channel(Scene):
         return tuple(self._flow.shear_stress(wall, t) for wall in (0.0, self.gap))
 
     def exact_polymer_stress(self, y, t):
-        """Exact polymer stresses (S_xx, S_xy) [mass/(length time^2)], shaped as ``exact_velocity``; S_yy is 0."""
+        """Exact polymer stresses (S_xx, S_xy) [mass/(length time^2)], shaped as ``exact_velocity``."""
         return self._flow.polymer_stress(y, t)
+
+    def exact_transverse_stress(self, y, t):
+        """Exact polymer stress S_yy, 0 but for liquids with a second normal stress difference."""
+        return self._flow.transverse_stress(y, t)
 
     def exact_polymer_shear_stress(self, y, t):
         """Exact polymer stress S_xy alone, of a liquid with polymer: cheap enough for every frame of a movie."""
@@ -187,7 +198,9 @@ class Channel(Scene):
             return self.exact_velocity(y, t)
         if field == "stress_xy":
             return self.exact_polymer_shear_stress(y, t)
-        return self.exact_polymer_stress(y, t)[0] if field == "stress_xx" else np.zeros(np.shape(y + 0.0 * t))
+        if field == "stress_xx":
+            return self.exact_polymer_stress(y, t)[0]
+        return self.exact_transverse_stress(y, t)
 
     def initial(self, x, y):
         """Velocities, and stresses of a polymer, when the run starts."""
@@ -195,7 +208,8 @@ class Channel(Scene):
         fields = {"u": u, "v": np.zeros_like(u)}
         if self.polymer:
             xx, xy = self.initial_polymer_stress(y)
-            fields |= {"stress_xx": xx, "stress_xy": xy, "stress_yy": np.zeros_like(xx)}
+            yy = self.exact_transverse_stress(y, self.start_time)
+            fields |= {"stress_xx": xx, "stress_xy": xy, "stress_yy": yy}
         return fields
 
     def measures(self, snapshot, followed):
@@ -245,4 +259,6 @@ class Channel(Scene):
 
     @property
     def _flow(self):
+        if self.rheology is not None:
+            return SolvedFlow(self)
         return OldroydFlow(self) if self.polymer else NewtonianFlow(self)

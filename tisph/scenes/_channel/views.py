@@ -119,7 +119,7 @@ def _normal_stress(channel):
         unit="stress",
         line=_line(channel),
         of=lambda snapshot: snapshot.stress_xx - snapshot.stress_yy,
-        exact=lambda x, y, t: channel.exact_polymer_stress(y, t)[0],
+        exact=lambda x, y, t: channel.exact_polymer_stress(y, t)[0] - channel.exact_transverse_stress(y, t),
     )
 
 

@@ -15,6 +15,13 @@ Newtonian liquids, which remember nothing, start with the jump between the wall 
 Numerics: polynomials of high order on elements that are finest at the walls (``_elements``), collocation in sqrt(t)
 with the tolerance 1e-10 (``_stiff``). Solved once, as far as it is asked for; no result depends on what was asked
 before.
+
+Accuracy, relative to the largest value in the gap, measured against closed forms and against other orders: polymers
+with solvent fractions from 0.01 on: velocity, stress and N1 1e-8 from solvent_viscosity t/gap^2 = 1e-5 on, 1e-11 once
+the layers have crossed the gap; without memory: velocity 1e-6, stress 2e-6 from t* = 1e-3 on after a jump of a wall,
+and 1e-8 in developed flow, 1e-6 where a plug has edges of 1e-3 of the gap. Viscosities that differ by more than some
+1e3 within the gap lose digits to rounding, and may end in an ArithmeticError. A polymer takes some seconds; a liquid
+without memory less without, and up to half a minute (shear-thickening) with a jump of a wall.
 """
 
 from dataclasses import dataclass

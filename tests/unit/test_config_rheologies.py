@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tisph import families
+from tisph import families, schemes
 from tisph.errors import ConfigError
 from tisph.rheology import _polymer
 
@@ -16,6 +16,8 @@ RHEOLOGIES = {
     "herschel_bulkley": "{type: herschel_bulkley, yield_stress: 1.0, index: 1, reference_rate: 1, regularisation: 9}",
     "fene_p": "{type: fene_p, relaxation_time: 1.0, solvent_fraction: 0.5, maximum_extension: 100.0}",
 }
+POLYMERS = ("giesekus", "phan_thien_tanner", "multi_mode", "fene_p")
+"""Those that carry a stress, which scheme implicit serves."""
 
 
 def refusal(case, *overrides):
@@ -27,9 +29,14 @@ def refusal(case, *overrides):
 @pytest.mark.parametrize("scheme", ["auto", "implicit", "wcsph"])
 @pytest.mark.parametrize("name", RHEOLOGIES)
 def test_no_scheme_runs_a_liquid_that_it_does_not_have(case, name, scheme):
-    text = refusal(case, f"fluid.rheology={RHEOLOGIES[name]}", f"scheme={{type: {scheme}}}")
+    options = f"fluid.rheology={RHEOLOGIES[name]}", f"scheme={{type: {scheme}}}"
+    if name in POLYMERS and scheme != "wcsph":
+        assert schemes.resolve(case(*options))[0].scheme.type == "implicit"
+        return
+    text = refusal(case, *options)
     assert "scheme.type" in text
     assert f"no {name} liquid" in text
+    assert ("take implicit" in text) == (name in POLYMERS)
 
 
 @pytest.mark.parametrize(

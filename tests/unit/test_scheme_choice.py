@@ -35,6 +35,12 @@ def test_accuracy_tightens_the_steps(resolved):
     assert strains == sorted(strains, reverse=True)
 
 
+def test_a_liquid_with_memory_gets_the_implicit_one_with_steps_of_its_own(resolved):
+    config, reason = resolved(POLYMER)
+    assert reason.startswith("implicit, order 4: balanced accuracy")
+    assert config.time.tolerance < resolved()[0].time.tolerance
+
+
 def test_a_tolerance_of_the_config_goes_before(resolved):
     assert resolved("time.tolerance=1e-3")[0].time.tolerance == 1e-3
 

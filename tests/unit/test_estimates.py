@@ -131,7 +131,7 @@ def test_the_table_names_the_worst_sample_and_fails_with_it(monkeypatch, tmp_pat
     (tmp_path / "configs" / "one.yaml").write_text(f"{text}walls: {{top: {{velocity: 0.5}}}}\ntime: {{end: 1.0}}\n")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(
-        matrix, "sub_matrices", lambda quick=False: [matrix.SubMatrix("", (Cell("oldroyd1", scheme="implicit 4"),))]
+        matrix, "sub_matrices", lambda quick=False: [matrix.SubMatrix("", (Cell("taylor_green", scheme="implicit 2"),))]
     )
     monkeypatch.setattr(processes, "POLL_SECONDS", 0.0)
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from tisph.study.stress import judge
-from tisph.study.stress.cells import Cell
+from tisph.study.stress.cells import REFUSED, Cell
 from tisph.study.stress.plan import Plan
 
 PLAN = Plan(Cell(jitter=0.3), {}, t_star=1.0, stated=1e-3)
@@ -159,7 +159,7 @@ def test_what_is_promised_to_finish_may_err_and_not_grow():
         (Cell(), False),
         (Cell(reynolds=10000.0), False),
         (Cell(across=8), True),
-        (Cell(flow="oldroyd1", scheme="implicit 4"), True),
+        (Cell(flow="taylor_green", scheme="implicit 2"), True),
     ],
 )
 def test_a_refusal_breaks_only_the_promise_of_a_stable_run(cell, kept):
@@ -167,7 +167,13 @@ def test_a_refusal_breaks_only_the_promise_of_a_stable_run(cell, kept):
     assert (found.verdict, found.reason, found.kept) == ("refused", "too small", kept)
 
 
+class Refused(Cell):
+    """A cell that should be refused."""
+
+    promise = REFUSED
+
+
 def test_what_should_have_been_refused_and_ran_breaks_its_promise():
-    plan = replace(PLAN, cell=Cell(flow="oldroyd1", scheme="implicit 4"))
+    plan = replace(PLAN, cell=Refused())
     own = summary()
     assert verdict(own, plan=plan, calm=own).kept is False

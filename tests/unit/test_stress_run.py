@@ -21,7 +21,7 @@ JITTERS = (0.0, 0.3)
 PARTS = [
     matrix.SubMatrix("by Re", matrix.grid(reynolds=(1.0, 1000.0), jitter=JITTERS), ("reynolds",), ("jitter",)),
     matrix.SubMatrix("counted", matrix.grid(across=[8], jitter=[0.3])),
-    matrix.SubMatrix("refused", (Cell(flow="oldroyd1", scheme="implicit 4"),), ("scheme",), ("flow",)),
+    matrix.SubMatrix("refused", (Cell(flow="taylor_green", scheme="implicit 2"),), ("scheme",), ("flow",)),
 ]
 STATED = SimpleNamespace(l2=1e-2, rms=1e-2)
 RUNS = 2 * 2 + 2  # a calm cell for the one that has none
@@ -55,7 +55,7 @@ def written(folder):
 def test_lines_maps_numbers_and_picture(runs, tmp_path, capsys):
     assert stress.run(tmp_path / "out", forecast, 2, PARTS) is True
     output = capsys.readouterr().out
-    for name in ("couette-re1-j0.3-n25-exp ", "couette-re50-j0.3-n8-exp ", "oldroyd1-re50-j0-n25-imp4 "):
+    for name in ("couette-re1-j0.3-n25-exp ", "couette-re50-j0.3-n8-exp ", "taylor_green-re50-j0-n25-imp2 "):
         assert output.count(f"| {name}") == 1
     assert "7 cells: 6 stable, 0 inaccurate, 0 stopped, 1 refused, 0 WRONG; 0 promises broken" in output
     numbers = written(tmp_path / "out")
@@ -177,8 +177,8 @@ def test_a_run_that_is_refused_once_it_ends_sooner_is_refused(tmp_path):
 
 
 def test_a_refusal_says_why_and_not_where(tmp_path):
-    found = plan(Cell(flow="oldroyd1", scheme="implicit 4"), forecast, tmp_path)
-    assert found.refusal.startswith("scheme.type")
+    found = plan(Cell(flow="taylor_green", scheme="implicit 2"), forecast, tmp_path)
+    assert found.refusal.startswith("scheme.operators.order")
     assert str(tmp_path) not in found.refusal
 
 

@@ -7,11 +7,16 @@ from dataclasses import dataclass, replace
 
 from tisph.equation_of_state import SCALE_RATIO, Tait, sound_speed
 from tisph.schemes._time_step import AUTO_CFL
+from tisph.schemes.auto import ELASTIC_STEPS
+from tisph.schemes.implicit import LARGEST_STRAIN
 from tisph.study.stress.flows import FLOWS, PREDICTABLE, SOLVENT_FRACTION, digits
 from tisph.verification.flows import merged
 
 TOLERANCE, STRAIN = 3e-7, 0.5
 """Defaults of scheme ``implicit``, which step multiples start from."""
+
+ELASTIC_TOLERANCE, ELASTIC_STRAIN = ELASTIC_STEPS["balanced"]
+"""Of a liquid with memory, the same of ``auto``, whose steps are three times as long."""
 
 TURNING_TOLERANCE, COURANT = 2e-6, 0.3
 """The same where the flow turns."""
@@ -36,7 +41,8 @@ class Cell:
 
     ``flow``: a key of ``FLOWS``; ``jitter`` in spacings; ``scheme``: a key of ``SCHEMES``; ``step``: length of the
     steps over that of the defaults; ``sound``: sound speed over the fastest velocity scale (explicit scheme only);
-    ``aspect``: length of a channel over its gap; ``t_star``: end of the run, if there is time for that.
+    ``aspect``: length of a channel over its gap; ``solvent``: its part of the viscosity of an Oldroyd-B liquid;
+    ``t_star``: end of the run, if there is time for that.
     """
 
     flow: str = "couette"
@@ -49,6 +55,7 @@ class Cell:
     sound: float = SCALE_RATIO
     precision: str = "f64"
     aspect: float = 2.0
+    solvent: float = SOLVENT_FRACTION
     t_star: float = 1.0
 
     @property
@@ -62,6 +69,7 @@ class Cell:
             "sound": f"c{self.sound:g}",
             "precision": self.precision,
             "aspect": f"l{self.aspect:g}",
+            "solvent": f"b{self.solvent:g}",
             "t_star": f"t{self.t_star:g}",
         }
         return "-".join(parts + [text for key, text in special.items() if getattr(self, key) != getattr(usual, key)])
@@ -74,7 +82,7 @@ class Cell:
     @property
     def cell_reynolds(self):
         """Reynolds number of a particle spacing, U dx / nu, by the viscosity of the solvent."""
-        return self.reynolds / self.across / (SOLVENT_FRACTION if self.has_polymer else 1.0)
+        return self.reynolds / self.across / (self.solvent if self.has_polymer else 1.0)
 
     @property
     def usual(self):
@@ -86,6 +94,16 @@ class Cell:
     def has_polymer(self):
         """Whether the liquid is an Oldroyd-B liquid."""
         return self.flow.startswith("oldroyd")
+
+    @property
+    def weissenberg(self):
+        """Relaxation time times wall speed over gap, of an Oldroyd-B liquid; else None."""
+        return float(self.flow.removeprefix("oldroyd")) if self.has_polymer else None
+
+    @property
+    def elasticity(self):
+        """Relaxation time over the viscous time, of an Oldroyd-B liquid."""
+        return digits(self.weissenberg / self.reynolds)
 
     @property
     def turns(self):
@@ -111,7 +129,7 @@ class Cell:
     @property
     def promise(self):
         """``STABLE``, ``FINISHED``, ``HONEST`` or ``REFUSED``."""
-        if (self.has_polymer and self.scheme != "explicit") or (self.turns and self.scheme == "implicit 2"):
+        if self.turns and self.scheme == "implicit 2":
             return REFUSED
         if self.has_walls:
             return self._promise_walls()
@@ -155,6 +173,7 @@ class Cell:
                 "runtime": {"threads": 1},
             },
             flow.change(1.0 / self.reynolds),
+            {"fluid": {"rheology": {"solvent_fraction": self.solvent}}} if self.has_polymer else {},
             self._scheme_change(),
         )
 
@@ -177,22 +196,23 @@ class Cell:
             steps = usual if self.step == 1.0 else {"cfl": digits(COURANT * self.step)}
             return {"scheme": {**scheme, "largest_courant": COURANT}, "time": steps}
         # the error of a step goes with the third power of its length
+        tolerance, strain = (ELASTIC_TOLERANCE, ELASTIC_STRAIN) if self.has_polymer else (TOLERANCE, STRAIN)
         return {
-            "scheme": {**scheme, "largest_strain": STRAIN * self.step},
-            "time": {"tolerance": digits(TOLERANCE * self.step**3)},
+            "scheme": {**scheme, "largest_strain": digits(min(strain * self.step, LARGEST_STRAIN))},
+            "time": {"tolerance": digits(tolerance * self.step**3)},
         }
 
     def _sound_speed(self):
         """Sound speed for ``sound`` times the velocity scale by which an automatic one goes."""
         nu = 1.0 / self.reynolds
-        relaxation = float(self.flow.removeprefix("oldroyd")) if self.has_polymer else None
+        relaxation = self.weissenberg
         automatic = sound_speed(
             Tait(),
             reference_velocity=FLOWS[self.flow].peak,
             kinematic_viscosity=nu,
             length=1.0,
             density=1.0,
-            elastic_speed=((1.0 - SOLVENT_FRACTION) * nu / relaxation) ** 0.5 if relaxation else 0.0,
+            elastic_speed=((1.0 - self.solvent) * nu / relaxation) ** 0.5 if relaxation else 0.0,
         )
         return digits(automatic * self.sound / SCALE_RATIO)
 

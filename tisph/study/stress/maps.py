@@ -14,6 +14,8 @@ LABELS = {
     "step": "steps x {:g}",
     "sound": "c = {:g}",
     "aspect": "length {:g}",
+    "solvent": "solvent {:g}",
+    "elasticity": "E = {:g}",
     "t_star": "t* = {:g}",
 }
 """How the value of an axis reads; the others speak for themselves."""

@@ -7,7 +7,7 @@ from tisph.equation_of_state import SCALE_RATIO
 from tisph.schemes.implicit._walls import OBEY_MOMENTUM
 from tisph.study.stress.cells import SCHEMES, Cell
 from tisph.study.stress.covering import covering_set
-from tisph.study.stress.flows import FLOWS
+from tisph.study.stress.flows import FAR, FLOWS, digits
 
 REYNOLDS = (0.0125, 1.0, 50.0, 500.0, 1000.0, 10000.0)
 JITTERS = (0.0, 0.1, 0.3)
@@ -28,8 +28,15 @@ LEAST_COLUMNS = 10
 TURNING = tuple(name for name, flow in FLOWS.items() if flow.turns)
 """Flows that turn, in a periodic square."""
 
+POLYMERS = tuple(name for name in FLOWS if Cell(flow=name).has_polymer)
+EXPLICIT_POLYMERS = tuple(name for name in POLYMERS if Cell(flow=name).weissenberg not in FAR)
+
+ELASTICITIES = (1e-3, 1.0, 1e3)
+WAVES = 3
+"""Times that an elastic wave crosses the gap: it takes sqrt(E) viscous times, E the elasticity number."""
+
 AXES = {
-    "flow": tuple(name for name, flow in FLOWS.items() if not (flow.turns or flow.walls)),
+    "flow": tuple(name for name in FLOWS if not Cell(flow=name).crosses and Cell(flow=name).weissenberg not in FAR),
     "reynolds": REYNOLDS,
     "jitter": (0.1, 0.0, 0.3),
     "across": (25, 8, 50),
@@ -85,16 +92,19 @@ def exists(values):
     if values.get("scheme", "explicit") == "explicit":
         return True
     return (
-        not values.get("flow", "").startswith("oldroyd")
-        and values.get("sound", SCALE_RATIO) == SCALE_RATIO
-        and values.get("treatment", "consistent_image") in OBEY_MOMENTUM
+        values.get("sound", SCALE_RATIO) == SCALE_RATIO and values.get("treatment", "consistent_image") in OBEY_MOMENTUM
     )
+
+
+def covered(values):
+    """Whether the covering set has these values together; liquids with memory have sub-matrices of their own."""
+    memory = values.get("flow") in POLYMERS and values.get("scheme", "explicit") != "explicit"
+    return exists(values) and not memory
 
 
 def _full():
     every = {"reynolds": REYNOLDS, "jitter": JITTERS, "scheme": SCHEMES}
     two = {"jitter": (0.0, 0.3), "scheme": BOTH}
-    weissenberg = ("oldroyd0.1", "oldroyd1", "oldroyd5")
     re, rows = ("reynolds",), ("scheme", "jitter")
     return [
         SubMatrix("Re x jitter x scheme, Couette", grid(**every), re, rows),
@@ -109,13 +119,38 @@ def _full():
             ("treatment",),
             ("reynolds", *rows),
         ),
-        SubMatrix("Oldroyd-B", grid(flow=weissenberg, reynolds=REYNOLDS[:3], jitter=JITTERS), re, ("flow", "jitter")),
+        SubMatrix(
+            "Oldroyd-B", grid(flow=EXPLICIT_POLYMERS, reynolds=REYNOLDS[:3], jitter=JITTERS), re, ("flow", "jitter")
+        ),
         SubMatrix("long runs", _long_runs(), ("flow", "reynolds", "t_star"), rows),
-        SubMatrix("covering set", tuple(Cell(**row) for row in covering_set(AXES, exists))),
+        SubMatrix("covering set", tuple(Cell(**row) for row in covering_set(AXES, covered))),
+        *_polymer(),
         *_turning(),
         *_walls(),
         _refused(),
     ]
+
+
+def _polymer():
+    """Oldroyd-B liquids with the implicit scheme: every Weissenberg and elasticity number, solvent fraction, order."""
+    title, rough, slow = "Oldroyd-B, implicit:", {"reynolds": [1.0], "jitter": [0.3]}, {"flow": ["oldroyd1"]}
+    two, implicit = {"flow": ("oldroyd1", "oldroyd10"), "reynolds": [1.0]}, {"scheme": ["implicit 4"]}
+    little = grid(**two, jitter=(0.0, 0.3), across=[16], solvent=(0.5, 0.1, 0.01), **implicit)
+    coarse = grid(**slow, **rough, across=(8, 12, 16, 50), **implicit)
+    steps = grid(**slow, **rough, across=[16], step=(1.0, 4.0), scheme=list(SCHEMES)[1:])
+    waves = tuple(_wave(flow, elasticity) for elasticity in ELASTICITIES for flow in POLYMERS)
+    return [
+        SubMatrix(f"{title} Wi x elasticity", waves, ("flow",), ("elasticity",)),
+        SubMatrix(f"{title} solvent x jitter", little, ("solvent",), ("flow", "jitter")),
+        SubMatrix(f"{title} resolution", coarse, ("across",), ("flow",)),
+        SubMatrix(f"{title} steps x order", steps, ("step",), ("scheme",)),
+    ]
+
+
+def _wave(flow, elasticity):
+    """Return the cell of a flow in which waves cross the gap ``WAVES`` times."""
+    reynolds = digits(Cell(flow=flow).weissenberg / elasticity)
+    return Cell(flow, reynolds, 0.3, 16, "implicit 4", t_star=max(1.0, round(WAVES * elasticity**0.5)))
 
 
 def _turning():
@@ -232,7 +267,9 @@ def _quick():
         SubMatrix("explicit steps", grid(**two, step=(1.5, 2.0), t_star=[0.25]), ("step",), ("jitter",)),
         SubMatrix("implicit steps", grid(**two, step=(1.5, 2.0), scheme=list(SCHEMES)[1:]), ("step",), rows),
         SubMatrix("single precision", grid(**two, precision=["f32"], scheme=BOTH, t_star=[0.25]), re, rows),
-        SubMatrix("Oldroyd-B", grid(flow=["oldroyd1"], reynolds=[1.0], **two), re, ("flow", "jitter")),
+        SubMatrix(
+            "Oldroyd-B", grid(flow=["oldroyd1"], reynolds=[1.0], scheme=BOTH, **two), re, ("flow", "scheme", "jitter")
+        ),
         SubMatrix(
             "flow that turns",
             grid(flow=TURNING, reynolds=[1000.0], jitter=[0.3], t_star=[0.5], scheme=["implicit 4"])
@@ -252,7 +289,5 @@ def _quick():
 
 
 def _refused():
-    """What cannot be had: the implicit scheme has no polymer stress, and no order 2 where the flow turns."""
-    cells = tuple(Cell(flow="oldroyd1", scheme=scheme) for scheme in list(SCHEMES)[1:])
-    cells += tuple(Cell(flow=flow, scheme="implicit 2") for flow in TURNING)
-    return SubMatrix("refused", cells, ("scheme",), ("flow",))
+    """What cannot be had: order 2 where the flow turns."""
+    return SubMatrix("refused", grid(flow=TURNING, scheme=["implicit 2"]), ("scheme",), ("flow",))

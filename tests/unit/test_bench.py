@@ -62,6 +62,13 @@ def test_the_lead_of_the_implicit_scheme_is_the_ratio_of_medians():
     assert "is 40 times faster than explicit, 50 across" in line
 
 
+def test_of_liquids_with_memory_the_lead_is_that_at_the_error_of_each_explicit_run():
+    ways = [("explicit", 9e-4, 4.0), ("explicit", 1e-4, 8.0), ("implicit 4, fast", 5e-4, 0.5)]
+    (line,) = leads([row(*way, flow="oldroyd_b_couette") for way in ways])
+    assert "error <= 0.0009: implicit 4, fast" in line
+    assert "is 8 times faster than explicit" in line
+
+
 def test_a_peer_is_compared_with_our_fastest_run_that_is_as_exact():
     rows = [row("implicit 4", 2e-3, 0.1), row("implicit 4", 1e-1, 0.01), lammps(5e-2, 1.5)]
     (found,) = comparisons(rows)
@@ -211,3 +218,5 @@ def test_each_flow_has_the_error_that_its_title_names():
     assert cases.FLOWS["cylinder"].error({"drag": 1068.12, "superficial_velocity": 0.5}) == pytest.approx(1.0)
     assert cases.FLOWS["circular_couette_2"].error({"l2": 1e-3}) == 1e-3
     assert math.isnan(cases.FLOWS["circular_couette_2"].error({"l2": None}))
+    stresses = {"l2": 1e-5, "shear_stress_l2": 3e-5, "normal_stress_l2": 2e-5}
+    assert cases.FLOWS["oldroyd_b_couette"].error(stresses) == 3e-5

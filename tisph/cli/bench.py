@@ -28,7 +28,7 @@ Peers = Annotated[
 ]
 
 Flow = Annotated[
-    Literal["channel", "taylor_green", "circular_couette", "cavity", "cylinder"],
+    Literal["channel", "oldroyd_b", "taylor_green", "circular_couette", "cavity", "cylinder"],
     typer.Option("--flow", help="With frontier: whose flows."),
 ]
 
@@ -60,8 +60,8 @@ def bench(
 
     \b
     frontier: every flow in every way, in rounds: run time against error, of
-      the channel, Taylor-Green vortices, circular Couette flow, the cavity, or
-      cylinders in a channel
+      the channel, Oldroyd-B liquids in it, Taylor-Green vortices, circular
+      Couette flow, the cavity, or cylinders in a channel
     throughput: what a particle and a step cost, part by part, and bytes a
       particle, from 5 thousand to a million particles
     features: what each part costs, and that a scene pays for none that it
@@ -75,7 +75,7 @@ def bench(
     Examples:
       tisph bench frontier --quick
       tisph bench frontier --peers benchmarks/peers
-      tisph bench frontier --flow taylor_green
+      tisph bench frontier --flow oldroyd_b
       tisph bench frontier --flow cavity --peers benchmarks/peers
       tisph bench throughput --quick
       tisph bench features

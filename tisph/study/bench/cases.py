@@ -57,6 +57,18 @@ QUICK_WAYS = {
 }
 
 
+POLYMER_WAYS = {
+    "explicit": (EXPLICIT, (12, 25, 50)),
+    "implicit 4, fast": (auto("fast"), (10, 12, 16, 25)),
+    "implicit 4, balanced": (auto("balanced"), (12, 25, 50)),
+    "implicit 4, high": (auto("high"), (25, 50)),
+}
+QUICK_POLYMER_WAYS = {
+    "explicit": (EXPLICIT, (25,)),
+    "implicit 4, fast": (auto("fast"), (10, 12)),
+    "implicit 4, balanced": (auto("balanced"), (12, 25)),
+}
+
 COURANT_1 = {"scheme": {"type": "implicit"}, "time": {"cfl": 1.0}}
 
 VORTEX_WAYS = {
@@ -97,6 +109,11 @@ def l2(sample):
     return sample["l2"] if sample["l2"] is not None else float("nan")
 
 
+def memory(sample):
+    """The largest of the relative L2 errors of the velocity, the shear stress and the normal stress difference."""
+    return max(sample[name] for name in ("l2", "shear_stress_l2", "normal_stress_l2"))
+
+
 def extremes(sample):
     """Largest error of the extremes on the centre lines of the cavity at Re = 100, over what they should be."""
     known = cavity.extremes(100.0)
@@ -134,8 +151,9 @@ class Flow:
     ``group``: what it is shown with. ``error``: of the last sample of a run, which ``Measured.l2`` holds.
 
     ``finest_explicit``: most particles across with the explicit scheme, the next number takes half a minute or more.
-    ``asked``: L2 that the explicit and the implicit scheme have to reach. ``bounds``: what is asked of peers; a peer
-    that none names is not judged. ``rival``: the way whose runs stand beside peers with as many particles.
+    ``asked``: error that the explicit and the implicit scheme have to reach; ``own``: whether the implicit one has to
+    reach that of each explicit run. ``bounds``: what is asked of peers; a peer that none names is not judged.
+    ``rival``: the way whose runs stand beside peers with as many particles.
     """
 
     title: str
@@ -146,6 +164,7 @@ class Flow:
     group: str = "channel"
     error: Callable = l2
     asked: float | None = None
+    own: bool = False
     bounds: tuple[Bound, ...] = ()
     rival: str | None = None
 
@@ -162,6 +181,24 @@ FLOWS = {
     ),
     "couette_20": Flow("Couette, Re = 50, t = 20", ended(COUETTE, 20.0), WAYS, {}, 50, asked=1e-4, bounds=SLOWER),
     "poiseuille_10": Flow("Poiseuille, t = 10", ended(POISEUILLE, 10.0), WAYS, {}, 50),
+    "oldroyd_b_couette": Flow(
+        "Oldroyd-B Couette, t = 2: u, S_xy, N1",
+        flows.merged(flows.OLDROYD_B_COUETTE.at(LENGTH), SERIAL),
+        POLYMER_WAYS,
+        QUICK_POLYMER_WAYS,
+        group="oldroyd_b",
+        error=memory,
+        own=True,
+    ),
+    "oldroyd_b_poiseuille": Flow(
+        "Oldroyd-B Poiseuille, t = 2: u, S_xy, N1",
+        flows.merged(flows.OLDROYD_B_POISEUILLE.at(LENGTH), SERIAL),
+        POLYMER_WAYS,
+        {},
+        group="oldroyd_b",
+        error=memory,
+        own=True,
+    ),
     "taylor_green_2": Flow(
         "Taylor-Green vortex, Re = 100, t = 2",
         ended(VORTEX, 2.0),

@@ -104,15 +104,15 @@ def leads(rows):
     """Lines: how much sooner than the explicit scheme the implicit one reaches what is asked for."""
     lines = []
     for key, flow in FLOWS.items():
-        if flow.asked is None:
-            continue
-        error, of_flow = flow.asked, [row for row in rows if row.flow == key]
-        explicit, implicit = fastest(of_flow, error, "explicit"), fastest(of_flow, error, "implicit")
-        if explicit and implicit:
-            lines.append(
-                f"{flow.title}, L2 <= {error:g}: {name(implicit)} is {explicit.loop / implicit.loop:.3g} times "
-                f"faster than {name(explicit)}"
-            )
+        of_flow = [row for row in rows if row.flow == key]
+        errors = [row.l2 for row in of_flow if flow.own and row.way == "explicit"]
+        for error in errors if flow.asked is None else [flow.asked]:
+            explicit, implicit = fastest(of_flow, error, "explicit"), fastest(of_flow, error, "implicit")
+            if explicit and implicit:
+                lines.append(
+                    f"{flow.title}, {'error' if flow.own else 'L2'} <= {error:.2g}: {name(implicit)} is "
+                    f"{explicit.loop / implicit.loop:.3g} times faster than {name(explicit)}"
+                )
     return lines
 
 

@@ -25,7 +25,7 @@ from tisph.verification.table import format_header, format_row
 
 HEADER = ("flow", "way", "across", "threads", "steps", "error", "loop [s]", "process [s]", "front")
 WIDTHS = (25, 6, 7, 5, 7, 26, 23, 5)
-ROUNDS = {"channel": 3}
+ROUNDS = {"channel": 3, "oldroyd_b": 3}
 """Rounds by group, else one: PySPH's vortices take minutes, and ratios of many hundreds need no median."""
 
 

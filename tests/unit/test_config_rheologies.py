@@ -1,9 +1,12 @@
 """What a config says of a liquid's rheology, and what is refused of it."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from tisph import families, schemes
+from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.rheology import _polymer
 
@@ -16,7 +19,6 @@ RHEOLOGIES = {
     "herschel_bulkley": "{type: herschel_bulkley, yield_stress: 1.0, index: 1, reference_rate: 1, regularisation: 9}",
     "fene_p": "{type: fene_p, relaxation_time: 1.0, solvent_fraction: 0.5, maximum_extension: 100.0}",
 }
-POLYMERS = ("giesekus", "phan_thien_tanner", "multi_mode", "fene_p")
 """Those that carry a stress, which scheme implicit serves."""
 
 
@@ -26,17 +28,28 @@ def refusal(case, *overrides):
     return str(caught.value)
 
 
-@pytest.mark.parametrize("scheme", ["auto", "implicit", "wcsph"])
 @pytest.mark.parametrize("name", RHEOLOGIES)
-def test_no_scheme_runs_a_liquid_that_it_does_not_have(case, name, scheme):
-    options = f"fluid.rheology={RHEOLOGIES[name]}", f"scheme={{type: {scheme}}}"
-    if name in POLYMERS and scheme != "wcsph":
-        assert schemes.resolve(case(*options))[0].scheme.type == "implicit"
-        return
-    text = refusal(case, *options)
+def test_no_scheme_runs_a_liquid_that_it_does_not_have(case, name):
+    liquid = f"fluid.rheology={RHEOLOGIES[name]}"
+    for scheme in ("auto", "implicit"):
+        assert schemes.resolve(case(liquid, f"scheme={{type: {scheme}}}"))[0].scheme.type == "implicit"
+    text = refusal(case, liquid, "scheme={type: wcsph}")
     assert "scheme.type" in text
     assert f"no {name} liquid" in text
-    assert ("take implicit" in text) == (name in POLYMERS)
+    assert "take implicit" in text
+
+
+TURNING = ["cavity", "circular_couette", "taylor_green", "shear_layer", "cylinder_lattice", "cylinder_in_channel"]
+
+
+@pytest.mark.parametrize("name", RHEOLOGIES)
+@pytest.mark.parametrize("flow", [*TURNING, "turned_box"])
+def test_where_the_flow_turns_no_liquid_runs_as_a_newtonian_one(flow, name):
+    path = Path(__file__).parents[2] / "configs" / f"{flow}.yaml"
+    text = refusal(lambda *changes: load(path, changes), f"fluid.rheology={RHEOLOGIES[name]}")
+    assert "fluid.rheology.type" in text
+    assert "must be newtonian" in text
+    assert name in text
 
 
 @pytest.mark.parametrize(

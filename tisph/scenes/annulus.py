@@ -103,7 +103,7 @@ class Config(schema.Config):
 
     def problems(self) -> Iterator[Problem]:
         """What the scene has against the config."""
-        if self.fluid.rheology.carries_stress:
+        if self.fluid.rheology.type != "newtonian":
             text = f"must be newtonian: of {self.fluid.rheology.type} the flow between cylinders is not known"
             yield "fluid.rheology.type", text
         inner, outer = self.geometry.inner_radius, self.geometry.outer_radius

@@ -75,8 +75,9 @@ class Config(schema.Config):
         if self.initial.thickness > largest:
             text = f"must be at most {largest:.6g}, 1/24 of the side"
             yield "initial.thickness", f"{text}: streams must be even between the layers"
-        if self.fluid.rheology.carries_stress:
-            yield "fluid.rheology.type", "must be newtonian: this scene has no start for the stress of a polymer"
+        if self.fluid.rheology.type != "newtonian":
+            text = f"must be newtonian: of {self.fluid.rheology.type} the roll-up of shear layers is not served yet"
+            yield "fluid.rheology.type", text
 
 
 @dataclass(frozen=True, kw_only=True)

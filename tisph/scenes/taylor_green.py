@@ -63,7 +63,7 @@ class Config(schema.Config):
 
     def problems(self) -> Iterator[Problem]:
         """What the scene has against the config."""
-        if self.fluid.rheology.carries_stress:
+        if self.fluid.rheology.type != "newtonian":
             text = f"must be newtonian: of {self.fluid.rheology.type} the decay of these vortices is not known"
             yield "fluid.rheology.type", text
 

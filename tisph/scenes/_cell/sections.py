@@ -25,7 +25,7 @@ class Drive(Model):
 def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -> Iterator[Problem]:
     """What is wrong with the ``config`` of a cell with these ``bodies``, and ``walls`` by what messages call them."""
     rheology = config.fluid.rheology
-    if rheology.carries_stress:
+    if rheology.type != "newtonian":
         yield "fluid.rheology.type", f"must be newtonian: around bodies {rheology.type} cannot be served yet"
     if config.scheme.type == "wcsph":
         yield "scheme.type", "wcsph cannot serve bodies yet; take auto or implicit"

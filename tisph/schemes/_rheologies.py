@@ -1,7 +1,17 @@
 """Which rheologies each scheme serves."""
 
 SERVED = {
-    "implicit": ["newtonian", "oldroyd_b", "giesekus", "phan_thien_tanner", "fene_p", "multi_mode"],
+    "implicit": [
+        "newtonian",
+        "oldroyd_b",
+        "giesekus",
+        "phan_thien_tanner",
+        "fene_p",
+        "multi_mode",
+        "power_law",
+        "carreau_yasuda",
+        "herschel_bulkley",
+    ],
     "wcsph": ["newtonian", "oldroyd_b"],
 }
 

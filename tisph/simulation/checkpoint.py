@@ -6,6 +6,7 @@ import json
 import os
 
 import h5py
+import numpy as np
 
 from tisph.errors import ConfigError
 from tisph.observers._files import readable, replaced
@@ -25,7 +26,7 @@ def save(path, scheme, config):
         file.attrs["config"] = config
         file.attrs["host"] = json.dumps(scheme.host_state())
         for name, values in _values(scheme):
-            options = {} if values.shape == () else {"compression": "gzip", "compression_opts": 1}
+            options = {} if values.size <= 1 else {"compression": "gzip", "compression_opts": 1}
             file.create_dataset(name, data=values, **options)
     with replaced(path) as new, new.open("wb") as file:
         file.write(image.getbuffer())
@@ -65,7 +66,7 @@ def _image(path):
 
 
 def _values(scheme):
-    """Yield (name, array in place) for what is used of every Taichi field of the scheme and its parts.
+    """Yield (name, array in place) for what is used of every Taichi field of the scheme and its parts, and for arrays.
 
     A field may say so by an attribute ``used``, an index of NumPy; None for nothing that outlives a step.
     """
@@ -74,3 +75,5 @@ def _values(scheme):
             used = getattr(field, "used", ...)
             if isinstance(field, ti.Field) and used is not None:
                 yield f"{part_name}.{name}", view(field)[used]
+            elif isinstance(field, np.ndarray):
+                yield f"{part_name}.{name}", field

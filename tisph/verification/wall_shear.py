@@ -30,12 +30,12 @@ def wall_shear(channel, snapshot):
     bottom, top = snapshot.y, channel.gap - snapshot.y
     rate_bottom = _slope(channel, bottom, snapshot.u - channel.bottom.velocity(t))
     rate_top = -_slope(channel, top, snapshot.u - channel.top.velocity(t))
-    viscosity = channel.density * channel.solvent_viscosity
+    solvent = channel.viscous_stress(rate_bottom), channel.viscous_stress(rate_top)
     if channel.polymer is None:
-        return viscosity * rate_bottom, viscosity * rate_top
-    return (
-        viscosity * rate_bottom + _value(channel, bottom, snapshot.stress_xy),
-        viscosity * rate_top + _value(channel, top, snapshot.stress_xy),
+        return solvent
+    return tuple(
+        stress + _value(channel, distance, snapshot.stress_xy)
+        for stress, distance in zip(solvent, (bottom, top), strict=True)
     )
 
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from tisph import families
 from tisph.scenes._channel import views
 from tisph.scenes._channel.flow import NewtonianFlow, OldroydFlow
 from tisph.scenes._channel.layers import thinnest_layer
@@ -179,6 +180,13 @@ class Channel(Scene):
         Infinite at t = 0 on a wall whose velocity jumps then.
         """
         return tuple(self._flow.shear_stress(wall, t) for wall in (0.0, self.gap))
+
+    def viscous_stress(self, shear_rate):
+        """Shear stress of the solvent at a ``shear_rate``, or of a liquid whose viscosity depends on it."""
+        if self.rheology is None or self.polymer:
+            return self.density * self.solvent_viscosity * shear_rate
+        law = families.load("rheology", self.rheology.type).Law(self.rheology, self.kinematic_viscosity, self.density)
+        return self.density * law.viscosity(shear_rate**2) * shear_rate
 
     def exact_polymer_stress(self, y, t):
         """Exact polymer stresses (S_xx, S_xy) [mass/(length time^2)], shaped as ``exact_velocity``."""

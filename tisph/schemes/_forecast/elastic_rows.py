@@ -11,7 +11,7 @@ from tisph.schemes.implicit._elastic_kick import kick
 from tisph.schemes.implicit._elastic_solver import FIT
 from tisph.schemes.implicit._elastic_stages import ElasticStages, Flow
 from tisph.schemes.implicit._elastic_walls import ElasticWalls
-from tisph.schemes.implicit._memory import Memory
+from tisph.schemes.implicit._instant import material
 
 EXACT = 1e-12
 """Tolerance of a stage, whose systems are solved directly."""
@@ -27,7 +27,7 @@ class ElasticRows:
 
     def __init__(self, config, channel, control):
         self.channel, self.control = channel, control
-        memory = Memory(config.fluid.rheology, channel.kinematic_viscosity)
+        memory = material(config.fluid.rheology, channel)
         self.operators = _Operators(channel, config.scheme.operators.order)
         self.heights = self.operators.heights
         self.walls = ElasticWalls(channel, config.walls.treatment.type, memory)

@@ -27,7 +27,7 @@ def kick(stages, flow, velocity_jumps, acceleration_jumps):
 def _changes(stages, side, jump, rate, liquid):
     """Return those of the velocities, the strain, and what relaxes meanwhile of the states; change the walls'."""
     operators, nu = stages.operators, stages.viscosity
-    decay, pull, stress = stages.memory.slopes(liquid[:-1], liquid[-1])
+    decay, pull, stress, _ = stages.memory.slopes(liquid[:-1], liquid[-1])
     modulus = float(stress @ pull)
 
     def spread(name, *series):

@@ -56,7 +56,9 @@ class ElasticStages:
         self.mean_velocity = self.mean_stress = None
 
     def advance(self, start, time, length, tolerance):
-        """Return the ``Flow`` after a step and the estimated error; None and NaN where no solution is found.
+        """Return the ``Flow`` after a step and the estimated error.
+
+        None and NaN where a linear system cannot be solved, infinite where the stress does not follow the shear rate.
 
         The rates of ``start`` are set. The error is the root mean square of those of u, and of S_xy over the viscosity
         per gap.
@@ -64,7 +66,7 @@ class ElasticStages:
         memory, implicit = self.memory, GAMMA * length
         self.walls.begin(time, length, self.near_walls(start))
         shear_rate = self.sheared(start.velocity, time)
-        stress = memory.shear_stress(start.state)
+        stress = memory.shear_stress(start.state, shear_rate)
         viscous = self.viscosity * self.operators.laplacian(start.velocity)
         rates = [viscous + self.drive(time, stress)]
         state_rates = [memory.rate(start.state, shear_rate)]
@@ -76,9 +78,9 @@ class ElasticStages:
             known_state = start.state + length * weighted(STAGES[stage], state_rates)
             guess = start.velocity + length * weighted(GUESSES[stage], rates)
             moment = time + TIMES[stage] * length
-            found = self.solved(known, known_state, guess, state, moment, implicit, tolerance)
+            found, missed = self.solved(known, known_state, guess, state, moment, implicit, tolerance)
             if found is None:
-                return None, math.nan
+                return None, missed
             velocity, state, shear_rate, stress, slope = found
             rates.append((velocity - known) / implicit)
             state_rates.append((state - known_state) / implicit)
@@ -95,26 +97,27 @@ class ElasticStages:
     def solved(self, known, known_state, guess, state, moment, implicit, tolerance):
         """Solve a stage, u = ``known`` + implicit u' and C = ``known_state`` + implicit C' at ``moment``.
 
-        Returns velocity, state, shear rate, shear stress and its slope over the shear rate, or None.
+        Returns velocity, state, shear rate, shear stress and its slope over the shear rate, or None; and, then, the
+        error to be stated.
         """
         memory, velocity = self.memory, guess
         shear_rate = self.sheared(guess, moment)
         given = self.operators.given("across", self.walls(moment))
         for _ in range(MOST_REPETITIONS):
             state, slope = memory.respond(known_state, implicit, shear_rate, state)
-            stress = memory.shear_stress(state)
+            stress = memory.shear_stress(state, shear_rate)
             right = known + implicit * self.drive(moment, stress + slope * (given - shear_rate))
             velocity = self.operators.solve(implicit * self.viscosity, implicit * slope, right, velocity, tolerance)
             if velocity is None:
-                return None
+                return None, math.nan
             found = self.sheared(velocity, moment)
             expected, shear_rate = stress + slope * (found - shear_rate), found
             state, slope = memory.respond(known_state, implicit, shear_rate, state)
-            stress = memory.shear_stress(state)
+            stress = memory.shear_stress(state, shear_rate)
             missed = math.sqrt(np.mean((stress - expected) ** 2)) / self.stress_of_speed
-            if not missed > tolerance * self.speed:
-                break
-        return velocity, state, shear_rate, stress, slope
+            if missed <= tolerance * self.speed:
+                return (velocity, state, shear_rate, stress, slope), missed
+        return None, math.inf
 
     def error(self, end, implicit, slope, defect, state_defect):
         """Return the estimated error from what second and third order differ by, filtered as a stage is."""

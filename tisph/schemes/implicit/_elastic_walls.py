@@ -12,6 +12,7 @@ stages, by what it was at the last two steps. The stress has an image of its own
 
 import numpy as np
 
+from tisph.schemes.implicit._elastic_stages import weighted
 from tisph.schemes.implicit._esdirk import GAMMA, STAGES, TIMES
 from tisph.schemes.implicit._walls import WallSeries
 
@@ -62,25 +63,20 @@ class ElasticWalls(WallSeries):
 
         ``liquid``: C and shear rate there at each of them.
         """
-        wall, nu = self.walls[side], self.viscosity
-        first, third, firsts, thirds, found = self.first[side], self.third[side], [], [], []
+        wall, found, rates, third_rates = self.walls[side], [], [], []
         for stage, (moment, values) in enumerate(zip(self.moments, liquid, strict=True)):
-            decay, pull, stress = self.memory.slopes(values[:-1], values[-1])
-            matrix = decay - np.outer(pull, stress) / nu  # of C_y and C_yyy alike
-            step = length * np.array(STAGES[stage][:stage])
-            known_first, known_third = first + step @ firsts if stage else first, third
-            if stage:
-                known_third = third + step @ thirds
-            implicit = np.eye(len(pull)) - (GAMMA * length if stage else 0.0) * matrix
-            driving = wall.acceleration(moment) - self.channel.acceleration
-            slope = np.linalg.solve(implicit, known_first + (GAMMA * length if stage else 0.0) * pull * driving / nu)
-            firsts.append(matrix @ slope + pull * driving / nu)
-            driving_third = (wall.jerk(moment) - stress @ firsts[-1]) / nu
-            fourth_part = (GAMMA * length if stage else 0.0) * pull * driving_third / nu
-            third_slope = np.linalg.solve(implicit, known_third + fourth_part)
-            thirds.append(matrix @ third_slope + pull * driving_third / nu)
-            across, highest = stress @ slope, stress @ third_slope
-            found.append((slope, third_slope, (driving - across) / nu, (driving_third - highest) / nu, across, highest))
+            implicit = GAMMA * length if stage else 0.0
+            law = _AtWall(implicit, self.viscosity, *self.memory.slopes(values[:-1], values[-1]))
+            weights = length * np.array(STAGES[stage])
+            first, rate, second = law.solve(
+                self.first[side] + weighted(weights, rates), wall.acceleration(moment) - self.channel.acceleration
+            )
+            third, third_rate, fourth = law.solve(
+                self.third[side] + weighted(weights, third_rates), law.changed(wall.jerk(moment), rate)
+            )
+            rates.append(rate)
+            third_rates.append(third_rate)
+            found.append((first, third, second, fourth, law.stressed(first, second), law.stressed(third, fourth)))
         return found
 
     def __call__(self, time):
@@ -102,3 +98,26 @@ class ElasticWalls(WallSeries):
     def _at(self, time):
         number = int(np.argmin(np.abs(np.array(self.moments) - time)))
         return [stages[number] for stages in self.stages]
+
+
+class _AtWall:
+    """The equations of C_y and u_yy, and of C_yyy and u_yyyy, in a stage, with the law's derivatives at the wall."""
+
+    def __init__(self, implicit, viscosity, decay, pull, stress, instant):
+        self.implicit, self.pull, self.stress, self.instant = implicit, pull, stress, instant
+        self.viscosity = viscosity + instant
+        self.matrix = decay - np.outer(pull, stress) / self.viscosity
+
+    def solve(self, known, driving):
+        """Return C_y, its rate, and u_yy, where nu_s u_yy + S_y is ``driving``."""
+        source = self.pull * driving / self.viscosity
+        slope = np.linalg.solve(np.eye(len(source)) - self.implicit * self.matrix, known + self.implicit * source)
+        return slope, self.matrix @ slope + source, (driving - self.stress @ slope) / self.viscosity
+
+    def changed(self, driving_rate, slope_rate):
+        """Return (u_yy)', by those of what drives and of C_y: what nu_s u_yyyy + S_yyy is."""
+        return (driving_rate - self.stress @ slope_rate) / self.viscosity
+
+    def stressed(self, slope, curvature):
+        """Return S_y."""
+        return float(self.stress @ slope) + self.instant * curvature

@@ -55,8 +55,8 @@ class Memory:
         each = [law.stress(deviation(state[part]))[:3] for law, part in zip(self.laws, self.parts, strict=True)]
         return np.stack([sum(column) for column in zip(*each, strict=True)])
 
-    def shear_stress(self, state):
-        """Return S_xy."""
+    def shear_stress(self, state, shear_rate):
+        """Return S_xy, which does not depend on the ``shear_rate`` of the moment."""
         return sum(_shear_stress(law, state[part]) for law, part in zip(self.laws, self.parts, strict=True))
 
     def strain(self, state, strain):
@@ -87,7 +87,10 @@ class Memory:
         return total
 
     def slopes(self, state, shear_rate):
-        """Return F_C (components, components), F_u' and dS_xy/dC (components) of the liquid at one place."""
+        """Return F_C (components, components), F_u' and dS_xy/dC (components) of the liquid at one place.
+
+        And the derivative of S_xy by the shear rate of the moment, 0.
+        """
         size = self.components
         decay, pull, stress = np.zeros((size, size)), np.zeros(size), np.zeros(size)
         for law, part in zip(self.laws, self.parts, strict=True):
@@ -96,7 +99,7 @@ class Memory:
             decay[part, part] = np.imag(np.stack(_rate(law, ahead, shear_rate))) / SMALL
             stress[part] = np.imag(_shear_stress(law, ahead)) / SMALL
             pull[part][1] = 1.0 + state[part][2]
-        return decay, pull, stress
+        return decay, pull, stress, 0.0
 
     def lost(self, state):
         """Return which particles (n,) have a conformation tensor that is not positive definite."""

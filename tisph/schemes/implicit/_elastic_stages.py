@@ -24,6 +24,9 @@ import numpy as np
 from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, TIMES, WEIGHTS, guesses
 
 MOST_REPETITIONS = 12
+ROUNDING = 1e-11
+"""Of the stress, which is left when a stage is solved."""
+
 NEAR, TERMS = 0.1, 8
 """Part of the gap, and terms of a polynomial in it, by which the slopes of the start at the walls are taken."""
 
@@ -114,8 +117,8 @@ class ElasticStages:
             expected, shear_rate = stress + slope * (found - shear_rate), found
             state, slope = memory.respond(known_state, implicit, shear_rate, state)
             stress = memory.shear_stress(state, shear_rate)
-            missed = math.sqrt(np.mean((stress - expected) ** 2)) / self.stress_of_speed
-            if missed <= tolerance * self.speed:
+            missed = _root_mean_square(stress - expected) / self.stress_of_speed
+            if missed <= tolerance * self.speed + ROUNDING * _root_mean_square(stress) / self.stress_of_speed:
                 return (velocity, state, shear_rate, stress, slope), missed
         return None, math.inf
 
@@ -127,7 +130,7 @@ class ElasticStages:
         if velocity is None:
             return math.nan
         stress = pull + slope * self.operators.slopes(velocity, -1.0)
-        return math.sqrt(np.mean(velocity**2) + np.mean(stress**2) / self.stress_of_speed**2)
+        return math.hypot(_root_mean_square(velocity), _root_mean_square(stress) / self.stress_of_speed)
 
     def drive(self, time, stress):
         """Return what drives the velocities: acceleration, walls, and the divergence of ``stress`` and its images."""
@@ -154,6 +157,10 @@ class ElasticStages:
             fit = np.polynomial.polynomial.polyfit(distance, state.T, TERMS - 1)
             towards = (1.0 if side == 0 else -1.0) * 2.0 / reach
             self.walls.first[side], self.walls.third[side] = towards * fit[1], 6.0 * towards**3 * fit[3]
+
+
+def _root_mean_square(values):
+    return math.sqrt(np.mean(values * values))
 
 
 def weighted(weights, rates):

@@ -232,6 +232,7 @@ def test_render_draws_again_from_the_files(tisph, copied):
         ("wcsph", "adami", 6, "newtonian"),
         ("implicit", "consistent_image", 12, "newtonian"),
         ("implicit", "virtual_image", 6, "newtonian"),
+        ("implicit", "consistent_image", 12, "oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4"),
     ],
 )
 def test_no_kernel_reads_or_writes_out_of_bounds(run, monkeypatch, scheme, treatment, across, rheology):

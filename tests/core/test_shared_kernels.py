@@ -37,6 +37,7 @@ def use(scheme):
         ("walls.treatment.type=consistent_image", POLYMER),
         pytest.param(("walls.treatment.type=adami", "scheme.operators=standard"), marks=pytest.mark.slow),
         (IMPLICIT, "initial.jitter=0.2"),
+        pytest.param((IMPLICIT, POLYMER), marks=pytest.mark.slow),
         pytest.param((IMPLICIT, "walls.treatment.type=virtual_image"), marks=pytest.mark.slow),
     ],
 )

@@ -32,6 +32,7 @@ def overrides(length, time, density):
         ("scheme.type=wcsph", "walls.treatment.type=consistent_image", "polymer"),
         ("scheme.type=implicit", "walls.treatment.type=consistent_image"),
         ("scheme.type=implicit", "walls.treatment.type=virtual_image", "scheme.operators.order=2"),
+        ("scheme.type=implicit", "walls.treatment.type=consistent_image", "polymer"),
     ],
     ids=lambda choice: "-".join(choice),
 )

@@ -70,6 +70,33 @@ def test_a_power_law_of_index_one_is_a_newtonian_liquid(make):
     assert np.abs(plain.u - power.u).max() < 1e-6
 
 
+FENE = LIQUID.format("{type: fene_p, relaxation_time: 1.0, solvent_fraction: 0.1, maximum_extension: 9.0}")
+MODES = (
+    "modes: [{relaxation_time: 1, fraction: 0.6}, {type: giesekus, relaxation_time: 0.2, mobility: 0.2, fraction: 0.3}]"
+)
+BOTH = LIQUID.format(f"{{type: multi_mode, solvent_fraction: 0.1, {MODES}}}")
+
+
+@pytest.mark.parametrize(
+    ("law", "start"),
+    [
+        (FENE, "initial={state: exact, time: 0.5}"),
+        (BOTH, "initial.state=developed|walls.top.velocity_before=2.0"),
+    ],
+)
+def test_a_start_on_the_way_knows_what_each_mode_remembers(make, law, start):
+    # a stress alone tells neither the stretch of a spring that stiffens nor the share of a mode
+    scheme = make(
+        law, *start.split("|"), "walls.top.velocity=1.0", "discretisation.particles_across=16", "time.end=0.6"
+    )
+    channel, memory = scheme.channel, scheme.viscous.memory
+    heights = scheme.snapshot().y
+    exact = channel.exact_polymer_stress(heights, channel.start_time)
+    started = memory.stress(memory.start(channel, heights))
+    assert np.allclose(channel.density * started[:2], exact, rtol=1e-12, atol=1e-12)
+    assert np.all(errors(scheme) < 1e-3)  # three times what was measured
+
+
 def test_disorder_costs_no_more_than_a_factor_of_two(make):
     options = ("walls.top.velocity=1.0", "discretisation.particles_across=25", "time.end=1.0")
     lattice, disorder = (errors(make(*options, jitter=jitter)) for jitter in (0.0, 0.2))

@@ -109,6 +109,12 @@ class OldroydFlow:
         """Zero stress S_yy."""
         return np.zeros(np.broadcast_shapes(np.shape(y), np.shape(t)))
 
+    def deviations(self, y, t):
+        """C of the one mode at heights ``y`` and a time ``t``: list of one array (3, heights)."""
+        modulus = self._liquid.polymer_viscosity / self._liquid.relaxation_time
+        stress = np.stack([*self.polymer_stress(y, t), self.transverse_stress(y, t)])
+        return [stress / modulus if modulus else stress]  # without a polymer nothing is felt of it
+
 
 def velocities_before(channel):
     """Velocities of the walls (bottom, top) before t = 0 in a settled flow; 0 for one that oscillates."""

@@ -257,6 +257,13 @@ class Channel(Scene):
         """Polymer stresses (S_xx, S_xy) at heights ``y`` when the run starts."""
         return self.exact_polymer_stress(y, self.start_time)
 
+    def initial_deviations(self, y):
+        """C of each of the polymer's modes at heights ``y`` (heights,) when the run starts, see ``rheology``.
+
+        List of arrays (components, heights).
+        """
+        return self._flow.deviations(y, self.start_time)
+
     def tracer_positions(self, count, x="centre"):
         """Arrays (x, y) of ``count`` probes on a vertical line, at heights (k + 1/2) gap / count.
 

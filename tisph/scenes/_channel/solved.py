@@ -40,6 +40,10 @@ class SolvedFlow:
         """Polymer stress S_yy."""
         return self.channel.density * self._solved.polymer_stress(y, t)[2]
 
+    def deviations(self, y, t):
+        """C of each mode at heights ``y`` and a time ``t``: list of arrays (components, heights)."""
+        return self._solved.deviations(y, t)
+
 
 @lru_cache(maxsize=8)
 def _solved(rheology, kinematic_viscosity, density, flow, before):

@@ -17,7 +17,6 @@ import itertools
 import numpy as np
 
 from tisph.rheology._polymer import laws
-from tisph.snapshot import STRESSES
 
 SMALL = 1e-30
 """Imaginary step of derivatives; its square vanishes beside 1."""
@@ -36,19 +35,9 @@ class Memory:
         self.parts = [slice(first, last) for first, last in itertools.pairwise(ends)]
         self.components = self.parts[-1].stop
 
-    def state_of(self, stress):
-        """Return C of one mode whose stress over the density is ``stress`` (3, fluid), proportional to A - 1."""
-        state = np.zeros((self.components, stress.shape[1]))
-        if not stress.any():  # of several modes, too
-            return state
-        xx, xy, yy = stress / self.laws[0].modulus
-        state[:3] = xx - xy * xy / (1.0 + yy), xy, yy
-        return state
-
     def start(self, channel, heights):
         """Return C at ``heights`` of a channel when the run starts."""
-        fields = channel.initial(np.zeros_like(heights), heights)
-        return self.state_of(np.stack([fields[name] for name in STRESSES]) / channel.density)
+        return np.concatenate([_carried(*mode) for mode in channel.initial_deviations(heights)])
 
     def stress(self, state):
         """Return S_xx, S_xy, S_yy, the sums over the modes."""
@@ -114,6 +103,11 @@ def deviation(state):
     """Return A - 1 of one mode: components xx, xy, yy and, where the law has it, zz."""
     first, xy, *others = state
     return (first + xy * xy / (1.0 + others[0]), xy, *others)
+
+
+def _carried(xx, xy, *others):
+    """Return the state of one mode whose A - 1 is given, the inverse of ``deviation``."""
+    return np.stack([xx - xy * xy / (1.0 + others[0]), xy, *others])
 
 
 def _rate(law, state, shear_rate):

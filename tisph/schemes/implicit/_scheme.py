@@ -97,15 +97,18 @@ class Scheme:
         used(self.projection.pressure)[...] = 0.0
         self.viscous.push = None
 
-    def start(self, position, velocity, stress=None):
-        """Place the particles, (particles, 2) arrays; let walls that start at once give their impulse."""
+    def start(self, position, velocity, _stress=None):
+        """Place the particles, (particles, 2) arrays; let walls that start at once give their impulse.
+
+        What particles remember is more than a stress tells: the channel knows it.
+        """
         used(self.motion.position)[...] = position
         used(self.viscous.velocity)[...] = velocity.T
         self.momentum.initial = float(velocity[:, 0].sum())
         self.transverse = bool(np.any(velocity[:, 1] != 0.0))
         if self.elastic:
             self.assemble(0.0)
-            self.viscous.begin_with(None if stress is None else stress.T / self.channel.density)
+            self.viscous.begin_with(position[:, 1])
         if self.walls.obeys_momentum and self.walls.any_jump:
             self.assemble(0.0)
             self.momentum.impulse = self.viscous.kick(*self.walls.jumps)

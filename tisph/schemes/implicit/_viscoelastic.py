@@ -39,10 +39,9 @@ class ViscoelasticStep(ViscousStep):
         self.stages = ElasticStages(solver, channel, walls, memory)
         self.carried = Carried(memory.components, self.points.fluid)
 
-    def begin_with(self, stress):
-        """Take up the stress (3, fluid) at the start, None without, and the slopes at the walls."""
-        if stress is not None:
-            self.carried.state[...] = self.memory.state_of(stress)
+    def begin_with(self, heights):
+        """Take up the states of particles at ``heights`` (fluid,) at the start, and the slopes at the walls."""
+        self.carried.state[...] = self.memory.start(self.channel, heights)
         self.carried.shear_rate[...] = 0.0
         self.walls.forget()
         self.stages.settle(self.channel)

@@ -10,6 +10,7 @@ import numpy as np
 from tisph.least_squares.bicgstab import BiCGStab
 from tisph.neighbours.points import LANES
 from tisph.runtime import real, ti, view
+from tisph.schemes.implicit._across import Across
 
 FIT = 3
 """Terms of the polynomial in the distance that the liquid near a wall is described by."""
@@ -18,8 +19,9 @@ FIT = 3
 class ElasticSolver(BiCGStab):
     """Operators as ``_elastic_stages.py`` wants them; ``pull`` (slots + 1) is ``tangent`` D x of the solver."""
 
-    def __init__(self, rows, ghosts):
+    def __init__(self, rows, ghosts, channel):
         super().__init__(rows, ghosts, -1.0)
+        self.coarse = None if ghosts.mirrors else Across(rows, ghosts, channel)
         self.tangent, self.found = self.points.field(real()), self.points.field(real())
         self.pull = ti.field(real(), self.points.slots + 1)
         self.tangent.used = self.found.used = self.pull.used = None  # for checkpoints
@@ -52,9 +54,19 @@ class ElasticSolver(BiCGStab):
 
     def solve(self, coefficient, tangent, right, guess, tolerance):
         """Solve (1 - ``coefficient`` A - D ``tangent`` D) x = ``right``; return x, or None where that fails."""
-        view(self.x)[self.fluid], view(self.b)[self.fluid] = guess, right
-        view(self.tangent)[self.fluid] = tangent
-        return view(self.x)[self.fluid].copy() if super().solve(coefficient, tolerance) else None
+        found = view(self.x)[self.fluid]
+        found[...], view(self.b)[self.fluid], view(self.tangent)[self.fluid] = guess, right, tangent
+        if self.coarse:
+            view(self.coefficient)[()], view(self.own)[()] = coefficient, 1.0
+            self.start()
+            residual = view(self.residual)[self.fluid].astype(float)
+            found += self.coarse.correction(residual, coefficient, np.broadcast_to(tangent, residual.shape))
+        return found.copy() if super().solve(coefficient, tolerance) else None
+
+    def assemble(self):
+        """Get ready for systems with the rows as they are now."""
+        if self.coarse:
+            self.coarse.assemble()
 
     def laplacian(self, values):
         """Return A of velocities (fluid)."""

@@ -62,6 +62,7 @@ class ViscoelasticStep(ViscousStep):
         if component == 1:
             return super().advance(component, time, length, tolerance)
         start, carried = self.flow(), self.carried
+        self.solver.assemble()
         end, error = self.stages.advance(start, time, length, tolerance)
         if end is not None:
             used(self.end)[0], used(self.end_rate)[0] = end.velocity, end.velocity_rate
@@ -121,4 +122,4 @@ def step(config, channel, rows, ghosts):
     """Return the step of a liquid that is not Newtonian."""
     memory = material(config.fluid.rheology, channel)
     walls = ElasticWalls(channel, config.walls.treatment.type, memory)
-    return ViscoelasticStep(ElasticSolver(rows, ghosts), channel, walls, memory)
+    return ViscoelasticStep(ElasticSolver(rows, ghosts, channel), channel, walls, memory)

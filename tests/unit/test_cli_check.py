@@ -141,6 +141,16 @@ def test_polymer(checked, fraction, warned):
     assert bool(starting(lines, "warning: fluid.rheology.solvent_fraction is below 0.1")) == warned
 
 
+# modulus 0.9 / 1, (0.02 / 0.1)^2 times that, and with a hundredth of solvent (0.02 / 0.01)^2
+@pytest.mark.parametrize(("fraction", "warned"), [(0.1, False), (0.01, False), (0.009, True)])
+def test_polymer_that_relaxes_before_the_layer_of_a_jump_is_a_spacing_deep(checked, fraction, warned):
+    liquid = POLYMER % (1.0, f"solvent_fraction: {fraction}")
+    lines = checked(liquid, "scheme={type: implicit}")
+    assert bool(starting(lines, "warning: the polymer relaxes before")) == warned
+    assert not starting(lines, "warning: fluid.rheology.solvent_fraction")
+    assert not starting(checked(liquid, "scheme={type: implicit}", AT_REST, DRIVE), "warning: the polymer relaxes")
+
+
 def test_polymer_stress_is_counted_in_the_memory(case):
     plain, polymer = (estimates(load(case, text)) for text in ([], [POLYMER % (2.0, "solvent_fraction: 0.1")]))
     assert polymer["memory"] - plain["memory"] == pytest.approx(10_000 * 96)  # fields of the next size

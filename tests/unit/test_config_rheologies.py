@@ -1,5 +1,6 @@
 """What a config says of a liquid's rheology, and what is refused of it."""
 
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -37,6 +38,12 @@ def test_no_scheme_runs_a_liquid_that_it_does_not_have(case, name):
     assert "scheme.type" in text
     assert f"no {name} liquid" in text
     assert "take implicit" in text
+
+
+@pytest.mark.parametrize("name", RHEOLOGIES)
+def test_a_liquid_can_be_sent_to_the_process_that_draws(case, name):
+    rheology = case(f"fluid.rheology={RHEOLOGIES[name]}").fluid.rheology
+    assert pickle.loads(pickle.dumps(rheology)) == rheology
 
 
 TURNING = ["cavity", "circular_couette", "taylor_green", "shear_layer", "cylinder_lattice", "cylinder_in_channel"]

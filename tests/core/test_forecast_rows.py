@@ -5,7 +5,7 @@ import pytest
 
 from tisph import config, families, runtime
 from tisph.scenes.channel import Channel
-from tisph.schemes._forecast import explicit_rows, implicit_rows
+from tisph.schemes._forecast import elastic_rows, explicit_rows, implicit_rows
 from tisph.schemes.implicit._scheme import control
 from tisph.simulation.run import start_values
 
@@ -86,3 +86,14 @@ def test_rows_of_the_explicit_scheme(case, flow):
     for scheme, velocity in profiles(settings, channel, list(np.arange(1, 61) * 5e-3)):
         # second order in steps of 0.005, against rows that decay at a rate of 30: 0.15^2 / 24 in the first of them
         assert np.abs(rows.velocity(scheme.time) - velocity).max() < 1e-3 * SPEED
+
+
+def test_of_a_run_without_end_steps_are_counted_alone(case, monkeypatch):
+    # relaxation times far shorter than a layer needs to cross a spacing: steps follow the fastest
+    monkeypatch.setattr(elastic_rows, "MOST_STEPS", 30)
+    settings, channel = case(POLYMER, "walls.top.velocity=5e-5", "scheme={type: implicit}", "time.tolerance=1e-9")
+    rows = elastic_rows.ElasticRows(settings, channel, control(settings, channel, [settings.time.end]))
+    rows.run_to(settings.time.end)
+    assert rows.beyond
+    assert rows.time == settings.time.end
+    assert rows.steps > 30

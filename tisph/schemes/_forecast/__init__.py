@@ -102,7 +102,7 @@ def implicit(config, channel, control):
             continue
         rows.run_to(time)
         counts.append((time, rows.steps))
-        noise = beyond.implicit(config, channel, rows.residual, counts)
+        noise = None if rows.beyond else beyond.implicit(config, channel, rows.residual, counts)
         forecasts.append(_forecast(channel, rows.heights, time, rows.steps, rows.velocity, noise))
     rows.run_to(config.time.end)
     return forecasts, rows

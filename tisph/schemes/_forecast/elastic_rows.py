@@ -12,6 +12,10 @@ from tisph.schemes.implicit._elastic_solver import FIT
 from tisph.schemes.implicit._elastic_stages import ElasticStages, Flow
 from tisph.schemes.implicit._elastic_walls import ElasticWalls
 from tisph.schemes.implicit._instant import material
+from tisph.schemes.implicit._scheme import MOST_ATTEMPTS, WORST
+
+MOST_STEPS = 1000
+"""Of which errors are computed, in some seconds."""
 
 EXACT = 1e-12
 """Tolerance of a stage, whose systems are solved directly."""
@@ -20,10 +24,12 @@ EXACT = 1e-12
 class ElasticRows:
     """Velocities of the rows of a channel, step by step; attributes as of ``implicit_rows.Rows``.
 
-    Its linear systems leave no ``residual``.
+    Its linear systems leave no ``residual``. ``beyond``: whether it has given up, after ``MOST_STEPS`` or where none is
+    short enough.
     """
 
     residual = 0.0
+    beyond = False
 
     def __init__(self, config, channel, control):
         self.channel, self.control = channel, control
@@ -55,17 +61,25 @@ class ElasticRows:
         return self.steepest > 0.0 and self.control.wish == self.control.largest_strain / self.steepest
 
     def run_to(self, target):
-        """Take steps to the time ``target``, one of those that the control meets."""
-        while self.time < target:
+        """Take steps to the time ``target``, one of those that the control meets; after many only count them."""
+        while self.time < target and self.steps < MOST_STEPS and not self.beyond:
             self._advance()
+        if self.time < target:
+            self.beyond = True
+            self.steps += math.ceil((target - self.time) / self.length)
+            self.time = target
 
     def _advance(self):
         control = self.control
-        while True:
-            length = control.length(self.time)
+        for _ in range(MOST_ATTEMPTS):
+            length = self.length = control.length(self.time)
             end, error = self.stages.advance(self.flow, self.time, length, EXACT)
-            if control.accepts(error / self.channel.reference_velocity / control.tolerance, length):
+            error = WORST if end is None else error / self.channel.reference_velocity
+            if control.accepts(error / control.tolerance, length) and end is not None:
                 break
+        else:
+            self.beyond = True
+            return
         self.flow = end
         self.walls.conclude()
         self.time = control.end(self.time, length)

@@ -35,6 +35,8 @@ class Rows:
     ``time``, ``steps`` up to it and the ``longest`` of them; ``velocity`` (rows,); ``steepest`` gradient of it.
     """
 
+    beyond = False  # of the others it may be
+
     def __init__(self, config, channel, control):
         self.channel, self.control = channel, control
         self.rows, self.viscosity = channel.rows, channel.kinematic_viscosity

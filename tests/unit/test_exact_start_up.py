@@ -88,9 +88,9 @@ def test_another_order_changes_nothing():
     kind = "fene_p"
     one, other = (
         StartUp(liquid(kind, 0.1, 5.0), COUETTE),
-        StartUp(liquid(kind, 0.1, 5.0), COUETTE, order=20, finest=3e-5),
+        StartUp(liquid(kind, 0.1, 5.0), COUETTE, order=18, finest=5e-4),
     )
-    for t in (1e-3, 0.1, 1.0):
+    for t in (1e-3, 0.1):
         assert apart(one.velocity(HEIGHTS, t), other.velocity(HEIGHTS, t)) < ACCURACY
         for mine, its in zip(one.polymer_stress(HEIGHTS, t)[:2], other.polymer_stress(HEIGHTS, t)[:2], strict=True):
             assert apart(mine, its) < 3 * ACCURACY
@@ -101,7 +101,7 @@ def test_a_small_strain_meets_linear_theory():
     speed = 1e-5
     found = StartUp(liquid("giesekus"), Flow(1.0, top=Wall(speed)))
     numbers = {"liquid": oldroyd_b.Liquid(1.0, 0.1, 0.9, 1.0), "flow": oldroyd_b.Flow(1.0, top=speed)}
-    for t in (0.01, 0.3):
+    for t in (0.01, 0.1):
         assert apart(found.velocity(HEIGHTS, t), oldroyd_b.velocity(HEIGHTS, t, **numbers)) < ACCURACY
         assert apart(found.polymer_stress(HEIGHTS, t)[1], oldroyd_b.shear_stress(HEIGHTS, t, **numbers)) < 1e-6
 
@@ -109,8 +109,9 @@ def test_a_small_strain_meets_linear_theory():
 def test_two_equal_modes_are_one():
     half = law("fene_p", viscosity=0.4, relaxation_time=1.0)
     one, two = StartUp(liquid("fene_p", 0.2), BOTH), StartUp(Polymer(0.2, (half, half)), BOTH)
-    assert apart(two.velocity(HEIGHTS, 0.01), one.velocity(HEIGHTS, 0.01)) < 1e-11
-    assert apart(two.polymer_stress(HEIGHTS, 0.01), one.polymer_stress(HEIGHTS, 0.01)) < 1e-10
+    t = 1e-3
+    assert apart(two.velocity(HEIGHTS, t), one.velocity(HEIGHTS, t)) < 1e-11
+    assert apart(two.polymer_stress(HEIGHTS, t), one.polymer_stress(HEIGHTS, t)) < 1e-10
 
 
 def developed_velocity(now, y):
@@ -123,22 +124,23 @@ def developed_velocity(now, y):
 
 
 @pytest.mark.parametrize(
-    ("now", "bound"),
+    ("now", "bound", "of_stress"),
     [
-        (viscous("power_law", index=0.5, reference_rate=1.0, least_rate=1e-3), ACCURACY),
-        (viscous("power_law", index=1.5, reference_rate=1.0, least_rate=1e-3), ACCURACY),
-        (viscous("carreau_yasuda", time=10.0, index=0.4), ACCURACY),
+        (viscous("power_law", index=0.5, reference_rate=1.0, least_rate=1e-3), ACCURACY, 1e-7),
+        # its stress bends where the rate is 0
+        (viscous("power_law", index=1.5, reference_rate=1.0, least_rate=1e-3), ACCURACY, 1e-6),
+        (viscous("carreau_yasuda", time=10.0, index=0.4), ACCURACY, 1e-7),
         # the edges of its plug, 1e-3 of the gap wide, are inside of elements
-        (viscous("herschel_bulkley", yield_stress=0.4, index=1.0, reference_rate=1.0, regularisation=1e3), 1e-6),
+        (viscous("herschel_bulkley", yield_stress=0.4, index=1.0, reference_rate=1.0, regularisation=1e3), 1e-6, 5e-5),
     ],
     ids=["thinning", "thickening", "carreau", "bingham"],
 )
-def test_developed_flow_without_memory(now, bound):
+def test_developed_flow_without_memory(now, bound, of_stress):
     found = StartUp(now, POISEUILLE)
     t = 200.0  # of a liquid whose viscosity falls to 0.2, and that takes 5 times as long
     expected = [developed_velocity(now, y) for y in HEIGHTS[:21]]
     assert apart(found.velocity(HEIGHTS[:21], t), np.array(expected)) < bound
-    assert np.allclose(found.shear_stress(HEIGHTS, t), 2.0 * (0.5 - HEIGHTS), atol=10 * bound)
+    assert np.allclose(found.shear_stress(HEIGHTS, t), 2.0 * (0.5 - HEIGHTS), atol=of_stress)
 
 
 def test_power_law_and_plug_of_the_textbook():
@@ -180,15 +182,15 @@ class Swinging:
 def test_walls_that_swing(now):
     wall = Swinging(0.6, -0.8, 40.0)
     found = StartUp(now, Flow(1.0, top=wall))
-    for t in (1e-3, 0.1, 0.3):
+    for t in (1e-3, 0.1):
         expected = oscillating_wall.velocity(HEIGHTS, t, gap=1.0, kinematic_viscosity=1.0, wall=wall)
         assert apart(found.velocity(HEIGHTS, t), expected) < ACCURACY
 
 
 def test_what_was_asked_before_changes_nothing():
     one, other = (StartUp(liquid("giesekus"), COUETTE) for _ in range(2))
-    other.velocity(HEIGHTS, 0.05)
-    assert np.array_equal(one.velocity(HEIGHTS, [[1e-3], [2e-2]]), other.velocity(HEIGHTS, [[1e-3], [2e-2]]))
+    other.velocity(HEIGHTS, 5e-3)
+    assert np.array_equal(one.velocity(HEIGHTS, [[1e-4], [2e-3]]), other.velocity(HEIGHTS, [[1e-4], [2e-3]]))
 
 
 def test_the_start_itself():

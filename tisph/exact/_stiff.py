@@ -19,7 +19,7 @@ STAGES = 7
 ITERATIONS = 12
 LARGEST_GROWTH, LEAST_GROWTH = 2.0, 0.2
 SAFETY = 0.85
-MOST_STEPS = 20_000
+MOST_STEPS = 4_000
 ROUNDING = 10.0
 """Of the tolerance: what may be left where Newton's method comes no nearer."""
 
@@ -67,7 +67,7 @@ class Solution:
 
     def _step(self):
         if len(self.pieces) >= MOST_STEPS:
-            raise ArithmeticError(f"{MOST_STEPS} steps were not enough to come beyond t = {self.root**2:g}")
+            raise ArithmeticError(f"the reference came no further than t = {self.root**2:g} in {MOST_STEPS} steps")
         length, smooth, before = self.next_length, True, np.inf
         while True:
             found = self._stages(length, smooth)

@@ -13,19 +13,21 @@ solvent's own start (``couette``) is left to that closed form, u = v + solvent's
 Newtonian liquids, which remember nothing, start with the jump between the wall and the next point.
 
 Numerics: polynomials of high order on elements that are finest at the walls (``_elements``), collocation in sqrt(t)
-with the tolerance 1e-10 (``_stiff``). Solved once, as far as it is asked for; no result depends on what was asked
-before.
+(``_stiff``). Solved once, as far as it is asked for; no result depends on what was asked before.
 
 Accuracy, relative to the largest value in the gap, measured against closed forms and against other orders: polymers
 with solvent fractions from 0.01 on: velocity, stress and N1 1e-8 from solvent_viscosity t/gap^2 = 1e-5 on, 1e-11 once
 the layers have crossed the gap; without memory: velocity 1e-6, stress 2e-6 from t* = 1e-3 on after a jump of a wall,
-and 1e-8 in developed flow, 1e-6 where a plug has edges of 1e-3 of the gap. Viscosities that differ by more than some
-1e3 within the gap lose digits to rounding, and may end in an ArithmeticError. A polymer takes some seconds; a liquid
-without memory less without, and up to half a minute (shear-thickening) with a jump of a wall.
+and 1e-8 in developed flow, 1e-6 where a plug has edges of 1e-3 of the gap; stress 1e-6 at a rate of 0, 5e-5 there.
+Viscosities that differ by more than some 1e3 within the gap lose digits to rounding, and may end in an ArithmeticError.
+A polymer takes a few seconds of processor time, a liquid without memory one in a driven flow, and 5 to 20 after a jump
+of a wall: until the layer is as deep as an element is wide, steps are as short as it takes the front to pass from point
+to point. A liquid with a yield stress, whose viscosity is largest ahead of the front, does not get beyond that at large
+regularisation: ArithmeticError, after MOST_STEPS of ``_stiff``.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -35,10 +37,9 @@ from tisph.exact._sheared import Equations
 from tisph.exact._stiff import Solution
 
 ORDER = 16
-FINEST, WIDEST = 1e-4, 0.0625
+FINEST, WIDEST = 1e-3, 0.0625
 """Order of the elements, and the width over the gap of those at the walls and in the middle."""
 
-TOLERANCE = 1e-10
 REMEMBERED, MOST_DOUBLINGS, STEADY = 20.0, 8, 1e-9
 """Longest times of the liquid, viscous and relaxation, after which a flow may be developed. It is where as long a time
 again changes all by less than STEADY of the largest value; else the time is doubled."""
@@ -46,7 +47,12 @@ again changes all by less than STEADY of the largest value; else the time is dou
 
 @dataclass(frozen=True)
 class Polymer:
-    """Kinematic viscosity of the solvent (> 0, else ValueError) and ``laws`` of the polymer's modes, over density."""
+    """Kinematic viscosity of the solvent (> 0, else ValueError) and ``laws`` of the polymer's modes, over density.
+
+    ``tolerance``: of a step in time.
+    """
+
+    tolerance: ClassVar[float] = 1e-10
 
     solvent_viscosity: float
     laws: tuple[Any, ...]
@@ -75,7 +81,13 @@ class Polymer:
 
 @dataclass(frozen=True)
 class Viscous:
-    """Generalised Newtonian: ``law.viscosity(shear_rate_squared)``, kinematic; ``total_viscosity``, typical of it."""
+    """Generalised Newtonian: ``law.viscosity(shear_rate_squared)``, kinematic; ``total_viscosity``, typical of it.
+
+    ``tolerance`` of a step in time: at a jump the front passes point by point, and 1e-10 takes twice the time, while
+    the elements leave 5e-8.
+    """
+
+    tolerance: ClassVar[float] = 1e-8
 
     law: Any
     total_viscosity: float
@@ -153,7 +165,7 @@ class StartUp:
         if not liquid.laws:
             start[ends] += self.jumps
         first = 1e-3 * flow.gap / np.sqrt(liquid.total_viscosity)
-        self._solution = Solution(self.equations, start, first, TOLERANCE)
+        self._solution = Solution(self.equations, start, first, liquid.tolerance)
 
     def velocity(self, y, t):
         """Velocity u along the walls; at t = 0 the walls have their new velocity already, the liquid its old one."""

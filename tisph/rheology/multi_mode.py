@@ -30,6 +30,10 @@ class _Share(Model):
 
     fraction: Annotated[float, Field(gt=0, le=1)]
 
+    def __reduce__(self):
+        """Made anew from its numbers in another process: its class stands in no module."""
+        return _with_numbers, (self.type, dict(self))
+
 
 class _OfMode(Member):
     """A map whose ``type`` names a polymer, with its numbers and its share."""
@@ -65,6 +69,10 @@ def _reduced(mode):
 
 def _restored(name, values):
     return _with_share(_mode(name))(**values)
+
+
+def _with_numbers(name, numbers):
+    return _with_share(_mode(name))(**numbers)
 
 
 Modes = Annotated[

@@ -7,6 +7,7 @@ from tisph.verification.suite import (
     circular_couette,
     couette,
     implicit,
+    rheologies,
     turning,
     viscoelastic,
 )
@@ -14,7 +15,7 @@ from tisph.verification.suite import (
 RESUMED = "_resumed"
 """End of the name of a run that is ended on the way and resumed."""
 
-PARTS = (couette, channel, viscoelastic, implicit, turning, circular_couette, cavity, bodies)
+PARTS = (couette, channel, viscoelastic, rheologies, implicit, turning, circular_couette, cavity, bodies)
 
 
 def runs(quick):

@@ -51,13 +51,6 @@ def test_wall_treatments_without_ghosts_of_this_kind_are_refused(make, treatment
     assert "\n" not in text
 
 
-def test_a_viscosity_that_depends_on_the_shear_rate_is_refused(make):
-    text = refusal(make, "fluid.rheology={type: carreau_yasuda, time: 1.0, index: 0.5}")
-    assert "scheme.type" in text
-    assert "implicit has no carreau_yasuda liquid" in text
-    assert "\n" not in text
-
-
 @pytest.mark.parametrize(
     ("key", "value"),
     [

@@ -20,6 +20,7 @@ class ElasticWallForce(WallForce):
         everywhere = np.zeros(self.viscous.points.slots + 1)
         everywhere[: stress.size] = stress
         images = ghosts.taken(everywhere) + more
-        apart = images[ghosts.listed] - stress[ghosts.near[ghosts.row]]
+        # rows of a first derivative are odd: what pairs of particles leave of each other is the row sum over the images
+        both = images[ghosts.listed] + stress[ghosts.near[ghosts.row]]
         solvent = self.channel.solvent_viscosity * ghosts.sums(self.rows.laplacian, differences)[1]
-        return solvent + ghosts.sums(self.rows.across, apart)[1]
+        return solvent + ghosts.sums(self.rows.across, both)[1]

@@ -116,8 +116,8 @@ def test_disorder_costs_no_more_than_a_factor_of_two(make):
 def test_the_momentum_of_walls_drive_and_liquid_closes(make):
     scheme = make(*DRIVEN, "discretisation.particles_across=25", "time.end=1.0")
     run(scheme)
-    # at first, while layers are thinner than spacings, the walls' part follows from what their images do
-    assert scheme.momentum_balance()["closure"] < 3e-3
+    # fits of third order at 12 spacings from the middle
+    assert scheme.momentum_balance()["closure"] < 1e-3
 
 
 def rows(tmp_path_factory, *overrides):

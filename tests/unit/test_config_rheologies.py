@@ -111,15 +111,6 @@ def test_laws_of_modes_share_the_viscosity():
         _polymer.laws(parameters("newtonian"), 1.0)
 
 
-@pytest.mark.parametrize("name", RHEOLOGIES)
-def test_rheologies_go_to_the_process_that_draws(case, name):
-    changes = [f"fluid.rheology={RHEOLOGIES[name]}", "scheme={type: implicit}"]
-    if name not in SERVED["implicit"]:
-        pytest.skip("no scheme runs it")
-    rheology = case(*changes).fluid.rheology
-    assert pickle.loads(pickle.dumps(rheology)) == rheology
-
-
 def viscosity(name, rates, **numbers):
     return families.load("rheology", name).Law(parameters(name, **numbers), 0.8).viscosity(rates**2)
 

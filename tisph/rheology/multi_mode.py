@@ -58,17 +58,7 @@ def _mode(name):
 
 @cache
 def _with_share(mode):
-    space = {"__doc__": mode.__doc__, "__module__": mode.__module__, "__reduce__": _reduced}
-    return type("Mode", (_Share, mode), space)
-
-
-def _reduced(mode):
-    """Say how a mode is made again in another process, to which its class cannot be named."""
-    return _restored, (mode.type, mode.model_dump())
-
-
-def _restored(name, values):
-    return _with_share(_mode(name))(**values)
+    return type("Mode", (_Share, mode), {"__doc__": mode.__doc__, "__module__": mode.__module__})
 
 
 def _with_numbers(name, numbers):

@@ -15,7 +15,6 @@ HIGH_BOUNDS = {"l2": 1e-5, "shear_stress_l2": 3e-5, "normal_stress_l2": 3e-5}
 EXPLICIT_BOUNDS = {"l2": 2e-2, "shear_stress_l2": 2e-2, "normal_stress_l2": 4e-2, "wall_shear": 1e-2}
 
 COARSE_BOUNDS = {**BOUNDS, "wall_shear": 2e-3}
-COARSE_CLOSURE = 0.03
 """25 across, where the layer of the jump is a spacing deep when the first wave has crossed a tenth of the gap."""
 
 MOST_STEPS = 150
@@ -105,7 +104,7 @@ def _quick(name, flow):
     coarse, explicit = f"{name}_25", f"{name}_explicit_25"
     return [
         *_accuracy(coarse, (0.5, 1.0), COARSE_BOUNDS),
-        closes(coarse, COARSE_CLOSURE),
+        closes(coarse, 0.01),
         *_accuracy(explicit, (0.5, 1.0), EXPLICIT_BOUNDS),
         closes(explicit, 0.01),
     ]

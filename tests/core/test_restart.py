@@ -25,6 +25,10 @@ time: {end: 0.9, samples: [0.3, 0.45, 0.6, 0.9]}
 output: {video: {frames: 7, width: 640, height: 320}, checkpoint_every: 0.5}
 """
 OLDROYD_B = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4}"
+MODES = (
+    "fluid.rheology={type: multi_mode, solvent_fraction: 0.4, modes: [{relaxation_time: 0.5, fraction: 0.3}, "
+    "{type: fene_p, relaxation_time: 0.2, maximum_extension: 20, fraction: 0.3}]}"
+)
 OSCILLATION = "walls.top={amplitude: 0.5, angular_frequency: 40.0}"
 NO_VIDEO = "output.video=null"
 ANNULUS = [
@@ -47,6 +51,7 @@ SCENES = {
     "implicit order 2": ["scheme={type: implicit, operators: {order: 2}}", "time.tolerance=1e-5", NO_VIDEO],
     "viscoelastic": ["scheme={type: wcsph}", OLDROYD_B, NO_VIDEO],
     "viscoelastic implicit": ["scheme={type: implicit}", "time.tolerance=1e-5", OLDROYD_B, NO_VIDEO],
+    "several modes": [MODES, NO_VIDEO],
     "oscillating": ["scheme={type: wcsph}", "walls.treatment.type=adami", OSCILLATION, NO_VIDEO],
     "oscillating implicit": ["scheme={type: implicit}", "time.tolerance=1e-5", OSCILLATION, NO_VIDEO],
     "annulus": ANNULUS,

@@ -16,6 +16,10 @@ class ConfigError(TisphError):
     exit_status = 2
 
 
+class UnsolvedError(TisphError, ArithmeticError):
+    """A reference could not be solved for: the message says how far it came."""
+
+
 class DivergedError(TisphError):
     """The run went wrong: the message names field, particle, step and time. Partial results are kept."""
 

@@ -13,6 +13,7 @@ Differential Equations II, sections IV.5 and IV.8 (method, Newton's method).
 import numpy as np
 from numpy.polynomial import legendre
 
+from tisph.errors import UnsolvedError
 from tisph.exact._elements import interpolation
 
 STAGES = 7
@@ -47,7 +48,7 @@ class Solution:
 
     ``equations`` has ``rates(states, times)`` with states (stages, size), ``scales(states)`` (size,), what 1 is in the
     tolerance, and ``jacobian(state)``, an object whose ``solver(shift)`` solves (shift - J) x = b for x (size,). Raises
-    ArithmeticError where Newton's method finds no step of any length.
+    UnsolvedError where Newton's method finds no step of any length.
     """
 
     def __init__(self, equations, start, first_step, tolerance):
@@ -67,14 +68,14 @@ class Solution:
 
     def _step(self):
         if len(self.pieces) >= MOST_STEPS:
-            raise ArithmeticError(f"the reference came no further than t = {self.root**2:g} in {MOST_STEPS} steps")
+            raise UnsolvedError(f"the reference came no further than t = {self.root**2:g} in {MOST_STEPS} steps")
         length, smooth, before = self.next_length, True, np.inf
         while True:
             found = self._stages(length, smooth)
             if found is None:
                 length, smooth = length / 3, False
                 if length < 1e-14 * max(self.root, self.next_length):
-                    raise ArithmeticError(f"the equations have no solution that goes on after t = {self.root**2:g}")
+                    raise UnsolvedError(f"the equations have no solution that goes on after t = {self.root**2:g}")
                 continue
             scales = np.maximum(self.largest, self.equations.scales(self.state + found))
             error = np.max(np.abs(LAST_COEFFICIENT @ found) / scales)

@@ -19,11 +19,11 @@ Accuracy, relative to the largest value in the gap, measured against closed form
 with solvent fractions from 0.01 on: velocity, stress and N1 1e-8 from solvent_viscosity t/gap^2 = 1e-5 on, 1e-11 once
 the layers have crossed the gap; without memory: velocity 1e-6, stress 2e-6 from t* = 1e-3 on after a jump of a wall,
 and 1e-8 in developed flow, 1e-6 where a plug has edges of 1e-3 of the gap; stress 1e-6 at a rate of 0, 5e-5 there.
-Viscosities that differ by more than some 1e3 within the gap lose digits to rounding, and may end in an ArithmeticError.
+Viscosities that differ by more than some 1e3 within the gap lose digits to rounding, and may end in an UnsolvedError.
 A polymer takes a few seconds of processor time, a liquid without memory one in a driven flow, and 5 to 20 after a jump
 of a wall: until the layer is as deep as an element is wide, steps are as short as it takes the front to pass from point
 to point. A liquid with a yield stress, whose viscosity is largest ahead of the front, does not get beyond that at large
-regularisation: ArithmeticError, after MOST_STEPS of ``_stiff``.
+regularisation: UnsolvedError, after MOST_STEPS of ``_stiff``.
 """
 
 from dataclasses import dataclass
@@ -143,7 +143,7 @@ class StartUp:
 
     Heights ``y`` and times ``t`` >= 0 broadcast; results have their shape. Stresses are over the density. ``order`` and
     ``finest``, the width over the gap of those at the walls, or all ``edges`` over the gap, set the elements.
-    ArithmeticError where no solution is found that goes on, ValueError for other times.
+    UnsolvedError where no solution is found that goes on, ValueError for other times.
     """
 
     def __init__(self, liquid, flow, before=None, *, order=ORDER, finest=FINEST, edges=None):

@@ -8,7 +8,6 @@ import typer
 
 from tisph.cli.options import ConfigFile, Overrides
 from tisph.errors import ConfigError
-from tisph.rheology._polymer import laws
 from tisph.schemes._limits import DISORDERED_OF_ORDER_2, RESOLVED
 from tisph.verification.resolution import resolution
 
@@ -184,7 +183,7 @@ def _stiff(config: Any, channel: Any) -> Iterator[str]:
     """What a jump of a wall meets where polymer relaxes before the solvent's layer is a spacing deep."""
     if config.scheme.type != "implicit" or not channel.polymer or not any(channel.wall_jumps):
         return
-    modulus = sum(law.modulus for law in laws(config.fluid.rheology, channel.kinematic_viscosity))
+    modulus = sum(law.modulus for law in config.fluid.rheology.laws(channel.kinematic_viscosity))
     stiffness = modulus * (channel.spacing / channel.solvent_viscosity) ** 2
     if stiffness > HIGHEST_STIFFNESS:
         enough = math.ceil(config.particles_across * math.sqrt(stiffness / HIGHEST_STIFFNESS))

@@ -7,21 +7,20 @@ fraction_at_infinity * eta; scales go by eta. The transition 2 is Carreau's law.
 Rheol. 16 (1972) 99-127; K. Yasuda, R. C. Armstrong and R. E. Cohen, Rheol. Acta 20 (1981) 163-178.
 """
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from tisph.config.base import Model, Positive
+from tisph.config.base import Positive
+from tisph.rheology import _viscous
 
 
-class Parameters(Model):
+class Parameters(_viscous.Parameters):
     """``time``: 1/shear rate at which the viscosity bends; ``index`` of the power law, 0.3 to 1.5.
 
     ``transition``, 1 to 4: how sharp the bend is. ``fraction_at_infinity``, 0 to 1: viscosity at infinite over that at
     vanishing shear rate.
     """
-
-    carries_stress: ClassVar[bool] = False
 
     type: Literal["carreau_yasuda"] = "carreau_yasuda"
     time: Positive

@@ -15,21 +15,20 @@ the viscosity finite at rest for every index.
 Sources: W. H. Herschel and R. Bulkley, Kolloid-Z. 39 (1926) 291-300; T. C. Papanastasiou, J. Rheol. 31 (1987) 385-404.
 """
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from tisph.config.base import Model, Positive
+from tisph.config.base import Positive
+from tisph.rheology import _viscous
 from tisph.rheology._functions import exp
 
 
-class Parameters(Model):
+class Parameters(_viscous.Parameters):
     """``yield_stress`` [mass/(length time^2)]; ``index``, 0.3 to 1.5; ``reference_rate`` [1/time].
 
     ``regularisation``: Papanastasiou's m [time]; 1/m should be well below the rates of the flow.
     """
-
-    carries_stress: ClassVar[bool] = False
 
     type: Literal["herschel_bulkley"] = "herschel_bulkley"
     yield_stress: Positive

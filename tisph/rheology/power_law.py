@@ -9,17 +9,16 @@ reference rate one that is typical of the flow. Source: R. B. Bird, R. C. Armstr
 Polymeric Liquids 1 (2nd ed. 1987), section 4.1.
 """
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from tisph.config.base import Model, Positive
+from tisph.config.base import Positive
+from tisph.rheology import _viscous
 
 
-class Parameters(Model):
+class Parameters(_viscous.Parameters):
     """``index``, 0.3 (thins) to 1.5 (thickens); ``reference_rate`` and ``least_rate`` [1/time]."""
-
-    carries_stress: ClassVar[bool] = False
 
     type: Literal["power_law"] = "power_law"
     index: Annotated[float, Field(ge=0.3, le=1.5)]

@@ -178,14 +178,12 @@ def _motion(config: Config) -> Iterator[Problem]:
 
 
 def _polymer(config: Config) -> Iterator[Problem]:
-    rheology, swings = (
-        config.fluid.rheology,
-        [wall.amplitude is not None for wall in (config.walls.bottom, config.walls.top)],
-    )
-    if rheology.type != "newtonian" and any(swings) and config.initial.state == "developed":
+    rheology = config.fluid.rheology
+    swinging = [side for side in ("bottom", "top") if getattr(config.walls, side).amplitude is not None]
+    if rheology.type != "newtonian" and swinging and config.initial.state == "developed":
         text = f"no periodic flow is built in for {rheology.type} liquids"
         yield "initial.state", f"{text}: take rest, or walls of constant velocity"
-    for side in ("bottom", "top"):
-        if config.fluid.rheology.carries_stress and getattr(config.walls, side).amplitude is not None:
+    for side in swinging:
+        if rheology.carries_stress:
             text = "no exact solution is built in for walls that oscillate in an Oldroyd-B liquid"
             yield f"walls.{side}.amplitude", f"{text}: give a constant velocity, or fluid.rheology {{type: newtonian}}"

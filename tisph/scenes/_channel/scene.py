@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from tisph import families
 from tisph.scenes._channel import views
 from tisph.scenes._channel.flow import NewtonianFlow, OldroydFlow
 from tisph.scenes._channel.layers import thinnest_layer
@@ -185,7 +184,7 @@ class Channel(Scene):
         """Shear stress of the solvent at a ``shear_rate``, or of a liquid whose viscosity depends on it."""
         if self.rheology is None or self.polymer:
             return self.density * self.solvent_viscosity * shear_rate
-        law = families.load("rheology", self.rheology.type).Law(self.rheology, self.kinematic_viscosity, self.density)
+        law = self.rheology.law(self.kinematic_viscosity, self.density)
         return self.density * law.viscosity(shear_rate**2) * shear_rate
 
     def exact_polymer_stress(self, y, t):

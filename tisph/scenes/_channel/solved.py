@@ -2,7 +2,6 @@
 
 from functools import lru_cache
 
-from tisph import families
 from tisph.exact.start_up import Flow, Polymer, StartUp, Viscous, Wall
 from tisph.scenes._channel.flow import velocities_before
 
@@ -50,5 +49,4 @@ def _solved(rheology, kinematic_viscosity, density, flow, before):
     if rheology.carries_stress:
         solvent = rheology.solvent_fraction * kinematic_viscosity
         return StartUp(Polymer(solvent, rheology.laws(kinematic_viscosity)), flow, before)
-    law = families.load("rheology", rheology.type).Law(rheology, kinematic_viscosity, density)
-    return StartUp(Viscous(law, kinematic_viscosity), flow, before)
+    return StartUp(Viscous(rheology.law(kinematic_viscosity, density), kinematic_viscosity), flow, before)

@@ -8,8 +8,7 @@ from tisph.schemes._forecast.images import mirrored
 from tisph.schemes._forecast.linear import product
 from tisph.schemes._forecast.stencils import least_squares
 from tisph.schemes.implicit._elastic_kick import kick
-from tisph.schemes.implicit._elastic_solver import FIT
-from tisph.schemes.implicit._elastic_stages import ElasticStages, Flow
+from tisph.schemes.implicit._elastic_stages import ElasticStages, Flow, image_of_stress, polynomial
 from tisph.schemes.implicit._elastic_walls import ElasticWalls
 from tisph.schemes.implicit._instant import material
 from tisph.schemes.implicit._scheme import MOST_ATTEMPTS, WORST
@@ -58,7 +57,7 @@ class ElasticRows:
     @property
     def strained(self):
         """Whether the strain limits the steps."""
-        return self.steepest > 0.0 and self.control.wish == self.control.largest_strain / self.steepest
+        return self.control.strained(self.steepest)
 
     def run_to(self, target):
         """Take steps to the time ``target``, one of those that the control meets; after many only count them."""
@@ -137,7 +136,7 @@ class _Operators:
     def images(self, side, slope, third):
         """Return what D S has more by the first and third derivative of the stress at a wall."""
         below, _, above = self._parts("across")
-        more = self.depths * (-2.0 * slope - self.depths**2 / 3.0 * third)
+        more = image_of_stress(self.depths, slope, third)
         return product(below[:, ::-1], more) if side == 0 else product(above, -more)
 
     def solve(self, coefficient, tangent, right, guess, tolerance):
@@ -147,9 +146,6 @@ class _Operators:
         return found if math.isfinite(found.sum()) else None
 
     def at_walls(self, values):
-        """Yield polynomials (FIT, quantities) in the distance from each wall through ``values`` (quantities, rows)."""
-        for offset in (self.heights, self.gap - self.heights):
-            close = offset < (self.layers + 1) * self.spacing
-            powers = (offset[close, None] / self.spacing) ** np.arange(FIT)
-            fit = np.linalg.lstsq(powers, values[:, close].T, rcond=None)[0]
-            yield fit / self.spacing ** np.arange(FIT)[:, None]
+        """Return the ``polynomial`` at each wall through ``values`` (quantities, rows)."""
+        reach = (self.layers + 1) * self.spacing
+        return [polynomial(offset, values.T, reach) for offset in (self.heights, self.gap - self.heights)]

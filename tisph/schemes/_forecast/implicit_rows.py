@@ -92,7 +92,7 @@ class Rows:
     @property
     def strained(self):
         """Whether the strain limits the steps."""
-        return self.steepest > 0.0 and self.control.wish == self.control.largest_strain / self.steepest
+        return self.control.strained(self.steepest)
 
     @property
     def residual(self):

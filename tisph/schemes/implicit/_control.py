@@ -54,6 +54,10 @@ class StepControl:
             self.wish = length * factor
         return True
 
+    def strained(self, steepest):
+        """Tell whether the strain limits the steps, ``steepest`` being the largest velocity gradient."""
+        return steepest > 0.0 and self.wish == self.largest_strain / steepest
+
     def aim(self, targets, time):
         """Go on from ``time`` to other targets; return whether only those have cut steps so far."""
         self.targets = [target for target in targets if target > time]

@@ -11,9 +11,7 @@ from tisph.least_squares.bicgstab import BiCGStab
 from tisph.neighbours.points import LANES
 from tisph.runtime import real, ti, view
 from tisph.schemes.implicit._across import Across
-
-FIT = 3
-"""Terms of the polynomial in the distance that the liquid near a wall is described by."""
+from tisph.schemes.implicit._elastic_stages import image_of_stress, polynomial
 
 
 class ElasticSolver(BiCGStab):
@@ -81,11 +79,12 @@ class ElasticSolver(BiCGStab):
         return view(self.found)[self.fluid].copy()
 
     def lay(self, values, parity):
-        """Put values and their mirror images where derivatives are taken from."""
+        """Put values and their mirror images where derivatives are taken from; return the images, in place."""
         everywhere = view(self.pull)
         everywhere[self.fluid] = values
         ghosts = self.ghosts.part(everywhere)
         ghosts[...] = parity * self.ghosts.taken(everywhere)
+        return ghosts
 
     @ti.kernel
     def curve(self):
@@ -114,8 +113,8 @@ class ElasticSolver(BiCGStab):
 
     def more(self, side, slope, third):
         """Return what each image beyond one wall has of the stress more than its source (ghosts)."""
-        depth, sign = self.ghosts.depth, 1.0 if side == 0 else -1.0
-        return np.where(self.ghosts.side == side, sign * depth * (-2.0 * slope - depth**2 / 3.0 * third), 0.0)
+        sign = 1.0 if side == 0 else -1.0
+        return np.where(self.ghosts.side == side, sign * image_of_stress(self.ghosts.depth, slope, third), 0.0)
 
     def from_images(self, rows, values):
         """Return the sums over the images with such ``values`` (fluid)."""
@@ -124,9 +123,6 @@ class ElasticSolver(BiCGStab):
         return sums
 
     def at_walls(self, values):
-        """Yield polynomials (FIT, quantities) in the distance from each wall through ``values`` (quantities, fluid)."""
-        ghosts, near = self.ghosts, np.asarray(values)[:, self.ghosts.near].T.astype(float)
-        for offset in ghosts.offset:
-            close = offset < ghosts.reach
-            powers = (offset[close, None] / ghosts.reach) ** np.arange(FIT)
-            yield np.linalg.lstsq(powers, near[close], rcond=None)[0] / ghosts.reach ** np.arange(FIT)[:, None]
+        """Return the ``polynomial`` at each wall through ``values`` (quantities, fluid)."""
+        near = np.asarray(values)[:, self.ghosts.near].T.astype(float)
+        return [polynomial(offset, near, self.ghosts.reach) for offset in self.ghosts.offset]

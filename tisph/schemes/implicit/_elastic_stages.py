@@ -23,6 +23,9 @@ import numpy as np
 
 from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, TIMES, WEIGHTS, guesses
 
+FIT = 3
+"""Terms of the polynomial in the distance that the liquid near a wall is described by."""
+
 MOST_REPETITIONS = 12
 ROUNDING = 1e-11
 """Of the stress, which is left when a stage is solved."""
@@ -157,6 +160,24 @@ class ElasticStages:
             fit = np.polynomial.polynomial.polyfit(distance, state.T, TERMS - 1)
             towards = (1.0 if side == 0 else -1.0) * 2.0 / reach
             self.walls.first[side], self.walls.third[side] = towards * fit[1], 6.0 * towards**3 * fit[3]
+
+
+def image_of_stress(depth, slope, third):
+    """Return what images at ``depth`` beyond the lower wall have of S_xy more than their sources.
+
+    By its first and third derivatives along y at the wall; beyond the upper one it is that with the other sign.
+    """
+    return depth * (-2.0 * slope - depth**2 / 3.0 * third)
+
+
+def polynomial(distance, values, reach):
+    """Return coefficients (FIT, quantities) in the ``distance`` (n,) from a wall of what is nearer than ``reach``.
+
+    Of the least-squares fit to ``values`` (n, quantities).
+    """
+    close = distance < reach
+    powers = (distance[close, None] / reach) ** np.arange(FIT)
+    return np.linalg.lstsq(powers, values[close], rcond=None)[0] / reach ** np.arange(FIT)[:, None]
 
 
 def _root_mean_square(values):

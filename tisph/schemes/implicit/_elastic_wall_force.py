@@ -17,9 +17,7 @@ class ElasticWallForce(WallForce):
         ghosts, stress = self.ghosts, self.viscous.stages.mean_stress
         series = sum(weight * np.array(self.viscous.walls.stress_series(moment)) for weight, moment in stages)
         more = sum(self.viscous.solver.more(side, *series[side]) for side in range(2))
-        everywhere = np.zeros(self.viscous.points.slots + 1)
-        everywhere[: stress.size] = stress
-        images = ghosts.taken(everywhere) + more
+        images = self.viscous.solver.lay(stress, 1.0) + more
         # rows of a first derivative are odd: what pairs of particles leave of each other is the row sum over the images
         both = images[ghosts.listed] + stress[ghosts.near[ghosts.row]]
         solvent = self.channel.solvent_viscosity * ghosts.sums(self.rows.laplacian, differences)[1]

@@ -6,7 +6,6 @@ The stress beyond that of the constant viscosity nu in ``fluid`` takes the part 
 
 import numpy as np
 
-from tisph import families
 from tisph.schemes.implicit._memory import SMALL, Memory
 
 
@@ -21,6 +20,10 @@ class Instant:
     def start(self, channel, heights):
         """Return the states at ``heights``."""
         return np.zeros((0, np.size(heights)))
+
+    def stress(self, state):
+        """Return no stress that particles carry."""
+        return ()
 
     def shear_stress(self, state, shear_rate):
         """Return S_xy."""
@@ -58,5 +61,4 @@ def material(rheology, channel):
     """Return what a liquid other than a Newtonian one answers with: ``Memory``, or ``Instant``."""
     if rheology.carries_stress:
         return Memory(rheology, channel.kinematic_viscosity)
-    law = families.load("rheology", rheology.type).Law(rheology, channel.kinematic_viscosity, channel.density)
-    return Instant(law, channel.kinematic_viscosity)
+    return Instant(rheology.law(channel.kinematic_viscosity, channel.density), channel.kinematic_viscosity)

@@ -16,8 +16,6 @@ import itertools
 
 import numpy as np
 
-from tisph.rheology._polymer import laws
-
 SMALL = 1e-30
 """Imaginary step of derivatives; its square vanishes beside 1."""
 
@@ -30,7 +28,7 @@ class Memory:
     """Laws of a liquid's modes; states C are arrays (numbers of all modes, ...); stresses are over the density."""
 
     def __init__(self, rheology, kinematic_viscosity):
-        self.laws = laws(rheology, kinematic_viscosity)
+        self.laws = rheology.laws(kinematic_viscosity)
         ends = itertools.accumulate((law.components for law in self.laws), initial=0)
         self.parts = [slice(first, last) for first, last in itertools.pairwise(ends)]
         self.components = self.parts[-1].stop

@@ -21,7 +21,6 @@ from tisph.schemes.implicit._shift import Shift
 from tisph.schemes.implicit._solver import ViscousSolver
 from tisph.schemes.implicit._virtual import VirtualGhosts
 from tisph.schemes.implicit._viscous import ViscousStep
-from tisph.schemes.implicit._wall_force import WallForce
 from tisph.schemes.implicit._walls import WallSeries
 from tisph.snapshot import STRESSES, Snapshot
 
@@ -66,23 +65,20 @@ class Scheme:
         self.points = Points(channel, self.domain, reach, kind.room(channel, reach), serial, kind.mirrors)
         self.ghosts = kind(self.points, channel, reach)
         self.rows = LeastSquaresRows(self.points, SUPPORT[order] * channel.spacing, order)
-        self.elastic = config.fluid.rheology.type != "newtonian"
-        if self.elastic:
+        if config.fluid.rheology.type == "newtonian":
+            solver = ViscousSolver(self.rows, self.ghosts, channel)
+            self.viscous = ViscousStep(solver, channel, WallSeries(channel, treatment))
+        else:
             from tisph.schemes.implicit import _viscoelastic  # of no use to most runs
 
             self.viscous = _viscoelastic.step(config, channel, self.rows, self.ghosts)
-            self.wall_force = self.viscous.wall_force()
-        else:
-            solver = ViscousSolver(self.rows, self.ghosts, channel)
-            self.viscous = ViscousStep(solver, channel, WallSeries(channel, treatment))
-            self.wall_force = WallForce(self.viscous, channel)
+        self.wall_force = self.viscous.wall_force()
         self.solver, self.walls = self.viscous.solver, self.viscous.wall_series
         self.field = VelocityField(self.viscous)
         self.shift = Shift(self.points, self.ghosts, channel.spacing)
         self.projection = Projection(self.viscous, self.field, channel.gap)
         self.motion = Motion(self.field, self.shift, channel.length)
-        others = self.field.volume, self.projection.pressure
-        self.dense = DenseOutput(self.viscous, self.motion, others)
+        self.dense = DenseOutput(self.viscous, self.motion, (self.field.volume, self.projection.pressure))
         self.control = control(config, channel, targets)
         self.reset()
 
@@ -106,9 +102,7 @@ class Scheme:
         used(self.viscous.velocity)[...] = velocity.T
         self.momentum.initial = float(velocity[:, 0].sum())
         self.transverse = bool(np.any(velocity[:, 1] != 0.0))
-        if self.elastic:
-            self.assemble(0.0)
-            self.viscous.begin_with(position[:, 1])
+        self.viscous.begin_with(position[:, 1])
         if self.walls.obeys_momentum and self.walls.any_jump:
             self.assemble(0.0)
             self.momentum.impulse = self.viscous.kick(*self.walls.jumps)
@@ -185,8 +179,7 @@ class Scheme:
 
     def conclude(self, length):
         """Measure the new velocities and move the particles."""
-        if self.elastic:
-            self.require_positive()
+        self.require_positive()
         resolved = self.depth >= RESOLVED
         self.momentum.add_impulse(self.wall_force.impulse(self.time, length, resolved))
         end = self.control.end(self.time, length)
@@ -223,10 +216,10 @@ class Scheme:
             time = self.time
             fields = (self.motion.position, self.viscous.velocity, self.field.volume, self.projection.pressure)
             position, velocity, volume, pressure = (used(field).astype(float) for field in fields)
-            stresses = self.viscous.stress() if self.channel.polymer else ()
+            stresses = self.viscous.stress()
         else:
             position, velocity, volume, pressure = self.dense.at(time)
-            stresses = self.viscous.stress_at(*self.dense.within(time)) if self.channel.polymer else ()
+            stresses = self.viscous.stress_at(*self.dense.within(time))
         with np.errstate(over="ignore"):  # of a run that diverges; the guard finds it
             density = self.channel.density * np.exp(-volume)
         return Snapshot(
@@ -269,13 +262,13 @@ class Scheme:
     def parts(self):
         """Return everything whose fields a resumed run needs, by name."""
         parts = {"motion": self.motion, "viscous": self.viscous, "field": self.field, "projection": self.projection}
-        return {**parts, **({"carried": self.viscous.carried} if self.elastic else {})}
+        return {**parts, **self.viscous.parts()}
 
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
         state = {name: getattr(self, name) for name in HOST_STATE}
         parts = {"control": vars(self.control), "momentum": vars(self.momentum)}
-        return {**state, **parts, **({"walls": self.viscous.host_state()} if self.elastic else {})}
+        return {**state, **parts, **self.viscous.host_state()}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
@@ -283,8 +276,7 @@ class Scheme:
             setattr(self, name, state[name])
         vars(self.control).update(state["control"])
         vars(self.momentum).update(state["momentum"])
-        if self.elastic:
-            self.viscous.restore_host_state(state["walls"])
+        self.viscous.restore_host_state(state)
         if self.projections:
             self.viscous.push = self.projection.push
 

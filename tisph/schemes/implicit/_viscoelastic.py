@@ -35,7 +35,7 @@ class ViscoelasticStep(ViscousStep):
 
     def __init__(self, solver, channel, walls, memory):
         super().__init__(solver, channel, walls)
-        self.channel, self.walls, self.memory = channel, walls, memory
+        self.walls, self.memory = walls, memory
         self.stages = ElasticStages(solver, channel, walls, memory)
         self.carried = Carried(memory.components, self.points.fluid)
 
@@ -109,13 +109,17 @@ class ViscoelasticStep(ViscousStep):
         """Return what measures the impulses of the walls."""
         return ElasticWallForce(self, self.channel)
 
+    def parts(self):
+        """Return by name what a checkpoint keeps beside the fields here."""
+        return {"carried": self.carried}
+
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
-        return self.walls.host_state()
+        return {"walls": self.walls.host_state()}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
-        self.walls.restore_host_state(state)
+        self.walls.restore_host_state(state["walls"])
 
 
 def step(config, channel, rows, ghosts):

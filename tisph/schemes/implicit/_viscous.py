@@ -8,6 +8,7 @@ from tisph.neighbours.points import used
 from tisph.runtime import holding, real, scalar, ti, view
 from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, TIMES, WEIGHTS, guesses
 from tisph.schemes.implicit._kick import Kick
+from tisph.schemes.implicit._wall_force import WallForce
 
 
 @ti.data_oriented
@@ -23,7 +24,7 @@ class ViscousStep:
     def __init__(self, solver, channel, wall_series):
         self.solver, self.rows, self.points, self.ghosts = solver, solver.rows, solver.points, solver.ghosts
         self.wall_series, self.steady = wall_series, wall_series.steady
-        self.push = None
+        self.channel, self.push = channel, None
         self.velocity, self.end, self.start_rate, self.end_rate = (self.points.field(real(), 2) for _ in range(4))
         self.rates = self.points.field(real(), 4)
         self.known, self.source = self.points.field(real()), self.points.field(real())
@@ -62,6 +63,36 @@ class ViscousStep:
     def kick(self, velocity_jumps, acceleration_jumps):
         """Let walls that start at once give their impulse; return what is gained from each, see ``Kick.apply``."""
         return Kick(self).apply(velocity_jumps, acceleration_jumps)
+
+    def begin_with(self, heights):
+        """Take up what else particles at ``heights`` (fluid,) carry when a run starts: nothing here."""
+
+    def wall_force(self):
+        """Return what measures the impulses of the walls."""
+        return WallForce(self, self.channel)
+
+    def stress(self):
+        """Return the stresses over the density that particles carry, (3, fluid), or none, ()."""
+        return ()
+
+    def stress_at(self, part, length):
+        """Return ``stress`` at a ``part`` of the last step, of ``length``."""
+        return ()
+
+    def lost(self):
+        """Return the particles whose conformation is not positive definite at the end of the step."""
+        return np.zeros(0, dtype=int)
+
+    def parts(self):
+        """Return by name what a checkpoint keeps beside the fields here."""
+        return {}
+
+    def host_state(self):
+        """Return the numbers outside the fields that a resumed run needs."""
+        return {}
+
+    def restore_host_state(self, state):
+        """Take up the numbers of ``host_state``, among others."""
 
     def follow(self, moved, across):
         """Let what else particles carry follow those that were ``moved`` by ``across``: nothing here."""

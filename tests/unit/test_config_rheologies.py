@@ -1,5 +1,6 @@
 """What a config says of a liquid's rheology, and what is refused of it."""
 
+import itertools
 import pickle
 from pathlib import Path
 
@@ -46,17 +47,54 @@ def test_a_liquid_can_be_sent_to_the_process_that_draws(case, name):
     assert pickle.loads(pickle.dumps(rheology)) == rheology
 
 
-TURNING = ["cavity", "circular_couette", "taylor_green", "shear_layer", "cylinder_lattice", "cylinder_in_channel"]
+WITHOUT_POLYMER = ["taylor_green", "shear_layer"]
+AROUND_BODIES = ["cavity", "cylinder_lattice", "cylinder_in_channel", "turned_box"]
+VARYING = ["power_law", "carreau_yasuda", "herschel_bulkley"]
 
 
-@pytest.mark.parametrize("name", RHEOLOGIES)
-@pytest.mark.parametrize("flow", [*TURNING, "turned_box"])
+def changed(flow, *changes):
+    return load(Path(__file__).parents[2] / "configs" / f"{flow}.yaml", changes)
+
+
+NOT_SERVED = [*itertools.product(WITHOUT_POLYMER, RHEOLOGIES), *itertools.product(AROUND_BODIES, VARYING)]
+
+
+@pytest.mark.parametrize(("flow", "name"), NOT_SERVED)
 def test_where_the_flow_turns_no_liquid_runs_as_a_newtonian_one(flow, name):
-    path = Path(__file__).parents[2] / "configs" / f"{flow}.yaml"
-    text = refusal(lambda *changes: load(path, changes), f"fluid.rheology={RHEOLOGIES[name]}")
+    text = refusal(lambda *changes: changed(flow, *changes), f"fluid.rheology={RHEOLOGIES[name]}")
     assert "fluid.rheology.type" in text
     assert "must be newtonian" in text
     assert name in text
+
+
+@pytest.mark.parametrize("name", [name for name in RHEOLOGIES if name not in VARYING])
+def test_a_polymer_needs_a_lid_that_leaves_the_corners_at_rest(name):
+    change = f"fluid.rheology={RHEOLOGIES[name]}"
+    text = refusal(lambda *changes: changed("cavity", *changes), change)
+    assert f"walls.lid.profile = \"sharp\": must be regular with {name}" in text
+    assert changed("cavity_regular", change).fluid.rheology.type == name
+
+
+def between_cylinders(*changes):
+    return changed("circular_couette", *changes)
+
+
+@pytest.mark.parametrize("name", ["power_law", "carreau_yasuda", "herschel_bulkley"])
+def test_between_cylinders_there_is_no_liquid_of_varying_viscosity(name):
+    text = refusal(between_cylinders, f"fluid.rheology={RHEOLOGIES[name]}")
+    assert f"must be newtonian, or have a polymer: of {name} the flow between cylinders is not known" in text
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ("scheme={type: wcsph}", "wcsph has no giesekus liquid where the flow turns"),
+        ("initial.state=developed", "must be rest with giesekus"),
+        ("walls.outer={amplitude: 1.0, angular_frequency: 1.0}", "cylinders that oscillate in a liquid of giesekus"),
+    ],
+)
+def test_between_cylinders_what_a_liquid_with_polymer_cannot_do_is_named(change, expected):
+    assert expected in refusal(between_cylinders, f"fluid.rheology={RHEOLOGIES['giesekus']}", change)
 
 
 @pytest.mark.parametrize(

@@ -181,7 +181,8 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
 
 def _stiff(config: Any, channel: Any) -> Iterator[str]:
     """What a jump of a wall meets where polymer relaxes before the solvent's layer is a spacing deep."""
-    if config.scheme.type != "implicit" or not channel.polymer or not any(channel.wall_jumps):
+    measured = config.scheme.type == "implicit" and channel.parallel
+    if not measured or not channel.polymer or not any(channel.wall_jumps):
         return
     modulus = sum(law.modulus for law in config.fluid.rheology.laws(channel.kinematic_viscosity))
     stiffness = modulus * (channel.spacing / channel.solvent_viscosity) ** 2

@@ -5,11 +5,16 @@ wall needs. Continuous fields, such as a velocity, have one value a node, (..., 
 have values of their own in each element, (..., count, p + 1). Integrals by the rule of the same points make the mass
 diagonal: an equation in time stays one.
 
+Between cylinders the continuous field is the angular velocity w = u/r; there the shear rate is r dw/dr, and momentum
+r^3 dw/dt = d/dr (r^2 stress). With ``arm`` = r, or 1 between planes, both are arm^3 dw/dt = d/dy (arm^2 stress) and a
+shear rate arm dw/dy.
+
 Source: C. Canuto, M. Y. Hussaini, A. Quarteroni and T. A. Zang, Spectral Methods: Fundamentals in Single Domains
 (2006), chapters 1 to 3.
 """
 
 import numpy as np
+from numpy.polynomial import legendre
 from numpy.polynomial.legendre import Legendre
 
 
@@ -43,9 +48,12 @@ def lobatto(order):
 
 
 class Elements:
-    """Elements between ``edges``, all of one ``order``."""
+    """Elements between ``edges``, all of one ``order``; the edges are distances from a plane, or from a cylinder.
 
-    def __init__(self, edges, order):
+    ``inner_radius``: of that cylinder, None for the plane.
+    """
+
+    def __init__(self, edges, order, inner_radius=None):
         self.edges = np.asarray(edges, dtype=float)
         self.order, self.count = order, len(self.edges) - 1
         self.points, self.weights, self.matrix = lobatto(order)
@@ -53,15 +61,26 @@ class Elements:
         self.nodes = order * np.arange(self.count)[:, None] + np.arange(order + 1)
         self.size = self.count * order + 1
         self.y = self.edges[:-1, None] + self.stretch * (self.points + 1)
-        self.mass = self.joined(np.broadcast_to(self.stretch * self.weights, self.y.shape))
+        self.inner_radius = inner_radius
+        self.arms = self.arm(self.y)
+        self.node_places = np.append(self.y[:, :-1].ravel(), self.edges[-1])
+        self.mass = self.joined(self.stretch * self.weights * self.arms**3)
 
-    def slope(self, field):
-        """Derivative (..., count, p + 1) of a continuous ``field`` (..., size)."""
-        return np.einsum("qi,...ei->...eq", self.matrix, field[..., self.nodes]) / self.stretch
+    def arm(self, y):
+        """Distance of ``y`` from the axis; 1 between planes."""
+        return np.ones(np.shape(y)) if self.inner_radius is None else self.inner_radius + np.asarray(y)
+
+    def shear_rate(self, field):
+        """arm d/dy (..., count, p + 1) of a continuous ``field`` (..., size)."""
+        return self.arms * np.einsum("qi,...ei->...eq", self.matrix, field[..., self.nodes]) / self.stretch
 
     def weak_divergence(self, flux):
-        """Divergence (..., size) of ``flux`` (..., count, p + 1), tested with each node's function, without walls'."""
-        return -self.joined(np.einsum("qi,...eq->...ei", self.matrix, self.weights * flux)) / self.mass
+        """d(arm^2 flux)/dy/arm^3 (..., size) of ``flux`` (..., count, p + 1).
+
+        Tested with each node's function, and without what passes through the walls.
+        """
+        scaled = self.weights * self.arms**2 * flux
+        return -self.joined(np.einsum("qi,...eq->...ei", self.matrix, scaled)) / self.mass
 
     def joined(self, parts):
         """Sums (..., size) of what elements (..., count, p + 1) give to each node."""
@@ -71,9 +90,16 @@ class Elements:
         return whole
 
     def stiffness(self, coefficient):
-        """Matrices (count, p + 1, p + 1) of elements: of -d/dy(coefficient d/dy), coefficient (count, p + 1)."""
-        scaled = coefficient * self.weights / self.stretch
+        """Matrices (count, p + 1, p + 1) of elements: of -d/dy(arm^3 coefficient d/dy), coefficient (count, p + 1)."""
+        scaled = coefficient * self.arms**3 * self.weights / self.stretch
         return np.einsum("qi,eq,qj->eij", self.matrix, scaled, self.matrix, optimize=True)
+
+    def integral(self, field):
+        """Integrals over y (count, p + 1) from the first edge on of a field (count, p + 1)."""
+        values = legendre.legvander(self.points, self.order)
+        parts = legendre.legint(np.linalg.solve(values, field.T), lbnd=-1)
+        own = self.stretch * legendre.legval(self.points, parts)
+        return own + np.concatenate([[0.0], np.cumsum(own[:-1, -1])])[:, None]
 
     def interpolated(self, field, y):
         """Values (..., heights) at ``y`` (heights,) of a field (..., count, p + 1)."""

@@ -2,8 +2,9 @@
 
     dv/dt = g + d/dy [ flux(rate) + sum S_xy(C) ],    dC/dt = law.sheared(C, rate),    rate = dv/dy + layer
 
-The state is v at the nodes, then the components of C of each law at the points of each element. ``layer`` is a known
-part of the shear rate (see ``start_up``). Derivatives of laws are taken by complex steps, which are exact to rounding.
+and between cylinders as in ``_elements``, v the angular velocity. The state is v at the nodes, then the components of C
+of each law at the points of each element. ``layer`` is a known part of the shear rate (``_layer``). Derivatives of laws
+are taken by complex steps, which are exact to rounding.
 
 In a system (shift - J) x = b the C of each point follow from the shear rate there alone; put into the equation of v,
 they leave a banded matrix of v, however many modes there are.
@@ -23,8 +24,7 @@ NEGLIGIBLE = 1e-12
 class Equations:
     """Equations of ``liquid`` (``flux``, ``laws``) on ``elements``; walls are (bottom, top), with ``acceleration(t)``.
 
-    ``layer(t)``: known part of the shear rate at times (times,), shape (times, count, p + 1). ``speed`` is what 1 of
-    the velocity is in the tolerance, at least.
+    ``layer``: a ``_layer.Layer``. ``speed`` is what 1 of the velocity is in the tolerance, at least.
     """
 
     def __init__(self, elements, liquid, walls, acceleration, layer, speed):
@@ -42,7 +42,7 @@ class Equations:
 
     def shear_rate(self, states, times):
         """Shear rate (times, count, p + 1)."""
-        return self.elements.slope(states[..., : self.elements.size]) + self.layer(times)
+        return self.elements.shear_rate(states[..., : self.elements.size]) + self.layer.shear_rates(times)
 
     def stress(self, deviations, rate):
         """Shear stress of solvent and laws together."""
@@ -54,9 +54,10 @@ class Equations:
         """dX/dt, shape of ``states`` (times, size)."""
         result = np.empty_like(states)
         whole, deviations = self.shear_rate(states, times), self.deviations(states)
-        # the flux of ``layer`` through the solvent is balanced by its own inertia, where there is one
-        flux = self.stress(deviations, whole) - self.liquid.carried(self.layer(times))
-        result[:, : self.elements.size] = self.drive + self.elements.weak_divergence(flux)
+        # the flux of ``layer`` through the solvent is balanced by its own inertia, but for the drift, where one is
+        flux = self.stress(deviations, whole) - self.liquid.carried(self.layer.shear_rates(times))
+        own = self.drive + self.layer.drift(times)
+        result[:, : self.elements.size] = own + self.elements.weak_divergence(flux)
         for place, wall in zip((0, self.elements.size - 1), self.walls, strict=True):
             result[:, place] = wall.acceleration(times)
         for law, c, part in zip(self.liquid.laws, deviations, self.parts, strict=True):
@@ -129,7 +130,7 @@ class Jacobian:
                 flux = sum(np.einsum("eqm,eqm->eq", pull, c) for pull, c in zip(pulls, points, strict=True))
                 right[1:-1] += elements.weak_divergence(flux)[1:-1]
             v, _ = zgbtrs(factors, order, order, right * elements.mass, pivots)
-            rate = elements.slope(v)
+            rate = elements.shear_rate(v)
             rest = [
                 np.einsum("eqmn,eqn->meq", inverse, c + by_rate * rate[..., None]).ravel()
                 for inverse, c, (_, by_rate, _) in zip(inverses, points, self.local, strict=True)

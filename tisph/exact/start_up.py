@@ -1,4 +1,4 @@
-"""Start-up flow of any liquid between two walls, where there is no closed form: solved to 1e-8.
+"""Start-up flow of any liquid between two walls, plane or cylinders, where there is no closed form: solved to 1e-8.
 
 Equations for 0 < y < gap, with g = -(dp/dx)/density, all stresses over the density:
 
@@ -8,8 +8,11 @@ for each law (mode) of a polymer, C the deviation of its conformation tensor fro
 solvent_viscosity * du/dy, or viscosity((du/dy)^2) * du/dy of a generalised Newtonian liquid. The walls move with given
 velocities; the flow starts from rest at t = 0, or, with ``before``, from the developed flow of other walls.
 
+Between cylinders y = r - R1. Seen by who turns with the liquid, the flow is simple shear of the rate r d(u/r)/dr, x
+around the axis and y outwards, so that the laws are the same; u/r has the place of u, as ``_elements`` says.
+
 A wall whose velocity jumps at t = 0 makes a layer sqrt(t) deep. Where a solvent of constant viscosity takes it, the
-solvent's own start (``couette``) is left to that closed form, u = v + solvent's start, and v is smooth. Generalised
+solvent's own start (``_layer``) is left to a closed form, u = v + solvent's start, and v is smooth. Generalised
 Newtonian liquids, which remember nothing, start with the jump between the wall and the next point.
 
 Numerics: polynomials of high order on elements that are finest at the walls (``_elements``), collocation in sqrt(t)
@@ -31,8 +34,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from tisph.exact import couette
 from tisph.exact._elements import Elements, graded_edges
+from tisph.exact._layer import Layer
 from tisph.exact._sheared import Equations
 from tisph.exact._stiff import Solution
 
@@ -120,12 +123,16 @@ class Wall:
 
 @dataclass(frozen=True)
 class Flow:
-    """Walls y = 0 and y = ``gap``, each with ``velocity(t)`` and ``acceleration(t)``; acceleration g along them."""
+    """Walls y = 0 and y = ``gap``, each with ``velocity(t)`` and ``acceleration(t)``; acceleration g along planes.
+
+    ``inner_radius``: that of the cylinder y = 0, None between planes. Cylinders have angular velocities.
+    """
 
     gap: float
     bottom: Any = Wall()
     top: Any = Wall()
     acceleration: float = 0.0
+    inner_radius: float | None = None
 
 
 def _edges(liquid, flows, finest):
@@ -149,21 +156,22 @@ class StartUp:
     def __init__(self, liquid, flow, before=None, *, order=ORDER, finest=FINEST, edges=None):
         self.liquid, self.flow = liquid, flow
         edges = _edges(liquid, (flow, before or flow), finest) if edges is None else edges
-        self.elements = Elements(flow.gap * edges, order)
+        self.elements = Elements(flow.gap * edges, order, flow.inner_radius)
         walls, ends = (flow.bottom, flow.top), [0, self.elements.size - 1]
-        self.jumps = [float(wall.velocity(0.0)) for wall in walls]
+        jumps = [float(wall.velocity(0.0)) for wall in walls]
         start = None
         if before is not None:
-            if before.gap != flow.gap:
+            if (before.gap, before.inner_radius) != (flow.gap, flow.inner_radius):
                 raise ValueError(f"the flow before has a gap of {before.gap}, the flow one of {flow.gap}")
             start = StartUp(liquid, before, order=order, edges=edges)._developed()
-            self.jumps = [new - old for new, old in zip(self.jumps, start[ends], strict=True)]
+            jumps = [new - old for new, old in zip(jumps, start[ends], strict=True)]
         driven = abs(flow.acceleration) * flow.gap**2 / liquid.total_viscosity
-        speed = max(1e-200, driven / 12, *map(abs, self.jumps), *([] if start is None else np.abs(start[ends])))
-        self.equations = Equations(self.elements, liquid, walls, flow.acceleration, self._layer, speed)
+        speed = max(1e-200, driven / 12, *map(abs, jumps), *([] if start is None else np.abs(start[ends])))
+        self.layer = Layer(self.elements, jumps if liquid.laws else (0.0, 0.0), liquid.carried(1.0))
+        self.equations = Equations(self.elements, liquid, walls, flow.acceleration, self.layer, speed)
         start = np.zeros(self.equations.size) if start is None else start
         if not liquid.laws:
-            start[ends] += self.jumps
+            start[ends] += jumps
         first = 1e-3 * flow.gap / np.sqrt(liquid.total_viscosity)
         self._solution = Solution(self.equations, start, first, liquid.tolerance)
 
@@ -172,7 +180,7 @@ class StartUp:
         return self._by_time(self._velocity, y, t)
 
     def shear_rate(self, y, t):
-        """Velocity gradient du/dy (1/time); infinite at t = 0 on a wall whose velocity jumps."""
+        """Velocity gradient du/dy, or r d(u/r)/dr (1/time); infinite at t = 0 on a wall whose velocity jumps."""
         return self._by_time(self._shear_rate, y, t)
 
     def polymer_stress(self, y, t):
@@ -187,17 +195,6 @@ class StartUp:
         """Shear stress of solvent and polymer together."""
         return self._by_time(self._whole_stress, y, t)
 
-    def _layer_numbers(self):
-        bottom, top = self.jumps
-        viscosity = self.liquid.solvent_viscosity
-        return {"gap": self.flow.gap, "kinematic_viscosity": viscosity, "bottom": bottom, "top": top}
-
-    def _layer(self, times):
-        """Shear rate (times, count, p + 1) of the solvent's own start."""
-        if not (self.liquid.laws and any(self.jumps)):
-            return np.zeros((len(times), *self.elements.y.shape))
-        return couette.shear_rate(self.elements.y, times[:, None, None], **self._layer_numbers())
-
     def _developed(self):
         """The state (size,) that the flow ends in: v is all of the velocity then."""
         time = REMEMBERED * max(self.liquid.longest_time, self.flow.gap**2 / self.liquid.total_viscosity)
@@ -208,18 +205,18 @@ class StartUp:
             if np.max(np.abs(later - state) / self.equations.scales(later[None])) < STEADY:
                 break
         state = later
-        nodes = np.append(self.elements.y[:, :-1].ravel(), self.flow.gap)
-        return np.concatenate([self._velocity(nodes, time), state[self.elements.size :]])
+        nodes = self.elements.node_places
+        carried = self._velocity(nodes, time) / self.elements.arm(nodes)
+        return np.concatenate([carried, state[self.elements.size :]])
 
     def _velocity(self, y, time):
         v = self._solution.at(time)[: self.elements.size]
-        known = couette.velocity(y, time, **self._layer_numbers()) if self.liquid.laws else 0.0
-        return self.elements.interpolated(v[self.elements.nodes], y) + known
+        own = self.elements.arm(y) * self.elements.interpolated(v[self.elements.nodes], y)
+        return own + self.layer.velocity(y, time)
 
     def _shear_rate(self, y, time):
-        slope = self.elements.slope(self._solution.at(time)[: self.elements.size])
-        known = couette.shear_rate(y, time, **self._layer_numbers()) if self.liquid.laws else 0.0
-        return self.elements.interpolated(slope, y) + known
+        own = self.elements.shear_rate(self._solution.at(time)[: self.elements.size])
+        return self.elements.interpolated(own, y) + self.layer.shear_rate(y, time)
 
     def _stress(self, y, time):
         deviations = self.deviations(y, time)
@@ -231,7 +228,7 @@ class StartUp:
             return self.liquid.flux(self._shear_rate(y, time)) + self._stress(y, time)[1]
         # smoother than the shear rate where the viscosity changes much, as in a plug
         v = self._solution.at(time)[: self.elements.size]
-        return self.elements.interpolated(self.liquid.flux(self.elements.slope(v)), y)
+        return self.elements.interpolated(self.liquid.flux(self.elements.shear_rate(v)), y)
 
     def _by_time(self, profile, y, t):
         """Values of ``profile(heights, time)``, called once for each different time; a scalar for scalar arguments."""

@@ -24,6 +24,14 @@ class SlidingWall(Body):
         """Velocity (n, 2) of the wall at ``points`` (n, 2)."""
         return self.speed * self._along(points, self.profile)
 
+    def sliding(self, points, time=0.0):
+        """Velocity (n, 2) of the wall past the points on it, which stay where they are."""
+        return self.velocity(points, time)
+
+    def strain(self, points, tangents, time=0.0):
+        """Derivatives (n, 2) of the wall's velocity along ``tangents`` (n, 2) at ``points`` (n, 2)."""
+        return self.speed / self.width * self._along(points, self.profile.deriv()) * tangents[:, :1]
+
     def acceleration(self, points, time=0.0):
         """Acceleration (n, 2) of its material at ``points`` (n, 2), which is carried along it."""
         return self.speed**2 / self.width * self._along(points, self.profile * self.profile.deriv())

@@ -14,6 +14,8 @@ from tisph.geometry.line import Line
 from tisph.geometry.sliding import SlidingWall
 from tisph.scenes import _turning
 from tisph.scenes._filled import Filled
+from tisph.scenes._motion import Polymer
+from tisph.snapshot import STRESSES
 from tisph.verification.fits import interpolated, with_walls
 from tisph.verification.steady import steadiness
 
@@ -45,6 +47,8 @@ class Cavity(Filled):
     kinematic_viscosity: float
     spacing: float
     units: Any
+    polymer: Polymer | None = None
+    rheology: Any = None
 
     periodic = (False, False)
     flow_numbers = ("u_extreme", "v_min", "v_max", "kinetic_energy")
@@ -52,6 +56,7 @@ class Cavity(Filled):
     @classmethod
     def from_config(cls, config):
         """The scene that a validated config describes."""
+        rheology = config.fluid.rheology if config.fluid.rheology.carries_stress else None
         return cls(
             width=config.geometry.width,
             height=config.geometry.height,
@@ -61,6 +66,8 @@ class Cavity(Filled):
             kinematic_viscosity=config.kinematic_viscosity,
             spacing=config.spacing,
             units=config.units,
+            polymer=rheology and Polymer(rheology.relaxation_time, rheology.solvent_fraction),
+            rheology=rheology,
         )
 
     @property
@@ -114,13 +121,13 @@ class Cavity(Filled):
         return abs(self.velocity)
 
     def initial(self, x, y):
-        """Rest."""
-        return dict.fromkeys("uv", np.zeros(np.shape(x)))
+        """Rest, without stress."""
+        return dict.fromkeys(("u", "v", *(STRESSES if self.polymer else ())), np.zeros(np.shape(x)))
 
     @cached_property
     def _exact(self):
         """The flow under the regular lid, None where there is no reference."""
-        if not self.regular or self.reynolds > LARGEST_REYNOLDS:
+        if not self.regular or self.polymer or self.reynolds > LARGEST_REYNOLDS:
             return None
         return RegularCavity(self.width, self.height, self.velocity, self.kinematic_viscosity)
 

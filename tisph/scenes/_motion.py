@@ -1,5 +1,6 @@
 """How a wall moves, and what a polymer adds to a liquid: small parts of a scene."""
 
+import math
 from dataclasses import dataclass
 
 from tisph.geometry.motion import WallMotion
@@ -13,3 +14,11 @@ class Polymer:
 
     relaxation_time: float
     solvent_fraction: float
+
+    def spreading_share(self, t):
+        """Share of the total viscosity by which what starts at t = 0 has spread at time ``t``.
+
+        At first there is the front of a shear wave, of which exp(-t/(2 relaxation_time)) is left (Maxwell's liquid: the
+        damped wave equation u_tt + u_t/relaxation_time = modulus u_yy), and which the solvent alone spreads.
+        """
+        return 1.0 - (1.0 - self.solvent_fraction) * math.exp(-0.5 * t / self.relaxation_time)

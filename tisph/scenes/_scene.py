@@ -22,6 +22,9 @@ class Scene:
 
     polymer = None
 
+    rheology = None
+    """Parameters of the liquid, where more is needed of them than viscosity and ``polymer``."""
+
     start_time = 0.0
     """Time at which the run's clock starts."""
 

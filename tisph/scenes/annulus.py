@@ -2,7 +2,8 @@
 
 Particles fill the annulus evenly, the first layer half a spacing from the walls. Motion starts, or changes, at t = 0.
 The run's clock starts at ``start_time``: at the initial time of the config for the state ``exact``, else at 0. The
-liquid is a Newtonian one. See ``tisph/exact/circular_couette.py`` for the solution.
+liquid is a Newtonian one, or has a polymer and is at rest at first. See ``tisph/exact/circular_couette.py`` and
+``circular_start_up.py`` for the solutions.
 """
 
 import math
@@ -15,7 +16,7 @@ from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem, Signed
 from tisph.config.fields import Member
 from tisph.config.motion import Amplitude, WallMotion
-from tisph.scenes._annulus import Annulus
+from tisph.scenes._annulus.scene import Annulus
 from tisph.scenes._initial import Initial, start_problems
 
 __all__ = ["Annulus", "Config", "Scene"]
@@ -69,7 +70,12 @@ class Config(schema.Config):
 
     periodic = (False, False)
     across_name = "the gap between the cylinders"
-    colours = ("speed", "vorticity", "pressure")
+
+    @property
+    def colours(self) -> tuple[str, ...]:
+        """What the particles of a movie may be coloured by."""
+        stressed = self.fluid.rheology.carries_stress
+        return ("speed", "vorticity", "pressure", *(("shear_stress",) if stressed else ()))
 
     @property
     def across(self) -> float:
@@ -103,9 +109,7 @@ class Config(schema.Config):
 
     def problems(self) -> Iterator[Problem]:
         """What the scene has against the config."""
-        if self.fluid.rheology.type != "newtonian":
-            text = f"must be newtonian: of {self.fluid.rheology.type} the flow between cylinders is not known"
-            yield "fluid.rheology.type", text
+        yield from _rheology(self)
         inner, outer = self.geometry.inner_radius, self.geometry.outer_radius
         if not inner < outer:
             yield "geometry.outer_radius", f"must be greater than geometry.inner_radius {inner:g}"
@@ -114,3 +118,19 @@ class Config(schema.Config):
         if speeds <= {0.0} and not any(wall.amplitude for wall in walls):
             yield "walls", "nothing moves: give walls.inner or walls.outer an angular_velocity other than 0"
         yield from start_problems(self, ("inner", "outer"))
+
+
+def _rheology(config: Config) -> Iterator[Problem]:
+    """Liquids, and starts of theirs, without a reference."""
+    rheology = config.fluid.rheology
+    if rheology.carries_stress:
+        for name in ("inner", "outer"):
+            if getattr(config.walls, name).amplitude is not None:
+                text = f"no solution is built in for cylinders that oscillate in a liquid of {rheology.type}"
+                yield f"walls.{name}.amplitude", f"{text}: give angular_velocity, or fluid.rheology {{type: newtonian}}"
+        if config.initial.state != "rest":
+            text = f"must be rest with {rheology.type}: what the polymer remembers of another start is not known"
+            yield "initial.state", text
+    elif rheology.type != "newtonian":
+        text = f"must be newtonian, or have a polymer: of {rheology.type} the flow between cylinders is not known"
+        yield "fluid.rheology.type", text

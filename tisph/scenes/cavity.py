@@ -69,9 +69,7 @@ class Config(schema.Config):
 
     def problems(self) -> Iterator[Problem]:
         """What the scene has against the config."""
-        if self.fluid.rheology.type != "newtonian":
-            text = f"must be newtonian: of {self.fluid.rheology.type} the flow in a cavity is not known"
-            yield "fluid.rheology.type", text
+        yield from _rheology(self)
         if self.walls.lid.velocity == 0:
             yield "walls.lid.velocity", "must not be 0: nothing else drives the flow"
         if self.singular and self.time.tolerance != "auto":
@@ -84,3 +82,14 @@ class Config(schema.Config):
             rows = max(1, round(self.geometry.height / self.spacing))
             nearest = f"{rows * self.spacing:.6g}"
             yield "geometry.height", f"must be a whole number of spacings of {self.spacing:.6g}; nearest: {nearest}"
+
+
+def _rheology(config: Config) -> Iterator[Problem]:
+    """Liquids that cannot be served, or not under a sharp lid."""
+    rheology = config.fluid.rheology
+    if rheology.carries_stress and config.singular:
+        text = f"must be regular with {rheology.type}: in the corners of a sharp lid its stress has no bound"
+        yield "walls.lid.profile", text
+    elif rheology.type != "newtonian" and not rheology.carries_stress:
+        text = f"must be newtonian, or have a polymer: {rheology.type} in a cavity cannot be served yet"
+        yield "fluid.rheology.type", text

@@ -25,8 +25,9 @@ class Drive(Model):
 def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -> Iterator[Problem]:
     """What is wrong with the ``config`` of a cell with these ``bodies``, and ``walls`` by what messages call them."""
     rheology = config.fluid.rheology
-    if rheology.type != "newtonian":
-        yield "fluid.rheology.type", f"must be newtonian: around bodies {rheology.type} cannot be served yet"
+    if rheology.type != "newtonian" and not rheology.carries_stress:
+        text = f"must be newtonian, or have a polymer: around bodies {rheology.type} cannot be served yet"
+        yield "fluid.rheology.type", text
     if config.scheme.type == "wcsph":
         yield "scheme.type", "wcsph cannot serve bodies yet; take auto or implicit"
     moving = any(largest_speed(body) for body in (*bodies, *walls.values()))

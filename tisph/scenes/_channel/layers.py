@@ -2,10 +2,8 @@
 
 What starts or changes at t = 0, a wall or the drive of a liquid at rest, diffuses into the liquid to the depth
 sqrt(nu t). A wall that oscillates moves a layer that counts with half its penetration depth, sqrt(nu/(2 w)): with so
-many spacings it errs as much as one that diffuses (``benchmarks/resolution.py``). In an Oldroyd-B liquid what starts is
-the front of a shear wave at first, of which exp(-t/(2 lambda)) is left after a time t, lambda being the relaxation time
-(Maxwell's liquid: the damped wave equation u_tt + u_t/lambda = (nu/lambda) u_yy); the solvent alone spreads it, to the
-depth sqrt(nu_s t).
+many spacings it errs as much as one that diffuses (``benchmarks/resolution.py``). In a liquid with polymer what starts
+is at first the front of a shear wave, see ``Polymer.spreading_share``.
 """
 
 import math
@@ -21,7 +19,8 @@ def thinnest_layer(channel, t):
     if any(started.values()):
         names = [name for name, has in started.items() if has]
         place = f"the layer at the {names[0]} wall" if len(names) == 1 else "the layer at each wall"
-        depth = math.sqrt(_spreading_viscosity(channel, t) * t)
+        share = channel.polymer.spreading_share(t) if channel.polymer else 1.0
+        depth = math.sqrt(share * channel.kinematic_viscosity * t)
         in_the_liquid = channel.elastic_speed * t > depth
         layers.append((depth, "the front of the shear wave" if in_the_liquid else place))
     for name, wall in _walls(channel):
@@ -40,11 +39,3 @@ def _has_started(channel, wall):
     if channel.settled:
         return wall.before is not None and wall.before != wall.cosine
     return wall.oscillates or wall.cosine != 0.0 or channel.acceleration != 0.0
-
-
-def _spreading_viscosity(channel, t):
-    if channel.polymer is None:
-        return channel.kinematic_viscosity
-    return channel.kinematic_viscosity - channel.polymer_viscosity * math.exp(
-        -0.5 * t / channel.polymer.relaxation_time
-    )

@@ -4,9 +4,9 @@ import numpy as np
 
 from tisph.geometry.box import box_around
 from tisph.schemes._forecast import Forecast
-from tisph.schemes._splitting._control import FIRST, LARGEST_FACTOR
+from tisph.schemes._splitting._control import FIRST, LARGEST_FACTOR, viscous_step
 from tisph.schemes._splitting._flow import BoundedFlow, PeriodicFlow
-from tisph.schemes._splitting._scheme import MOST_VISCOUS, SMALLEST_SPEED, TOLERANCE, Scheme
+from tisph.schemes._splitting._scheme import SMALLEST_SPEED, TOLERANCE, Scheme
 from tisph.schemes._splitting._walls import Walls
 
 COST, OVERHEAD = 3.5e-6, 2e-3
@@ -38,6 +38,7 @@ def _flow(scene):
         "kinematic_viscosity": scene.kinematic_viscosity,
         "reference_velocity": scene.reference_velocity,
         "start_time": scene.start_time,
+        "rheology": scene.rheology,
     }
     if not scene.bodies:
         return PeriodicFlow(columns=scene.columns, rows=scene.rows, spacing=scene.spacing, **liquid)
@@ -65,7 +66,8 @@ def estimates(config, scene):
     courant = _steps(config)[1]
     times = np.linspace(scene.start_time, config.time.end, MOMENTS)
     rates, limit = _speeds(scene, times) / (courant * scene.spacing), "cfl"
-    viscous = scene.kinematic_viscosity / (MOST_VISCOUS * scene.spacing**2) if scene.bodies else 0.0
+    slowest = viscous_step(scene.spacing, scene.kinematic_viscosity, scene.rheology)
+    viscous = 1.0 / slowest if scene.bodies else 0.0
     if viscous > rates.min():
         rates, limit = np.maximum(rates, viscous), "viscous"
     gone = np.concatenate([[0.0], np.cumsum(0.5 * (rates[1:] + rates[:-1]) * np.diff(times))])

@@ -116,20 +116,17 @@ class Bounds:
         for name in KEPT_LISTS:
             setattr(self, name, [np.array(values) for values in state[name]])
 
-    def measure(self, time):
+    def measure(self, time, polymer=None):
         """Take up the force and torque on each body, from what the points carry at the end of a step at ``time``."""
         carried, normal = used(self.history.carried)[self.slots].astype(float), self.normal
         along, across = (
             view(field)[self.slots, :2].astype(float) for field in (self.history.along, self.history.across)
         )
         shear = across[:, 0] + along[:, 1]
-        viscous = self.flow.kinematic_viscosity * np.stack(
-            [
-                2.0 * along[:, 0] * normal[:, 0] + shear * normal[:, 1],
-                shear * normal[:, 0] + 2.0 * across[:, 1] * normal[:, 1],
-            ],
-            axis=1,
-        )
+        stress = self.flow.solvent_viscosity * np.stack([2.0 * along[:, 0], shear, 2.0 * across[:, 1]])
+        if polymer:
+            stress += polymer.stress(polymer.states[0][:, self.slots].astype(float))
+        viscous = np.stack([(stress[:2] * normal.T).sum(axis=0), (stress[1:] * normal.T).sum(axis=0)], axis=1)
         tractions = np.stack([viscous, -carried[:, 2 * VELOCITIES, None] * normal])
         if self.corners:
             tractions += self.corners.traction(self.places[self.slots], normal, self.flow.kinematic_viscosity)

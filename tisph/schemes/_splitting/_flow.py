@@ -11,7 +11,8 @@ class _Flow(Box):
 
     ``reference_velocity`` is the velocity that errors and steps refer to, as seen from the frame of the mean flow.
     ``acceleration`` is that of the body force; ``walls`` (``_walls.Walls``) are None where there are none, ``corners``
-    those (``exact/sliding_corner.py``) where the velocities of two of them differ.
+    those (``exact/sliding_corner.py``) where the velocities of two of them differ. ``kinematic_viscosity`` is the total
+    one, of solvent and polymer; ``rheology``: parameters of the liquid where it has a polymer, else None.
     """
 
     density: float
@@ -21,6 +22,12 @@ class _Flow(Box):
     walls: object = None
     acceleration: tuple[float, float] = (0.0, 0.0)
     corners: tuple = ()
+    rheology: object = None
+
+    @property
+    def solvent_viscosity(self):
+        """What of the kinematic viscosity is not the polymer's."""
+        return self.kinematic_viscosity * (self.rheology.solvent_fraction if self.rheology else 1.0)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,6 +13,30 @@ PRESSURES = 2
 CARRIED = 2 * VELOCITIES + PRESSURES
 
 
+@ti.func
+def slopes(rows: ti.template(), values: ti.template(), i):
+    """Return the derivatives along and across of the ``values`` at a particle, by least-squares ``rows``."""
+    own = values[i]
+    along, across = 0.0 * own, 0.0 * own
+    for k in range(rows.points.count[i]):
+        difference = values[rows.points.table[i, k]] - own
+        along += rows.along[i, k] * difference
+        across += rows.across[i, k] * difference
+    return along, across
+
+
+@ti.func
+def change(rows: ti.template(), along: ti.template(), across: ti.template(), i, moved):
+    """Return by how much fields with these slopes differ where a particle was ``moved`` to, to second order."""
+    own = moved.x * along[i] + moved.y * across[i]
+    result = own
+    for k in range(rows.points.count[i]):
+        j = rows.points.table[i, k]
+        weight = moved.x * rows.along[i, k] + moved.y * rows.across[i, k]
+        result += 0.5 * weight * (moved.x * along[j] + moved.y * across[j] - own)
+    return result
+
+
 @ti.data_oriented
 class History:
     """``position`` (fluid) and ``carried`` (fluid): velocities, newest first, then pressures over the density.
@@ -71,12 +95,7 @@ class History:
         particles = self.points.particles[None]
         ti.loop_config(serialize=self.rows.serial)
         for i in range(particles):
-            own = self.carried[i]
-            along, across = 0.0 * own, 0.0 * own
-            for k in range(self.points.count[i]):
-                difference = self.carried[self.points.table[i, k]] - own
-                along += self.rows.along[i, k] * difference
-                across += self.rows.across[i, k] * difference
+            along, across = slopes(self.rows, self.carried, i)
             self.along[i], self.across[i] = along, across
             self.divergence[i] = along[0] + across[1]
         ti.loop_config(serialize=True)
@@ -113,21 +132,14 @@ class History:
         particles = self.points.particles[None]
         ti.loop_config(serialize=self.rows.serial)
         for i in range(particles):
-            moved = self.shift.moved[i]
-            own = moved.x * self.along[i] + moved.y * self.across[i]
-            change = own
-            for k in range(self.points.count[i]):
-                j = self.points.table[i, k]
-                weight = moved.x * self.rows.along[i, k] + moved.y * self.rows.across[i, k]
-                change += 0.5 * weight * (moved.x * self.along[j] + moved.y * self.across[j] - own)
-            self.carried[i] += change
+            self.carried[i] += change(self.rows, self.along, self.across, i, self.shift.moved[i])
             self.position[i] = self.points.domain.inside(self.points.place[i])
 
-    def tidy(self):
-        """Put the particles in the order of the cells in which neighbours were last sought."""
+    def tidy(self, others):
+        """Put the particles, and ``others`` of their fields, in the order of the cells of the last search."""
         liquid, order = int(view(self.points.liquid)), view(self.points.order)[: self.points.fluid]
         order = order[order < liquid]
-        for field in (self.position, self.carried, self.divergence, self.number):
+        for field in (self.position, self.carried, self.divergence, self.number, *others):
             used(field)[:liquid] = used(field)[order]
 
     @property

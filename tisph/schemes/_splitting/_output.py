@@ -5,19 +5,21 @@ import numpy as np
 from tisph.neighbours.points import used
 from tisph.schemes._splitting._history import PRESSURES, VELOCITIES
 from tisph.schemes._splitting._series import Times
-from tisph.snapshot import Snapshot
+from tisph.snapshot import STRESSES, Snapshot
 
 
-def carried_in_order(history, liquid):
-    """Return what the ``liquid`` particles carry, and where they are, in the order of creation."""
+def carried_in_order(scheme):
+    """Return what the particles of liquid carry, where they are, and tensors, in the order of creation."""
+    history, liquid = scheme.history, scheme.flow.liquid
     created = np.argsort(used(history.number)[:liquid])
-    return (used(field)[:liquid][created].astype(float) for field in (history.carried, history.position))
+    fields = [history.carried, history.position, *([scheme.polymer.tensors] if scheme.polymer else [])]
+    return [used(field)[:liquid][created].astype(float) for field in fields]
 
 
 def state(scheme, time):
     """Return the ``Snapshot`` at ``time`` on the polynomials through what the particles carry, ``scheme.seen``."""
     flow, bounds, age = scheme.flow, scheme.bounds, scheme.time - time
-    _, carried, position = scheme.seen
+    _, carried, position, *tensors = scheme.seen
     lengths = scheme.lengths or [1.0]
     times = Times([0.0, *lengths], lengths[0])
     velocities = carried[:, : 2 * VELOCITIES].reshape(len(carried), VELOCITIES, 2)
@@ -32,6 +34,7 @@ def state(scheme, time):
             position = bounds.corners.gone(scheme.seen[2], velocities, at, -age)
         velocity = velocity + bounds.corners.velocity(position)
         pressure = pressure + bounds.corners.pressure(position)
+    stress = [flow.density * part for part in scheme.polymer.at(times, age, *tensors)] if tensors else []
     return Snapshot(
         t=time,
         step=scheme.steps,
@@ -42,4 +45,5 @@ def state(scheme, time):
         density=np.full(len(position), flow.density),
         pressure=flow.density * (pressure - pressure.mean()),
         bodies=bounds.bodies(time, times, age) if bounds else None,
+        **dict(zip(STRESSES, stress, strict=False)),
     )

@@ -12,9 +12,10 @@ from tisph.periodic import PeriodicBox
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes._room import clustered
 from tisph.schemes._splitting._bounds import Bounds
-from tisph.schemes._splitting._control import StepControl
+from tisph.schemes._splitting._control import StepControl, viscous_step
 from tisph.schemes._splitting._history import PRESSURES, VELOCITIES, History
 from tisph.schemes._splitting._output import carried_in_order, state
+from tisph.schemes._splitting._polymer import Polymer
 from tisph.schemes._splitting._series import Times
 from tisph.schemes._splitting._shift import GONE, Shift
 from tisph.schemes._splitting._split import Split
@@ -38,12 +39,6 @@ that is to vanish at once makes coarse runs take shorter steps."""
 
 COURANT = 0.3
 """Longest step over the time in which the fastest particle goes one spacing."""
-
-MOST_VISCOUS = 5.0
-"""Viscous number nu h/spacing^2 of the longest step between walls. Up to 6 divergence decays at the rate above whatever
-the step, beyond it the divergence that there is grows with the step: every change of the step would change velocities
-by more than the tolerance, and be refused. Steps are stable to 400 and more; flow rates of cylinders in slow flow, 20
-spacings across, err by 3e-4 with 10 and by 1e-3 with 400."""
 
 TOLERANCE = 2e-6
 """Of a step."""
@@ -100,7 +95,8 @@ class Scheme:
             self.points.liquid = integer(flow.liquid)
             self.bounds = Bounds(flow, self.history, self.shift, SUPPORT, SKIN)
         closure = self.bounds.closure if bounded else None
-        self.split = Split(self.history, self.lattice, flow.spacing, closure, flow.acceleration)
+        self.polymer = Polymer(self.history, flow) if flow.rheology else None
+        self.split = Split(self.history, self.lattice, flow, closure, self.polymer)
         self.control = StepControl(flow.start_time, targets, tolerance)
         least = ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
         self.residuals = max(PRESSURE_RESIDUAL, least), max(VELOCITY_RESIDUAL, least)
@@ -115,7 +111,10 @@ class Scheme:
         self.seen = None
 
     def start(self, position, velocity, stress=None):
-        """Place the particles, (particles, 2) arrays, and find the pressure of their velocities; no ``stress``."""
+        """Place the particles, (particles, 2) arrays, and find the pressure of their velocities.
+
+        Polymers start without ``stress``.
+        """
         self.initial_momentum = float(velocity[:, 0].sum())
         liquid = self.flow.liquid
         used(self.history.position)[:liquid] = position - np.array(self.flow.origin)
@@ -128,9 +127,11 @@ class Scheme:
         if self.bounds:
             self.require_solution(self.bounds.begin(self.split, self.residuals[0]))
         self.history.measure()
-        self.require_solution(self.split.begin(self.flow.kinematic_viscosity, self.residuals[0]))
+        self.require_solution(self.split.begin(self.flow.solvent_viscosity, self.residuals[0]))
+        if self.polymer:
+            self.polymer.begin()
         if self.bounds:
-            self.bounds.measure(self.time)
+            self.bounds.measure(self.time, self.polymer)
             self.bounds.find_fastest()
         self.control.begin(self.longest_step)
 
@@ -143,7 +144,9 @@ class Scheme:
     def longest_step(self):
         """Step that the Courant number allows at the present velocities, and between walls the viscous number."""
         spacing, convective = self.flow.spacing, self.courant * self.flow.spacing / self.speed
-        return min(convective, MOST_VISCOUS * spacing**2 / self.flow.kinematic_viscosity) if self.bounds else convective
+        if not self.bounds:
+            return convective
+        return min(convective, viscous_step(spacing, self.flow.kinematic_viscosity, self.flow.rheology))
 
     @property
     def finished(self):
@@ -172,7 +175,10 @@ class Scheme:
         view(self.split.back)[...] = back
         view(self.split.ahead)[...] = times.ahead(VELOCITIES)
         view(self.split.ahead_pressure)[...] = times.ahead(PRESSURES)
-        nu, spacing = self.flow.kinematic_viscosity, self.flow.spacing
+        nu, spacing = self.flow.solvent_viscosity, self.flow.spacing
+        if self.polymer:
+            self.polymer.prepare(times, length, self.time + length)
+            nu += self.polymer.viscosity
         rate = DECAY[0] * nu / spacing**2 + DECAY[1] * self.speed / spacing
         kept = max(0.0, leading - rate * length)
         self.split.look_back()
@@ -204,21 +210,34 @@ class Scheme:
             text = f"the linear systems cannot be solved at step {self.steps + 1}, t = {self.time:.6g}"
             raise DivergedError(f"u, v, pressure: {text}")
 
+    def require_definite(self, lost):
+        """Raise DivergedError where conformation tensors are ``lost``, numbers of points."""
+        if len(lost):
+            x, y = view(self.points.place)[lost[0]] + self.flow.origin
+            text = f"the conformation tensor is not positive definite at ({x:.4g}, {y:.4g}), step {self.steps + 1}"
+            cure = "more particles across, or a smaller relaxation time"
+            raise DivergedError(f"stress: {text}, t = {self.time:.6g}; {cure}")
+
     def conclude(self, length):
         """Take up the new velocities, measure them, and shift the particles."""
         self.split.take_up()
         if self.bounds:
             self.bounds.conclude(self.split.velocity.x)
         self.history.measure()
+        if self.polymer:
+            self.require_definite(self.polymer.take_up(self.split.velocity.x))
+            self.polymer.slope()
         if self.bounds:
-            self.bounds.measure(self.time + length)
+            self.bounds.measure(self.time + length, self.polymer)
         gone = length * self.speed / self.flow.spacing
         self.shift.spread(self.steps == 0 and not self.bounds, min(1.0, gone / GONE))
         self.history.settle()
+        if self.polymer:
+            self.polymer.settle()
         if self.bounds:
             self.bounds.find_fastest()
         if (self.steps + 1) % TIDYING == 0:
-            self.history.tidy()
+            self.history.tidy([self.polymer.tensors] if self.polymer else [])
         self.time = self.control.end(self.time, length)
         self.lengths = [length, *self.lengths][: VELOCITIES - 1]
         self.control.step_taken(self.time, self.longest_step)
@@ -240,7 +259,7 @@ class Scheme:
         """
         time = self.time if time is None else time
         if self.seen is None or self.seen[0] != self.time:
-            self.seen = (self.time, *carried_in_order(self.history, self.flow.liquid))
+            self.seen = (self.time, *carried_in_order(self))
         return state(self, time)
 
     def momentum_balance(self):
@@ -267,7 +286,7 @@ class Scheme:
 
     def parts(self):
         """Return everything whose fields a resumed run needs, by name."""
-        return {"history": self.history}
+        return {"history": self.history, **({"polymer": self.polymer} if self.polymer else {})}
 
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""

@@ -28,12 +28,13 @@ class Split:
     the error is estimated from.
     """
 
-    def __init__(self, history, lattice, spacing, closure=None, acceleration=(0.0, 0.0)):
+    def __init__(self, history, lattice, flow, closure=None, polymer=None):
         self.history, self.rows, self.points = history, history.rows, history.points
         vector = ti.types.vector(2, real())
-        self.spacing, self.closure, self.bounded = spacing, closure, closure is not None
-        self.driven = any(acceleration)
-        self.acceleration = holding(ti.field(vector, ()), acceleration)
+        self.spacing, self.closure, self.bounded = flow.spacing, closure, closure is not None
+        self.polymer = polymer
+        self.driven = any(flow.acceleration)
+        self.acceleration = holding(ti.field(vector, ()), flow.acceleration)
         self.pressure = MultilevelSolver(self.rows, lattice, 1, floating=True)
         self.velocity = MultilevelSolver(self.rows, lattice, 2)
         self.known, self.expected = (ti.field(vector, self.points.slots + 1) for _ in range(2))
@@ -46,9 +47,12 @@ class Split:
 
         ``leading`` is g, ``kept`` k g, ``tolerances`` those of the pressure and of the velocities.
         """
-        self.divide(length, kept)
         sound, self.iterations = True, [0.0, 0.0]
         for turn in range(2 if self.bounded else 1):
+            if self.polymer:
+                self.polymer.act(self.velocity.x, self.known, length)
+            if self.polymer or turn == 0:
+                self.divide(length, kept)
             if self.bounded:
                 if turn == 1:
                     self.closure.spin(self.velocity.x)

@@ -51,6 +51,27 @@ class Walls:
         pairs = zip(self.bodies, self._placed(time), strict=True)
         return np.concatenate([body.acceleration(boundary.point, time) for body, boundary in pairs])
 
+    def sliding(self, time):
+        """Return the velocities (count, 2) of the walls past the points on them."""
+        pairs = zip(self.bodies, self._placed(time), strict=True)
+        return np.concatenate([body.sliding(part.point, time) for body, part in pairs])
+
+    def gradients(self, gradients, time):
+        """Return velocity gradients (2, 2, count), du_a/dx_b, on the points with what is known of them there.
+
+        Along a wall the liquid's velocity varies as the wall's, and its divergence is 0: measured is the shear alone.
+        """
+        boundaries = self._placed(time)
+        normal = np.concatenate([part.normal for part in boundaries]).T
+        tangent = np.stack([normal[1], -normal[0]])
+        pairs = zip(self.bodies, boundaries, strict=True)
+        tangents = (np.stack([part.normal[:, 1], -part.normal[:, 0]], axis=1) for part in boundaries)
+        parts = [body.strain(part.point, along, time) for (body, part), along in zip(pairs, tangents, strict=True)]
+        strain = np.concatenate(parts).T
+        shear = np.einsum("abn,an,bn->n", gradients, tangent, normal)
+        across = shear * tangent - np.sum(strain * tangent, axis=0) * normal
+        return across[:, None] * normal + strain[:, None] * tangent
+
     def sums(self, tractions, time):
         """Return force and torque (n, bodies, 3) on each body of n ``tractions`` (n, count, 2) on the points."""
         force, result = self.length[:, None] * tractions, np.zeros((len(tractions), len(self.bodies), 3))

@@ -6,7 +6,8 @@ The stress beyond that of the constant viscosity nu in ``fluid`` takes the part 
 
 import numpy as np
 
-from tisph.schemes.implicit._memory import SMALL, Memory
+from tisph.schemes._pointwise import SMALL
+from tisph.schemes.implicit._memory import Memory
 
 
 class Instant:

@@ -16,12 +16,7 @@ import itertools
 
 import numpy as np
 
-SMALL = 1e-30
-"""Imaginary step of derivatives; its square vanishes beside 1."""
-
-MOST_ITERATIONS = 30
-CONVERGED = 1e-13
-"""Residual, over 1 plus the largest component, at which Newton's method is done: rounding is left."""
+from tisph.schemes._pointwise import SMALL, eliminate, matrix, solve
 
 
 class Memory:
@@ -68,8 +63,8 @@ class Memory:
         """Return dS_xy/dC . (1 - duration F_C)^-1 ``defect``, linearised about ``state``."""
         total = 0.0
         for law, part in zip(self.laws, self.parts, strict=True):
-            matrix = _matrix(law, state[part], duration, shear_rate)
-            change = eliminate(matrix, defect[part])
+            slopes = matrix(lambda c, law=law: _rate(law, c, shear_rate), state[part], duration)
+            change = eliminate(slopes, defect[part])
             total = total + _along(law, state[part], change)
         return total
 
@@ -126,42 +121,7 @@ def _along(law, state, direction):
 
 def _respond(law, known, duration, shear_rate, guess):
     """``Memory.respond`` of one mode; the second result is dC/d shear_rate."""
-    state, matrix = guess.copy(), None
-    for _ in range(MOST_ITERATIONS):
-        residual = known + duration * np.stack(_rate(law, state, shear_rate)) - state
-        if matrix is not None and not np.abs(residual).max() > CONVERGED * (1.0 + np.abs(state).max()):
-            break
-        matrix = _matrix(law, state, duration, shear_rate)
-        state += eliminate(matrix, residual)
+    state, slopes = solve(lambda c: _rate(law, c, shear_rate), known, duration, guess)
     pull = np.zeros_like(state)
     pull[1] = 1.0 + state[2]
-    return state, eliminate(matrix, duration * pull)
-
-
-def _matrix(law, state, duration, shear_rate):
-    """Return 1 - ``duration`` dF/dC, rows of columns of arrays."""
-    size, columns = len(state), []
-    for column in range(size):
-        ahead = state.astype(complex)
-        ahead[column] += 1j * SMALL
-        slopes = [np.imag(value) / SMALL for value in _rate(law, ahead, shear_rate)]
-        columns.append([float(row == column) - duration * slopes[row] for row in range(size)])
-    return [[columns[column][row] for column in range(size)] for row in range(size)]
-
-
-def eliminate(matrix, right):
-    """Solve small systems side by side, without exchanging rows: they are near 1 where time steps are sensible."""
-    matrix, right = [list(row) for row in matrix], list(right)
-    size = len(right)
-    for k in range(size):
-        inverse = 1.0 / matrix[k][k]
-        for i in range(k + 1, size):
-            factor = matrix[i][k] * inverse
-            for j in range(k + 1, size):
-                matrix[i][j] = matrix[i][j] - factor * matrix[k][j]
-            right[i] = right[i] - factor * right[k]
-    for k in reversed(range(size)):
-        for j in range(k + 1, size):
-            right[k] = right[k] - matrix[k][j] * right[j]
-        right[k] = right[k] / matrix[k][k]
-    return np.stack(right)
+    return state, eliminate(slopes, duration * pull)

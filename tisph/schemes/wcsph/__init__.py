@@ -43,6 +43,9 @@ def problems(config):
     if config.fluid.rheology.carries_stress and config.scheme.operators != "consistent":
         text = f"{config.fluid.rheology.type} needs the velocity gradient of the consistent operators"
         yield "scheme.operators", f"{text}: give consistent, or fluid.rheology {{type: newtonian}}"
+    if config.fluid.rheology.carries_stress and not config.parallel:
+        text = f"wcsph has no {config.fluid.rheology.type} liquid where the flow turns"
+        yield "scheme.type", f"{text}; take implicit, or fluid.rheology {{type: newtonian}}"
     if not any(config.periodic):
         yield from _problems_around_bodies(config)
 

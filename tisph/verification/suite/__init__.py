@@ -9,13 +9,25 @@ from tisph.verification.suite import (
     implicit,
     rheologies,
     turning,
+    turning_polymers,
     viscoelastic,
 )
 
 RESUMED = "_resumed"
 """End of the name of a run that is ended on the way and resumed."""
 
-PARTS = (couette, channel, viscoelastic, rheologies, implicit, turning, circular_couette, cavity, bodies)
+PARTS = (
+    couette,
+    channel,
+    viscoelastic,
+    rheologies,
+    implicit,
+    turning,
+    circular_couette,
+    cavity,
+    bodies,
+    turning_polymers,
+)
 
 
 def runs(quick):

@@ -1,0 +1,171 @@
+"""Start-up between cylinders: against modes of Oldroyd-B flow, Newtonian flow, steady closed forms and the plane."""
+
+import math
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from polymer_laws import law, steady_shear
+from scipy.integrate import quad
+
+from tisph.exact._annulus_modes import modes, shear_rates, velocities
+from tisph.exact.circular_couette import CircularCouette, Rotation
+from tisph.exact.circular_start_up import CircularStartUp
+from tisph.exact.start_up import Flow, Polymer, StartUp, Wall
+
+R = np.linspace(1.0, 2.0, 41)
+INSIDE = np.array([1.05, 1.2, 1.5, 1.9])
+ACCURACY = 1e-8
+"""That the module promises, relative to the largest value in the gap."""
+
+
+def liquid(kind, fraction=0.1, relaxation_time=1.0):
+    """A liquid of total viscosity 1 with one of KINDS as its polymer."""
+    return Polymer(fraction, (law(kind, viscosity=1.0 - fraction, relaxation_time=relaxation_time),))
+
+
+def start_up(now, inner=1.0, outer=0.0, before=None, radii=(1.0, 2.0), **elements):
+    walls = [Wall(speed) for speed in (inner, outer)]
+    return CircularStartUp(*radii, now, *walls, before and tuple(map(Wall, before)), **elements)
+
+
+@lru_cache
+def shared(kind):
+    """Start-up with the inner cylinder that several tests look at."""
+    return start_up(liquid(kind))
+
+
+def apart(found, expected):
+    return np.max(np.abs(found - expected)) / np.max(np.abs(expected))
+
+
+def test_without_polymer_it_is_newtonian_flow():
+    """The layer's closed form leaves the walls' curvature to the equations."""
+    radii = (0.2, 1.2)
+    found = start_up(Polymer(1.0, (law("oldroyd_b", viscosity=0.0),)), 0.3, -0.7, radii=radii)
+    expected = CircularCouette(*radii, 1.0, Rotation(0.3), Rotation(-0.7))
+    r = np.linspace(*radii, 41)
+    for t in (1e-5, 0.01, 0.3):
+        assert apart(found.velocity(r, t), expected.velocity(r, t)) < 1e-11
+        assert apart(found.shear_rate(r, t), expected.shear_rate(r, t)) < 1e-11
+        assert apart(np.array(found.torque(t, density=3.0)), np.array(expected.torque(t, density=3.0))) < 1e-11
+    pressure = expected.pressure(r, 0.3, density=3.0)
+    assert apart(found.pressure(r, 0.3, density=3.0), pressure) < 1e-11
+
+
+def oldroyd_modes(r, t, fraction, relaxation_time, count=2000):
+    """Velocity and S_rt when the inner cylinder of (1, 2) begins to turn with 1: total viscosity 1, ``r`` (radii,).
+
+    u = steady + sum a_n u_n and S = steady part * (1 - exp(-t/lambda)) + sum b_n (rate of u_n), where
+    da/dt = -nu_s k^2 a - k^2 b and db/dt = -b/lambda + G a. Terms of S fall with n^-2 and change sign: the last ones
+    are faded out, which leaves less than any power of 1/count inside.
+    """
+    k, quotient = modes(2.0, count)
+    fading = np.exp(-36 * (np.arange(count) / count) ** 6)
+    start = fading * np.pi / (quotient**2 - 1)  # -c_n of the module circular_couette
+    modulus = (1 - fraction) / relaxation_time
+    half, whole = fraction * k**2 - 1 / relaxation_time, fraction * k**2 + 1 / relaxation_time
+    root = np.sqrt((half**2 - 4 * modulus * k**2).astype(complex))
+    grown = np.exp((root - whole) * t / 2), np.exp((-root - whole) * t / 2)
+    swing, mean = (grown[0] - grown[1]) / root, (grown[0] + grown[1]) / 2
+    a, b = start * (mean - half * swing / 2).real, start * modulus * swing.real
+    steady = CircularCouette(1.0, 2.0, 1.0, Rotation(1.0), Rotation(0.0))
+    u = steady.settled_velocity(r) + a @ velocities(k[:, None], r)
+    settled = (1 - fraction) * (1 - math.exp(-t / relaxation_time)) * steady.settled_shear_rate(r)
+    return u, settled + b @ shear_rates(k[:, None], r)
+
+
+def test_oldroyd_b_follows_its_modes():
+    found = shared("oldroyd_b")
+    for t in (0.02, 0.5, 3.0):
+        u, stress = oldroyd_modes(INSIDE, t, 0.1, 1.0)
+        assert apart(found.velocity(INSIDE, t), u) < ACCURACY
+        assert apart(found.polymer_stress(INSIDE, t)[1], stress) < ACCURACY
+
+    def grown(time, r=1.5):
+        decay = math.exp(time - 0.5)
+        return decay * 2 * found.shear_rate(r, time) * found.polymer_stress(r, time)[1]
+
+    along, _, across = found.polymer_stress(1.5, 0.5)
+    largest = found.polymer_stress(R, 0.5)[0].max()
+    assert abs(along - quad(grown, 0.0, 0.5, epsabs=1e-9, limit=200)[0]) < ACCURACY * largest
+    assert across == 0
+
+
+@pytest.mark.parametrize("kind", ["oldroyd_b", "giesekus"])
+def test_flows_end_as_closed_forms_say(kind):
+    """In the end r^2 times the shear stress is the same everywhere, and the polymer's is that of the rate there."""
+    now, found, t = liquid(kind), shared(kind), 60.0
+    stress, rate = found.polymer_stress(R, t), found.shear_rate(R, t)
+    moment = R**2 * (now.flux(rate) + stress[1])
+    assert np.allclose(moment, moment[0], rtol=ACCURACY)
+    torques = found.torque(t, density=2.0)
+    assert torques == pytest.approx((4 * np.pi * moment[0], -4 * np.pi * moment[0]), rel=ACCURACY)
+    for k, slope in enumerate(rate):
+        expected = now.laws[0].stress(steady_shear(kind, abs(slope)))[:3]
+        assert np.allclose(stress[:, k] * [1, -1, 1], expected, rtol=1e-7, atol=ACCURACY)
+    if kind == "oldroyd_b":
+        assert apart(found.velocity(R, t), 4 / 3 / R - R / 3) < ACCURACY
+        assert apart(stress[0] - stress[2], 2 * 0.9 * rate**2) < ACCURACY
+
+
+def test_pressure_balances_hoop_stress_and_inertia():
+    """dp/dr by differences, of a liquid with all normal stresses; no mean over the area."""
+    found, t, step = shared("giesekus"), 0.4, 1e-4
+    along, _, across = found.polymer_stress(INSIDE, t)
+    steps = step * np.array([-2.0, -1.0, 1.0, 2.0])
+    around = INSIDE[:, None] + steps
+
+    def slope(values):
+        return values @ np.array([1.0, -8.0, 8.0, -1.0]) / (12 * step)
+
+    expected = found.velocity(INSIDE, t) ** 2 / INSIDE + (across - along) / INSIDE
+    expected += slope(found.polymer_stress(around, t)[2])
+    pressure = found.pressure(around, t, density=2.0)
+    assert apart(slope(pressure), 2.0 * expected) < 1e-8  # rounding, 1e-13 over the step
+    nodes, weights = np.polynomial.legendre.leggauss(200)
+    r = 1.5 + 0.5 * nodes
+    assert abs(np.sum(weights * r * found.pressure(r, t, density=2.0))) < 1e-9
+    assert not np.any(found.pressure(R, 0.0, density=2.0))
+
+
+def test_another_order_changes_nothing():
+    one, other = shared("giesekus"), start_up(liquid("giesekus"), order=18, finest=5e-4)
+    for t in (1e-3, 0.1):
+        assert apart(one.velocity(R, t), other.velocity(R, t)) < ACCURACY
+        for mine, its in zip(one.polymer_stress(R, t), other.polymer_stress(R, t), strict=True):
+            assert apart(mine, its) < 3 * ACCURACY
+
+
+def test_a_narrow_gap_is_a_plane_channel():
+    """To first order in gap/radius: errors of two gaps differ by ten."""
+    now, time, heights = liquid("giesekus"), 0.06, np.linspace(0.0, 1.0, 21)
+    coarse = {"order": 10, "finest": 0.03}
+    plane, errors = StartUp(now, Flow(1.0, bottom=Wall(1.0)), **coarse), []
+    for radius in (1e3, 1e4):
+        found = start_up(now, 1 / radius, radii=(radius, radius + 1), **coarse)
+        errors.append(
+            [
+                apart(found.velocity(radius + heights, time), plane.velocity(heights, time)),
+                apart(found.polymer_stress(radius + heights, time), plane.polymer_stress(heights, time)),
+            ]
+        )
+    assert max(errors[0]) < 5e-3
+    assert np.divide(*errors) == pytest.approx([10.0, 10.0], rel=0.05)
+
+
+def test_it_goes_on_from_a_developed_flow():
+    now = liquid("oldroyd_b", 0.3, 0.5)
+    found = start_up(now, 0.0, before=(1.0, 0.0))
+    turning = 4 / 3 / R - R / 3
+    assert apart(found.velocity(R, 1e-9)[5:], turning[5:]) < ACCURACY  # inside of the layer
+    assert apart(found.polymer_stress(R, 0.0)[1], 0.7 * -8 / 3 / R**2) < ACCURACY
+    balance = CircularCouette(1.0, 2.0, 1.0, Rotation(1.0), Rotation(0.0))
+    hoop = 2 * 0.7 * 0.5 * (8 / 3) ** 2 * R**-4 / 4  # of -int N1/r dr
+    difference = found.pressure(R, 0.0, density=1.0) - balance.pressure(R, 0.0, density=1.0, settled=True) - hoop
+    assert np.ptp(difference) < ACCURACY * hoop[0]
+
+
+def test_what_is_no_annulus_is_refused():
+    with pytest.raises(ValueError, match="grow outwards"):
+        start_up(liquid("giesekus"), radii=(2.0, 1.0))

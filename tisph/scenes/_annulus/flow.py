@@ -1,0 +1,101 @@
+"""Exact flow between two cylinders of an ``Annulus``: of a Newtonian liquid, and of one with polymer.
+
+Radii ``r`` and times ``t`` broadcast, but for the pressure, which takes one time.
+"""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from tisph.exact.circular_couette import CircularCouette
+from tisph.exact.circular_start_up import CircularStartUp
+from tisph.exact.start_up import Polymer
+
+
+class NewtonianFlow:
+    """Closed forms: from rest, on from what the cylinders did before, or settled."""
+
+    def __init__(self, annulus):
+        walls = (replace(wall, before=annulus.before(wall)) for wall in (annulus.inner, annulus.outer))
+        self._of = CircularCouette(annulus.inner_radius, annulus.outer_radius, annulus.kinematic_viscosity, *walls)
+        self._settled, self._density = annulus.settled, annulus.density
+
+    def velocity(self, r, t):
+        """Velocity around the axis."""
+        return self._of.settled_velocity(r, t) if self._settled else self._of.velocity(r, t)
+
+    def shear_rate(self, r, t):
+        """Shear rate r d(u/r)/dr (1/time)."""
+        return self._of.settled_shear_rate(r, t) if self._settled else self._of.shear_rate(r, t)
+
+    def pressure(self, r, t):
+        """Pressure, of zero mean."""
+        return self._of.pressure(r, t, density=self._density, settled=self._settled)
+
+    def torques(self, t):
+        """Torques of the liquid on the inner and the outer cylinder, per length of the axis."""
+        return (self._of.settled_torque if self._settled else self._of.torque)(t, density=self._density)
+
+
+class SolvedFlow:
+    """Of a liquid with polymer, from rest; solved for once."""
+
+    def __init__(self, annulus):
+        liquid = annulus.rheology, annulus.kinematic_viscosity
+        self._of = _solved(*liquid, annulus.inner_radius, annulus.outer_radius, annulus.inner, annulus.outer)
+        self._density = annulus.density
+
+    def velocity(self, r, t):
+        """Velocity around the axis."""
+        return self._of.velocity(r, t)
+
+    def shear_rate(self, r, t):
+        """Shear rate r d(u/r)/dr (1/time)."""
+        return self._of.shear_rate(r, t)
+
+    def pressure(self, r, t):
+        """Pressure, of zero mean."""
+        return self._of.pressure(r, t, density=self._density)
+
+    def torques(self, t):
+        """Torques of the liquid on the inner and the outer cylinder, per length of the axis."""
+        return self._of.torque(t, density=self._density)
+
+    def polymer_stress(self, r, t):
+        """Polymer stress (3, ...) in polar components: around the axis, shear, along the radius."""
+        return self._density * self._of.polymer_stress(r, t)
+
+
+@lru_cache(maxsize=8)
+def _solved(rheology, kinematic_viscosity, inner_radius, outer_radius, inner, outer):
+    liquid = Polymer(rheology.solvent_fraction * kinematic_viscosity, rheology.laws(kinematic_viscosity))
+    return CircularStartUp(inner_radius, outer_radius, liquid, inner, outer)
+
+
+def cartesian(stress, x, y):
+    """Components xx, xy, yy (3, ...) of a ``stress`` (3, ...) in polar ones at places ``x``, ``y`` from the axis."""
+    cosine, sine = _directions(x, y)
+    around, shear, along = stress
+    both = sine * cosine
+    return np.stack(
+        [
+            around * sine**2 - 2 * shear * both + along * cosine**2,
+            (along - around) * both + shear * (cosine**2 - sine**2),
+            around * cosine**2 + 2 * shear * both + along * sine**2,
+        ]
+    )
+
+
+def polar(stress, x, y):
+    """Shear stress and N1, around the axis less along the radius, of a ``stress`` (3, ...): xx, xy, yy."""
+    cosine, sine = _directions(x, y)
+    xx, xy, yy = stress
+    twice = 2 * sine * cosine, cosine**2 - sine**2
+    return 0.5 * (yy - xx) * twice[0] + xy * twice[1], (yy - xx) * twice[1] - 2 * xy * twice[0]
+
+
+def _directions(x, y):
+    """Cosine and sine of the angle of places, in double precision."""
+    x, y = (np.asarray(part, dtype=float) for part in (x, y))
+    return x / np.hypot(x, y), y / np.hypot(x, y)

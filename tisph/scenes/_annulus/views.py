@@ -1,0 +1,112 @@
+"""What is looked at between two cylinders: profiles over the radius, torques, the movie, and in words what it is."""
+
+import math
+
+import numpy as np
+
+from tisph.scenes import _turning
+from tisph.scenes._views import Followed, Profile, Radius, Shown
+
+MINUS = "\N{MINUS SIGN}"
+
+
+def facts(annulus):
+    """Pairs (label, text) of what the flow is, independent of particles."""
+    length, time = annulus.units.length, annulus.units.time
+    lines = [
+        ("Reynolds number", f"{annulus.reynolds:.6g}  (U H / nu, H the gap)"),
+        ("fastest wall U", f"{annulus.reference_velocity:.6g} {length}/{time}"),
+        ("kinematic viscosity nu", f"{annulus.kinematic_viscosity:.6g} {length}^2/{time}"),
+        ("radii", f"{annulus.inner_radius:.6g} and {annulus.outer_radius:.6g} {length}"),
+        ("viscous time", f"{annulus.viscous_time:.6g} {time}  (H^2 / nu)"),
+    ]
+    if annulus.polymer:
+        elasticity = annulus.polymer.relaxation_time / annulus.viscous_time
+        lines.append(("Weissenberg number", f"{annulus.weissenberg:.4g}  (relaxation time * U / H)"))
+        lines.append(("elasticity number", f"{elasticity:.4g}  (relaxation time * nu / H^2)"))
+    return lines
+
+
+def profiles(annulus):
+    """Velocity around the axis, and pressure; with polymer also its shear stress and first normal difference N1."""
+    common = [_velocity(annulus), _turning.pressure_profile(annulus, _radius(annulus))]
+    return [*common, _shear_stress(annulus), _normal_stress(annulus)] if annulus.polymer else common
+
+
+def followed(annulus):
+    """Torques on the cylinders."""
+    inner = 2 * math.pi * annulus.inner_radius**2
+    scale = inner * annulus.dynamic_viscosity * annulus.reference_velocity / annulus.gap
+    return Followed(
+        content="torque of the liquid on the cylinders over time t",
+        name="torque per length",
+        unit="torque",
+        scale=scale,
+        columns=["torque_inner", "torque_outer"],
+        labels=[("inner cylinder", None), ("outer cylinder", None)],
+        exact_columns=["torque_inner_exact", "torque_outer_exact"],
+        measure=lambda snapshot: snapshot.bodies.torque,
+        exact=lambda times: np.stack(annulus.exact_torques(np.asarray(times)), axis=1),
+        angular_frequency=max(annulus.inner.angular_frequency, annulus.outer.angular_frequency),
+    )
+
+
+def shown(annulus, name, end):
+    """Speed with the velocity around the axis over the radius, or vorticity, pressure or shear stress over it.
+
+    Where a wall starts, the vorticity is infinite at first: colours and axes are fitted to what is left of it in a
+    layer a quarter of the gap deep, or half-way through the run.
+    """
+    profiles = {"speed": _velocity, "vorticity": _vorticity, "shear_stress": _shear_stress}
+    profile = profiles[name](annulus) if name in profiles else _turning.pressure_profile(annulus, _radius(annulus))
+    first = annulus.start_time
+    if name == "vorticity":
+        first = max(first, min(annulus.viscous_time / 16, 0.5 * (first + end)))
+    stressed = name == "shear_stress"
+    return Shown(
+        name=profile.name if stressed else name,
+        signed=name != "speed",
+        of=profile.of if name != "speed" else _turning.speed,
+        profile=profile,
+        ends=profile.extremes(first, end),
+        otherwise=annulus.dynamic_viscosity * annulus.reference_velocity / annulus.gap if stressed else 1.0,
+        error={"pressure": ("pressure", "p"), "shear_stress": ("stress_xy", "Sxy")}.get(name),
+    )
+
+
+def _radius(annulus):
+    return Radius(ends=(annulus.inner_radius, annulus.outer_radius), place=annulus.centre)
+
+
+def _velocity(annulus):
+    scale = (annulus.reference_velocity, "speed of the fastest wall")
+    return Profile("u_θ", "velocity", _radius(annulus), of=annulus.around, exact=annulus.exact_around, scale=scale)
+
+
+def _vorticity(annulus):
+    of = _turning.vorticity(annulus)
+    return Profile("vorticity", "rate", _radius(annulus), of=of, exact=annulus.exact_vorticity)
+
+
+def _shear_stress(annulus):
+    return Profile(
+        name="polymer shear stress Srθ",
+        unit="stress",
+        line=_radius(annulus),
+        of=lambda snapshot: annulus.polymer_stress(snapshot)[0],
+        exact=lambda x, y, t: annulus.exact_polymer_stress(x, y, t)[1],
+    )
+
+
+def _normal_stress(annulus):
+    def exact(x, y, t):
+        around, _, along = annulus.exact_polymer_stress(x, y, t)
+        return around - along
+
+    return Profile(
+        name=f"first normal stress difference N1 = Sθθ {MINUS} Srr",
+        unit="stress",
+        line=_radius(annulus),
+        of=lambda snapshot: annulus.polymer_stress(snapshot)[1],
+        exact=exact,
+    )

@@ -1,0 +1,54 @@
+"""Implicit equations C = K + g F(C) of a few unknowns at each particle, solved side by side by Newton's method."""
+
+import numpy as np
+
+SMALL = 1e-30
+"""Imaginary step of derivatives; its square vanishes beside 1."""
+
+MOST_ITERATIONS = 30
+CONVERGED = 1e-13
+"""Residual, over 1 plus the largest component, at which Newton's method is done: rounding is left."""
+
+
+def solve(rate, known, duration, guess):
+    """Solve C = ``known`` + ``duration`` ``rate``(C), arrays (numbers, n), from a ``guess``.
+
+    ``rate`` takes real and complex arrays. Returns C and the last ``matrix``.
+    """
+    state, slopes = guess.copy(), None
+    for _ in range(MOST_ITERATIONS):
+        residual = known + duration * np.stack(rate(state)) - state
+        if slopes is not None and not np.abs(residual).max() > CONVERGED * (1.0 + np.abs(state).max()):
+            break
+        slopes = matrix(rate, state, duration)
+        state += eliminate(slopes, residual)
+    return state, slopes
+
+
+def matrix(rate, state, duration):
+    """Return 1 - ``duration`` dF/dC, rows of columns of arrays."""
+    size, columns = len(state), []
+    for column in range(size):
+        ahead = state.astype(complex)
+        ahead[column] += 1j * SMALL
+        slopes = [np.imag(value) / SMALL for value in rate(ahead)]
+        columns.append([float(row == column) - duration * slopes[row] for row in range(size)])
+    return [[columns[column][row] for column in range(size)] for row in range(size)]
+
+
+def eliminate(matrix, right):
+    """Solve small systems side by side, without exchanging rows: they are near 1 where time steps are sensible."""
+    matrix, right = [list(row) for row in matrix], list(right)
+    size = len(right)
+    for k in range(size):
+        inverse = 1.0 / matrix[k][k]
+        for i in range(k + 1, size):
+            factor = matrix[i][k] * inverse
+            for j in range(k + 1, size):
+                matrix[i][j] = matrix[i][j] - factor * matrix[k][j]
+            right[i] = right[i] - factor * right[k]
+    for k in reversed(range(size)):
+        for j in range(k + 1, size):
+            right[k] = right[k] - matrix[k][j] * right[j]
+        right[k] = right[k] / matrix[k][k]
+    return np.stack(right)

@@ -1,0 +1,128 @@
+"""Liquids with polymer where the flow turns, in the verification suite: between two cylinders, and past one.
+
+Between the cylinders, of radii 1 and 2, the liquid is at rest until the inner one turns at 1; viscosity, density and
+relaxation time are 1, so that times are relaxation times. The cylinder of radius 1 is in the middle of a channel of
+width 4 and period 16; what drives the liquid was chosen for Weissenberg numbers lambda U/R, U the mean velocity in the
+channel, of about 0.25 and 0.6. All particles start up to a fifth of a spacing off an even arrangement.
+"""
+
+import math
+
+from scipy.interpolate import CubicSpline
+
+from tisph.verification.criteria import Criterion, at_most, order
+from tisph.verification.flows import across, at_times, merged, walls
+
+START = {
+    "scene": "annulus",
+    "fluid": {
+        "density": 1.0,
+        "kinematic_viscosity": 1.0,
+        "rheology": {"type": "oldroyd_b", "relaxation_time": 1.0, "solvent_fraction": 0.1},
+    },
+    "geometry": {"inner_radius": 1.0, "outer_radius": 2.0},
+    "walls": {"inner": {"angular_velocity": 1.0}},
+    "initial": {"jitter": 0.2, "seed": 0},
+    "discretisation": {"particles_across": 25},
+}
+
+GIESEKUS = {
+    "fluid": {
+        "rheology": {"type": "giesekus", "relaxation_time": 1.0, "solvent_fraction": 0.1, "mobility": 0.2},
+    }
+}
+
+DRAG = CubicSpline(
+    [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9],
+    [132.3575, 130.36, 126.63, 123.19, 120.60, 118.84, 117.78, 117.32, 117.37, 117.79],
+)
+"""Force on the cylinder over dynamic viscosity and mean velocity by Weissenberg number, for a solvent fraction of 0.59
+and without inertia: M. A. Hulsen, R. Fattal and R. Kupferman, J. Non-Newtonian Fluid Mech. 127 (2005) 27-39."""
+
+
+def _past(viscosity, acceleration, relaxation_time, number, end):
+    """Flow past the cylinder, ``number`` particles to the width of the channel."""
+    return merged(
+        {
+            "scene": "channel",
+            "fluid": {
+                "density": 1.0,
+                "kinematic_viscosity": viscosity,
+                "rheology": {"type": "oldroyd_b", "relaxation_time": relaxation_time, "solvent_fraction": 0.59},
+            },
+            "geometry": {"gap": 4.0, "length": 16.0},
+            "bodies": [{"type": "circle", "centre": [8.0, 2.0], "radius": 1.0}],
+            "drive": {"acceleration": acceleration},
+            "initial": {"jitter": 0.2, "seed": 0},
+        },
+        walls(0.0, 0.0),
+        across(number),
+        {"time": {"end": end, "samples": [end]}},
+    )
+
+
+SAMPLES = (0.5, 1.0, 2.0)
+
+QUICK = {"oldroyd_b_annulus_12": merged(START, across(12), at_times([1.0]))}
+
+FULL = {
+    "oldroyd_b_annulus_12": merged(START, across(12), at_times(SAMPLES)),
+    "oldroyd_b_annulus_25": merged(START, at_times(SAMPLES)),
+    "oldroyd_b_annulus_50": merged(START, across(50), at_times(SAMPLES)),
+    "giesekus_annulus_50": merged(START, GIESEKUS, across(50), at_times(SAMPLES)),
+    "confined_cylinder_0.25": _past(5.0, 14.0, 0.3, 48, 2.0),
+    "confined_cylinder_0.6": _past(2.5, 7.0, 0.72, 64, 4.5),
+}
+
+
+def runs(quick):
+    """Configs by run name, as plain dicts."""
+    return QUICK if quick else FULL
+
+
+def criteria(quick):
+    """What the runs are held to, in the order of the table."""
+    if quick:
+        # 16 times the bounds at 25 across, for a spacing twice as large
+        return [at_most("oldroyd_b_annulus_12", 1.0, "l2", 8e-3), *_torques("oldroyd_b_annulus_12", 1.0, 1.6e-2)]
+    resolutions = {f"oldroyd_b_annulus_{number}": number for number in (12, 25, 50)}
+    return [
+        *_start("oldroyd_b_annulus_25"),
+        *_start("oldroyd_b_annulus_50"),
+        *_start("giesekus_annulus_50"),
+        order("oldroyd_b_annulus 12/25/50", resolutions, 1.0, 3, "l2"),
+        *(_drag(name) for name in FULL if name.startswith("confined")),
+    ]
+
+
+def _start(name):
+    quantities = {"l2": 5e-4, "shear_stress_l2": 1e-3, "normal_stress_l2": 1e-3}
+    return [
+        check
+        for t_star in SAMPLES
+        for check in (
+            *(at_most(name, t_star, quantity, bound) for quantity, bound in quantities.items()),
+            *_torques(name, t_star, 1e-3),
+        )
+    ]
+
+
+def _torques(name, t_star, bound):
+    return [at_most(name, t_star, f"torque_{side} off exact", bound) for side in ("inner", "outer")]
+
+
+def _drag(name):
+    """Drag at the Weissenberg number that the run came to; the falling pressure, which drives it, pushes as well."""
+    config = FULL[name]
+    viscosity, drive = config["fluid"]["kinematic_viscosity"], config["drive"]["acceleration"]
+    relaxation_time = config["fluid"]["rheology"]["relaxation_time"]
+
+    def off(result):
+        if not result.last:
+            return math.nan
+        velocity = result.last["superficial_velocity"]
+        found = (result.last["drag"] + drive * math.pi) / (viscosity * velocity)
+        return abs(found / float(DRAG(relaxation_time * velocity)) - 1)
+
+    quantity = "drag over viscosity and velocity off the literature"
+    return Criterion(name, quantity, "<= 0.005", (name,), off, lambda value: value <= 5e-3)

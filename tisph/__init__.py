@@ -1,8 +1,52 @@
-"""tisph: a Taichi particle simulator (SPH) for laminar, wall-bounded flow."""
+"""tisph: a Taichi particle simulator (SPH) for laminar, wall-bounded flow.
+
+    import tisph
+
+    print(tisph.check("couette.yaml"))                      # what the run will be
+    results = tisph.run("couette.yaml", **{"time.end": 2.7})    # into runs/couette
+    results = tisph.open("runs/couette")                    # again, without running
+    results.summary.samples[-1].l2                          # error against the exact solution
+    results.samples[-1]["u"], results.history.to_pandas()   # arrays, in the units of the config
+
+In a notebook ``results`` on a line of its own shows movie, plots and errors. What goes wrong is an exception of
+``tisph.errors``. docs/tutorial.ipynb is the tour, docs/results.md says what each number is.
+"""
 
 import time
+from typing import TYPE_CHECKING, Any
+
+from tisph import errors as errors
+
+if TYPE_CHECKING:
+    from tisph.interface import check, run
+    from tisph.results import Results
+    from tisph.results import open_run as open
 
 __version__ = "0.1.0"
 
+__all__ = ["Results", "check", "open", "run"]
+
 PROCESS_START = time.perf_counter()
 """When the package was imported: the cost of start-up counts from here."""
+
+_PLACES = {
+    "run": ("tisph.interface", "run"),
+    "check": ("tisph.interface", "check"),
+    "open": ("tisph.results", "open_run"),
+    "Results": ("tisph.results", "Results"),
+}
+"""Where the public names are, which are imported when they are first used: a command line pays for what it uses."""
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PLACES:
+        raise AttributeError(f"module 'tisph' has no attribute {name!r}")
+    from importlib import import_module
+
+    place, there = _PLACES[name]
+    value = globals()[name] = getattr(import_module(place), there)
+    return value
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__", "errors"]

@@ -30,8 +30,10 @@ LEVELS = [
     ["observers"],
     ["simulation"],
     ["study"],
+    ["results"],
     ["cli"],
     ["__main__"],
+    ["interface"],
 ]
 LEVEL_OF = {part: level for level, parts in enumerate(LEVELS) for part in parts}
 WITHOUT_TAICHI = ["bodies", "config", "scenes", "exact", "geometry", "verification", "report"]

@@ -52,15 +52,20 @@ def check(config: ConfigFile, overrides: Overrides = None) -> None:
     from tisph.config import load
 
     loaded = load(config, overrides or ())
-    walls = [loaded.members["walls"].type] if "walls" in loaded.members else []
-    typer.echo(f"{loaded.name}: valid ({', '.join([loaded.scene, loaded.scheme.type, *walls])})")
-    channel = _scene(loaded)
-    numbers, texts = forecast(loaded)
+    for line in described(loaded, *forecast(loaded)):
+        typer.echo(line)
+
+
+def described(config: Any, numbers: dict[str, Any], warnings: Sequence[str]) -> Iterator[str]:
+    """Lines that say what the run of ``config`` is, from its ``forecast``."""
+    walls = [config.members["walls"].type] if "walls" in config.members else []
+    yield f"{config.name}: valid ({', '.join([config.scene, config.scheme.type, *walls])})"
+    channel = _scene(config)
     samples = _sample_lines(channel, numbers["samples"])
-    for label, text in [*channel.facts(), *_run_lines(loaded, numbers), *samples]:
-        typer.echo(f"  {label:22} {text}")
-    for text in texts:
-        typer.echo(f"  warning: {text}")
+    for label, text in [*channel.facts(), *_run_lines(config, numbers), *samples]:
+        yield f"  {label:22} {text}"
+    for text in warnings:
+        yield f"  warning: {text}"
 
 
 def forecast(config: Any) -> tuple[dict[str, Any], list[str]]:

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
 from tisph.report import style
@@ -20,7 +21,13 @@ _MARGIN = 0.1  # of the axis, beyond what is resolved of a history that begins a
 
 
 def plot_history(path: Path | str, scene, settings: dict, times: np.ndarray, values: np.ndarray) -> None:
-    """Write a PNG of the numbers that ``scene`` follows in time, as markers on their exact history.
+    """Write the ``history_figure`` as PNG."""
+    with style.plot_style():
+        style.save(history_figure(scene, settings, times, values), path)
+
+
+def history_figure(scene, settings: dict, times: np.ndarray, values: np.ndarray) -> Figure:
+    """Return the numbers that ``scene`` follows in time, as markers on their exact history.
 
     ``settings`` are those of ``scene.followed``; ``times`` (n,) and ``values`` (n, numbers) are in the units of the
     scene. Of more than twelve numbers the legend names twelve, evenly chosen. Times at which the flow is not resolved
@@ -53,7 +60,7 @@ def plot_history(path: Path | str, scene, settings: dict, times: np.ndarray, val
         _label_axes(axes, scene, followed, float(np.max(np.abs(times))))
         legend = figure.legend(loc="center right", frameon=False, fontsize=10)
         make_room(figure, np.array([[axes]]), legend, below=False)
-        style.save(figure, path)
+    return figure
 
 
 def _label(name: str, place: float | None) -> str:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
@@ -26,7 +27,13 @@ Panel = tuple[Profile, bool]
 
 
 def plot_profiles(path: Path | str, scene, snapshots: Sequence[Snapshot]) -> None:
-    """Write a PNG of the profiles of ``scene`` at every snapshot with the exact curves, and of their errors.
+    """Write the ``profile_figure`` as PNG."""
+    with style.plot_style():
+        style.save(profile_figure(scene, snapshots), path)
+
+
+def profile_figure(scene, snapshots: Sequence[Snapshot]) -> Figure:
+    """Return the profiles of ``scene`` at every snapshot with the exact curves, and their errors.
 
     There are two panels a row. Of more than twelve snapshots the legend names twelve, evenly chosen.
     """
@@ -53,7 +60,7 @@ def plot_profiles(path: Path | str, scene, snapshots: Sequence[Snapshot]) -> Non
             axes[0].plot([], [], "-", color=style.TEXT, linewidth=0.9, label=", ".join(references))
         legend = figure.legend(loc="lower center", ncols=3, frameon=False, fontsize=10)
         make_room(figure, grid, legend, below=True)
-        style.save(figure, path)
+    return figure
 
 
 def _looks(count: int) -> list[dict]:

@@ -1,5 +1,6 @@
 """Colours, fonts and matplotlib settings that all pictures share."""
 
+import io
 from contextlib import AbstractContextManager
 from functools import lru_cache
 from pathlib import Path
@@ -44,12 +45,22 @@ def plot_style() -> AbstractContextManager:
     return matplotlib.style.context(["default", _SETTINGS])
 
 
-def plot_figure(rows: int = 1) -> Figure:
+class PlotFigure(Figure):
+    """A figure that a notebook shows, whatever it does with those of pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        picture = io.BytesIO()
+        with plot_style():
+            save(self, picture)
+        return picture.getvalue()
+
+
+def plot_figure(rows: int = 1) -> PlotFigure:
     """Return an empty figure for a plot, 1320 pixels wide, with room for labels and outside legends.
 
     It is 720 pixels high for one row of axes, and 540 more for each further one.
     """
-    figure = Figure((11.0, 1.5 + 4.5 * rows), dpi=120)
+    figure = PlotFigure((11.0, 1.5 + 4.5 * rows), dpi=120)
     FigureCanvasAgg(figure)
     return figure
 

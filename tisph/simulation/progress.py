@@ -29,7 +29,9 @@ class RunProgress:
         self.lines = 0
         self.bar = None
         if sys.stderr.isatty():
-            self.bar = _bar()
+            from tisph.report.terminal_bar import terminal_bar  # where there is no terminal nothing waits for it
+
+            self.bar = terminal_bar()
             self.task = self.bar.add_task("", total=1.0, state="")
 
     def __enter__(self):
@@ -74,17 +76,3 @@ class RunProgress:
                 break
             state = longer
         return state
-
-
-def _bar():
-    from rich.console import Console  # where there is no terminal nothing waits for it
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
-
-    return Progress(
-        BarColumn(bar_width=None),  # the only one that shrinks where columns are few
-        TaskProgressColumn(),
-        TextColumn("{task.fields[state]}"),
-        TimeRemainingColumn(elapsed_when_finished=True),
-        console=Console(stderr=True),
-        refresh_per_second=5,
-    )

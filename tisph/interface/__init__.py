@@ -1,0 +1,6 @@
+"""What ``import tisph`` offers, beside what it reads (``tisph.results``): start a run, and check a config."""
+
+from tisph.interface.checking import Forecast, check
+from tisph.interface.running import run
+
+__all__ = ["Forecast", "check", "run"]

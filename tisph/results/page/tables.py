@@ -1,0 +1,136 @@
+"""What a page says in tables: header and rows of texts."""
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from tisph.config import yaml_text
+from tisph.report.labels import number, scientific
+from tisph.results._summary import SampleErrors
+
+if TYPE_CHECKING:
+    from tisph.results import Results
+    from tisph.results.page.view import View
+
+NOTHING = "\N{EN DASH}"
+
+_MOST_SAMPLES = 12
+_SUFFIX = "_exact"
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of a table; ``marked`` where the runs differ in it."""
+
+    cells: list[str]
+    marked: bool = False
+
+
+@dataclass(frozen=True)
+class Table:
+    """``header`` and ``rows``, the first cell of each of which names it; ``note`` says what is left out."""
+
+    title: str
+    header: list[str]
+    rows: list[Row]
+    note: str = ""
+
+
+def errors(runs: "Sequence[Results]", views: "Sequence[View]") -> Table:
+    """Errors of the velocity, a row a sample."""
+    rows, left_out = [], 0
+    for run, view in zip(runs, views, strict=True):
+        chosen, left = _chosen(run.summary.samples)
+        left_out += left
+        for sample in chosen:
+            relative = NOTHING if sample.l2 is None else scientific(sample.l2)
+            others = [NOTHING if each is None else scientific(each) for each in (sample.rms, sample.linf)]
+            resolved = "yes" if sample.resolved else f"no: {sample.reason}"
+            time = f"{number(sample.t)} {run.config.units.time}"
+            rows.append(Row([view.title, time, number(sample.t_star, 3), relative, *others, resolved]))
+    header = ["run", "t", "t*", "L2, relative", "rms / U", "max / U", "resolved"]
+    return Table("Errors of the velocity", header, rows, _note(left_out))
+
+
+def against_exact(runs: "Sequence[Results]", views: "Sequence[View]") -> Table:
+    """Every number of a sample that has its exact one beside it: wall forces, torques, fluxes, energies."""
+    rows, left_out = [], 0
+    for run, view in zip(runs, views, strict=True):
+        chosen, left = _chosen(run.summary.samples)
+        left_out += left
+        for sample in chosen:
+            for name in sample.measures:
+                value, exact = sample[name], sample.measures.get(name + _SUFFIX)
+                if isinstance(value, float) and isinstance(exact, float):
+                    time = f"{number(sample.t)} {run.config.units.time}"
+                    texts = [number(value, 6), number(exact, 6), scientific(value - exact)]
+                    rows.append(Row([view.title, time, name.replace("_", " "), *texts]))
+    header = ["run", "t", "quantity", "run", "exact", "difference"]
+    return Table("Wall forces and other numbers against the exact ones", header, rows, _note(left_out))
+
+
+def side_by_side(runs: "Sequence[Results]") -> list[Table]:
+    """Numbers, balance of momentum, costs and provenance: a column a run."""
+    summaries = [run.summary for run in runs]
+    parts: list[tuple[str, list[Mapping[str, Any]]]] = [
+        ("Numbers of the run", [each.numbers for each in summaries]),
+        ("Balance of momentum along x", [each.momentum for each in summaries]),
+        ("Costs", [vars(each.cost) for each in summaries]),
+        ("Provenance", [{**vars(each.provenance), **_versions(each)} for each in summaries]),
+    ]
+    names = [each.name for each in summaries]
+    return [Table(title, ["", *names], _columns(maps)) for title, maps in parts if any(maps)]
+
+
+def config(runs: "Sequence[Results]") -> Table:
+    """Every key of the configs, a column a run; marked where they differ."""
+    maps = [dict(_flat(yaml_text.parse(run.config.resolved_yaml()).data)) for run in runs]
+    return Table("Config", ["key", *(run.summary.name for run in runs)], _columns(maps, mark=len(runs) > 1))
+
+
+def text(value: Any) -> str:
+    """Return a value of a summary or a config as a reader wants it."""
+    if value is None:
+        return NOTHING
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return number(value, 6)
+    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+
+
+def _columns(maps: Sequence[Mapping[str, Any]], mark: bool = False) -> list[Row]:
+    keys = dict.fromkeys(key for each in maps for key in each)
+    rows = []
+    for key in keys:
+        values = [each.get(key) for each in maps]
+        differ = mark and any(value != values[0] for value in values)
+        rows.append(Row([key if mark else key.replace("_", " "), *map(text, values)], differ))
+    return rows
+
+
+def _flat(data: Any, before: str = "") -> Iterable[tuple[str, Any]]:
+    """Yield dotted key and value of all that is in nested maps."""
+    for key, value in data.items():
+        if isinstance(value, dict) and value:
+            yield from _flat(value, f"{before}{key}.")
+        else:
+            yield before + key, value
+
+
+def _versions(summary: Any) -> dict[str, Any]:
+    return {"versions": ", ".join(f"{name} {version}" for name, version in summary.provenance.versions.items())}
+
+
+def _chosen(samples: Sequence[SampleErrors]) -> tuple[Sequence[SampleErrors], int]:
+    """Return the first and last ones of many, and how many are left out."""
+    left_out = max(0, len(samples) - _MOST_SAMPLES)
+    half = _MOST_SAMPLES // 2
+    return ([*samples[:half], *samples[-half:]] if left_out else samples), left_out
+
+
+def _note(left_out: int) -> str:
+    return f"{left_out} samples between the first and the last ones are left out; summary.json has them." * bool(
+        left_out
+    )

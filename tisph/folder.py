@@ -6,6 +6,9 @@ from pathlib import Path
 
 LOCK = ".lock"
 
+MADE = ("samples.vtkhdf", "samples.csv", "samples.npz", "samples.extxyz")
+"""What other commands make of a run, in its folder: out of date with the next one."""
+
 
 def partial(path):
     """Return where the file that is to take the place of ``path`` is written."""
@@ -38,7 +41,7 @@ class Folder:
     def files(self):
         """Return the paths of all of them, and of what a killed run was writing."""
         paths = [path for name, path in vars(self).items() if name != "root"]
-        return [*paths, *map(partial, paths), spare(self.samples), spare(self.frames)]
+        return [*paths, *map(partial, paths), spare(self.samples), spare(self.frames), *map(self.root.joinpath, MADE)]
 
 
 @contextmanager

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from tisph import __version__
-from tisph.cli import bench, check, list_families, render, run, stress, terminal, verify
+from tisph.cli import bench, check, export, list_families, render, run, stress, terminal, verify
 from tisph.cli.outcome import reported
 
 HELP = """Laminar, wall-bounded flow by smoothed particles: a YAML file describes a run, one command runs it.
@@ -54,6 +54,7 @@ for _name, _command in {
     "bench": bench.bench,
     "stress": stress.stress,
     "render": render.render,
+    "export": export.export,
 }.items():
     app.command(_name)(reported(_command))
 

@@ -1,6 +1,7 @@
 """``samples.h5`` as a sequence: nothing of it is read before it is asked for."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import overload
 
@@ -36,7 +37,7 @@ class Sample(Mapping[str, np.ndarray]):
     def __repr__(self) -> str:
         return f"<Sample t={self.t:g}: {', '.join(self)}>"
 
-    @property
+    @cached_property
     def units(self) -> dict[str, str]:
         """Unit of each array by its name."""
         found: dict[str, str] = {}

@@ -1,0 +1,132 @@
+"""Samples in the files of other programs: read back by their readers, or by the format's own words."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from report_scene import make_snapshot
+from typer.testing import CliRunner
+
+import tisph
+from tisph import cli
+from tisph.errors import ConfigError
+from tisph.observers.description import Description
+from tisph.observers.samples import Samples
+from tisph.results.export import FORMATS, export
+from tisph.scenes.channel import Channel
+
+POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4}"
+TIMES = [0.5, 2.0]
+
+
+@pytest.fixture
+def run(tmp_path, case):
+    """Results of two samples of a liquid with polymer, in centimetres; 12 x 24 particles."""
+    config = case("discretisation.particles_across=12", "units={length: cm, mass: g, time: s}", POLYMER)
+    channel = Channel.from_config(config)
+    (tmp_path / "config.resolved.yaml").write_text(config.resolved_yaml())
+    samples = Samples(tmp_path / "samples.h5", channel, TIMES, about=Description(config, channel))
+    for t in TIMES:
+        samples.observe(make_snapshot(channel, t, slip=1e-3))
+    samples.close()
+    return tisph.open(tmp_path)
+
+
+def test_vtk_reads_every_step_with_its_time_and_values(run):
+    vtk = pytest.importorskip("vtk", reason="there is no vtk, which the test extra brings")
+    from vtk.util.numpy_support import vtk_to_numpy
+
+    reader = vtk.vtkHDFReader()
+    reader.SetFileName(str(export(run, "vtkhdf")))
+    reader.UpdateInformation()
+    times = reader.GetOutputInformation(0).Get(vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS())
+    assert list(times) == TIMES
+    for t, sample in zip(times, run.samples, strict=True):
+        reader.UpdateTimeStep(t)
+        grid = reader.GetOutput()
+        assert grid.GetClassName() == "vtkUnstructuredGrid"
+        count = len(sample["x"])
+        assert [grid.GetCellType(index) for index in range(grid.GetNumberOfCells())] == [vtk.VTK_VERTEX] * count
+        cells = vtk_to_numpy(grid.GetCells().GetConnectivityArray())
+        assert np.array_equal(cells, np.arange(count))
+        points = vtk_to_numpy(grid.GetPoints().GetData())
+        assert np.array_equal(points, np.stack([sample["x"], sample["y"], np.zeros(count)], 1))
+        data = grid.GetPointData()
+        found = {
+            data.GetArrayName(index): vtk_to_numpy(data.GetArray(index)) for index in range(data.GetNumberOfArrays())
+        }
+        assert np.array_equal(found["particle"], np.arange(count))
+        for name in ("pressure", "density"):
+            assert np.array_equal(found[name], sample[name])
+        for end in ("", "_exact"):
+            assert np.array_equal(found[f"velocity{end}"][:, 0], sample[f"u{end}"])
+            xx, _, zz, xy, yz, xz = found[f"stress{end}"].T
+            assert np.array_equal([xx, xy], [sample[f"stress_xx{end}"], sample[f"stress_xy{end}"]])
+            assert not np.any([zz, yz, xz])
+        assert np.array_equal(found["velocity"][:, 1], sample["v"])
+        assert np.array_equal(found["stress"][:, 1], sample["stress_yy"])
+        texts = [grid.GetFieldData().GetAbstractArray(name).GetValue(0) for name in ("units", "config")]
+        assert "velocity [cm/s]" in texts[0]
+        assert texts[1] == run.config.resolved_yaml()
+
+
+def test_npz_has_an_array_a_field(run):
+    with np.load(export(run, "npz")) as file:
+        assert file["t"].tolist() == TIMES
+        for index, sample in enumerate(run.samples):
+            assert all(np.array_equal(file[name][index], sample[name]) for name in sample)
+        assert json.loads(str(file["units"]))["u"] == "cm/s"
+
+
+def test_csv_has_a_line_a_particle_and_sample(run):
+    path = export(run, "csv")
+    rows = np.genfromtxt(path, delimiter=",", names=True, skip_header=2)
+    assert rows.dtype.names[:4] == ("t", "particle", "x", "y")
+    for t, sample in zip(TIMES, run.samples, strict=True):
+        now = rows[rows["t"] == t]
+        assert np.array_equal(now["particle"], np.arange(len(sample["x"])))
+        assert all(np.array_equal(now[name], sample[name]) for name in sample)
+    assert path.read_text().splitlines()[1].startswith("# units: t s, particle, x cm, y cm")
+
+
+def test_extxyz_says_what_its_columns_are(run):
+    lines = export(run, "extxyz").read_text().splitlines()
+    for sample in run.samples:
+        count = int(lines[0])
+        said, rows = lines[1], [line.split() for line in lines[2 : 2 + count]]
+        lines = lines[2 + count :]
+        assert f"Time={sample.t}" in said
+        assert 'pbc="T F F"' in said
+        lattice = [float(value) for value in re.search('Lattice="(.*?)"', said)[1].split()]
+        assert lattice == pytest.approx([2.0, 0, 0, 0, 1.0, 0, 0, 0, 1 / 12], rel=1e-15)
+        parts = re.search(r"Properties=(\S+)", said)[1].split(":")
+        first, columns = 0, {}
+        for name, width in zip(parts[::3], map(int, parts[2::3]), strict=True):
+            columns[name] = [row[first : first + width] for row in rows]
+            first += width
+        assert all(len(row) == first for row in rows)
+        assert np.array_equal(np.array(columns["pos"], float)[:, 1], sample["y"])
+        assert np.array_equal(np.array(columns["velocity"], float)[:, 0], sample["u"])
+        assert np.array_equal(np.array(columns["stress"], float)[:, 3], sample["stress_xy"])
+    assert lines == []
+
+
+def test_the_command_writes_beside_the_run_or_where_it_is_told(run, tmp_path):
+    folder = str(run.folder)
+    for form in FORMATS:
+        done = CliRunner().invoke(cli.app, ["export", folder, "--to", form])
+        assert (done.exit_code, done.stdout.strip()) == (0, str(tmp_path / f"samples.{form}"))
+    done = CliRunner().invoke(cli.app, ["export", folder, "--to", "csv", "--out", str(tmp_path / "mine.csv")])
+    assert (tmp_path / "mine.csv").read_text() == (tmp_path / "samples.csv").read_text()
+    wrong = CliRunner().invoke(cli.app, ["export", folder, "--to", "gif"])
+    assert wrong.exit_code == 2
+    assert wrong.stderr == "error: --to gif: must be one of vtkhdf, csv, npz, extxyz\n"
+
+
+def test_a_file_that_cannot_be_written_or_has_nothing_in_it(run, tmp_path):
+    with pytest.raises(tisph.errors.TisphError, match="cannot be written"):
+        export(run, "csv", tmp_path / "no_folder" / "a.csv")
+    (tmp_path / "samples.h5").unlink()
+    with pytest.raises(ConfigError, match="no sample to export"):
+        export(tisph.open(tmp_path), "npz")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 LOCK = ".lock"
 
-MADE = ("samples.vtkhdf", "samples.csv", "samples.npz", "samples.extxyz")
+MADE = ("report.html", "samples.vtkhdf", "samples.csv", "samples.npz", "samples.extxyz")
 """What other commands make of a run, in its folder: out of date with the next one."""
 
 

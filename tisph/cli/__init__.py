@@ -7,16 +7,18 @@ from typing import Annotated
 import typer
 
 from tisph import __version__
-from tisph.cli import bench, check, export, list_families, render, run, stress, terminal, verify
+from tisph.cli import bench, check, export, list_families, new, render, report, run, stress, terminal, verify
 from tisph.cli.outcome import reported
 
 HELP = """Laminar, wall-bounded flow by smoothed particles: a YAML file describes a run, one command runs it.
 
 \b
 Examples:
-  tisph check configs/couette.yaml
-  tisph run configs/couette.yaml
-  tisph run configs/couette.yaml --set walls.top.velocity=0.01 --out runs/faster
+  tisph new couette
+  tisph check couette.yaml
+  tisph run couette.yaml
+  tisph run couette.yaml --set walls.top.velocity=0.01 --out runs/faster
+  tisph report runs/couette runs/faster
 
 Exit status: 0 done, 1 a check failed, 2 bad input, 3 the run diverged, 130 interrupted.
 """
@@ -53,7 +55,9 @@ for _name, _command in {
     "verify": verify.verify,
     "bench": bench.bench,
     "stress": stress.stress,
+    "new": new.new,
     "render": render.render,
+    "report": report.report,
     "export": export.export,
 }.items():
     app.command(_name)(reported(_command))

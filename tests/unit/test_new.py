@@ -1,0 +1,60 @@
+"""The menu of configs, and what is copied from it."""
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from tisph import cli
+from tisph.cli.new import SHORTEST, first_words, menu
+from tisph.config import load
+
+
+def new(*arguments):
+    return CliRunner().invoke(cli.app, ["new", *arguments])
+
+
+@pytest.fixture(autouse=True)
+def empty_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def test_the_menu_has_every_config_with_a_line_of_its_own():
+    lines = new("--list").stdout.splitlines()
+    assert [line.split()[0] for line in lines] == [path.stem for path in menu()]
+    assert all(len(first_words(path)) >= SHORTEST for path in menu())
+    words = dict(line.split(maxsplit=1) for line in lines)
+    assert words["couette"] == "Start-up plane Couette flow"
+    assert words["cavity"] == "Lid-driven cavity, Re = 100"
+    assert list(Path().iterdir()) == []
+
+
+def test_a_copy_is_a_config_and_says_how_it_is_run_from_here():
+    done = new("couette")
+    assert (done.exit_code, done.stdout) == (0, "couette.yaml\n")
+    original = next(path for path in menu() if path.stem == "couette")
+    assert load("couette.yaml") == load(original)
+    text = Path("couette.yaml").read_text()
+    assert "tisph run   couette.yaml" in text
+    assert "configs/" not in text
+
+
+def test_a_file_that_is_there_is_left_as_it_is():
+    Path("couette.yaml").write_text("mine")
+    done = new("couette.yaml")
+    assert done.exit_code == 2
+    assert done.stderr == "error: couette.yaml: is there already, and is left as it is\n"
+    assert Path("couette.yaml").read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", ["couete", "../configs/couette", ""])
+def test_what_is_not_on_the_menu(name):
+    done = new(name)
+    assert done.exit_code == 2
+    assert "there is no such config" in done.stderr
+    assert ("nearest: couette" in done.stderr) == (name == "couete")
+    assert list(Path().iterdir()) == []
+
+
+def test_a_name_is_needed():
+    assert new().stderr == "error: NAME is missing; tisph new --list shows the menu\n"

@@ -1,0 +1,80 @@
+"""``tisph new``: a commented config from the menu, copied to where the user is."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from tisph.errors import ConfigError, TisphError
+
+PACKAGE = Path(__file__).resolve().parents[1]
+
+FOLDERS = (PACKAGE / "configs", PACKAGE.parent / "configs")
+"""Where the menu is: in an installed package, and in a checkout."""
+
+SHORTEST = 20
+"""Characters that a line of the menu has at least, if there are as many: what comes before a colon may be no more."""
+
+
+def new(
+    name: Annotated[str | None, typer.Argument(metavar="NAME", help="Name of a config of the menu.")] = None,
+    show: Annotated[bool, typer.Option("--list", help="Show the menu instead.")] = False,
+) -> None:
+    """Copy a commented config from the menu into this folder.
+
+    \b
+    Examples:
+      tisph new --list
+      tisph new couette
+    """
+    if show:
+        for path in menu():
+            typer.echo(f"{path.stem:32} {first_words(path)}")
+        return
+    if name is None:
+        raise ConfigError("NAME is missing; tisph new --list shows the menu")
+    typer.echo(copied(name))
+
+
+def menu() -> list[Path]:
+    """Return the configs of the menu by their names."""
+    folder = next((folder for folder in FOLDERS if folder.is_dir()), None)
+    if folder is None:
+        raise TisphError(f"there are no configs in {FOLDERS[0]}: the installation is not complete")
+    return sorted(folder.glob("*.yaml"))
+
+
+def first_words(path: Path) -> str:
+    """Return what the comment at the top of a config says first."""
+    text = " ".join(_comment(path))
+    ends = (match.start() for match in re.finditer(r"[.:;](?= |$)", text))
+    return text[: next((end for end in ends if end >= SHORTEST), len(text))]
+
+
+def copied(name: str) -> Path:
+    """Copy the config ``name`` into the current folder and return its path; ConfigError where that cannot be."""
+    from tisph.config.fields import nearest
+
+    found = {path.stem: path for path in menu()}
+    stem = name.removesuffix(".yaml")
+    if stem not in found:
+        raise ConfigError(f"NAME {name!r}: there is no such config{nearest(stem, found)}; tisph new --list shows them")
+    path = Path(f"{stem}.yaml")
+    text = found[stem].read_text(encoding="utf-8").replace("configs/", "")  # it is here now
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise ConfigError(f"{path}: is there already, and is left as it is") from None
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be written: {error.strerror or error}") from None
+    return path
+
+
+def _comment(path: Path) -> Iterator[str]:
+    for line in path.read_text(encoding="utf-8").splitlines():
+        if not line.startswith("# "):
+            return
+        yield line.removeprefix("# ").strip()

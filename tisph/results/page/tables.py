@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from tisph.config import yaml_text
@@ -50,7 +50,7 @@ def errors(runs: "Sequence[Results]", views: "Sequence[View]") -> Table:
             time = f"{number(sample.t)} {run.config.units.time}"
             rows.append(Row([view.title, time, number(sample.t_star, 3), relative, *others, resolved]))
     header = ["run", "t", "t*", "L2, relative", "rms / U", "max / U", "resolved"]
-    return Table("Errors of the velocity", header, rows, _note(left_out))
+    return _named_once(Table("Errors of the velocity", header, rows, _note(left_out)), runs)
 
 
 def against_exact(runs: "Sequence[Results]", views: "Sequence[View]") -> Table:
@@ -67,7 +67,8 @@ def against_exact(runs: "Sequence[Results]", views: "Sequence[View]") -> Table:
                     texts = [number(value, 6), number(exact, 6), scientific(value - exact)]
                     rows.append(Row([view.title, time, name.replace("_", " "), *texts]))
     header = ["run", "t", "quantity", "run", "exact", "difference"]
-    return Table("Wall forces and other numbers against the exact ones", header, rows, _note(left_out))
+    title = "Wall forces and other numbers against the exact ones"
+    return _named_once(Table(title, header, rows, _note(left_out)), runs)
 
 
 def side_by_side(runs: "Sequence[Results]") -> list[Table]:
@@ -80,13 +81,13 @@ def side_by_side(runs: "Sequence[Results]") -> list[Table]:
         ("Provenance", [{**vars(each.provenance), **_versions(each)} for each in summaries]),
     ]
     names = [each.name for each in summaries]
-    return [Table(title, ["", *names], _columns(maps)) for title, maps in parts if any(maps)]
+    return [Table(title, ["", *names], _columns(maps, in_words=True)) for title, maps in parts if any(maps)]
 
 
 def config(runs: "Sequence[Results]") -> Table:
     """Every key of the configs, a column a run; marked where they differ."""
     maps = [dict(_flat(yaml_text.parse(run.config.resolved_yaml()).data)) for run in runs]
-    return Table("Config", ["key", *(run.summary.name for run in runs)], _columns(maps, mark=len(runs) > 1))
+    return Table("Config", ["key", *(run.summary.name for run in runs)], _columns(maps))
 
 
 def text(value: Any) -> str:
@@ -100,14 +101,21 @@ def text(value: Any) -> str:
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
 
 
-def _columns(maps: Sequence[Mapping[str, Any]], mark: bool = False) -> list[Row]:
-    keys = dict.fromkeys(key for each in maps for key in each)
+def _columns(maps: Sequence[Mapping[str, Any]], in_words: bool = False) -> list[Row]:
+    """Return a row for each key, with what the maps have; names of measured numbers, which always differ, in words."""
     rows = []
-    for key in keys:
+    for key in dict.fromkeys(key for each in maps for key in each):
         values = [each.get(key) for each in maps]
-        differ = mark and any(value != values[0] for value in values)
-        rows.append(Row([key if mark else key.replace("_", " "), *map(text, values)], differ))
+        differ = not in_words and any(value != values[0] for value in values)
+        rows.append(Row([key.replace("_", " ") if in_words else key, *map(text, values)], differ))
     return rows
+
+
+def _named_once(table: Table, runs: "Sequence[Results]") -> Table:
+    """Return ``table`` without its first column, the run, where there is only one."""
+    if len(runs) > 1:
+        return table
+    return replace(table, header=table.header[1:], rows=[Row(row.cells[1:]) for row in table.rows])
 
 
 def _flat(data: Any, before: str = "") -> Iterable[tuple[str, Any]]:

@@ -44,7 +44,7 @@ class View:
         shown = ", ".join(times if len(times) <= _TIMES_NAMED else [*times[:_TIMES_NAMED], "..."])
         video = run.config.output.video
         film = f"particles coloured by {video.color_by}, with the profile beside them" if video else "the particles"
-        followed = ", ".join(run.history.dtype.names or ())[:200]
+        followed = run._scene.followed(**run.config.followed).content
         return cls(
             title=title,
             folder=str(run.folder),
@@ -81,7 +81,8 @@ def _facts(run: "Results") -> list[tuple[str, str]]:
     facts = [*run._scene.facts(), ("scene", run.config.scene), ("scheme", scheme["type"])]
     if "particles_fluid" in numbers:
         facts.append(("particles", str(numbers["particles_fluid"])))
-    return facts
+    units = run.config.units
+    return [*facts, ("units", f"{units.length}, {units.mass}, {units.time}")]
 
 
 def _error_words(run: "Results") -> str:

@@ -52,6 +52,15 @@ assert run.samples[0]["u"].dtype == "f4" and run.summary.provenance.threads == 2
 assert abs(run.exact("u", 0.5, 1.0, 1.0) - 0.5) < 1e-6
 double()
 assert kept.to_numpy().tolist() == [8.0, 8.0, 8.0] and kept.to_numpy().dtype == "f4"
+made_later = ti.field(float, 3)
+
+@ti.kernel
+def halve():
+    for i in kept:
+        made_later[i] = kept[i] / 2.0
+
+halve()
+assert made_later.to_numpy().tolist() == [4.0, 4.0, 4.0] and made_later.to_numpy().dtype == "f4"
 """
 
 ENDLESS = """

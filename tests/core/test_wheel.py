@@ -47,6 +47,10 @@ def test_three_commands_after_the_wheel(python, tmp_path):
         return done.stdout
 
     assert not Path(call("-c", "import tisph; print(tisph.__file__)").strip()).is_relative_to(ROOT)
+    assert (
+        call("-c", "import importlib.resources as r; print(r.files('tisph').joinpath('py.typed').is_file())")
+        == "True\n"
+    )
     assert len(call("-m", "tisph", "new", "--list").splitlines()) == len(list((ROOT / "configs").glob("*.yaml")))
     assert call("-m", "tisph", "new", "couette_minimal") == "couette_minimal.yaml\n"
     overrides = [part for text in (*SMALL, VIDEO) for part in ("--set", text)]

@@ -62,7 +62,7 @@ class Provenance:
 
 @dataclass(frozen=True)
 class Summary:
-    """What a run says of itself; a run that was killed has the status ``failed`` and no samples.
+    """What a run says of itself; one that was killed, or still runs, has the status ``failed`` and no samples here.
 
     ``message`` says what went wrong, ``numbers`` are those of the whole run by name, ``momentum`` is the balance along
     x [mass velocity per length out of the plane], ``error_estimate`` is there after ``--estimate-error``.

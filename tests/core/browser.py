@@ -18,8 +18,8 @@ QUIET = (
 
 
 def program():
-    """Path of a Chromium on this system, None without one."""
-    return next(filter(None, map(shutil.which, PROGRAMS)), None)
+    """Path of a Chromium on this system, None without one, and where processes cannot be given more pipes."""
+    return None if os.name == "nt" else next(filter(None, map(shutil.which, PROGRAMS)), None)
 
 
 class Browser:

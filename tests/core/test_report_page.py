@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import browser
@@ -11,8 +12,9 @@ from typer.testing import CliRunner
 
 import tisph
 from tisph import cli
+from tisph.report.labels import scientific
 from tisph.results.page import report
-from tisph.results.page.tables import Row, config, errors
+from tisph.results.page.tables import Row, config, errors, estimates, measures
 from tisph.results.page.view import View
 
 CASE = """
@@ -151,6 +153,31 @@ def test_errors_are_those_of_the_summary(folder):
     assert (
         table.rows[-1].cells[2].endswith(str(abs(int(exponent))).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")))
     )
+
+
+def test_numbers_stand_beside_the_exact_ones(folder):
+    run = tisph.open(folder)
+    rows = {tuple(row.cells[:2]): row.cells[2:] for row in measures([run], [View.of(run, "small")]).rows}
+    last = run.summary.samples[-1]
+    value, exact, difference = rows["1 s", "wall shear top"]
+    assert float(value) == pytest.approx(last["wall_shear_top"], rel=5e-6)  # six digits
+    assert float(exact) == pytest.approx(last["wall_shear_top_exact"], rel=5e-6)
+    assert difference == scientific(last["wall_shear_top"] - last["wall_shear_top_exact"])
+    assert rows["1 s", "density variation"][1:] == ["–", "–"]
+
+
+def test_estimated_errors_are_a_table_where_there_are_any(folder):
+    run = tisph.open(folder)
+    assert estimates([run], [View.of(run, "small")]).rows == []
+    found = {"error": 1.31e-4, "order": 3.9, "reason": None}
+    samples = [
+        {"t": 1.0, "fields": {"velocity": found}, "numbers": {"drag": {**found, "error": None, "reason": "why"}}}
+    ]
+    run.summary = replace(run.summary, error_estimate={"reason": None, "samples": samples})
+    assert [row.cells for row in estimates([run], [View.of(run, "small")]).rows] == [
+        ["1 s", "velocity", "1.3×10⁻⁴", "3.9", "relative, L2"],
+        ["1 s", "drag", "–", "3.9", "why"],
+    ]
 
 
 def test_a_run_that_left_little_has_a_page_too(folder, tmp_path):

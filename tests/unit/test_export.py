@@ -121,7 +121,7 @@ def test_the_command_writes_beside_the_run_or_where_it_is_told(run, tmp_path):
     assert (tmp_path / "mine.csv").read_text() == (tmp_path / "samples.csv").read_text()
     wrong = CliRunner().invoke(cli.app, ["export", folder, "--to", "gif"])
     assert wrong.exit_code == 2
-    assert wrong.stderr == "error: --to gif: must be one of vtkhdf, csv, npz, extxyz\n"
+    assert wrong.stderr == "error: --to gif: must be one of csv, extxyz, npz, vtkhdf\n"
 
 
 def test_a_file_that_cannot_be_written_or_has_nothing_in_it(run, tmp_path):

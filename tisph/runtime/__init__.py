@@ -43,7 +43,6 @@ os.environ.update(
     TI_ENABLE_TORCH="0",  # no import of what happens to be installed
     TI_ENABLE_PADDLE="0",
 )
-os.environ.pop("TI_ARCH", None)  # a run depends on its config alone
 
 
 @contextlib.contextmanager
@@ -109,6 +108,7 @@ def start(precision, threads):
     """
     others = _thread_ids()
     _fields.forget()
+    os.environ.pop("TI_ARCH", None)  # a run depends on its config alone
     with contextlib.redirect_stdout(io.StringIO()):
         ti.init(
             offline_cache=True,

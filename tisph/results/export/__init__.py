@@ -2,6 +2,7 @@
 
 from importlib import import_module
 from pathlib import Path
+from pkgutil import iter_modules
 from typing import TYPE_CHECKING
 
 from tisph.errors import ConfigError
@@ -10,13 +11,8 @@ from tisph.observers._files import replaced
 if TYPE_CHECKING:
     from tisph.results import Results
 
-FORMATS = {
-    "vtkhdf": "ParaView and VTK: all samples as one data set over time",
-    "csv": "spreadsheets and pandas: a line a particle and sample",
-    "npz": "NumPy: arrays (samples, particles)",
-    "extxyz": "OVITO and ASE: a frame a sample",
-}
-"""Formats by name, and who reads them."""
+FORMATS = tuple(item.name for item in iter_modules(__path__) if not item.name.startswith("_"))
+"""Names of the formats: the modules of this folder."""
 
 
 def export(run: "Results", form: str, path: Path | None = None) -> Path:

@@ -32,9 +32,12 @@ def report(runs: "Sequence[Results]") -> str:
         .render(
             views=views,
             title=", ".join(view.title for view in views),
-            errors=tables.errors(runs, views),
-            exact=tables.against_exact(runs, views),
-            tables=tables.side_by_side(runs),
+            tables=[
+                tables.errors(runs, views),
+                tables.estimates(runs, views),
+                tables.measures(runs, views),
+                *tables.side_by_side(runs),
+            ],
             config=tables.config(runs),
             version=__version__,
         )

@@ -1,8 +1,8 @@
 """What a page says in tables: header and rows of texts."""
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from tisph.config import yaml_text
@@ -53,22 +53,48 @@ def errors(runs: "Sequence[Results]", views: "Sequence[View]") -> Table:
     return _named_once(Table("Errors of the velocity", header, rows, _note(left_out)), runs)
 
 
-def against_exact(runs: "Sequence[Results]", views: "Sequence[View]") -> Table:
-    """Every number of a sample that has its exact one beside it: wall forces, torques, fluxes, energies."""
+def measures(runs: "Sequence[Results]", views: "Sequence[View]") -> Table:
+    """What the scene measures of a sample: wall forces, torques, fluxes, energies, with the exact ones beside them."""
     rows, left_out = [], 0
     for run, view in zip(runs, views, strict=True):
         chosen, left = _chosen(run.summary.samples)
         left_out += left
         for sample in chosen:
-            for name in sample.measures:
-                value, exact = sample[name], sample.measures.get(name + _SUFFIX)
-                if isinstance(value, float) and isinstance(exact, float):
-                    time = f"{number(sample.t)} {run.config.units.time}"
-                    texts = [number(value, 6), number(exact, 6), scientific(value - exact)]
-                    rows.append(Row([view.title, time, name.replace("_", " "), *texts]))
+            time = f"{number(sample.t)} {run.config.units.time}"
+            rows += [Row([view.title, time, *texts]) for texts in _measured(sample)]
+    title = "Wall forces and other numbers at the samples"
     header = ["run", "t", "quantity", "run", "exact", "difference"]
-    title = "Wall forces and other numbers against the exact ones"
     return _named_once(Table(title, header, rows, _note(left_out)), runs)
+
+
+def _measured(sample: SampleErrors) -> Iterator[list[str]]:
+    known = {each.name for each in fields(SampleErrors)}
+    for name, value in sample.measures.items():
+        if name in known or name.endswith(_SUFFIX) or isinstance(value, str):
+            continue
+        exact = sample.measures.get(name + _SUFFIX)
+        both = isinstance(value, float) and isinstance(exact, float)
+        difference = scientific(value - exact) if both else NOTHING  # type: ignore[operator]
+        yield [name.replace("_", " "), text(value), text(exact), difference]
+
+
+def estimates(runs: "Sequence[Results]", views: "Sequence[View]") -> Table:
+    """The errors that coarser runs tell of, of those that were asked for them (``--estimate-error``)."""
+    rows = []
+    for run, view in zip(runs, views, strict=True):
+        found = run.summary.error_estimate or {}
+        for sample in found.get("samples", []):
+            time = f"{number(sample['t'])} {run.config.units.time}"
+            for kind, words in (("fields", "relative, L2"), ("numbers", "absolute")):
+                for name, each in sample[kind].items():
+                    error = NOTHING if each["error"] is None else scientific(each["error"])
+                    remark = each["reason"] if each["error"] is None else words
+                    order = NOTHING if each["order"] is None else number(each["order"], 2)
+                    rows.append(Row([view.title, time, name.replace("_", " "), error, order, remark]))
+        if found.get("reason"):
+            rows.append(Row([view.title, NOTHING, "none", NOTHING, NOTHING, found["reason"]]))
+    header = ["run", "t", "quantity", "error", "order", "remark"]
+    return _named_once(Table("Errors estimated from coarser runs", header, rows), runs)
 
 
 def side_by_side(runs: "Sequence[Results]") -> list[Table]:

@@ -32,7 +32,7 @@ class Forecast:
 def check(config: Asked, /, **overrides: Any) -> Forecast:
     """Check a config (as for ``run``) and return what its run would be; nothing is run, written or printed.
 
-    Raises ``tisph.errors.ConfigError`` with the message of ``tisph check``.
+    It imports Taichi and starts no program of it. ConfigError has the message of ``tisph check``.
     """
     from tisph.cli.check import described, forecast
     from tisph.config import load

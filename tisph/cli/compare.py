@@ -1,0 +1,82 @@
+"""``tisph compare``: judge the result of any code against the reference of a config."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from tisph.cli.options import Overrides, folder_name
+from tisph.errors import ConfigError
+
+
+def compare(
+    data: Annotated[
+        list[Path], typer.Argument(metavar="DATA...", help="Results: CSV, npz, HDF5, JSON, LAMMPS dump, VTK.")
+    ],
+    config: Annotated[str, typer.Option("--config", metavar="CONFIG", help="YAML file of the same flow.")],
+    time: Annotated[
+        list[float] | None,
+        typer.Option("--time", help="Time of the data [default: what the file says]; repeat for several."),
+    ] = None,
+    columns: Annotated[
+        list[str] | None,
+        typer.Option("--columns", metavar="x=1,y=2,u=3", help="Names or numbers of columns, where they are unusual."),
+    ] = None,
+    unit: Annotated[
+        list[str] | None,
+        typer.Option("--unit", metavar="QUANTITY=UNIT", help="Unit of the data, a name or a factor; repeat."),
+    ] = None,
+    origin: Annotated[
+        str | None, typer.Option("--origin", metavar="X,Y", help="Place in the data of the config's point (0, 0).")
+    ] = None,
+    orientation: Annotated[
+        str | None,
+        typer.Option("--orientation", metavar="x,y", help="Axes of the data along x and y of the config, as y,-x."),
+    ] = None,
+    select: Annotated[str | None, typer.Option("--select", help="The group of particles that is the liquid.")] = None,
+    bound: Annotated[float | None, typer.Option("--bound", help="Exit status 1 if an error is larger.")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", metavar="DIR", parser=folder_name, help="Numbers and picture [default: runs/compare-NAME]."
+        ),
+    ] = None,
+    overrides: Overrides = None,
+) -> None:
+    """Judge the result of any code against the exact solution.
+
+    Prints and stores errors, lines through tracers, centreline, wall shear, where the error sits, the order if
+    resolutions are several, and what is wrong if one fault explains it. --bound is of the L2 error, or of the rms
+    error over U in flows that cross zero.
+
+    \b
+    Examples:
+      tisph compare profile.csv --config couette.yaml --time 2.7
+      tisph compare out.dat --config couette.yaml --time 2.7 --columns y=2,u=4 --unit length=cm --unit velocity=cm/s
+      tisph compare couette_100.hdf5 couette_200.hdf5 --config couette.yaml --bound 1e-3
+      tisph compare couette.dump --config couette.yaml --time 20 --origin 0,0.06
+    """
+    from tisph.config import load
+    from tisph.referee import judge, report
+
+    loaded = load(config, overrides or ())
+    question = judge.Question(time or (), columns or (), unit or (), orientation, _place(origin), select)
+    found = judge.judge(loaded, data, question)
+    typer.echo(report.text(found, loaded.name))
+    for path in report.write(found, out or Path("runs") / f"compare-{data[0].stem or data[0].name}"):
+        typer.echo(f"{path}")
+    if bound is not None:
+        over = [each for each in found.samples if each.error is None or each.error > bound]
+        typer.echo(f"{len(over)} of {len(found.samples)} errors above {bound:g}: {'FAIL' if over else 'pass'}")
+        if over:
+            raise typer.Exit(1)
+
+
+def _place(text: str | None) -> tuple[float, float] | None:
+    if text is None:
+        return None
+    try:
+        x, y = map(float, text.split(","))
+    except ValueError:
+        raise ConfigError(f"--origin {text}: must be two numbers, such as 0,0.5") from None
+    return x, y

@@ -1,0 +1,162 @@
+"""What may be wrong with a result, each as the exact flow of a changed scene: one parameter, and what it means.
+
+A fault is something that the data can be asked: which value of its parameter makes the exact flow come closest to
+them, and how close? ``flow(scene, value)`` is the exact flow with the fault, a function of (field, x, y, t).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+HALF = 0.1
+"""Spacings within which a distance is called half a spacing."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A fault by ``name`` with a parameter between ``low`` and ``high``, 0 without the fault.
+
+    ``least``: below it the parameter means nothing, any discretisation errs so much. ``guesses`` are where the fit
+    starts. ``words(value)`` says what the fitted value means.
+    """
+
+    name: str
+    flow: Callable
+    words: Callable
+    low: float
+    high: float
+    least: float
+    guesses: tuple[float, ...]
+
+    @property
+    def size(self):
+        """Range of the parameter."""
+        return self.high - self.low
+
+
+def faults(scene, times):
+    """All faults that can be asked of a ``scene`` at ``times``."""
+    if scene.parallel and scene.rheology is not None:
+        return []  # its exact flow is solved for, for every value anew
+    found = [_viscosity(), _time(scene, times)]
+    if scene.parallel:
+        found += [*_displaced_walls(scene), *_slip(scene), *_start(scene, times)]
+    return found
+
+
+def _viscosity():
+    def flow(scene, value):
+        return replace(scene, kinematic_viscosity=scene.kinematic_viscosity * np.exp(value)).exact
+
+    def words(value):
+        return f"the viscosity is {np.exp(value):.4g} times that of the config"
+
+    return Fault("viscosity", flow, words, np.log(0.02), np.log(50.0), 0.005, (-0.7, 0.01, 0.7))
+
+
+def _time(scene, times):
+    earliest, latest = min(times), max(times)
+
+    def flow(scene, value):
+        return lambda field, x, y, t: scene.exact(field, x, y, t + value)
+
+    def words(value):
+        return f"the clock is off: the data are of {abs(value):.4g} {scene.units.time} {_later(value)} than stated"
+
+    low = scene.start_time - earliest if scene.start_time else -0.99 * earliest
+    return Fault("time", flow, words, min(low, -1e-9), 5 * latest, 0.005 * latest, (0.5 * low, 0.01 * latest, latest))
+
+
+def _later(value):
+    return "later" if value > 0 else "earlier"
+
+
+def _displaced_walls(scene):
+    limit = 0.2 * scene.gap / scene.spacing
+    sides = {
+        "walls": ((1, 1), "both walls act"),
+        "bottom_wall": ((1, 0), "the bottom wall acts"),
+        "top_wall": ((0, 1), "the top wall acts"),
+        "shift": ((-1, 1), "all heights are off: the channel lies"),
+    }
+    return [_displaced(scene, name, *side, limit) for name, side in sides.items()]
+
+
+def _displaced(scene, name, outward, subject, limit):
+    """Walls displaced by ``outward`` times the parameter, in spacings."""
+
+    def flow(scene, value):
+        below, above = (side * value * scene.spacing for side in outward)
+        wider = replace(scene, gap=scene.gap + below + above)
+        return lambda field, x, y, t: wider.exact(field, x, np.clip(y + below, 0.0, wider.gap), t)
+
+    def words(value):
+        size = "half a spacing" if abs(abs(value) - 0.5) < HALF else f"{abs(value):.3g} spacings"
+        fitted = f"{abs(value):.3g} spacings, {abs(value) * scene.spacing:.4g} {scene.units.length}"
+        if name == "shift":
+            return f"{subject} {size} too {'high' if value > 0 else 'low'} in the data ({fitted})"
+        if value < 0:
+            return f"{subject} {size} inside the liquid ({fitted})"
+        return f"{subject} {size} outside the liquid ({fitted}), or the liquid slips there with that slip length"
+
+    return Fault(name, flow, words, -limit, limit, 0.1, (-0.5, 0.5))
+
+
+def _slip(scene):
+    """The liquid at moving walls is slower than they are by a part of their velocity."""
+    if not any(wall.largest_speed for _, wall in scene.walls):
+        return
+
+    def flow(scene, value):
+        return replace(scene, bottom=_slowed(scene.bottom, value), top=_slowed(scene.top, value)).exact
+
+    def words(value):
+        if value < 0:
+            return f"the walls move {-100 * value:.3g} % faster than the config says"
+        return f"the liquid slips: at a moving wall it has {100 * (1 - value):.4g} % of the wall's velocity"
+
+    yield Fault("slip", flow, words, -1.0, 1.0, 0.002, (0.01, 0.5))
+
+
+def _slowed(wall, part):
+    before = None if wall.before is None else wall.before * (1 - part)
+    return replace(wall, cosine=wall.cosine * (1 - part), sine=wall.sine * (1 - part), before=before)
+
+
+def _start(scene, times):
+    """The start was not at rest, or not the developed flow: superpositions, so of liquids with linear laws only."""
+    other = replace(scene, initial_state="rest" if scene.settled else "developed", start_time=0.0)
+    stops = any(wall.before is not None for _, wall in scene.walls)
+    swings = scene.polymer and any(wall.oscillates for _, wall in scene.walls)
+    if stops or swings or scene.start_time:
+        return
+
+    def mixed(scene, value):
+        return lambda field, x, y, t: (1 - value) * scene.exact(field, x, y, t) + value * other.exact(field, x, y, t)
+
+    def words(value):
+        if scene.settled:
+            return f"the start was not the developed flow, but {100 * (1 - value):.4g} % of it"
+        return f"the start was not at rest, but with {100 * value:.4g} % of the developed flow"
+
+    yield Fault("start", mixed, words, -1.5, 1.5, 0.002, (0.1,))
+    if not scene.settled and not scene.polymer:
+        yield _uniform_start(scene)
+
+
+def _uniform_start(scene):
+    moving = replace(scene.top, cosine=1.0, sine=0.0, angular_frequency=0.0, before=None)
+    dragged = replace(scene, top=moving, bottom=moving, acceleration=0.0)
+    speed = scene.reference_velocity
+
+    def flow(scene, value):
+        # what is left of a uniform velocity: the flow in a frame in which both walls start
+        return lambda field, x, y, t: scene.exact(field, x, y, t) + value * speed * (1 - dragged.exact(field, x, y, t))
+
+    def words(value):
+        return (
+            f"the start was not at rest, but with a uniform velocity of {value * speed:.4g} ({100 * value:.4g} % of U)"
+        )
+
+    return Fault("uniform_start", flow, words, -2.0, 2.0, 0.002, (0.1,))

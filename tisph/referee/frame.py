@@ -1,0 +1,54 @@
+"""What a reader makes of a file: the particles, or points, of one time."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tisph.errors import ConfigError
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Columns of one time by name, arrays (points,), as the file has them: its names, units and axes.
+
+    ``time`` is None where the file does not say it. ``parts`` are the names of the groups of particles that the file
+    had, of which this is ``part``: both empty where it has no groups.
+    """
+
+    columns: dict[str, np.ndarray]
+    time: float | None = None
+    part: str = ""
+    parts: tuple[str, ...] = ()
+
+
+def flat(arrays):
+    """Columns (points,) of named ``arrays``: one of shape (points, k) becomes ``name_x``, ``name_y``, ``name_z``.
+
+    Only numbers, and only arrays as long as the longest: others are no quantity of the points.
+    """
+    columns = {}
+    for name, array in arrays.items():
+        array = np.asarray(array)
+        if array.dtype.kind not in "fiub" or array.ndim not in (1, 2):
+            continue
+        if array.ndim == 1:
+            columns[name] = array.astype(float)
+        elif array.shape[1] <= 3:
+            columns |= {f"{name}_{axis}": part.astype(float) for axis, part in zip("xyz", array.T, strict=False)}
+    longest = max((len(column) for column in columns.values()), default=0)
+    return {name: column for name, column in columns.items() if len(column) == longest}
+
+
+def chosen_part(parts, wanted, path):
+    """Name of the group of particles: the ``wanted`` one, else ``fluid`` or the like, else the only one.
+
+    ``parts`` are names with numbers of particles. Raises ConfigError where that leaves a choice.
+    """
+    if wanted:
+        if wanted not in parts:
+            raise ConfigError(f"{path}: has no particles called {wanted}; it has {', '.join(parts)}")
+        return wanted
+    liquid = [name for name in parts if name.lower() in ("fluid", "liquid", "water")]
+    if liquid or len(parts) == 1:
+        return (liquid or list(parts))[0]
+    raise ConfigError(f"{path}: which particles are the liquid? Give --select {' or --select '.join(parts)}")

@@ -1,0 +1,152 @@
+"""The numbers of a result: those that a run of tisph has of itself, where its error sits, its order, what is wrong."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from tisph import families
+from tisph.errors import ConfigError
+from tisph.referee import columns, diagnosis, placing, reading, units
+from tisph.referee.where import trend, where
+from tisph.verification.criteria import fitted_order
+from tisph.verification.metrics import sample_metrics
+
+
+@dataclass(frozen=True)
+class Question:
+    """How data are to be read: all as on the command line of ``tisph compare``."""
+
+    times: Sequence[float] = ()
+    columns: Sequence[str] = ()
+    units: Sequence[str] = ()
+    orientation: str | None = None
+    origin: tuple[float, float] | None = None
+    select: str | None = None
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One time of one file: where it lies, its numbers as in ``summary.json``, where its error sits."""
+
+    path: Path
+    placed: placing.Placed
+    numbers: dict
+    where: dict
+
+    @property
+    def scene(self):
+        """The scene with the spacing of the data."""
+        return self.placed.scene
+
+    @property
+    def error(self):
+        """L2 error, or where the flow has no scale for it the root mean square error over U."""
+        name = "rms" if self.scene.loses_its_scale or self.numbers["l2"] is None else "l2"
+        return self.numbers[name]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Samples in the order of resolution and time, and what they say together: ``trends`` and orders in words,
+    ``orders`` by time, ``diagnosis.Diagnosis`` by what they are of."""
+
+    samples: list[Sample]
+    trends: list[str]
+    orders: dict[float, float]
+    diagnoses: dict[str, diagnosis.Diagnosis]
+
+
+def judge(config, paths, question):
+    """``Judgement`` of the files ``paths`` against the reference of a ``config``; ConfigError where that cannot be."""
+    scene = families.load("scenes", config.scene).Scene.from_config(config)
+    if not {"u", "v"} & set(scene.fields):
+        raise ConfigError(f"{config.name}: scene {config.scene} has no reference to compare with")
+    samples = [_sample(*each, scene, question, config) for each in _frames(paths, question, scene)]
+    samples.sort(key=lambda each: (-each.scene.spacing, each.numbers["t"]))
+    series = _series(samples)
+    trends = [trend([(each.numbers["t"], each.numbers["rms"]) for each in one]) for one in series.values()]
+    return Judgement(samples, [text for text in trends if text], _orders(samples), _diagnoses(series))
+
+
+def _frames(paths, question, scene):
+    """Yield (path, frame, time) of all that is to be compared."""
+    factor = units.factors(question.units, scene.units)["time"]
+    times = list(question.times)
+    if len(paths) > 1 and len(times) > 1 and len(times) != len(paths):
+        raise ConfigError(f"--time: give one, or one for each of the {len(paths)} files")
+    for index, path in enumerate(paths):
+        frames = reading.frames(path, question.select)
+        own = times if len(paths) == 1 or len(times) < 2 else [times[index]]
+        if own:
+            yield from ((path, _nearest(frames, t, factor, path), t) for t in own)
+            continue
+        if any(frame.time is None for frame in frames):
+            raise ConfigError(f"{path}: does not say of which time it is; give --time")
+        yield from ((path, frame, frame.time * factor) for frame in frames if frame.time * factor > 0)
+
+
+def _nearest(frames, t, factor, path):
+    """The frame of time ``t``: the only one, the last of those without times, or the nearest one."""
+    if len(frames) == 1 or any(frame.time is None for frame in frames):
+        return frames[-1]
+    found = min(frames, key=lambda frame: abs(frame.time * factor - t))
+    if abs(found.time * factor - t) > 1e-3 * abs(t):
+        known = ", ".join(f"{frame.time * factor:.6g}" for frame in frames)
+        raise ConfigError(f"{path}: has no data of t = {t:g}; it has {known}")
+    return found
+
+
+def _sample(path, frame, t, scene, question, config):
+    named = columns.quantities(frame, columns.parsed(question.columns), path)
+    finite = np.isfinite(named["u"]) & np.isfinite(named["y"])
+    if not finite.any() or finite.sum() < 5:
+        raise ConfigError(f"{path}: has fewer than five points with a place and a velocity")
+    if t < scene.start_time:
+        raise ConfigError(f"--time {t:g}: is before the start of the run, {scene.start_time:g}")
+    values = units.converted(named, units.factors(question.units, scene.units))
+    axes = placing.orientation(question.orientation) if question.orientation else None
+    kept = {name: array[finite] for name, array in values.items()}
+    placed = placing.place(kept, scene, t, axes=axes, origin=question.origin)
+    lost = len(finite) - int(finite.sum())
+    if lost:
+        placed = placing.noted(placed, f"{lost} points without a number are left out")
+    if frame.time is not None and not np.isclose(frame.time * units.factors(question.units, scene.units)["time"], t):
+        placed = placing.noted(placed, f"the file says t = {frame.time:g}, --time {t:g} was taken")
+    own = placed.scene.followed(**config.followed)
+    reading_ = own.measure(placed.snapshot)
+    readings = own.places, reading_, (np.array([t]), np.asarray(reading_)[None])
+    return Sample(
+        path, placed, sample_metrics(placed.scene, placed.snapshot, readings), where(placed.scene, placed.snapshot)
+    )
+
+
+def _series(samples):
+    """Samples of one resolution each, by particles across."""
+    found = {}
+    for each in samples:
+        found.setdefault(each.scene.rows, []).append(each)
+    return found
+
+
+def _diagnoses(series):
+    """Of each resolution; where no fault explains all its times also of each of them alone."""
+    found = {}
+    for rows, samples in series.items():
+        label = f"{rows} across"
+        found[label] = diagnosis.diagnose([each.placed for each in samples])
+        if len(samples) > 1 and not found[label].explaining:
+            for each in samples:
+                found[f"{label}, t = {each.numbers['t']:g} alone"] = diagnosis.diagnose([each.placed])
+    return found
+
+
+def _orders(samples):
+    """Order of the fall of the error, by time, where two or more resolutions are given."""
+    found = {}
+    for t in sorted({each.numbers["t"] for each in samples}):
+        own = {each.scene.rows: each.error for each in samples if each.numbers["t"] == t}
+        if len(own) > 1 and all(own.values()):
+            found[t] = fitted_order(own.keys(), list(own.values()))
+    return found

@@ -1,0 +1,65 @@
+"""NumPy's archives: arrays by name, and those of PySPH, which have its particles as Python objects."""
+
+import io
+import pickle
+import zipfile
+
+import numpy as np
+from numpy.lib import format as npy
+
+from tisph.errors import ConfigError
+from tisph.referee.frame import Frame, chosen_part, flat
+
+SUFFIXES = (".npz",)
+
+_HARMLESS = {
+    (module, name)
+    for core in ("numpy.core", "numpy._core")
+    for module, names in (
+        (f"{core}.multiarray", ("_reconstruct", "scalar")),
+        (f"{core}.numeric", ("_frombuffer",)),
+        ("numpy", ("ndarray", "dtype")),
+        ("_codecs", ("encode",)),
+    )
+    for name in names
+}
+"""What an array, a number or a text is made of in a pickle: nothing that could run a program of the file's choice."""
+
+
+class _Unpickler(pickle.Unpickler):
+    def find_class(self, module, name):
+        if (module, name) not in _HARMLESS:
+            raise pickle.UnpicklingError(f"{module}.{name} is not read")
+        return super().find_class(module, name)
+
+
+def read(path, select=None):
+    """One frame; ``t`` or ``time``, an array of one number, is its time."""
+    with zipfile.ZipFile(path) as archive:
+        arrays = {name.removesuffix(".npy"): _array(archive.read(name), path) for name in archive.namelist()}
+    if "particles" in arrays and isinstance(arrays["particles"], dict):
+        return [_pysph(arrays, select, path)]
+    time = next((float(arrays[name]) for name in ("t", "time") if name in arrays and np.size(arrays[name]) == 1), None)
+    return [Frame(flat(arrays), time)]
+
+
+def _pysph(arrays, select, path):
+    """Frame of PySPH's own output, version 2."""
+    parts = {name: len(next(iter(part["arrays"].values()))) for name, part in arrays["particles"].items()}
+    part = chosen_part(parts, select, path)
+    time = arrays.get("solver_data", {}).get("t")
+    columns = flat(arrays["particles"][part]["arrays"])
+    return Frame(columns, None if time is None else float(time), part, tuple(parts))
+
+
+def _array(content, path):
+    stream = io.BytesIO(content)
+    version = npy.read_magic(stream)
+    _, _, kind = npy.read_array_header_1_0(stream) if version == (1, 0) else npy.read_array_header_2_0(stream)
+    if not kind.hasobject:
+        return np.load(io.BytesIO(content), allow_pickle=False)
+    try:
+        found = _Unpickler(stream).load()
+    except pickle.UnpicklingError as error:
+        raise ConfigError(f"{path}: holds Python objects that are not read: {error}") from None
+    return found.item() if found.ndim == 0 else found

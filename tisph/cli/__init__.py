@@ -7,7 +7,21 @@ from typing import Annotated
 import typer
 
 from tisph import __version__
-from tisph.cli import bench, check, compare, export, list_families, new, render, report, run, stress, terminal, verify
+from tisph.cli import (
+    bench,
+    check,
+    compare,
+    export,
+    list_families,
+    new,
+    render,
+    report,
+    run,
+    stress,
+    sweep,
+    terminal,
+    verify,
+)
 from tisph.cli.outcome import reported
 
 HELP = """Laminar, wall-bounded flow by smoothed particles: a YAML file describes a run, one command runs it.
@@ -60,6 +74,7 @@ for _name, _command in {
     "report": report.report,
     "export": export.export,
     "compare": compare.compare,
+    "sweep": sweep.sweep,
 }.items():
     app.command(_name)(reported(_command))
 

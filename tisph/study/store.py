@@ -66,6 +66,15 @@ class Store:
         self._path(name).write_text(self._text(name, config), encoding="utf-8")
         return Process(self._path(name), self.folder / name)
 
+    def keep(self, name, config, files):
+        """``Result`` of a run that was made elsewhere: its ``files``, contents by name, kept as if it had run here."""
+        folder = self.folder / name
+        folder.mkdir(exist_ok=True)
+        for file, content in files.items():
+            (folder / file).write_bytes(content)
+        self._path(name).write_text(self._text(name, config), encoding="utf-8")
+        return read_result(folder)
+
     def _path(self, name):
         return self.folder / f"{name}.yaml"
 

@@ -6,7 +6,7 @@ else
 BIN := .venv/bin
 endif
 
-.PHONY: demo test media clean
+.PHONY: demo test media docs clean
 
 # Run the main job and print where its movie, plots and summary are.
 demo: .venv/run-ready
@@ -20,6 +20,10 @@ test: .venv/test-ready
 media: .venv/run-ready
 	$(BIN)/python media/make.py
 
+# Make the documentation as a site in site/; a dead link is an error.
+docs: .venv/docs-ready
+	$(BIN)/python -m mkdocs build --strict
+
 .venv/run-ready: pyproject.toml
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
@@ -29,5 +33,9 @@ media: .venv/run-ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test]"
 	$(BIN)/python -c "import pathlib; pathlib.Path('$@').touch()"
 
+.venv/docs-ready: .venv/run-ready
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[docs]"
+	$(BIN)/python -c "import pathlib; pathlib.Path('$@').touch()"
+
 clean:
-	$(PYTHON) -c "import shutil; [shutil.rmtree(d, ignore_errors=True) for d in ('.venv', 'runs')]"
+	$(PYTHON) -c "import shutil; [shutil.rmtree(d, ignore_errors=True) for d in ('.venv', 'runs', 'site')]"

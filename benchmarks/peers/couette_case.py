@@ -56,6 +56,7 @@ def argument_parser(description):
         "--end", type=float, help="time to reach in these steps (default: steps of largest stable size)"
     )
     parser.add_argument("--profile", help="file for y and u of every fluid particle at the end")
+    parser.add_argument("--dump", help="file for the end as the code itself writes it, for tisph compare")
     return parser
 
 

@@ -61,13 +61,11 @@ def main():
     parser = case.argument_parser(__doc__.splitlines()[0])
     parser.add_argument("--threads", type=int, default=2, help="MPI processes")
     arguments = parser.parse_args()
-    if arguments.profile:
-        with tempfile.TemporaryDirectory() as folder:
-            dump = Path(folder) / "end.dump"
-            output = run(arguments, dump)
+    with tempfile.TemporaryDirectory() as folder:
+        dump = Path(arguments.dump or Path(folder) / "end.dump")
+        output = run(arguments, dump if arguments.profile or arguments.dump else None)
+        if arguments.profile:
             case.write_profile(arguments.profile, read_dump(dump))
-    else:
-        output = run(arguments)
     seconds, processes, steps = LOOP.search(output).groups()
     case.report(
         version=VERSION.search(output).group(1),

@@ -18,6 +18,7 @@ import pysph
 from pysph.base.nnps import DomainManager
 from pysph.base.utils import get_particle_array
 from pysph.solver.application import Application
+from pysph.solver.output import dump
 from pysph.sph.scheme import TVFScheme
 from pysph.sph.wc.edac import EDACScheme
 
@@ -104,6 +105,9 @@ def main():
     fluid = application.particles[0]
     if arguments.profile:
         case.write_profile(arguments.profile, zip(fluid.y.tolist(), fluid.u.tolist(), strict=True))
+    if arguments.dump:
+        solver = application.solver
+        dump(arguments.dump, application.particles, {"t": solver.t, "dt": solver.dt, "count": solver.count})
     case.report(
         version=pysph.__version__,
         across=arguments.across,

@@ -1,0 +1,53 @@
+"""Files that the peers themselves write, judged by ``tisph compare`` as ``tisph bench`` judges their velocities."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tisph
+from tisph.config import load
+from tisph.exact import couette
+from tisph.referee import judge
+
+PEERS = Path(tisph.__file__).parents[1] / "benchmarks" / "peers"
+
+CASE = """
+scene: channel
+fluid: {density: 1.0, kinematic_viscosity: 0.01}
+geometry: {gap: 1.0, length: 2.0}
+walls: {top: {velocity: 0.5}}
+time: {end: 2.7}
+"""
+
+CODES = {
+    "pysph": (PEERS / "env-pysph/bin/python", "pysph_couette.py", "end.npz"),
+    "lammps": (Path(sys.executable), "lammps_couette.py", "end.dump"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("code", CODES)
+def test_the_error_is_that_of_the_bench(tmp_path, code):
+    python, script, name = CODES[code]
+    if not (PEERS / f"env-{code}").exists():
+        pytest.skip(f"benchmarks/peers has no env-{code}: make -C benchmarks/peers env-{code}/installed")
+    end, words = 2.7, ["--across", "20", "--steps", "1200", "--end", "2.7"]
+    files = ["--profile", tmp_path / "profile.txt", "--dump", tmp_path / name]
+    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+    done = subprocess.run([python, PEERS / script, *words, *files], capture_output=True, text=True, env=environment)
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert json.loads(done.stdout.splitlines()[-1])["particles"] == 800
+
+    y, u = np.loadtxt(tmp_path / "profile.txt", unpack=True)
+    exact = couette.velocity(y, end, gap=1.0, kinematic_viscosity=0.01, bottom=0.0, top=0.5)
+    measured = np.sqrt(np.sum((u - exact) ** 2) / np.sum(exact**2))  # the formula of benchmarks/peers/measure.py
+    (tmp_path / "couette.yaml").write_text(CASE)
+    written = next(tmp_path.glob("end.*"))  # PySPH writes HDF5 where it has h5py
+    found = judge.judge(load(tmp_path / "couette.yaml"), [written], judge.Question(times=(end,)))
+    assert found.samples[0].numbers["l2"] == pytest.approx(measured, rel=1e-9)
+    assert found.samples[0].scene.rows == 20

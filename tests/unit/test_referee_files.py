@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from tisph import cli
+from tisph import cli, families
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.exact import couette
@@ -302,3 +302,20 @@ def test_the_command_prints_stores_and_holds_to_a_bound(tmp_path, monkeypatch, c
     assert (tmp_path / "runs/compare-result/comparison.png").stat().st_size > 10_000
     assert CliRunner().invoke(cli.app, [*call, "0.03"]).exit_code == 1
     assert CliRunner().invoke(cli.app, [*call[:-1], "--unit", "length=yard"]).exit_code == 2
+
+
+def test_flow_between_cylinders(tmp_path):
+    text = "scene: annulus\nfluid: {density: 1.0, kinematic_viscosity: 0.01}\n"
+    text += "geometry: {inner_radius: 1.0, outer_radius: 2.0}\nwalls: {inner: {angular_velocity: 0.1}}\n"
+    text += "discretisation: {particles_across: 12}\ntime: {end: 20.0}\n"
+    (tmp_path / "annulus.yaml").write_text(text)
+    settings = load(tmp_path / "annulus.yaml")
+    scene = families.load("scenes", "annulus").Scene.from_config(settings)
+    x, y = scene.jittered(0, 0.1)
+    later = {name: scene.exact(name, x, y, 22.0) for name in "uv"}
+    csv(tmp_path / "later.csv", {"x": x, "y": y, **later})
+    found = judge.judge(settings, [tmp_path / "later.csv"], judge.Question(times=(20.0,)))
+    assert found.samples[0].across == 12
+    assert found.samples[0].numbers["torque_inner"] is None
+    # one time of a flow that depends on nu t alone cannot tell the two apart
+    assert {each.fault.name for each in found.diagnoses["12 across"].explaining} == {"viscosity", "time"}

@@ -41,6 +41,11 @@ class Sample:
         return self.placed.scene
 
     @property
+    def across(self):
+        """Points across the scene's own length."""
+        return round(self.scene.reference_length / self.scene.spacing)
+
+    @property
     def error(self):
         """L2 error, or where the flow has no scale for it the root mean square error over U."""
         name = "rms" if self.scene.loses_its_scale or self.numbers["l2"] is None else "l2"
@@ -126,7 +131,7 @@ def _series(samples):
     """Samples of one resolution each, by particles across."""
     found = {}
     for each in samples:
-        found.setdefault(each.scene.rows, []).append(each)
+        found.setdefault(each.across, []).append(each)
     return found
 
 
@@ -146,7 +151,7 @@ def _orders(samples):
     """Order of the fall of the error, by time, where two or more resolutions are given."""
     found = {}
     for t in sorted({each.numbers["t"] for each in samples}):
-        own = {each.scene.rows: each.error for each in samples if each.numbers["t"] == t}
+        own = {each.across: each.error for each in samples if each.numbers["t"] == t}
         if len(own) > 1 and all(own.values()):
             found[t] = fitted_order(own.keys(), list(own.values()))
     return found

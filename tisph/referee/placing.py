@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from tisph.errors import ConfigError
-from tisph.snapshot import STRESSES, Snapshot
+from tisph.snapshot import STRESSES, Bodies, Snapshot
 
 AXES = [(along, towards) for along in ("x", "-x", "y", "-y") for towards in ("y", "-y", "x", "-x")]
 ORIENTATIONS = [pair for pair in AXES if pair[0][-1] != pair[1][-1]]
@@ -16,6 +16,9 @@ ORIENTATIONS = [pair for pair in AXES if pair[0][-1] != pair[1][-1]]
 
 BETTER = 0.2
 """Another orientation is taken where its error is below that fraction of the error as the data are."""
+
+DOUBTFUL = 0.1
+"""Error over U below which no other orientation is looked for."""
 
 BEYOND = 1.0
 """Spacings beyond the walls from which on the data do not fit between them."""
@@ -70,15 +73,16 @@ def place(columns, scene, t, *, axes=None, origin=None):
 def _between_walls(columns, scene, t, axes, origin):
     """As they are if they fit; else, or where another orientation has far less error, as they fit best."""
     choices = [axes] if axes else [pair for pair in ORIENTATIONS if _has(columns, pair)]
+    as_is = _tried(columns, scene, t, choices[0], origin) if choices else None
+    if as_is and not as_is.notes and _error(as_is) < DOUBTFUL * scene.reference_velocity:
+        return as_is
     tried = [each for pair in choices if (each := _tried(columns, scene, t, pair, origin))]
     if not tried:
         y = columns["y"]
         text = f"y reaches from {y.min():.4g} to {y.max():.4g}, the walls are {scene.gap:g} apart"
         raise ConfigError(f"the data do not fit between the walls: {text}; give --unit, --origin or --orientation")
-    errors = [_error(each) for each in tried]
-    best = int(np.argmin(errors))
-    as_is = tried[0] if choices[0] == ORIENTATIONS[0] and not tried[0].notes else None
-    return as_is if as_is and errors[best] > BETTER * errors[0] else tried[best]
+    best = min(tried, key=_error)
+    return as_is if as_is and not as_is.notes and _error(best) > BETTER * _error(as_is) else best
 
 
 def _has(columns, axes):
@@ -167,7 +171,8 @@ def _placed(columns, scene, t, notes):
     known = {name: columns.get(name, nothing) for name in ("u", "v", "density", "pressure")}
     stresses = {name: columns.get(name, nothing) for name in STRESSES} if scene.polymer else {}
     exact = {name: scene.exact(name, *places, t) for name in scene.fields}
-    snapshot = Snapshot(t=t, step=0, x=places[0], y=y, **known, **stresses, reference=exact)
+    bodies = Bodies.at(t, scene.bodies) if scene.bodies else None  # of whose forces the data say nothing
+    snapshot = Snapshot(t=t, step=0, x=places[0], y=y, **known, **stresses, reference=exact, bodies=bodies)
     return Placed(scene, snapshot, notes)
 
 

@@ -73,7 +73,7 @@ def _off(value, exact):
 
 def _findings(judgement):
     for each in judgement.samples:
-        yield f"t = {each.numbers['t']:g}, {each.scene.rows} across: error {each.where['words']}"
+        yield f"t = {each.numbers['t']:g}, {each.across} across: error {each.where['words']}"
         if not each.numbers["resolved"]:
             yield f"  not resolved: {each.numbers['reason']}"
     yield from judgement.trends

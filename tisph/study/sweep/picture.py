@@ -32,6 +32,9 @@ def _panel(axes, groups, label, key):
     for (others, points), colour in zip(groups.items(), colours, strict=False):
         name = ", ".join(f"{other.rpartition('.')[2]} = {value}" for other, value in others)
         axes.loglog(*zip(*points, strict=True), "o-", color=colour, label=name, markersize=4)
+    values = sorted({value for points in groups.values() for value, _ in points})
+    axes.set_xticks(values, [f"{value:g}" for value in values])
+    axes.set_xticks([], minor=True)
     axes.set_xlabel(key)
     axes.set_ylabel(label)
     axes.grid(True, which="both")

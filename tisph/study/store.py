@@ -13,7 +13,7 @@ from tisph.errors import ConfigError
 from tisph.folder import held
 from tisph.study.processes import Process, read_result
 
-WITHOUT_EFFECT = ("cli/", "interface/", "report/", "results/", "study/", "schemes/_forecast/")
+WITHOUT_EFFECT = ("cli/", "interface/", "referee/", "report/", "results/", "study/", "schemes/_forecast/")
 """Parts of the package on which no number of a run depends."""
 
 

@@ -6,7 +6,9 @@ import os
 import signal
 import subprocess
 import sys
+from contextlib import ExitStack
 from pathlib import Path
+from threading import Timer
 
 import h5py
 import pytest
@@ -15,6 +17,7 @@ from sweep_worker import summary
 
 from tisph.cli.check import forecast
 from tisph.errors import ConfigError
+from tisph.folder import held
 from tisph.study import processes
 from tisph.study.sweep import picture, plan, table
 from tisph.study.sweep.run import run
@@ -151,6 +154,21 @@ def test_an_interrupted_sweep_keeps_what_is_done_and_goes_on(study, runs, undraw
     runs.configs.clear()
     run(study, tmp_path / "out", forecast, 1)
     assert runs.configs == []
+
+
+def test_a_run_that_outlives_a_killed_sweep_is_waited_for(study, runs, undrawn, tmp_path):
+    """Else the new run of the same name would be refused: its folder is in use."""
+    study.write_text(STUDY.replace("[10, 20, 40]", "[10]").replace("count: 3", "count: 1"))
+    run(study, tmp_path / "out", forecast, 1)
+    (name,) = [path.name for path in (tmp_path / "out/runs").iterdir() if path.is_dir()]
+    (tmp_path / "out/runs" / name / "summary.json").unlink()
+    started = []
+    with ExitStack() as outlived:
+        outlived.enter_context(held(tmp_path / "out/runs" / name))
+        Timer(0.3, lambda: (started.append(len(runs.configs)), outlived.pop_all().close())).start()
+        run(study, tmp_path / "out", forecast, 1)
+    assert started == [1]  # the one of the first sweep: the second did not start before the folder was free
+    assert len(runs.configs) == 2
 
 
 def test_a_larger_study_runs_only_what_is_new(study, runs, undrawn, tmp_path):

@@ -1,6 +1,7 @@
 """Runs that outlive the command that asked for them: what has ended once is not run again."""
 
 import hashlib
+import time
 from contextlib import contextmanager
 from io import StringIO
 from pathlib import Path
@@ -11,7 +12,7 @@ from ruamel.yaml import YAML
 import tisph
 from tisph.errors import ConfigError
 from tisph.folder import held
-from tisph.study.processes import Process, read_result
+from tisph.study.processes import POLL_SECONDS, Process, read_result
 
 WITHOUT_EFFECT = ("cli/", "interface/", "referee/", "report/", "results/", "study/", "schemes/_forecast/")
 """Parts of the package on which no number of a run depends."""
@@ -65,6 +66,15 @@ class Store:
         (self.folder / name / "summary.json").unlink(missing_ok=True)
         self._path(name).write_text(self._text(name, config), encoding="utf-8")
         return Process(self._path(name), self.folder / name)
+
+    def wait(self, name):
+        """Wait until no run of an earlier command that was killed goes on in the folder of this one."""
+        while (self.folder / name).is_dir():
+            try:
+                with held(self.folder / name):
+                    return
+            except Timeout:
+                time.sleep(POLL_SECONDS)
 
     def keep(self, name, config, files):
         """``Result`` of a run that was made elsewhere: its ``files``, contents by name, kept as if it had run here."""

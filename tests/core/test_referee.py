@@ -1,10 +1,12 @@
 """A run's own samples, judged as those of any code: the numbers of its summary."""
 
+import importlib.util
 import json
 
 import pytest
+from typer.testing import CliRunner
 
-from tisph import config, simulation
+from tisph import cli, config, simulation
 from tisph.referee import judge
 
 FLOWS = {
@@ -50,3 +52,15 @@ def test_the_referee_says_what_the_run_said(tmp_path, flow):
                 # the same functions read the same numbers: but for rounding in the spacing nothing may differ
                 expected = pytest.approx(expected, rel=1e-6, abs=1e-14)
             assert each.numbers[key] == expected, key
+    exported(settings, tmp_path, [sample["l2"] for sample in own])
+
+
+def exported(settings, folder, expected):
+    """What tisph writes for other programs is judged the same."""
+    for kind in ("npz", "vtkhdf"):
+        if kind == "vtkhdf" and not importlib.util.find_spec("vtk"):
+            continue
+        path = folder / f"samples.{kind}"
+        assert CliRunner().invoke(cli.app, ["export", str(folder), "--to", kind, "--out", str(path)]).exit_code == 0
+        found = judge.judge(settings, [path], judge.Question()).samples
+        assert [each.numbers["l2"] for each in found] == pytest.approx(expected, rel=1e-6)

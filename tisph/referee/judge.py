@@ -104,27 +104,32 @@ def _nearest(frames, t, factor, path):
 
 
 def _sample(path, frame, t, scene, question, config):
-    named = columns.quantities(frame, columns.parsed(question.columns), path)
-    finite = np.isfinite(named["u"]) & np.isfinite(named["y"])
-    if not finite.any() or finite.sum() < 5:
-        raise ConfigError(f"{path}: has fewer than five points with a place and a velocity")
+    placed = _placed(path, frame, t, scene, question)
+    own = placed.scene.followed(**config.followed)
+    values = own.measure(placed.snapshot)
+    history = np.array([t]), np.asarray(values)[None]
+    numbers = sample_metrics(placed.scene, placed.snapshot, (own.places, values, history))
+    return Sample(path, placed, numbers, where(placed.scene, placed.snapshot))
+
+
+def _placed(path, frame, t, scene, question):
     if t < scene.start_time:
         raise ConfigError(f"--time {t:g}: is before the start of the run, {scene.start_time:g}")
-    values = units.converted(named, units.factors(question.units, scene.units))
+    named = columns.quantities(frame, columns.parsed(question.columns), path)
+    needed = [named[name] for name in ("xyu" if scene.parallel else "xyuv") if name in named]
+    finite = np.all([np.isfinite(column) for column in needed], axis=0)
+    if finite.sum() < 5:
+        raise ConfigError(f"{path}: has fewer than five points with a place and a velocity")
+    factors = units.factors(question.units, scene.units)
+    values = {name: array[finite] for name, array in units.converted(named, factors).items()}
     axes = placing.orientation(question.orientation) if question.orientation else None
-    kept = {name: array[finite] for name, array in values.items()}
-    placed = placing.place(kept, scene, t, axes=axes, origin=question.origin)
+    placed = placing.place(values, scene, t, axes=axes, origin=question.origin)
     lost = len(finite) - int(finite.sum())
     if lost:
         placed = placing.noted(placed, f"{lost} points without a number are left out")
-    if frame.time is not None and not np.isclose(frame.time * units.factors(question.units, scene.units)["time"], t):
+    if frame.time is not None and not np.isclose(frame.time * factors["time"], t):
         placed = placing.noted(placed, f"the file says t = {frame.time:g}, --time {t:g} was taken")
-    own = placed.scene.followed(**config.followed)
-    reading_ = own.measure(placed.snapshot)
-    readings = own.places, reading_, (np.array([t]), np.asarray(reading_)[None])
-    return Sample(
-        path, placed, sample_metrics(placed.scene, placed.snapshot, readings), where(placed.scene, placed.snapshot)
-    )
+    return placed
 
 
 def _series(samples):

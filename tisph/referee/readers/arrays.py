@@ -34,13 +34,20 @@ class _Unpickler(pickle.Unpickler):
 
 
 def read(path, select=None):
-    """One frame; ``t`` or ``time``, an array of one number, is its time."""
+    """One frame; ``t`` or ``time``, one number, is its time. With several, arrays (times, points): a frame each."""
     with zipfile.ZipFile(path) as archive:
         arrays = {name.removesuffix(".npy"): _array(archive.read(name), path) for name in archive.namelist()}
     if "particles" in arrays and isinstance(arrays["particles"], dict):
         return [_pysph(arrays, select, path)]
-    time = next((float(arrays[name]) for name in ("t", "time") if name in arrays and np.size(arrays[name]) == 1), None)
-    return [Frame(flat(arrays), time)]
+    times = next((np.ravel(arrays[name]) for name in ("t", "time") if name in arrays), np.zeros(0))
+    if len(times) and any(array.ndim == 2 and array.shape[1] > 3 for array in arrays.values()):
+        return [Frame(flat(_of_time(arrays, index)), float(time)) for index, time in enumerate(times)]
+    return [Frame(flat(arrays), float(times[0]) if len(times) == 1 else None)]
+
+
+def _of_time(arrays, index):
+    """Arrays (points,) of one time, from those of all times (times, points)."""
+    return {name: array[index] for name, array in arrays.items() if array.ndim == 2 and len(array) > index}
 
 
 def _pysph(arrays, select, path):

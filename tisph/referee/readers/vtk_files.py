@@ -1,5 +1,7 @@
 """VTK's files (legacy, XML and HDF5), by VTK itself: points and their data."""
 
+import h5py
+
 from tisph.errors import ConfigError
 from tisph.referee.frame import Frame, flat
 
@@ -14,11 +16,23 @@ def read(path, select=None):
     key = _executive().TIME_STEPS()
     information = reader.GetOutputInformation(0)
     times = [information.Get(key, step) for step in range(information.Length(key))]
+    if not times:
+        reader.Update()
+        return [_frame(reader.GetOutputDataObject(0), _only_time(path), path)]
     frames = []
-    for time in times or [None]:
-        reader.Update() if time is None else reader.UpdateTimeStep(time)
+    for time in times:
+        reader.UpdateTimeStep(time)
         frames.append(_frame(reader.GetOutputDataObject(0), time, path))
     return frames
+
+
+def _only_time(path):
+    """Time of a VTKHDF file with one step, which its reader does not tell; None for any other."""
+    if path.suffix != ".vtkhdf":
+        return None
+    with h5py.File(path, "r") as file:
+        values = file.get("VTKHDF/Steps/Values")
+        return None if values is None else float(values[0])
 
 
 def _reader(path):
@@ -46,12 +60,17 @@ def _frame(data, time, path):
 
     if data is None or not hasattr(data, "GetNumberOfPoints") or not data.GetNumberOfPoints():
         raise ConfigError(f"{path}: has no points, or VTK cannot read it")
-    places = [data.GetPoint(index) for index in range(data.GetNumberOfPoints())]
-    arrays = {"points": places, **_arrays(data.GetPointData(), vtk_to_numpy)}
+    arrays = {"points": _places(data, vtk_to_numpy), **_arrays(data.GetPointData(), vtk_to_numpy)}
     fields = _arrays(data.GetFieldData(), vtk_to_numpy)
     if time is None and "TimeValue" in fields:
         time = float(fields["TimeValue"][0])
     return Frame(flat(arrays), time)
+
+
+def _places(data, as_array):
+    if hasattr(data, "GetPoints") and hasattr(data.GetPoints(), "GetData"):
+        return as_array(data.GetPoints().GetData())
+    return [data.GetPoint(index) for index in range(data.GetNumberOfPoints())]  # an image has none of its own
 
 
 def _arrays(holder, as_array):

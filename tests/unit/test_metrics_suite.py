@@ -109,7 +109,7 @@ def test_every_flow_is_held_to_its_wall_shear_and_its_momentum_at_50_across():
 
 
 def test_the_liquid_without_polymer_differs_from_the_newtonian_one_in_its_rheology_only():
-    runs = suite.runs(quick=True)
+    runs = suite.runs(quick=False)
     ours, newtonian = runs["oldroyd_b_without_polymer"], runs["newtonian"]
     assert ours["fluid"].pop("rheology")["solvent_fraction"] == 1.0
     assert ours == newtonian
@@ -141,8 +141,8 @@ def test_only_a_run_that_reached_its_end_ends_at_a_value(status, value):
 
 def test_momentum_that_is_lost_is_found():
     """A force that is 1 % too large, on a liquid that is driven by what its momentum says."""
-    (criterion,) = [one for one in suite.bodies.criteria(True) if "momentum" in one.quantity]
-    config = suite.bodies.runs(True)["array_0.2"]
+    (criterion,) = [one for one in suite.bodies.criteria(False) if "momentum" in one.quantity]
+    config = suite.bodies.runs(False)["array_0.2"]
     drive = config["drive"]["acceleration"] * (1 - math.pi * config["bodies"][0]["radius"] ** 2)
     for factor, passed in ((1.0, True), (1.01, False)):
         samples = [

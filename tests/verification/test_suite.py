@@ -17,10 +17,19 @@ HERE = {"runtime": {"threads": 1}, "output": {"video": None}}
 """Of a run in the tests' own process. One thread gives the bits of several, and costs less beside other tests."""
 
 
+LONG = ("cavity_25",)
+"""Quick rows of 1500 steps. The cavity's convergence is that of regular_lid_slow, its sharp lid that of
+tests/core/test_cavity.py."""
+
+
 def checks(quick):
     """The suite's criteria, with a readable test name each."""
     return [
-        pytest.param(criterion, id=f"{criterion.case}: {criterion.quantity} {criterion.bound}")
+        pytest.param(
+            criterion,
+            id=f"{criterion.case}: {criterion.quantity} {criterion.bound}",
+            marks=[pytest.mark.slow] if criterion.case in LONG else [],
+        )
         for criterion in suite.criteria(quick)
     ]
 

@@ -2,6 +2,7 @@
 
 import importlib
 
+import kept_program
 import pytest
 
 from tisph import config, families, runtime
@@ -107,6 +108,7 @@ def test_a_part_has_fields_of_its_own_and_changes_no_other(build, scheme, part, 
 
 @pytest.mark.parametrize("scheme", [EXPLICIT, IMPLICIT])
 def test_no_field_is_out_of_sight(build, scheme):
+    kept_program.forget()  # it has the fields of other tests
     built = build(scheme)
     program = ti.lang.impl.get_runtime()
     program.materialize()

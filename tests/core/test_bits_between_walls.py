@@ -36,14 +36,19 @@ time: {end: 1.0}
 """
 """A cylinder that turns and moves across the edge of its cell."""
 
+pytestmark = pytest.mark.other_program
+
 CASES = {"annulus": ANNULUS, "cavity": CAVITY, "lattice": LATTICE}
+SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in ("annulus", "cavity")]
+"""Less than the lattice has: its walls are curved, move, and take forces and torques."""
+
 STEPS = 4
 
 
-@pytest.fixture(params=CASES)
-def start(request, tmp_path):
+@pytest.fixture(scope="module", params=["lattice", *SLOW])
+def start(request, tmp_path_factory):
     """Return a function that starts the scheme of a case in some precision and on some threads."""
-    path = tmp_path / "case.yaml"
+    path = tmp_path_factory.mktemp("case") / "case.yaml"
     path.write_text(CASES[request.param])
 
     def started(threads=1, precision="f64"):
@@ -65,22 +70,27 @@ def stepped(scheme):
     return {**vars(snapshot), **vars(snapshot.bodies)}
 
 
-def test_one_and_two_threads_give_the_same_bits(start, monkeypatch):
+@pytest.fixture(scope="module")
+def one(start):
+    """What there is after some steps on one thread, in double precision."""
+    return stepped(start())
+
+
+def test_one_and_two_threads_give_the_same_bits(start, one, monkeypatch):
     monkeypatch.setattr(rows, "FEW", 0)  # or small loops would stay on one thread
     monkeypatch.setattr(rows, "FEW_NUMBERS", 0)
-    one, two = stepped(start(1)), stepped(start(2))
+    two = stepped(start(2))
     for name in ("x", "y", "u", "v", "pressure", "force", "torque", "pressure_torque"):
         assert np.array_equal(one[name], two[name]), name
     assert np.abs(one["force"]).max() > 0.0 < one["t"]
 
 
-@pytest.mark.parametrize("start", ["cavity", pytest.param("lattice", marks=pytest.mark.slow)], indirect=True)
-def test_single_precision_gives_the_same_flow(start):
+def test_single_precision_gives_the_same_flow(start, one):
     """Rounding of 6e-8 in the places, over a spacing of 1/14 or 1/18 and times the rows' largest entries, about 10.
 
     Measured: velocities 2e-5, forces 1.3e-3, pressure 9e-3; these are divided by the short first steps.
     """
-    single, double = stepped(start(precision="f32")), stepped(start())
+    single, double = stepped(start(precision="f32")), one
     assert single["t"] == pytest.approx(double["t"], rel=1e-3)  # the step follows the error, which has its own rounding
     for name in ("x", "y", "u", "v"):
         assert np.abs(single[name] - double[name]).max() < 1e-4, name

@@ -56,10 +56,17 @@ SCENES = {
     "oscillating implicit": ["scheme={type: implicit}", "time.tolerance=1e-5", OSCILLATION, NO_VIDEO],
     "annulus": ANNULUS,
     "cavity": CAVITY,
-    "channel with a body": [TURNING_BODY, "discretisation.particles_across=18", "time.tolerance=1e-4", NO_VIDEO],
+    "channel with a body": [TURNING_BODY, "discretisation.particles_across=18", "time.tolerance=1e-4"],
     "single precision": ["scheme={type: wcsph}", "discretisation.precision=f32", NO_VIDEO],
 }
-SLOW = ["implicit order 2", "oscillating implicit", "single precision"]
+SLOW = [
+    "implicit order 2",
+    "oscillating implicit",
+    "single precision",
+    "viscoelastic",  # all that it knows goes on from any step, below
+    "viscoelastic implicit",  # as several modes
+    "annulus",  # as a channel with a body
+]
 
 
 @pytest.fixture
@@ -147,7 +154,7 @@ def arrays(holder):
     return [(name, field.to_numpy()) for name, field in vars(holder).items() if isinstance(field, ti.Field)]
 
 
-@pytest.mark.parametrize("scene", ["wcsph", "viscoelastic"])
+@pytest.mark.parametrize("scene", [pytest.param("wcsph", marks=pytest.mark.slow), "viscoelastic"])
 def test_an_explicit_run_goes_on_from_any_step(make, tmp_path, scene):
     # from either buffer, and with lists of any age; those of the implicit scheme are new at every step
     options = [*SCENES[scene], "time={end: 0.3}", "initial.jitter=0.2"]
@@ -191,7 +198,7 @@ def test_a_run_goes_on_from_a_checkpoint_at_its_end(case, tmp_path):
     assert json.loads(folder.summary.read_text())["status"] == "done"
 
 
-@pytest.mark.parametrize("scene", ["wcsph", "implicit"])
+@pytest.mark.parametrize("scene", [pytest.param("wcsph", marks=pytest.mark.slow), "implicit"])
 def test_a_run_that_goes_on_for_longer_is_one_that_was_to_be_so_long(case, tmp_path, capsys, scene):
     shorter = "time={end: 0.6, samples: [0.3, 0.45, 0.6]}"  # the old end is a sample: both runs step onto it
     settings = [case(*SCENES[scene], NO_VIDEO, *end) for end in ([], [shorter, *SCENES[scene][1:]])]

@@ -244,8 +244,15 @@ def test_a_folder_removed_under_a_run_is_one_error(start, folder):
 # --- interrupted
 
 
-@pytest.mark.parametrize("pause", [0.0, 0.05])
-@pytest.mark.parametrize("moment", ["claimed", "stepping"])
+@pytest.mark.parametrize(
+    ("moment", "pause"),
+    [
+        ("claimed", 0.0),
+        ("stepping", 0.05),
+        pytest.param("claimed", 0.05, marks=pytest.mark.slow),
+        pytest.param("stepping", 0.0, marks=pytest.mark.slow),
+    ],
+)
 def test_a_second_interrupt_leaves_a_readable_folder(start, folder, moment, pause):
     process = start("--set", "time.end=1000.0")  # longer than any machine waits
     until_claimed(process, folder)

@@ -53,7 +53,7 @@ def profiles(settings, channel, times):
 @pytest.mark.parametrize(
     "flow",
     [
-        (STEADY, DRIVEN),
+        pytest.param((STEADY, DRIVEN), marks=pytest.mark.slow),  # the lower wall of the next one jumps too
         (SWINGING, DRIVEN),
         (STEADY, DRIVEN, "walls.treatment.type=comoving_image", "scheme.operators.order=2"),
     ],

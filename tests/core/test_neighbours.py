@@ -32,8 +32,7 @@ def missing_pairs(scheme):
 TREATMENTS = ["comoving_image", "adami"]
 
 
-@pytest.mark.parametrize("treatment", TREATMENTS)
-@pytest.mark.parametrize("across", [6, 12, 25])
+@pytest.mark.parametrize(("treatment", "across"), [("adami", 6), ("comoving_image", 12), ("adami", 25)])
 def test_no_pair_is_missing_after_a_build(make, treatment, across):
     scheme = make(
         f"walls.treatment.type={treatment}",

@@ -24,8 +24,7 @@ def test_the_longest_step_shifts_as_much_whatever_binds_it(kernel, cfl, diffusio
     assert speed * step / length * stiffness(module, 1.3) == pytest.approx(SHIFT * 0.25, rel=1e-14)
 
 
-@pytest.mark.parametrize("kernel", KERNELS)
-@pytest.mark.parametrize("ratio", [1.0, 1.5])
+@pytest.mark.parametrize(("kernel", "ratio"), list(zip(KERNELS, (1.0, 1.5), strict=True)))
 def test_no_small_displacement_of_the_lattice_relaxes_faster_than_the_stiffest_wave(make, kernel, ratio):
     # linear in the displacements xi, and symmetric: 0 <= -(xi, du) <= SHIFT c/h (xi, xi), nearly reached by waves
     overrides = f"discretisation.kernel={kernel}", f"discretisation.smoothing_ratio={ratio}", "geometry.length=2.0"

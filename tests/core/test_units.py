@@ -30,7 +30,7 @@ def overrides(length, time, density):
         ("scheme.type=wcsph", "walls.treatment.type=virtual_image", "scheme.artificial_viscosity=0.1"),
         ("scheme.type=wcsph", "walls.treatment.type=comoving_image", "scheme.operators=standard"),
         ("scheme.type=wcsph", "walls.treatment.type=consistent_image", "polymer"),
-        ("scheme.type=implicit", "walls.treatment.type=consistent_image"),
+        pytest.param(("scheme.type=implicit", "walls.treatment.type=consistent_image"), marks=pytest.mark.slow),
         ("scheme.type=implicit", "walls.treatment.type=virtual_image", "scheme.operators.order=2"),
         ("scheme.type=implicit", "walls.treatment.type=consistent_image", "polymer"),
     ],

@@ -42,7 +42,7 @@ def closed(flow):
     [
         (COUETTE, None, 0.1, 1.0),
         (POISEUILLE, None, 0.01, 1.0),
-        (BOTH, None, 0.5, 0.02),
+        pytest.param(BOTH, None, 0.5, 0.02, marks=pytest.mark.slow),
         (Flow(1.0, top=Wall(0.2)), BOTH, 0.3, 0.5),
     ],
 )

@@ -14,7 +14,7 @@ fluid: {density: 1.0, kinematic_viscosity: 0.01}
 geometry: {length: 1.0}
 initial: {velocity: 1.0, jitter: 0.2}
 discretisation: {particles_across: 28}
-time: {end: 0.3, samples: [0.15, 0.3]}
+time: {end: 0.15, samples: [0.1, 0.15]}
 """
 
 

@@ -26,6 +26,11 @@ class Together(Channel):
     frame_velocity = 0.0
 
 
+def pytest_collection_modifyitems(items):
+    """Let tests that share a program come before those that end it."""
+    items.sort(key=lambda item: item.get_closest_marker("other_program") is not None)
+
+
 @pytest.fixture(scope="session", autouse=True)
 def started_once(kept_program):
     """Let Taichi start once for many tests of this folder."""

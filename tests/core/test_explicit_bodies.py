@@ -143,6 +143,7 @@ def test_liquid_that_turns_as_a_solid_is_pressed_outwards(make):
     assert field_error(scene, end, "pressure") < 1e-2
 
 
+@pytest.mark.other_program
 def test_one_and_two_threads_give_the_same_bits(make):
     check_threads(*(state(make(f"runtime.threads={threads}", steps=40)) for threads in (1, 2)))
 

@@ -125,6 +125,7 @@ def test_momentum_of_the_vortex(make):
     assert scheme.momentum_balance()["change"] == pytest.approx(gained, rel=1e-9)
 
 
+@pytest.mark.other_program
 def test_one_and_two_threads_give_the_same_bits(make):
     # 625 particles are more than Taichi leaves to one thread
     check_threads(*(state(make(f"runtime.threads={threads}", case=LAYERS, steps=60)) for threads in (1, 2)))

@@ -142,9 +142,14 @@ def test_the_resolved_config_reproduces_the_run(run, finished, tmp_path):
     same_bits(samples(tmp_path / "out"), samples(finished))
 
 
+@pytest.mark.other_program
 @pytest.mark.parametrize(
     "choice",
-    ["walls.treatment.type=comoving_image", "walls.treatment.type=adami", "scheme={type: implicit}"],
+    [
+        pytest.param("walls.treatment.type=comoving_image", marks=pytest.mark.slow),  # images are those of implicit
+        "walls.treatment.type=adami",
+        "scheme={type: implicit}",
+    ],
 )
 def test_the_same_bits_whatever_is_observed_and_on_one_thread_or_two(run, tmp_path, choice):
     # 25 across: 625 particles, which two threads share; each particle is summed by one thread in list order
@@ -225,12 +230,13 @@ def test_render_draws_again_from_the_files(tisph, copied):
         assert (copied / name).stat().st_size > 0
 
 
+@pytest.mark.other_program
 @pytest.mark.parametrize(
     ("scheme", "treatment", "across", "rheology"),
     [
         ("wcsph", "consistent_image", 12, "oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4"),
         ("wcsph", "adami", 6, "newtonian"),
-        ("implicit", "consistent_image", 12, "newtonian"),
+        pytest.param("implicit", "consistent_image", 12, "newtonian", marks=pytest.mark.slow),  # part of the last one
         ("implicit", "virtual_image", 6, "newtonian"),
         ("implicit", "consistent_image", 12, "oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4"),
     ],
@@ -247,9 +253,13 @@ def test_no_kernel_reads_or_writes_out_of_bounds(run, monkeypatch, scheme, treat
 
 
 @pytest.mark.skipif(os.name == "nt", reason="HOME decides on POSIX systems only")
-@pytest.mark.parametrize("home", [{"HOME": "/proc/nowhere"}, {}], ids=["unwritable", "unknown"])
-def test_runs_without_a_home_to_keep_compiled_kernels_in(tmp_path, home):
-    in_a_process(tmp_path, "--set", "time={end: 0.01}", without=["HOME", "XDG_CACHE_HOME"], **home)
+@pytest.mark.parametrize(
+    ("home", "options"),
+    [({"HOME": "/proc/nowhere"}, []), ({}, ["--no-video"])],  # what draws looks for one too
+    ids=["unwritable", "unknown"],
+)
+def test_runs_without_a_home_to_keep_compiled_kernels_in(tmp_path, home, options):
+    in_a_process(tmp_path, "--set", "time={end: 0.01}", *options, without=["HOME", "XDG_CACHE_HOME"], **home)
 
 
 def test_a_second_run_into_the_same_folder_is_refused(run, tmp_path):

@@ -31,6 +31,7 @@ def use(scheme):
     ti.reset()
 
 
+@pytest.mark.other_program
 @pytest.mark.parametrize(
     "scene",
     [

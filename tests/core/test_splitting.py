@@ -94,6 +94,7 @@ def test_places_within_a_step_are_those_of_the_path():
         assert np.abs(rate - getattr(middle, velocity)).max() < 1e-6
 
 
+@pytest.mark.other_program
 def test_one_and_two_threads_give_the_same_bits(monkeypatch):
     monkeypatch.setattr(rows, "FEW", 0)  # or small loops would stay on one thread
     monkeypatch.setattr(rows, "FEW_NUMBERS", 0)
@@ -142,6 +143,7 @@ def saved(scheme):
                 yield name, field
 
 
+@pytest.mark.other_program
 def test_single_precision():
     # rounding of 6e-8 in the positions, over a spacing and times the largest entries of the rows
     scheme = make(24, targets=[0.1], precision="f32")

@@ -162,6 +162,7 @@ def test_a_run_has_the_velocities_of_one_with_the_diagonal_alone(make, monkeypat
     assert np.linalg.norm(after.u - before.u) < 60 * 1e-8 * np.linalg.norm(before.u)
 
 
+@pytest.mark.other_program
 def test_one_and_two_threads_and_a_restart_give_the_same_bits(two_levels, make, monkeypatch, tmp_path):
     for name in ("FEW", "FEW_NUMBERS"):
         monkeypatch.setattr(rows, name, 0)  # or small loops would stay on one thread

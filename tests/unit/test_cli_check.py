@@ -148,7 +148,11 @@ def test_polymer_that_relaxes_before_the_layer_of_a_jump_is_a_spacing_deep(check
     lines = checked(liquid, "scheme={type: implicit}")
     assert bool(starting(lines, "warning: the polymer relaxes before")) == warned
     assert not starting(lines, "warning: fluid.rheology.solvent_fraction")
-    assert not starting(checked(liquid, "scheme={type: implicit}", AT_REST, DRIVE), "warning: the polymer relaxes")
+
+
+def test_polymer_of_a_flow_without_a_jump_has_no_layer_to_relax_before(checked):
+    lines = checked(POLYMER % (1.0, "solvent_fraction: 0.009"), "scheme={type: implicit}", AT_REST, DRIVE)
+    assert not starting(lines, "warning: the polymer relaxes")
 
 
 def test_polymer_stress_is_counted_in_the_memory(case):

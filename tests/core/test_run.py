@@ -245,6 +245,7 @@ def test_no_kernel_reads_or_writes_out_of_bounds(run, monkeypatch, scheme, treat
     # Taichi checks every index in debug mode; without it a bad one passes silently
     monkeypatch.setenv("TI_DEBUG", "1")
     case = ["--set", f"discretisation.particles_across={across}", "--set", "geometry.length=2.0"]
+    case += ["--set", "time={end: 0.3}"]
     walls = ["--set", f"walls.treatment.type={treatment}", "--set", "initial.jitter=0.3"]
     options = [*case, *walls, "--set", f"scheme={{type: {scheme}}}", "--set", f"fluid.rheology={{type: {rheology}}}"]
     run("--no-video", *options)

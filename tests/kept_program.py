@@ -17,8 +17,8 @@ from tisph.runtime import _fields, ti
 start, stop = runtime.start, runtime.stop
 vector_field, scalar_field = ti.Vector.field, ti.field
 
-MOST_FIELDS = 5000
-"""In one program, so that they take no more memory than tests may; each start begins with none."""
+MOST_TREES = 400
+"""That fields are laid out in before Taichi starts again; a program has room for 512."""
 
 
 class Made:
@@ -33,19 +33,19 @@ class Made:
 
 
 class Kept:
-    """The program that runs, as ``asked``; ``last`` is the field that was handed out last."""
+    """The program that runs, as ``asked``; ``first`` is before all its fields, ``last`` what was handed out last."""
 
     def __init__(self):
-        self.program = self.asked = self.last = None
-        self.within, self.count = False, 0
+        self.program = self.asked = self.first = self.last = None
+        self.within = False
 
     def start(self, precision, threads):
         """Stand in for ``runtime.start``."""
         asked = precision, threads, runtime.CACHE, os.environ.get("TI_DEBUG")
         kept = self.program is not None and self.program is get_runtime().prog and get_runtime().materialized
-        if not kept or asked != self.asked or self.count > MOST_FIELDS:
+        if not kept or asked != self.asked or self.program.get_snode_tree_size() > MOST_TREES:
             start(precision, threads)
-            self.program, self.asked, self.first, self.count = get_runtime().prog, asked, Made(), 0
+            self.program, self.asked, self.first = get_runtime().prog, asked, Made()
         for kernel in get_runtime().kernels:
             kernel.compiled_kernels = {}
             kernel.mapper.mapping.clear()
@@ -62,7 +62,6 @@ class Kept:
             if found is None:
                 found = Made((make, arguments), make(*arguments))
                 self.last.following.append(found)
-                self.count += 1
             else:
                 zero(found.field)
             self.last = found

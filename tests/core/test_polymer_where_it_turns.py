@@ -32,11 +32,10 @@ def started(flow, places, serial=True):
     return scheme
 
 
-@pytest.mark.parametrize(
-    "rheology", [LIQUID, giesekus.Parameters(relaxation_time=1.0, solvent_fraction=0.1, mobility=0.3)]
-)
-def test_start_up_between_cylinders(rheology):
-    # measured 9e-4, 1.2e-3, 2e-3 and 4e-4 twelve across; they fall with the fourth power (docs/annulus.md)
+def test_start_up_between_cylinders():
+    # Oldroyd-B is a row of tisph verify --quick; here a law whose relaxation is not linear
+    # measured 7e-4, 1.0e-3, 1.3e-3 and 1.2e-3 twelve across; 25 across a tenth of that (docs/annulus.md)
+    rheology = giesekus.Parameters(relaxation_time=1.0, solvent_fraction=0.1, mobility=0.3)
     flow, places = make(rheology)
     snapshot = case.run(flow, places, np.zeros_like(places), 0.4).snapshot()
     liquid = Polymer(rheology.solvent_fraction, rheology.laws(1.0))
@@ -44,12 +43,12 @@ def test_start_up_between_cylinders(rheology):
     radius = np.hypot(snapshot.x, snapshot.y)
     x, y = snapshot.x / radius, snapshot.y / radius
     around = x * snapshot.v - y * snapshot.u
-    assert off(around, exact.velocity(radius, 0.4)) < 3e-3
+    assert off(around, exact.velocity(radius, 0.4)) < 2e-3
     stress, shear, _ = exact.polymer_stress(radius, 0.4)
     xx, xy, yy = snapshot.stress_xx, snapshot.stress_xy, snapshot.stress_yy
-    assert off((yy - xx) * x * y + xy * (x**2 - y**2), shear) < 4e-3
-    assert off(xx * y**2 - 2 * xy * x * y + yy * x**2, stress) < 6e-3
-    assert snapshot.bodies.torque[0] == pytest.approx(exact.torque(0.4, density=1.0)[0], rel=2e-3)
+    assert off((yy - xx) * x * y + xy * (x**2 - y**2), shear) < 3e-3
+    assert off(xx * y**2 - 2 * xy * x * y + yy * x**2, stress) < 4e-3
+    assert snapshot.bodies.torque[0] == pytest.approx(exact.torque(0.4, density=1.0)[0], rel=4e-3)
 
 
 def off(found, exact):

@@ -71,7 +71,7 @@ def test_where_the_flow_turns_no_liquid_runs_as_a_newtonian_one(flow, name):
 def test_a_polymer_needs_a_lid_that_leaves_the_corners_at_rest(name):
     change = f"fluid.rheology={RHEOLOGIES[name]}"
     text = refusal(lambda *changes: changed("cavity", *changes), change)
-    assert f"walls.lid.profile = \"sharp\": must be regular with {name}" in text
+    assert f'walls.lid.profile = "sharp": must be regular with {name}' in text
     assert changed("cavity_regular", change).fluid.rheology.type == name
 
 

@@ -100,8 +100,7 @@ def _boxes(scheme: str) -> list[tuple[bool, bool]]:
 def _size(config: Any) -> Iterator[Problem]:
     across = lattice.across(config)
     particles = across * (across * (config.area / config.across / config.across))
-    stress = config.fluid.rheology.carries_stress
-    needed = memory.estimated_bytes(particles, config, config.scheme.type != "wcsph" and not stress)
+    needed = memory.estimated_bytes(particles, config, config.scheme.type != "wcsph")
     available = memory.physical_bytes()
     key = lattice.resolution_key(config)
     text = f"makes {particles:.3g} particles, which would need about {memory.format_bytes(needed)} of memory"

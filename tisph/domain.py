@@ -17,13 +17,14 @@ class Domain:
 
     def __init__(self, channel):
         self.driven = channel.acceleration != 0.0
-        self.oscillates = channel.bottom.oscillates or channel.top.oscillates
+        self.oscillates = any(wall.oscillates and not wall.driven for wall in (channel.bottom, channel.top))
         self.motions = (channel.bottom, channel.top)
         self.columns = channel.columns
         self.gap = scalar(channel.gap)
         self.length = scalar(channel.length)
-        self.bottom_velocity = scalar(channel.bottom.velocity(channel.start_time))
-        self.top_velocity = scalar(channel.top.velocity(channel.start_time))
+        self.bottom_velocity, self.top_velocity = (
+            scalar(0.0 if wall.driven else wall.velocity(channel.start_time)) for wall in self.motions
+        )
         if self.driven:
             self.acceleration = scalar(channel.acceleration)
         if self.oscillates:

@@ -55,6 +55,8 @@ SCENES = {
     "several modes": [MODES, NO_VIDEO],
     "oscillating": ["scheme={type: wcsph}", "walls.treatment.type=adami", OSCILLATION, NO_VIDEO],
     "oscillating implicit": ["scheme={type: implicit}", "time.tolerance=1e-5", OSCILLATION, NO_VIDEO],
+    "creep and recovery": [OLDROYD_B, "walls.top={times: [0.0, 0.5], stresses: [0.01, 0.0]}", NO_VIDEO],
+    "a plate with a mass": [OLDROYD_B, "walls.top={shear_stress: 0.01, mass_per_area: 0.3}", NO_VIDEO],
     "annulus": ANNULUS,
     "cavity": CAVITY,
     "channel with a body": [TURNING_BODY, "discretisation.particles_across=18", "time.tolerance=1e-4"],

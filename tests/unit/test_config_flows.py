@@ -82,9 +82,10 @@ def test_single_precision_needs_half_the_memory_for_numbers(case):
     assert whole - half == pytest.approx(1e5 * 4 * REALS[False])
 
 
+DRIVEN = "walls.top={shear_stress: 1}"
 ONLY_STEADY = "is only for a wall of constant velocity; this one oscillates"
 ONLY_SWINGING = "is only for a wall that oscillates, which has an amplitude"
-EXACTLY_ONE = "give exactly one of velocity, amplitude: "
+EXACTLY_ONE = "give exactly one of velocity, amplitude, shear_stress, stress_amplitude, stresses: "
 SOLVENT = "must be greater than 0 and at most 1: at 0 (upper-convected Maxwell) the velocity has no viscous term"
 
 # overrides that are wrong together, the key that is blamed with its value, part of the reason
@@ -125,7 +126,35 @@ BAD = [
     (["fluid.rheology={type: newtonian, relaxation_time: 1}"], "fluid.rheology.relaxation_time = 1", "unknown key"),
     (["fluid.rheology={type: oldroydb}"], 'fluid.rheology.type = "oldroydb"', "nearest: oldroyd_b"),
     ([POLYMER, "scheme.operators=standard"], 'scheme.operators = "standard"', "oldroyd_b needs the velocity gradient"),
-    ([POLYMER, SWINGING], "walls.top.amplitude = -0.5", "no exact solution is built in for walls that oscillate"),
+    ([POLYMER, SWINGING, "initial.state=developed"], 'initial.state = "developed"', "no periodic flow is built in"),
+    (["walls.top={shear_stress: 1, velocity: 1}"], "walls.top.shear_stress = 1.0", EXACTLY_ONE + "velocity and shear"),
+    (["walls.top={mass_per_area: 1}"], "walls.top.mass_per_area = 1.0", "is only for a wall that is driven"),
+    (
+        ["walls.top={velocity: 1, mass_per_area: 1}"],
+        "walls.top.mass_per_area = 1.0",
+        "is only for a wall that is driven",
+    ),
+    (["walls.top={shear_stress: 1, phase: sin}"], 'walls.top.phase = "sin"', ONLY_SWINGING),
+    (["walls.top={shear_stress: 1, times: [0]}"], "walls.top.times = [0.0]", "is only for a wall with stresses"),
+    (["walls.top={stress_amplitude: 1}"], "walls.top.angular_frequency", "is missing: a stress with an amplitude"),
+    (
+        ["walls.top={stresses: [1, 0]}"],
+        "walls.top.times = null",
+        "must be as many times, ascending from 0 on, as there are",
+    ),
+    (["walls.top={stresses: [1, 0], times: [1, 0]}"], "walls.top.times = [1.0, 0.0]", "must ascend from 0 on"),
+    ([DRIVEN, "walls.bottom={shear_stress: 1}"], "walls.top", "must have a velocity where a stress drives the bottom"),
+    (
+        [DRIVEN, "initial={state: developed}"],
+        'initial.state = "developed"',
+        "must be rest where a stress drives a wall",
+    ),
+    ([DRIVEN, "scheme.type=wcsph"], 'scheme.type = "wcsph"', "wcsph has no wall that a stress drives (walls.top)"),
+    (
+        [DRIVEN, "time.cfl=0.5"],
+        'scheme.type = "auto"',
+        "wcsph has no wall that a stress drives (walls.top); take implicit",
+    ),
 ]
 
 

@@ -155,12 +155,12 @@ def test_power_law_and_plug_of_the_textbook():
 
 
 @dataclass(frozen=True)
-class Swinging:
+class Swinging(Wall):
     """A wall that oscillates, and its acceleration."""
 
-    cosine: float
-    sine: float
-    angular_frequency: float
+    cosine: float = 0.6
+    sine: float = -0.8
+    angular_frequency: float = 40.0
 
     def velocity(self, t):
         angle = self.angular_frequency * np.asarray(t)
@@ -180,7 +180,7 @@ class Swinging:
     ids=["solved", "with_layer"],
 )
 def test_walls_that_swing(now):
-    wall = Swinging(0.6, -0.8, 40.0)
+    wall = Swinging()
     found = StartUp(now, Flow(1.0, top=wall))
     for t in (1e-3, 0.1):
         expected = oscillating_wall.velocity(HEIGHTS, t, gap=1.0, kinematic_viscosity=1.0, wall=wall)

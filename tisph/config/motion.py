@@ -25,13 +25,17 @@ class WallMotion(Model):
     """
 
     speed_key: ClassVar[str]
+    other_keys: ClassVar[tuple[str, ...]] = ()
+    """Keys of what else may move a wall; with one of them a model checks its form itself."""
 
     @model_validator(mode="before")
     @classmethod
     def _fill_in_speed_or_phase(cls, data: Any) -> Any:
         if not isinstance(data, dict):
             return data
-        if all(data.get(key) is None for key in (cls.speed_key, "amplitude", "angular_frequency", "phase")):
+        if all(
+            data.get(key) is None for key in (cls.speed_key, "amplitude", "angular_frequency", "phase", *cls.other_keys)
+        ):
             return {**data, cls.speed_key: 0.0}
         if data.get("amplitude") is not None and data.get("phase") is None:
             return {**data, "phase": "cos"}
@@ -39,6 +43,8 @@ class WallMotion(Model):
 
     @model_validator(mode="after")
     def _check_forms(self) -> "WallMotion":
+        if any(getattr(self, key) is not None for key in self.other_keys):
+            return self
         oscillates = self.amplitude is not None
         alien = (f"{self.speed_key}_before",) if oscillates else ("angular_frequency", "phase")
         constant = self.speed_key.replace("_", " ")

@@ -18,14 +18,20 @@ class Layer:
     """Layer at walls whose ``jumps`` (bottom, top) are in the unit of the continuous field of ``elements``.
 
     ``viscosity``: the kinematic one of the solvent. Between cylinders the continuous field is the angular velocity.
+    ``shear_rates`` and ``drift`` have clocks that start at ``begin``.
     """
 
-    def __init__(self, elements, jumps, viscosity):
+    def __init__(self, elements, jumps, viscosity, begin=0.0):
+        self.begin, self._numbers = begin, (elements, jumps, viscosity)
         self.elements, self.viscosity = elements, viscosity
         self.jumps, self.curved = any(jumps), elements.inner_radius is not None
         gap = float(elements.edges[-1])
         bottom, top = (float(jump * elements.arm(y) ** 1.5) for jump, y in zip(jumps, (0.0, gap), strict=True))
         self._plane = {"gap": gap, "kinematic_viscosity": viscosity, "bottom": bottom, "top": top}
+
+    def later(self, begin):
+        """The same layer on a clock that starts at ``begin``."""
+        return Layer(*self._numbers, begin)
 
     def velocity(self, y, t):
         """Velocity along the walls, or around the axis."""
@@ -41,7 +47,7 @@ class Layer:
         """Shear rate (times, count, p + 1) at the points of the elements."""
         if not self.jumps:
             return np.zeros((len(times), *self.elements.y.shape))
-        return self.shear_rate(self.elements.y, times[:, None, None])
+        return self.shear_rate(self.elements.y, self.begin + times[:, None, None])
 
     def drift(self, times):
         """Rate of the continuous field (times, size) that the layer leaves to the rest; 0.0 between planes."""
@@ -49,4 +55,4 @@ class Layer:
             return 0.0
         nodes = self.elements.node_places
         scale = -0.75 * self.viscosity * self.elements.arm(nodes) ** -3
-        return scale * self.velocity(nodes, times[:, None])
+        return scale * self.velocity(nodes, self.begin + times[:, None])

@@ -24,12 +24,22 @@ NEGLIGIBLE = 1e-12
 class Equations:
     """Equations of ``liquid`` (``flux``, ``laws``) on ``elements``; walls are (bottom, top), with ``acceleration(t)``.
 
-    ``layer``: a ``_layer.Layer``. ``speed`` is what 1 of the velocity is in the tolerance, at least.
+    Walls that are ``driven`` (``geometry/plate.py``) have ``stress(t)`` and ``mass_per_area`` over the density instead:
+    their mass is added to that of their node, which obeys the weak form of the momentum equation as all others do.
+
+    ``layer``: a ``_layer.Layer``. ``speed`` is what 1 of the velocity is in the tolerance, at least. ``mass`` (nodes,):
+    of each node with the plate on it.
     """
 
     def __init__(self, elements, liquid, walls, acceleration, layer, speed):
-        self.elements, self.liquid, self.walls, self.layer = elements, liquid, walls, layer
+        self.elements, self.liquid, self.layer = elements, liquid, layer
+        self.walls = dict(zip((0, elements.size - 1), walls, strict=True))
         self.drive, self.speed = acceleration, speed
+        self.mass = elements.mass.copy()
+        for place, wall in self.walls.items():
+            if wall.driven:
+                self.mass[place] += wall.mass_per_area
+        self.free = np.array([not (k in self.walls and not self.walls[k].driven) for k in range(elements.size)])
         points = elements.y.size
         ends = elements.size + np.cumsum([0, *(law.components * points for law in liquid.laws)])
         self.parts = [slice(a, b) for a, b in pairwise(ends.tolist())]
@@ -58,8 +68,12 @@ class Equations:
         flux = self.stress(deviations, whole) - self.liquid.carried(self.layer.shear_rates(times))
         own = self.drive + self.layer.drift(times)
         result[:, : self.elements.size] = own + self.elements.weak_divergence(flux)
-        for place, wall in zip((0, self.elements.size - 1), self.walls, strict=True):
-            result[:, place] = wall.acceleration(times)
+        for place, wall in self.walls.items():
+            if wall.driven:
+                pull = result[:, place] * self.elements.mass[place] + wall.stress(times)
+                result[:, place] = pull / self.mass[place]
+            else:
+                result[:, place] = wall.acceleration(times)
         for law, c, part in zip(self.liquid.laws, deviations, self.parts, strict=True):
             change = np.stack([np.broadcast_to(one, whole.shape) for one in law.sheared(tuple(c), whole)], axis=1)
             result[:, part] = change.reshape(len(states), -1)
@@ -124,12 +138,13 @@ class Jacobian:
         factors, pivots, _ = zgbtrf(self._banded(shift, coefficient), order, order)
 
         def solve(b):
-            right = b[: elements.size].astype(complex)
+            right = b[: elements.size] * self.equations.mass
+            free = self.equations.free
             points = [b[part].reshape(-1, *elements.y.shape).transpose(1, 2, 0) for part in self.equations.parts]
             if points:
                 flux = sum(np.einsum("eqm,eqm->eq", pull, c) for pull, c in zip(pulls, points, strict=True))
-                right[1:-1] += elements.weak_divergence(flux)[1:-1]
-            v, _ = zgbtrs(factors, order, order, right * elements.mass, pivots)
+                right = right + (elements.weak_divergence(flux) * elements.mass) * free
+            v, _ = zgbtrs(factors, order, order, right.astype(complex), pivots)
             rate = elements.shear_rate(v)
             rest = [
                 np.einsum("eqmn,eqn->meq", inverse, c + by_rate * rate[..., None]).ravel()
@@ -140,14 +155,15 @@ class Jacobian:
         return solve
 
     def _banded(self, shift, coefficient):
-        """shift * mass + stiffness in LAPACK's banded storage; at the walls the velocity is its own."""
+        """shift * mass + stiffness in LAPACK's banded storage; where a wall's velocity is given, that is its own."""
         elements, order = self.elements, self.elements.order
         matrices = elements.stiffness(coefficient)
-        matrices[0, 0] = matrices[-1, -1] = 0.0
+        matrices[0, 0] *= self.equations.free[0]
+        matrices[-1, -1] *= self.equations.free[-1]
         band = np.zeros((3 * order + 1, elements.size), dtype=complex)
         row, column = elements.nodes[:, :, None], elements.nodes[:, None, :]
         band[2 * order + row - column, column + 0 * row] = matrices
         joints = elements.nodes[1:, 0]
         band[2 * order, joints] += matrices[:-1, -1, -1]
-        band[2 * order] += shift * elements.mass
+        band[2 * order] += shift * self.equations.mass
         return band

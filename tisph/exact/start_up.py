@@ -6,7 +6,9 @@ Equations for 0 < y < gap, with g = -(dp/dx)/density, all stresses over the dens
 
 for each law (mode) of a polymer, C the deviation of its conformation tensor from rest (``tisph/rheology``), and flux =
 solvent_viscosity * du/dy, or viscosity((du/dy)^2) * du/dy of a generalised Newtonian liquid. The walls move with given
-velocities; the flow starts from rest at t = 0, or, with ``before``, from the developed flow of other walls.
+velocities, or are driven by a stress (``geometry/plate.py``), with mass_per_area * dU/dt = stress - shear stress of the
+liquid; the flow starts from rest at t = 0, or, with ``before``, from the developed flow of other walls. Where what
+drives changes at once later on, a new solution begins, in the root of the time from then on.
 
 Between cylinders y = r - R1. Seen by who turns with the liquid, the flow is simple shear of the rate r d(u/r)/dr, x
 around the axis and y outwards, so that the laws are the same; u/r has the place of u, as ``_elements`` says.
@@ -110,7 +112,14 @@ class Viscous:
 class Wall:
     """A wall of constant ``speed``."""
 
+    driven: ClassVar[bool] = False
+    changes: ClassVar[tuple[float, ...]] = ()
+
     speed: float = 0.0
+
+    def during(self, time):
+        """The wall itself: it does not change."""
+        return self
 
     def velocity(self, t):
         """``speed``, of the shape of ``t``."""
@@ -123,9 +132,11 @@ class Wall:
 
 @dataclass(frozen=True)
 class Flow:
-    """Walls y = 0 and y = ``gap``, each with ``velocity(t)`` and ``acceleration(t)``; acceleration g along planes.
+    """Walls y = 0 and y = ``gap``, and the acceleration g along planes.
 
-    ``inner_radius``: that of the cylinder y = 0, None between planes. Cylinders have angular velocities.
+    Walls have ``velocity(t)`` and ``acceleration(t)``, or are ``Plate`` over the density; they change at once at the
+    times ``changes``, and ``during(time)`` is what they are from then on. ``inner_radius``: that of the cylinder y = 0,
+    None between planes. Cylinders have angular velocities.
     """
 
     gap: float
@@ -145,6 +156,28 @@ def _edges(liquid, flows, finest):
     return np.concatenate([half[:-1], 1 - half[::-1]])
 
 
+@dataclass(frozen=True)
+class _Later:
+    """A ``wall`` on a clock that starts at ``begin``."""
+
+    wall: Any
+    begin: float
+
+    @property
+    def driven(self):
+        return self.wall.driven
+
+    @property
+    def mass_per_area(self):
+        return self.wall.mass_per_area
+
+    def acceleration(self, t):
+        return self.wall.acceleration(self.begin + t)
+
+    def stress(self, t):
+        return self.wall.stress(self.begin + t)
+
+
 class StartUp:
     """The flow of a ``Polymer`` or ``Viscous`` liquid from rest, or from the developed flow ``before``.
 
@@ -158,7 +191,7 @@ class StartUp:
         edges = _edges(liquid, (flow, before or flow), finest) if edges is None else edges
         self.elements = Elements(flow.gap * edges, order, flow.inner_radius)
         walls, ends = (flow.bottom, flow.top), [0, self.elements.size - 1]
-        jumps = [float(wall.velocity(0.0)) for wall in walls]
+        jumps = [0.0 if wall.driven else float(wall.velocity(0.0)) for wall in walls]
         start = None
         if before is not None:
             if (before.gap, before.inner_radius) != (flow.gap, flow.inner_radius):
@@ -166,14 +199,32 @@ class StartUp:
             start = StartUp(liquid, before, order=order, edges=edges)._developed()
             jumps = [new - old for new, old in zip(jumps, start[ends], strict=True)]
         driven = abs(flow.acceleration) * flow.gap**2 / liquid.total_viscosity
-        speed = max(1e-200, driven / 12, *map(abs, jumps), *([] if start is None else np.abs(start[ends])))
+        self.speed = max(1e-200, driven / 12, *map(abs, jumps), *([] if start is None else np.abs(start[ends])))
         self.layer = Layer(self.elements, jumps if liquid.laws else (0.0, 0.0), liquid.carried(1.0))
-        self.equations = Equations(self.elements, liquid, walls, flow.acceleration, self.layer, speed)
+        self.begins = sorted({0.0, *(time for wall in walls for time in wall.changes)})
+        self.equations = self._equations(0.0)
         start = np.zeros(self.equations.size) if start is None else start
         if not liquid.laws:
             start[ends] += jumps
-        first = 1e-3 * flow.gap / np.sqrt(liquid.total_viscosity)
-        self._solution = Solution(self.equations, start, first, liquid.tolerance)
+        self._pieces = [self._solution(self.equations, start)]
+
+    def _equations(self, begin):
+        """Equations of the time from ``begin`` on."""
+        flow = self.flow
+        walls = [_Later(wall.during(begin), begin) for wall in (flow.bottom, flow.top)]
+        return Equations(self.elements, self.liquid, walls, flow.acceleration, self.layer.later(begin), self.speed)
+
+    def _solution(self, equations, start):
+        first = 1e-3 * self.flow.gap / np.sqrt(self.liquid.total_viscosity)
+        return Solution(equations, start, first, self.liquid.tolerance)
+
+    def _at(self, time):
+        """State (size,) at one ``time`` >= 0."""
+        piece = max(int(np.searchsorted(self.begins, time)) - 1, 0)
+        while len(self._pieces) <= piece:
+            begin, end = self.begins[len(self._pieces) - 1 :][:2]
+            self._pieces.append(self._solution(self._equations(end), self._pieces[-1].at(end - begin)))
+        return self._pieces[piece].at(time - self.begins[piece])
 
     def velocity(self, y, t):
         """Velocity u along the walls; at t = 0 the walls have their new velocity already, the liquid its old one."""
@@ -189,7 +240,7 @@ class StartUp:
 
     def deviations(self, y, t):
         """C of each mode at heights ``y`` (heights,) and one time ``t``: list of arrays (components, heights)."""
-        return [self.elements.interpolated(c, y) for c in self.equations.deviations(self._solution.at(t))]
+        return [self.elements.interpolated(c, y) for c in self.equations.deviations(self._at(t))]
 
     def shear_stress(self, y, t):
         """Shear stress of solvent and polymer together."""
@@ -199,8 +250,8 @@ class StartUp:
         """The state (size,) that the flow ends in: v is all of the velocity then."""
         time = REMEMBERED * max(self.liquid.longest_time, self.flow.gap**2 / self.liquid.total_viscosity)
         for _ in range(MOST_DOUBLINGS):  # a liquid that thins takes longer
-            state = self._solution.at(time)
-            later = self._solution.at(2 * time)
+            state = self._at(time)
+            later = self._at(2 * time)
             time *= 2
             if np.max(np.abs(later - state) / self.equations.scales(later[None])) < STEADY:
                 break
@@ -210,12 +261,12 @@ class StartUp:
         return np.concatenate([carried, state[self.elements.size :]])
 
     def _velocity(self, y, time):
-        v = self._solution.at(time)[: self.elements.size]
+        v = self._at(time)[: self.elements.size]
         own = self.elements.arm(y) * self.elements.interpolated(v[self.elements.nodes], y)
         return own + self.layer.velocity(y, time)
 
     def _shear_rate(self, y, time):
-        own = self.elements.shear_rate(self._solution.at(time)[: self.elements.size])
+        own = self.elements.shear_rate(self._at(time)[: self.elements.size])
         return self.elements.interpolated(own, y) + self.layer.shear_rate(y, time)
 
     def _stress(self, y, time):
@@ -227,7 +278,7 @@ class StartUp:
         if self.liquid.laws:
             return self.liquid.flux(self._shear_rate(y, time)) + self._stress(y, time)[1]
         # smoother than the shear rate where the viscosity changes much, as in a plug
-        v = self._solution.at(time)[: self.elements.size]
+        v = self._at(time)[: self.elements.size]
         return self.elements.interpolated(self.liquid.flux(self.elements.shear_rate(v)), y)
 
     def _by_time(self, profile, y, t):

@@ -1,6 +1,7 @@
 """How walls and bodies move: each component of a velocity is constant, or oscillates, from t = 0 on."""
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -14,10 +15,17 @@ class WallMotion:
     [1/time] of what turns, ``angular_frequency`` [1/time].
     """
 
+    driven: ClassVar[bool] = False
+    changes: ClassVar[tuple[float, ...]] = ()
+
     cosine: float
     sine: float = 0.0
     angular_frequency: float = 0.0
     before: float | None = None
+
+    def during(self, time):
+        """The motion itself: it does not change at once after t = 0."""
+        return self
 
     @classmethod
     def from_config(cls, wall):
@@ -76,7 +84,12 @@ class WallMotion:
 
         Stokes' second problem: G. K. Batchelor, An Introduction to Fluid Dynamics, section 4.3.
         """
-        return float(np.sqrt(2 * kinematic_viscosity / self.angular_frequency)) if self.oscillates else np.inf
+        return penetration_depth(kinematic_viscosity, self.angular_frequency)
+
+
+def penetration_depth(kinematic_viscosity, angular_frequency):
+    """``WallMotion.penetration_depth``."""
+    return float(np.sqrt(2 * kinematic_viscosity / angular_frequency)) if angular_frequency else np.inf
 
 
 @dataclass(frozen=True)

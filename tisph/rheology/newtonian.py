@@ -11,3 +11,18 @@ class Parameters(Model):
     carries_stress: ClassVar[bool] = False
 
     type: Literal["newtonian"] = "newtonian"
+
+    def law(self, viscosity, density):
+        """Its ``Law``, for what serves liquids of any viscosity; arguments as of those (``_viscous.py``)."""
+        return Law(viscosity)
+
+
+class Law:
+    """A constant viscosity."""
+
+    def __init__(self, viscosity):
+        self.constant = viscosity
+
+    def viscosity(self, shear_rate_squared):
+        """Viscosity at the square of the shear rate."""
+        return self.constant + 0.0 * shear_rate_squared

@@ -9,12 +9,13 @@ parallel, and no solution is known: then it is a cell between two walls (``_cell
 """
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from tisph.config import lattice, schema
-from tisph.config.base import Model, Positive, Problem, Signed
+from tisph.config.base import LARGEST, Model, Positive, Problem, Signed, refusals
 from tisph.config.fields import Bodies, Member, number_or
 from tisph.config.motion import Amplitude, WallMotion
 from tisph.scenes._channel.scene import Channel
@@ -23,6 +24,16 @@ from tisph.scenes._initial import Initial, start_problems
 __all__ = ["Channel", "Config", "Scene"]
 
 WallTreatment = Member("walls", usual="consistent_image")
+
+STRESS_KEYS = ("shear_stress", "stress_amplitude", "stresses")
+"""Of a wall, one of which says that a stress drives it."""
+
+MOST_TIMES = 1000
+Times = Annotated[
+    tuple[Annotated[float, Field(ge=0, le=LARGEST)], ...], Field(strict=False, min_length=1, max_length=MOST_TIMES)
+]
+Values = Annotated[tuple[Signed, ...], Field(strict=False, min_length=1, max_length=MOST_TIMES)]
+"""The type of what a wall is given at each of the times."""
 
 
 class Geometry(Model):
@@ -33,21 +44,69 @@ class Geometry(Model):
 
 
 class Wall(WallMotion):
-    """Velocity of a wall along x from t = 0 on, of either sign: constant, or oscillating.
+    """Velocity of a wall along x from t = 0 on, of either sign: constant, or oscillating; or the stress that drives it.
 
     ``velocity`` [length/time], with ``velocity_before`` for a wall that had another velocity before t = 0; or
-    ``amplitude`` [length/time] * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t.
+    ``amplitude`` [length/time] * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t. Or a plate that starts
+    from rest, of ``mass_per_area`` [mass/length^2] (0 where left out), on which a shear stress along x acts from
+    outside [mass/(length time^2)]: ``shear_stress``, constant; ``stress_amplitude`` with ``angular_frequency`` and
+    ``phase``; or ``stresses``, each from one of the ``times`` on.
     """
 
     speed_key = "velocity"
-    exclusive_keys = ("velocity", "amplitude")
-    unset_keys = ("velocity_before", "angular_frequency", "phase")
+    other_keys = STRESS_KEYS
+    exclusive_keys = ("velocity", "amplitude", *STRESS_KEYS)
+    unset_keys = ("velocity_before", "angular_frequency", "phase", "times", "mass_per_area")
 
     velocity: Signed | None = None
     velocity_before: Signed | None = None
     amplitude: Amplitude | None = None
     angular_frequency: Positive | None = None
     phase: Literal["cos", "sin"] | None = None
+    shear_stress: Signed | None = None
+    stress_amplitude: Amplitude | None = None
+    times: Times | None = None
+    stresses: Values | None = None
+    mass_per_area: Annotated[float, Field(ge=0, le=LARGEST)] | None = None
+
+    @property
+    def driven(self) -> bool:
+        """Whether it is a stress that is given."""
+        return any(getattr(self, key) is not None for key in STRESS_KEYS)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fill_in_phase(cls, data: Any) -> Any:
+        if isinstance(data, dict) and data.get("stress_amplitude") is not None and data.get("phase") is None:
+            return {**data, "phase": "cos"}
+        return data
+
+    @model_validator(mode="after")
+    def _check_stress(self) -> "Wall":
+        found = [(key, text) for key, text in _stress_problems(self) if getattr(self, key) is not None]
+        if self.stress_amplitude is not None and self.angular_frequency is None:
+            raise refusals([(("angular_frequency",), "is missing: a stress with an amplitude oscillates", {})])
+        if self.stresses is not None and len(self.times or ()) != len(self.stresses):
+            text = f"must be as many times, ascending from 0 on, as there are stresses, {len(self.stresses)}"
+            raise refusals([(("times",), text, self.times)])
+        if self.times and any(late <= early for early, late in pairwise((-1e-300, *self.times))):
+            raise refusals([(("times",), "must ascend from 0 on", self.times)])
+        if found:
+            raise refusals([((key,), text, getattr(self, key)) for key, text in found])
+        return self
+
+
+def _stress_problems(wall: Wall) -> Iterator[tuple[str, str]]:
+    """Keys that are not of the form of the ``wall``, and why, whether they are given or not."""
+    if wall.stresses is None:
+        yield "times", "is only for a wall with stresses, each from one of the times on"
+    if not wall.driven:
+        yield "mass_per_area", "is only for a wall that is driven by a stress, such as shear_stress"
+        return
+    yield "velocity_before", "is not for a wall that is driven by a stress: it starts from rest"
+    if wall.stress_amplitude is None:
+        yield "angular_frequency", "is only for a wall that oscillates, which has an amplitude or stress_amplitude"
+        yield "phase", "is only for a wall that oscillates, which has an amplitude or stress_amplitude"
 
 
 class Walls(Model):
@@ -132,6 +191,7 @@ class Config(schema.Config):
 
             yield from problems(self)
             return
+        yield from _driven(self)
         yield from _motion(self)
         yield from start_problems(self, ("bottom", "top"))
         yield from _polymer(self)
@@ -167,7 +227,7 @@ class Scene:
 
 def _motion(config: Config) -> Iterator[Problem]:
     walls = (config.walls.bottom, config.walls.top)
-    if config.drive.acceleration or any(wall.amplitude for wall in walls):
+    if config.drive.acceleration or any(wall.amplitude or wall.driven for wall in walls):
         return
     velocities = {velocity for wall in walls for velocity in (wall.velocity, wall.velocity_before)} - {None}
     settled = config.initial.state == "developed" or any(wall.velocity_before is not None for wall in walls)
@@ -177,13 +237,21 @@ def _motion(config: Config) -> Iterator[Problem]:
         yield "walls", together if walls[0].velocity else text
 
 
+def _driven(config: Config) -> Iterator[Problem]:
+    """What speaks against a wall that is driven by a stress."""
+    sides = [side for side in ("bottom", "top") if getattr(config.walls, side).driven]
+    if len(sides) > 1:
+        yield "walls.top", "must have a velocity where a stress drives the bottom wall: nothing else holds the liquid"
+    if sides and config.initial.state != "rest":
+        yield "initial.state", f"must be rest where a stress drives a wall (walls.{sides[0]})"
+    if sides and config.walls.treatment.type != "consistent_image":
+        text = f"must be consistent_image where a stress drives a wall (walls.{sides[0]})"
+        yield "walls.treatment.type", f"{text}: only its images take a stress"
+
+
 def _polymer(config: Config) -> Iterator[Problem]:
     rheology = config.fluid.rheology
     swinging = [side for side in ("bottom", "top") if getattr(config.walls, side).amplitude is not None]
     if rheology.type != "newtonian" and swinging and config.initial.state == "developed":
         text = f"no periodic flow is built in for {rheology.type} liquids"
         yield "initial.state", f"{text}: take rest, or walls of constant velocity"
-    for side in swinging:
-        if rheology.carries_stress:
-            text = "no exact solution is built in for walls that oscillate in an Oldroyd-B liquid"
-            yield f"walls.{side}.amplitude", f"{text}: give a constant velocity, or fluid.rheology {{type: newtonian}}"

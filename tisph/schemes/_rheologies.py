@@ -1,4 +1,4 @@
-"""Which rheologies each scheme serves."""
+"""Which rheologies each scheme serves, and which a wall that is driven by a stress."""
 
 SERVED = {
     "implicit": [
@@ -17,7 +17,11 @@ SERVED = {
 
 
 def problems(config, scheme):
-    """Yield dotted key and text where ``scheme`` cannot serve the rheology of the config."""
+    """Yield dotted key and text where ``scheme`` cannot serve the rheology of the config, or what drives a wall."""
+    walls = getattr(config, "walls", None)
+    driven = [side for side in ("bottom", "top") if getattr(getattr(walls, side, None), "driven", False)]
+    if driven and scheme != "implicit":
+        yield "scheme.type", f"{scheme} has no wall that a stress drives (walls.{driven[0]}); take implicit"
     name = config.fluid.rheology.type
     if name in SERVED[scheme]:
         return

@@ -19,6 +19,7 @@ RADIUS = 5.0
 
 SLIP_POWERS = np.array([1, 2, 3, 4])
 STRESS_POWERS = np.array([0, 1, 2])
+FREE_POWERS = np.array([0, 1, 2, 3, 4])
 
 
 def wall_shear(channel, snapshot):
@@ -28,8 +29,8 @@ def wall_shear(channel, snapshot):
     """
     t = snapshot.t
     bottom, top = snapshot.y, channel.gap - snapshot.y
-    rate_bottom = _slope(channel, bottom, snapshot.u - channel.bottom.velocity(t))
-    rate_top = -_slope(channel, top, snapshot.u - channel.top.velocity(t))
+    rate_bottom = _rate(channel, bottom, channel.bottom, snapshot.u, t)
+    rate_top = -_rate(channel, top, channel.top, snapshot.u, t)
     solvent = channel.viscous_stress(rate_bottom), channel.viscous_stress(rate_top)
     if channel.polymer is None:
         return solvent
@@ -54,6 +55,19 @@ def wall_shear_error(sample):
     return max(abs(bottom - bottom_exact), abs(top - top_exact)) / scale if scale > 0 else None
 
 
+def wall_velocity(channel, side, snapshot):
+    """Velocity of the bottom (``side`` 0) or top wall (1) that the particles show, where it is not given."""
+    distance = channel.gap - snapshot.y if side else snapshot.y
+    return _coefficients(channel, distance, snapshot.u, FREE_POWERS)[0]
+
+
+def _rate(channel, distance, wall, velocity, t):
+    """Velocity gradient away from a wall; where a stress drives it, its velocity is what the particles show."""
+    if wall.driven:
+        return _coefficients(channel, distance, velocity, FREE_POWERS)[1] / (RADIUS * channel.spacing)
+    return _slope(channel, distance, velocity - wall.velocity(t))
+
+
 def _slope(channel, distance, slip):
     """Slope a at distance 0 of ``slip``, the velocity relative to the wall."""
     return _first_coefficient(channel, distance, slip, SLIP_POWERS) / (RADIUS * channel.spacing)
@@ -66,9 +80,13 @@ def _value(channel, distance, stress):
 
 def _first_coefficient(channel, distance, values, powers):
     """Least-squares coefficient of the lowest of ``powers`` of distance/radius."""
+    return _coefficients(channel, distance, values, powers)[0]
+
+
+def _coefficients(channel, distance, values, powers):
     radius = RADIUS * channel.spacing
     near = distance < radius
     fraction = distance[near] / radius
     root_weight = (1 - fraction) * np.sqrt(1 + 2 * fraction)
     basis = root_weight[:, None] * fraction[:, None] ** powers
-    return np.linalg.lstsq(basis, root_weight * values[near], rcond=None)[0][0]
+    return np.linalg.lstsq(basis, root_weight * values[near], rcond=None)[0]

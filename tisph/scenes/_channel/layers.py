@@ -19,9 +19,10 @@ def thinnest_layer(channel, t):
     if any(started.values()):
         names = [name for name, has in started.items() if has]
         place = f"the layer at the {names[0]} wall" if len(names) == 1 else "the layer at each wall"
-        share = channel.polymer.spreading_share(t) if channel.polymer else 1.0
-        depth = math.sqrt(share * channel.kinematic_viscosity * t)
-        in_the_liquid = channel.elastic_speed * t > depth
+        since = t - max((change for _, wall in _walls(channel) for change in wall.changes if change <= t), default=0.0)
+        share = channel.polymer.spreading_share(since) if channel.polymer else 1.0
+        depth = math.sqrt(share * channel.kinematic_viscosity * since)
+        in_the_liquid = channel.elastic_speed * since > depth
         layers.append((depth, "the front of the shear wave" if in_the_liquid else place))
     for name, wall in _walls(channel):
         if wall.oscillates:
@@ -38,4 +39,4 @@ def _has_started(channel, wall):
     """Whether velocity or acceleration of the liquid at a wall has jumped at t = 0."""
     if channel.settled:
         return wall.before is not None and wall.before != wall.cosine
-    return wall.oscillates or wall.cosine != 0.0 or channel.acceleration != 0.0
+    return wall.oscillates or wall.driven or wall.cosine != 0.0 or channel.acceleration != 0.0

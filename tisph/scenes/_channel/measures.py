@@ -8,7 +8,7 @@ import numpy as np
 
 from tisph.verification.interpolation import interpolate
 from tisph.verification.metrics import fit_line, relative_difference
-from tisph.verification.wall_shear import wall_shear
+from tisph.verification.wall_shear import wall_shear, wall_velocity
 
 CENTRELINE_POINTS = 32
 """Points along the channel over which the velocity at mid-gap is averaged."""
@@ -30,6 +30,7 @@ def measures(channel, snapshot, tracers):
         **_line_fits(channel, snapshot.t, *tracers[:2]),
         **_centreline(channel, snapshot),
         **_wall_shears(channel, snapshot),
+        **_plate(channel, snapshot),
         "density_variation": np.max(np.abs(snapshot.density / channel.density - 1)),
         "max_transverse_velocity": np.max(np.abs(snapshot.v)),
     }
@@ -64,6 +65,17 @@ def _centreline(channel, snapshot):
     return {
         "centreline": np.mean(velocity),
         "centreline_exact": channel.exact_velocity(middle, snapshot.t),
+    }
+
+
+def _plate(channel, snapshot):
+    """Velocity of the wall that a stress drives, if there is one."""
+    if channel.driven_side is None:
+        return {}
+    velocity = wall_velocity(channel, channel.driven_side, snapshot)
+    return {
+        "plate_velocity": velocity,
+        "plate_velocity_exact": channel.exact_velocity(channel.gap * channel.driven_side, snapshot.t),
     }
 
 

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from tisph.scenes._channel import views
+from tisph.geometry.plate import Plate
+from tisph.scenes._channel import driving, views
 from tisph.scenes._channel.flow import NewtonianFlow, OldroydFlow
 from tisph.scenes._channel.layers import thinnest_layer
 from tisph.scenes._channel.measures import measures
@@ -13,19 +14,16 @@ from tisph.scenes._channel.solved import SolvedFlow
 from tisph.scenes._motion import Polymer, WallMotion
 from tisph.scenes._scene import Scene
 
-CLOSED_FORMS = ("newtonian", "oldroyd_b")
-"""Rheologies whose flows are sums of closed forms; those of all others are solved for."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Channel(Scene):
     """Geometry, wall motion, drive, liquid and exact solution; every number in the config's units.
 
     ``kinematic_viscosity`` is the total one, of solvent and ``polymer`` (None without); ``acceleration`` acts
-    on the liquid along x; ``rheology`` has the numbers of a liquid that is not one of ``CLOSED_FORMS``, else it is
-    None. ``initial_state`` is ``rest`` (the liquid starts from rest at t = 0), ``developed`` (the flow has developed
-    before t = 0, under the walls' velocities before) or ``exact`` (the flow that started at t = 0, taken up at
-    ``start_time``). ``rows`` and ``columns`` count the fluid particles across and along the channel, ``units`` holds
+    on the liquid along x; ``rheology`` has the numbers of a liquid whose flow has no closed form (``driving.py``),
+    else it is None. ``initial_state`` is ``rest`` (the liquid starts from rest at t = 0), ``developed`` (the flow has
+    developed before t = 0, under the walls' velocities before) or ``exact`` (the flow that started at t = 0, taken up
+    at ``start_time``). ``rows`` and ``columns`` count the fluid particles across and along the channel, ``units`` holds
     the labels for plots and tables.
     """
 
@@ -33,8 +31,8 @@ class Channel(Scene):
     length: float
     density: float
     kinematic_viscosity: float
-    bottom: WallMotion
-    top: WallMotion
+    bottom: WallMotion | Plate
+    top: WallMotion | Plate
     acceleration: float = 0.0
     polymer: Polymer | None = None
     rheology: Any = None
@@ -49,16 +47,17 @@ class Channel(Scene):
     def from_config(cls, config):
         """The scene that a validated config describes."""
         rheology = config.fluid.rheology
+        bottom, top = (driving.wall(wall) for wall in (config.walls.bottom, config.walls.top))
         return cls(
             gap=config.geometry.gap,
             length=config.geometry.length,
             density=config.fluid.density,
             kinematic_viscosity=config.kinematic_viscosity,
-            bottom=WallMotion.from_config(config.walls.bottom),
-            top=WallMotion.from_config(config.walls.top),
+            bottom=bottom,
+            top=top,
             acceleration=config.drive.acceleration,
             polymer=Polymer(rheology.relaxation_time, rheology.solvent_fraction) if rheology.carries_stress else None,
-            rheology=None if rheology.type in CLOSED_FORMS else rheology,
+            rheology=None if driving.has_closed_form(rheology, bottom, top) else rheology,
             initial_state=config.initial.state,
             start_time=config.start_time,
             spacing=config.spacing,
@@ -79,8 +78,13 @@ class Channel(Scene):
 
     @property
     def walls(self):
-        """Both walls, the upper one first."""
-        return ("top", self.top), ("bottom", self.bottom)
+        """Both walls, the upper one first; of one that a stress drives, how it moves in the reference."""
+        return ("top", driving.seen(self, self.top)), ("bottom", driving.seen(self, self.bottom))
+
+    @property
+    def driven_side(self):
+        """Which wall a stress drives: 0 the bottom, 1 the top one; None where the velocities of both are given."""
+        return next((side for side, wall in enumerate((self.bottom, self.top)) if wall.driven), None)
 
     @property
     def fields(self):
@@ -96,7 +100,7 @@ class Channel(Scene):
         wall oscillates, which it does about rest.
         """
         walls = (self.bottom, self.top)
-        if not self.settled or any(wall.oscillates for wall in walls):
+        if not self.settled or any(wall.oscillates or wall.driven for wall in walls):
             return 0.0
         before = [self._velocity_before(wall) for wall in walls]
         kept = [old for wall, old in zip(walls, before, strict=True) if wall.cosine == old]
@@ -105,7 +109,7 @@ class Channel(Scene):
     @property
     def wall_speed(self):
         """The largest speed that a wall has, or had before t = 0, relative to ``frame_velocity``."""
-        return max(wall.seen_from(self.frame_velocity).largest_speed for wall in (self.bottom, self.top))
+        return max(driving.largest_speed(self, wall) for wall in (self.bottom, self.top))
 
     @property
     def reference_velocity(self):
@@ -153,7 +157,8 @@ class Channel(Scene):
         """By how much the velocities of the (bottom, top) wall jump when the run starts, from those of the liquid."""
         if self.start_time > 0:
             return 0.0, 0.0
-        return tuple(wall.velocity(0.0) - self._velocity_before(wall) for wall in (self.bottom, self.top))
+        walls = (self.bottom, self.top)
+        return tuple(0.0 if wall.driven else wall.velocity(0.0) - self._velocity_before(wall) for wall in walls)
 
     def _velocity_before(self, wall):
         if wall.before is not None:
@@ -166,6 +171,8 @@ class Channel(Scene):
 
     def in_own_frame(self):
         """The same flow as it is seen from a frame that moves with ``frame_velocity``."""
+        if self.frame_velocity == 0.0:
+            return self
         bottom, top = (wall.seen_from(self.frame_velocity) for wall in (self.bottom, self.top))
         return replace(self, bottom=bottom, top=top)
 

@@ -11,7 +11,8 @@ class SolvedFlow:
 
     def __init__(self, channel):
         self.channel = channel
-        flow = Flow(channel.gap, channel.bottom, channel.top, channel.acceleration)
+        walls = [wall.over(channel.density) if wall.driven else wall for wall in (channel.bottom, channel.top)]
+        flow = Flow(channel.gap, *walls, channel.acceleration)
         before = None
         if channel.settled:
             before = Flow(channel.gap, *map(Wall, velocities_before(channel)), channel.acceleration)

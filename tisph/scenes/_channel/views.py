@@ -49,7 +49,7 @@ def loses_its_scale(channel):
 
     The flow itself decides, not the length of a run: the same flow has the same error measure everywhere.
     """
-    if channel.bottom.oscillates or channel.top.oscillates:
+    if any(wall.oscillates or wall.driven for wall in (channel.bottom, channel.top)):
         return True
     slowest = max(channel.viscous_time, channel.polymer.relaxation_time if channel.polymer else 0.0)
     # The slowest mode decays as exp(-pi^2 t*): at t* = 3 nothing of a start is left.
@@ -150,7 +150,7 @@ def _stress_shown(channel, end):
 
 def _wall_extremes(channel, end):
     times = np.linspace(channel.start_time, end, _WALL_TIMES)
-    walls = (channel.bottom, channel.top)
+    walls = [wall for _, wall in reversed(channel.walls)]
     velocities = np.concatenate([wall.velocity(times) for wall in walls])
     if channel.start_time == 0.0:  # the liquid still has the velocity that a wall had before
         velocities = np.append(velocities, [wall.before for wall in walls if wall.before is not None])

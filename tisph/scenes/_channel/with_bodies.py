@@ -17,6 +17,10 @@ def scene(config):
 
 def problems(config: Any) -> Iterator[Problem]:
     """What the channel with bodies has against the config."""
+    driven = [side for side in ("bottom", "top") if getattr(config.walls, side).driven]
+    if driven:
+        yield f"walls.{driven[0]}", "must have a velocity: with bodies in the channel no stress can drive a wall"
+        return
     if config.initial.state != "rest":
         yield "initial.state", "must be rest: with bodies in the channel no other flow to start from is known"
     if config.initial.time:

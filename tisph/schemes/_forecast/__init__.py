@@ -91,7 +91,7 @@ def implicit(config, channel, control):
     from tisph.schemes._forecast import elastic_rows, implicit_rows  # they need the package that needs this one
 
     channel = channel.in_own_frame()
-    if config.fluid.rheology.type != "newtonian":
+    if config.fluid.rheology.type != "newtonian" or channel.driven_side is not None:
         rows = elastic_rows.ElasticRows(config, _coarse(channel, MOST_ROWS["polymer"]), control)
     else:
         rows = implicit_rows.Rows(config, _coarse(channel, MOST_IMPLICIT_ROWS), control)

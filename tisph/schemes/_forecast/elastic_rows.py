@@ -7,9 +7,8 @@ import numpy as np
 from tisph.schemes._forecast.images import mirrored
 from tisph.schemes._forecast.linear import product
 from tisph.schemes._forecast.stencils import least_squares
-from tisph.schemes.implicit._elastic_kick import kick
-from tisph.schemes.implicit._elastic_stages import ElasticStages, Flow, image_of_stress, polynomial
-from tisph.schemes.implicit._elastic_walls import ElasticWalls
+from tisph.schemes.implicit._driven import slides_freely, stages
+from tisph.schemes.implicit._elastic_stages import Flow, even_fit, image_of_stress, polynomial
 from tisph.schemes.implicit._instant import material
 from tisph.schemes.implicit._scheme import MOST_ATTEMPTS, WORST
 
@@ -35,8 +34,8 @@ class ElasticRows:
         memory = material(config.fluid.rheology, channel)
         self.operators = _Operators(channel, config.scheme.operators.order)
         self.heights = self.operators.heights
-        self.walls = ElasticWalls(channel, config.walls.treatment.type, memory)
-        self.stages = ElasticStages(self.operators, channel, self.walls, memory)
+        self.stages = stages(self.operators, channel, config.walls.treatment.type, memory)
+        self.walls = self.stages.walls
         self.time, self.steps, self.longest, self.steepest = channel.start_time, 0, 0.0, 0.0
         self.flow = self._start(memory)
 
@@ -46,7 +45,7 @@ class ElasticRows:
         flow = Flow(velocity, memory.start(channel, heights), np.zeros_like(heights))
         self.stages.settle(channel)
         if self.walls.obeys_momentum and self.walls.any_jump:
-            kick(self.stages, flow, *self.walls.jumps)
+            self.stages.kick(flow, *self.walls.jumps)
         return flow
 
     @property
@@ -70,6 +69,8 @@ class ElasticRows:
 
     def _advance(self):
         control = self.control
+        if self.time in control.changes:
+            self.stages.turn(self.flow, self.time)
         for _ in range(MOST_ATTEMPTS):
             length = self.length = control.length(self.time)
             end, error = self.stages.advance(self.flow, self.time, length, EXACT)
@@ -94,6 +95,7 @@ class _Operators:
     def __init__(self, channel, order):
         rows, spacing = channel.rows, channel.spacing
         laplacian, across = least_squares(order)
+        self.turned = [-1.0 if slides_freely(channel, side) else 1.0 for side in range(2)]
         self.layers = len(laplacian) // 2
         self.gap, self.spacing = channel.gap, spacing
         self.heights = (np.arange(rows) + 0.5) * spacing
@@ -114,7 +116,8 @@ class _Operators:
     def _closed(self, name, parity):
         shares, _ = mirrored(self.layers, len(self.heights))
         below, inside, above = self._parts(name)
-        return inside + parity * (product(below[:, ::-1], shares) + product(above, shares[:, ::-1]))
+        lower, upper = product(below[:, ::-1], shares), product(above, shares[:, ::-1])
+        return inside + parity * (self.turned[0] * lower + self.turned[1] * upper)
 
     def _parts(self, name):
         return np.split(self.extended[name], [self.layers, -self.layers], axis=1)
@@ -131,11 +134,18 @@ class _Operators:
         """Return what the ``series`` of the images beyond both walls add to an operator."""
         below, _, above = self._parts(name)
         bottom, top = np.asarray(series) @ self.depths ** np.array([[0], [2], [4]])
+        bottom, top = (
+            self.depths * values if sign < 0.0 else values
+            for sign, values in zip(self.turned, (bottom, top), strict=True)
+        )
         return product(below[:, ::-1], bottom) + product(above, top)
 
     def images(self, side, slope, third):
         """Return what D S has more by the first and third derivative of the stress at a wall."""
         below, _, above = self._parts("across")
+        if self.turned[side] < 0.0:
+            more = 2.0 * slope + self.depths**2 * third
+            return product(below[:, ::-1], more) if side == 0 else product(above, more)
         more = image_of_stress(self.depths, slope, third)
         return product(below[:, ::-1], more) if side == 0 else product(above, -more)
 
@@ -144,6 +154,12 @@ class _Operators:
         elastic = product(self.across[1.0], tangent[:, None] * self.across[-1.0])
         found = np.linalg.solve(np.eye(len(right)) - coefficient * self.odd_laplacian - elastic, right)
         return found if math.isfinite(found.sum()) else None
+
+    def even_fit(self, side):
+        """Return rows near a wall, their distance from it, and their weights in ``even_fit``."""
+        distance = self.gap - self.heights if side else self.heights
+        close, weights = even_fit(distance, (self.layers + 1) * self.spacing)
+        return close, distance[close], weights
 
     def at_walls(self, values):
         """Return the ``polynomial`` at each wall through ``values`` (quantities, rows)."""

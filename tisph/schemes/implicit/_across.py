@@ -32,12 +32,15 @@ class Across:
         ghosts[...] = view(self.ghosts.source)[: ghosts.size]
         source[self.points.most + ghosts.size :] = source[self.points.fluid : self.points.most] = 0
         table, listed = self.points.listed(seen)
-        beyond = table >= self.points.most
+        even = np.ones(self.points.slots + 1)
+        ghosts = self.ghosts.part(even)
+        ghosts[...] = self.ghosts.sign()
+        even = even[table]
         operators = self.rows.laplacian, self.rows.across
         entries = [np.where(listed, view(rows)[seen], 0.0).astype(float) for rows in operators]
-        odd = np.where(beyond, -1.0, 1.0)
+        odd = np.where(table >= self.points.most, -even, even)
         self.laplacian = self._matrix(seen, source[table], entries[0], odd)
-        self.slope, self.even_slope = (self._matrix(seen, source[table], entries[1], sign) for sign in (odd, 1.0))
+        self.slope, self.even_slope = (self._matrix(seen, source[table], entries[1], sign) for sign in (odd, even))
 
     def _seen(self):
         """Return some particles of each row."""

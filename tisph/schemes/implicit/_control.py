@@ -13,14 +13,20 @@ class StepControl:
     """Proposes lengths: ``wish`` is the next one; ``targets`` are met exactly, ``led_to`` was the last to cut a step.
 
     ``tolerance``: of the error of a step, over the reference velocity. ``largest_strain``: of a step. ``fixed``:
-    length of every step (less to meet a target), None for control by the error.
+    length of every step (less to meet a target), None for control by the error. ``changes``: times at which what
+    drives the flow jumps, targets as well.
     """
 
-    def __init__(self, start, targets, first, tolerance, largest_strain, fixed=None):
-        self.targets = [target for target in targets if target > start]
+    def __init__(self, start, targets, first, tolerance, largest_strain, fixed=None, changes=()):
+        self.changes = sorted(changes)
+        self.targets = self.ahead(targets, start)
         self.led_to = None
         self.wish = fixed or first
         self.tolerance, self.largest_strain, self.fixed = tolerance, largest_strain, fixed
+
+    def ahead(self, targets, time):
+        """Return the times after ``time`` that steps end on."""
+        return sorted(target for target in {*targets, *self.changes} if target > time)
 
     @property
     def finished(self):
@@ -60,8 +66,8 @@ class StepControl:
 
     def aim(self, targets, time):
         """Go on from ``time`` to other targets; return whether only those have cut steps so far."""
-        self.targets = [target for target in targets if target > time]
-        return self.led_to is None or self.led_to in targets
+        self.targets = self.ahead(targets, time)
+        return self.led_to is None or self.led_to in {*targets, *self.changes}
 
     def step_taken(self, time, steepest):
         """Take note of a step that ended at ``time`` with the largest velocity gradient ``steepest``."""

@@ -11,7 +11,7 @@ from tisph.least_squares.bicgstab import BiCGStab
 from tisph.neighbours.points import LANES
 from tisph.runtime import real, ti, view
 from tisph.schemes.implicit._across import Across
-from tisph.schemes.implicit._elastic_stages import image_of_stress, polynomial
+from tisph.schemes.implicit._elastic_stages import even_fit, image_of_stress, polynomial
 
 
 class ElasticSolver(BiCGStab):
@@ -83,7 +83,7 @@ class ElasticSolver(BiCGStab):
         everywhere = view(self.pull)
         everywhere[self.fluid] = values
         ghosts = self.ghosts.part(everywhere)
-        ghosts[...] = parity * self.ghosts.taken(everywhere)
+        ghosts[...] = parity * self.ghosts.sign() * self.ghosts.taken(everywhere)
         return ghosts
 
     @ti.kernel
@@ -121,6 +121,11 @@ class ElasticSolver(BiCGStab):
         sums = np.zeros(self.points.fluid)
         sums[self.ghosts.near] = self.ghosts.sums(rows, values[self.ghosts.listed])[0]
         return sums
+
+    def even_fit(self, side):
+        """Return particles near a wall, their distance from it, and their weights in ``even_fit``."""
+        close, weights = even_fit(self.ghosts.offset[side], self.ghosts.reach)
+        return self.ghosts.near[close], self.ghosts.offset[side, close], weights
 
     def at_walls(self, values):
         """Return the ``polynomial`` at each wall through ``values`` (quantities, fluid)."""

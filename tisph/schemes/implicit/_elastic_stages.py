@@ -21,10 +21,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tisph.schemes.implicit._elastic_kick import kick
 from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, TIMES, WEIGHTS, guesses
 
 FIT = 3
 """Terms of the polynomial in the distance that the liquid near a wall is described by."""
+
+EVEN = (0, 2, 4)
+"""Powers of the distance in what is fitted for a value at a driven wall."""
 
 MOST_REPETITIONS = 12
 ROUNDING = 1e-11
@@ -71,6 +75,7 @@ class ElasticStages:
         """
         memory, implicit = self.memory, GAMMA * length
         self.walls.begin(time, length, self.near_walls(start))
+        self.prepare(start, time)
         shear_rate = self.sheared(start.velocity, time)
         stress = memory.shear_stress(start.state, shear_rate)
         viscous = self.viscosity * self.operators.laplacian(start.velocity)
@@ -100,6 +105,13 @@ class ElasticStages:
             end, implicit, slope, length * weighted(DEFECT, rates), length * weighted(DEFECT, state_rates)
         )
 
+    def kick(self, flow, velocity_jumps, acceleration_jumps):
+        """Let walls that start at once give their impulse to a ``flow``; return the velocity gained, by wall."""
+        return kick(self, flow, velocity_jumps, acceleration_jumps)
+
+    def prepare(self, start, time):
+        """Do what else is to be done at the start of a step: nothing between walls of given velocities."""
+
     def solved(self, known, known_state, guess, state, moment, implicit, tolerance):
         """Solve a stage, u = ``known`` + implicit u' and C = ``known_state`` + implicit C' at ``moment``.
 
@@ -120,8 +132,8 @@ class ElasticStages:
             expected, shear_rate = stress + slope * (found - shear_rate), found
             state, slope = memory.respond(known_state, implicit, shear_rate, state)
             stress = memory.shear_stress(state, shear_rate)
-            missed = _root_mean_square(stress - expected) / self.stress_of_speed
-            if missed <= tolerance * self.speed + ROUNDING * _root_mean_square(stress) / self.stress_of_speed:
+            missed = root_mean_square(stress - expected) / self.stress_of_speed
+            if missed <= tolerance * self.speed + ROUNDING * root_mean_square(stress) / self.stress_of_speed:
                 return (velocity, state, shear_rate, stress, slope), missed
         return None, math.inf
 
@@ -133,7 +145,7 @@ class ElasticStages:
         if velocity is None:
             return math.nan
         stress = pull + slope * self.operators.slopes(velocity, -1.0)
-        return math.hypot(_root_mean_square(velocity), _root_mean_square(stress) / self.stress_of_speed)
+        return math.hypot(root_mean_square(velocity), root_mean_square(stress) / self.stress_of_speed)
 
     def drive(self, time, stress):
         """Return what drives the velocities: acceleration, walls, and the divergence of ``stress`` and its images."""
@@ -180,7 +192,14 @@ def polynomial(distance, values, reach):
     return np.linalg.lstsq(powers, values[close], rcond=None)[0] / reach ** np.arange(FIT)[:, None]
 
 
-def _root_mean_square(values):
+def even_fit(distance, reach):
+    """Return which of points at a ``distance`` (n) from a wall are within ``reach``, and the weights of what is there
+    in its value at the wall: by the even polynomial that fits best."""
+    close = np.flatnonzero(distance < reach)
+    return close, np.linalg.pinv((distance[close, None] / reach) ** np.array(EVEN))[0]
+
+
+def root_mean_square(values):
     return math.sqrt(np.mean(values * values))
 
 

@@ -83,17 +83,21 @@ class ElasticWalls(WallSeries):
         """Return the series of the (bottom, top) wall at ``time``, one of the stages of the step."""
         if not self.obeys_momentum:
             return [[2.0 * wall.velocity(time), 0.0, 0.0] for wall in self.walls]
-        both = [stage[2:4] for stage in self._at(time)]
-        return [
-            [2.0 * wall.velocity(time), second, fourth / 12.0]
-            for wall, (second, fourth) in zip(self.walls, both, strict=True)
-        ]
+        return [self.series(side, stage, time) for side, stage in enumerate(self._at(time))]
+
+    def series(self, side, stage, time):
+        """Return the series of one wall, by what there is at the ``stage`` of ``time``."""
+        return [2.0 * self.walls[side].velocity(time), stage[2], stage[3] / 12.0]
 
     def stress_series(self, time):
         """Return the first and third derivatives of S_xy along y at the (bottom, top) wall."""
         if not self.obeys_momentum:
             return [(0.0, 0.0), (0.0, 0.0)]
         return [stage[4:] for stage in self._at(time)]
+
+    def of_states(self, side, component):
+        """Return what the images of a component of C have more than their sources, as of the stress."""
+        return self.first[side, component], 0.0
 
     def _at(self, time):
         number = int(np.argmin(np.abs(np.array(self.moments) - time)))

@@ -37,10 +37,13 @@ class VelocityField:
         """
         self.ghosts.prescribe(*self.viscous.wall_series(time))
         slope, curvature = used(self.slope), used(self.curvature)
-        slope[...] = self.gradients(used(self.viscous.end).T, -1.0, [self.ghosts.given(), 0.0])
+        both = self.ghosts.parities(-1.0, -1.0)
+        both[..., 1] = -1.0  # across the channel every wall is at rest
+        slope[...] = self.gradients(used(self.viscous.end).T, both, [self.ghosts.given(), 0.0])
         for component in range(1 + transverse):
             given = self.ghosts.series_slope() if component == 0 else 0.0  # the walls drive the first alone
-            along, across = self.gradients(slope[component], np.array([-1.0, 1.0]), [0.0, given])
+            parity = self.ghosts.parities(-1.0, 1.0) if component == 0 else np.array([-1.0, 1.0])
+            along, across = self.gradients(slope[component], parity, [0.0, given])
             curvature[component, :, :2] = along
             curvature[component, :, 2] = across[:, 1]
         along, across = slope

@@ -9,6 +9,9 @@ wall gives for a particle F and its mirror image I
 the order of the operators): ``consistent_image``. Without the terms in w: ``comoving_image``, and ``virtual_image``,
 where the ghosts stay on the lattice and u_F is interpolated at their mirror points.
 
+Where a wall is driven by a stress it is the slope that is known, and the even terms cancel: ``turned``, see
+``_plates.py``. The series is then one of odd powers.
+
 There are few of them: what is not asked for in each iteration of a solver is computed by NumPy, for all at once.
 """
 
@@ -25,11 +28,13 @@ class Ghosts:
 
     ``count``: how many there are. ``near``: the particles within ``reach`` of a wall, which have ghosts among their
     neighbours; ``offset``: their distance from each wall (2, near). ``listed``: those neighbours one after another, in
-    the lists of the near particles ``row``.
+    the lists of the near particles ``row``. ``turned``: whether the (bottom, top) wall is driven by a stress.
     """
 
     mirrors = False
     """Whether the points list the neighbours of mirror points."""
+
+    turned = (False, False)
 
     def __init__(self, points, channel, reach):
         self.points, self.gap, self.reach = points, channel.gap, reach
@@ -74,20 +79,34 @@ class Ghosts:
         return self.needed if self.needed > self.points.room else 0
 
     def prescribe(self, bottom, top):
-        """Take up the series of each wall, c0 + c1 d^2 + c2 d^4: three numbers."""
+        """Take up the series of each wall, c0 + c1 d^2 + c2 d^4: three numbers; d times that where it is turned."""
         self.series[...] = bottom, top
 
     def given(self):
         """Return what the series of its wall prescribes for each ghost."""
         constant, second, fourth = self.series[self.side].T
         square = self.depth * self.depth
-        return constant + square * (second + square * fourth)
+        given = constant + square * (second + square * fourth)
+        return np.where(self.sign() < 0.0, self.depth * given, given) if any(self.turned) else given
 
     def series_slope(self):
         """Return the derivative across the channel of the series at each ghost."""
-        _, second, fourth = self.series[self.side].T
-        outwards = 2.0 * self.depth * (second + 2.0 * self.depth * self.depth * fourth)
+        constant, second, fourth = self.series[self.side].T
+        square = self.depth * self.depth
+        outwards = 2.0 * self.depth * (second + 2.0 * square * fourth)
+        if any(self.turned):
+            odd = constant + square * (3.0 * second + 5.0 * square * fourth)
+            outwards = np.where(self.sign() < 0.0, odd, outwards)
         return np.where(self.side == 1, outwards, -outwards)
+
+    def sign(self):
+        """Return 1 for each ghost, -1 beyond a wall that is turned."""
+        return np.where(np.array(self.turned)[self.side], -1.0, 1.0)
+
+    def parities(self, *usual):
+        """Return the parities of fields of the velocity along the channel, ``usual`` but for walls that are turned."""
+        usual = np.array(usual)
+        return np.multiply.outer(self.sign(), usual) if any(self.turned) else usual
 
 
 @ti.data_oriented

@@ -45,7 +45,7 @@ MOST_ATTEMPTS = 20
 WORST = 1e6
 """What counts for an error that is infinite, over the reference velocity: the step is taken again."""
 
-HOST_STATE = ("time", "steps", "rejected", "shortest", "longest", "reduced", "dropped", "projections", "transverse")
+HOST_STATE = "time steps rejected shortest longest reduced dropped projections transverse turned".split()
 """Attributes of a Scheme that change while it runs."""
 
 
@@ -65,7 +65,7 @@ class Scheme:
         self.points = Points(channel, self.domain, reach, kind.room(channel, reach), serial, kind.mirrors)
         self.ghosts = kind(self.points, channel, reach)
         self.rows = LeastSquaresRows(self.points, SUPPORT[order] * channel.spacing, order)
-        if config.fluid.rheology.type == "newtonian":
+        if config.fluid.rheology.type == "newtonian" and channel.driven_side is None:
             solver = ViscousSolver(self.rows, self.ghosts, channel)
             self.viscous = ViscousStep(solver, channel, WallSeries(channel, treatment))
         else:
@@ -86,7 +86,7 @@ class Scheme:
         """Go back to before the first step."""
         self.time = self.channel.start_time
         self.steps = self.rejected = self.reduced = self.dropped = self.projections = 0
-        self.transverse = False
+        self.transverse, self.turned = False, 0.0
         self.shortest, self.longest = math.inf, 0.0
         self.momentum = MomentumBalance(self.time)
         used(self.field.volume)[...] = 0.0
@@ -114,6 +114,10 @@ class Scheme:
 
     def advance(self):
         """Take one step, in as many attempts as its error asks for; raise DivergedError where none succeeds."""
+        if self.time in self.control.changes:
+            self.assemble(0.0)
+            self.turned = self.time
+            self.momentum.add_impulse(self.viscous.turn(self.time))
         for attempt in range(MOST_ATTEMPTS):
             length = self.control.length(self.time)
             self.assemble(length, shift=self.steps > 0 and self.smooth and attempt == 0)
@@ -158,7 +162,7 @@ class Scheme:
         """Depth sqrt(nu t) of the layers that walls have made by jumping, in particle spacings; infinite without."""
         if not self.walls.any_jump:
             return math.inf
-        return math.sqrt(self.channel.solvent_viscosity * self.time) / self.channel.spacing
+        return math.sqrt(self.channel.solvent_viscosity * (self.time - self.turned)) / self.channel.spacing
 
     def solve(self, length):
         """Compute the velocities at the end of a step; return the estimated error over the reference velocity."""
@@ -292,4 +296,5 @@ def control(config, channel, targets):
     if config.time.cfl != "auto":
         fixed = config.time.cfl * channel.spacing / channel.reference_velocity
     tolerance = TOLERANCE if config.time.tolerance == "auto" else config.time.tolerance
-    return StepControl(channel.start_time, targets, first, tolerance, config.scheme.largest_strain, fixed)
+    changes = {time for wall in (channel.bottom, channel.top) for time in wall.changes if time < max(targets)}
+    return StepControl(channel.start_time, targets, first, tolerance, config.scheme.largest_strain, fixed, changes)

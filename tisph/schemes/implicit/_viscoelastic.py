@@ -9,11 +9,10 @@ import numpy as np
 from tisph.neighbours.points import used
 from tisph.runtime import view
 from tisph.schemes.implicit._dense import hermite
-from tisph.schemes.implicit._elastic_kick import kick
+from tisph.schemes.implicit._driven import slides_freely, stages
 from tisph.schemes.implicit._elastic_solver import ElasticSolver
-from tisph.schemes.implicit._elastic_stages import ElasticStages, Flow
+from tisph.schemes.implicit._elastic_stages import Flow
 from tisph.schemes.implicit._elastic_wall_force import ElasticWallForce
-from tisph.schemes.implicit._elastic_walls import ElasticWalls
 from tisph.schemes.implicit._instant import material
 from tisph.schemes.implicit._viscous import ViscousStep
 
@@ -31,13 +30,12 @@ class Carried:
 
 
 class ViscoelasticStep(ViscousStep):
-    """``ViscousStep`` with what is ``carried``, of a liquid whose laws are the ``memory``."""
+    """``ViscousStep`` with what is ``carried``, advanced by ``stages`` (``ElasticStages``)."""
 
-    def __init__(self, solver, channel, walls, memory):
-        super().__init__(solver, channel, walls)
-        self.walls, self.memory = walls, memory
-        self.stages = ElasticStages(solver, channel, walls, memory)
-        self.carried = Carried(memory.components, self.points.fluid)
+    def __init__(self, stages, channel):
+        super().__init__(stages.operators, channel, stages.walls)
+        self.stages, self.walls, self.memory = stages, stages.walls, stages.memory
+        self.carried = Carried(self.memory.components, self.points.fluid)
 
     def begin_with(self, heights):
         """Take up the states of particles at ``heights`` (fluid,) at the start, and the slopes at the walls."""
@@ -49,7 +47,7 @@ class ViscoelasticStep(ViscousStep):
     def kick(self, velocity_jumps, acceleration_jumps):
         """Let walls that start at once give their impulse to velocities and states; see ``ViscousStep``."""
         flow = self.flow()
-        gains = kick(self.stages, flow, velocity_jumps, acceleration_jumps)
+        gains = self.stages.kick(flow, velocity_jumps, acceleration_jumps)
         used(self.velocity)[0], self.carried.state[...] = flow.velocity, flow.state
         return gains
 
@@ -84,7 +82,7 @@ class ViscoelasticStep(ViscousStep):
         carried.state[...], carried.shear_rate[...] = carried.end, carried.end_shear_rate
         self.walls.conclude()
         for component, (slope, state) in enumerate(zip(carried.slope, carried.state, strict=True)):
-            walls = [self.solver.images(side, self.walls.first[side, component], 0.0) for side in range(2)]
+            walls = [self.solver.images(side, *self.walls.of_states(side, component)) for side in range(2)]
             slope[...] = self.solver.slopes(state, 1.0) + sum(walls)
 
     def lost(self):
@@ -123,7 +121,13 @@ class ViscoelasticStep(ViscousStep):
 
 
 def step(config, channel, rows, ghosts):
-    """Return the step of a liquid that is not Newtonian."""
+    """Return the step of a liquid that is not Newtonian, or that a stress drives."""
     memory = material(config.fluid.rheology, channel)
-    walls = ElasticWalls(channel, config.walls.treatment.type, memory)
-    return ViscoelasticStep(ElasticSolver(rows, ghosts, channel), channel, walls, memory)
+    solver, kind = ElasticSolver, ViscoelasticStep
+    if channel.driven_side is not None:
+        from tisph.schemes.implicit._plate_step import DrivenStep, PlateSolver  # of no use to most runs
+
+        kind = DrivenStep
+        if slides_freely(channel, channel.driven_side):
+            solver = PlateSolver
+    return kind(stages(solver(rows, ghosts, channel), channel, config.walls.treatment.type, memory), channel)

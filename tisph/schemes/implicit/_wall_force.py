@@ -35,13 +35,17 @@ class WallForce:
         if not resolved:
             differences = beyond[ghosts.listed] - mean[ghosts.near[ghosts.row]]
             return [length * float(pull) for pull in self.pulls(differences, stages)]
-        relative = [sum(weight * wall.acceleration(moment) for weight, moment in stages) for wall in self.walls]
+        relative = [sum(weight * self.acceleration(wall, moment) for weight, moment in stages) for wall in self.walls]
         rise = [rate - channel.acceleration for rate in relative]
         stress = self.stress(self.rows.apply_to(ghosts.near, self.rows.across, mean))
         rises = np.stack([stress, -stress]) - np.array(rise)[:, None] * ghosts.offset
         area = channel.length / channel.spacing**2
         stresses = [_intercept(*fit, ghosts.reach) for fit in zip(ghosts.offset, rises, strict=True)]
         return [-length * area * stress for stress in stresses]
+
+    def acceleration(self, wall, time):
+        """Return the acceleration of a wall."""
+        return wall.acceleration(time)
 
     def stress(self, shear_rate):
         """Return the mean shear stress over the density of the particles near walls, by their mean ``shear_rate``."""

@@ -37,6 +37,10 @@ class WallSeries:
         if channel.start_time > 0.0:
             return [0.0, 0.0], [0.0, 0.0]
         drive = channel.acceleration if from_rest else 0.0
-        before = [0.0 if from_rest or wall.before is not None else wall.acceleration(0.0) for wall in self.walls]
-        rates = [wall.acceleration(0.0) - old - drive for wall, old in zip(self.walls, before, strict=True)]
+        rates = [0.0 if wall.driven else self._rate_jump(wall, from_rest) - drive for wall in self.walls]
         return list(channel.wall_jumps), rates
+
+    def _rate_jump(self, wall, from_rest):
+        """Return by how much the acceleration of a wall jumps at the start."""
+        before = 0.0 if from_rest or wall.before is not None else wall.acceleration(0.0)
+        return wall.acceleration(0.0) - before

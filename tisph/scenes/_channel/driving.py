@@ -1,0 +1,34 @@
+"""What moves the walls of a channel: motions that a config gives, or stresses, and what that means for the flow."""
+
+from tisph.geometry.plate import Plate, PlateMotion
+from tisph.scenes._motion import WallMotion
+
+CLOSED_FORMS = ("newtonian", "oldroyd_b")
+"""Rheologies whose flows are sums of closed forms between walls that do not oscillate; all others are solved for."""
+
+
+def wall(config):
+    """The motion of a wall of a config, or the plate that it is."""
+    return Plate.from_config(config) if config.driven else WallMotion.from_config(config)
+
+
+def has_closed_form(rheology, *walls):
+    """Whether the flow is a sum of closed forms, and need not be solved for."""
+    if rheology.type not in CLOSED_FORMS or any(wall.driven for wall in walls):
+        return False
+    return not (rheology.carries_stress and any(wall.oscillates for wall in walls))
+
+
+def largest_speed(channel, wall):
+    """That of a wall; of one that a stress drives, the speed at which a Newtonian liquid would bear the stress."""
+    if wall.driven:
+        return wall.largest_stress * channel.gap / channel.dynamic_viscosity
+    return wall.seen_from(channel.frame_velocity).largest_speed
+
+
+def seen(channel, wall):
+    """The motion of a wall; of one that a stress drives, as it moves in the reference."""
+    if not wall.driven:
+        return wall
+    height = channel.gap * channel.driven_side
+    return PlateMotion(wall, largest_speed(channel, wall), lambda t: channel.exact_velocity(height, t))

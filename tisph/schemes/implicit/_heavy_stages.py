@@ -1,0 +1,105 @@
+"""Stages of a step in which the velocity of a wall is unknown: ``_elastic_stages.py`` with one number more.
+
+With the wall's velocity U the velocities of a stage are u_a + (U - U*) w, both by the same matrix: u_a those of the
+present U*, w the response to one more. The wall's momentum balances at one U (``_heavy.py``). Laws that are linear need
+one solution of each; others repeat both, as the stages between walls of given velocities do.
+"""
+
+import math
+
+import numpy as np
+
+from tisph.schemes.implicit._elastic_stages import MOST_REPETITIONS, ROUNDING, ElasticStages, root_mean_square
+
+
+class HeavyStages(ElasticStages):
+    """Advances a ``Flow`` between ``HeavyWalls``."""
+
+    def advance(self, start, time, length, tolerance):
+        """Advance by a step; see ``ElasticStages.advance``."""
+        self.plate, self.number = self.walls.plate, 0
+        self.fit = self.operators.even_fit(self.plate.side)
+        self.response = np.zeros_like(start.velocity)
+        return super().advance(start, time, length, tolerance)
+
+    def prepare(self, start, time):
+        """Find the wall's acceleration at the start of a step, by the stress of the liquid there."""
+        plate, rate = self.plate, 0.0
+        plate.open(0, time)
+        plate.accelerate(plate.velocity, rate)
+        total, pulls = [], (0.0, 1.0)  # all is linear in the acceleration
+        for rate in pulls:
+            plate.accelerate(plate.velocity, rate)
+            shear_rate = self.sheared(start.velocity, time)
+            stress = self.viscosity * shear_rate + self.memory.shear_stress(start.state, shear_rate)
+            total.append(plate.at_wall(self.fit, stress, rate - self.acceleration))
+        rate = (plate.drive + plate.towards * total[0]) / (plate.mass - plate.towards * (total[1] - total[0]))
+        plate.accelerate(plate.velocity, rate)
+        plate.finish(total[0] + rate * (total[1] - total[0]))
+
+    def solved(self, known, known_state, guess, state, moment, implicit, tolerance):
+        """Solve a stage; see ``ElasticStages.solved``."""
+        memory, operators, plate = self.memory, self.operators, self.plate
+        self.number += 1
+        plate.open(self.number, self.walls.moments[self.number])
+        velocity, shear_rate = guess, self.sheared(guess, moment)
+        for _ in range(MOST_REPETITIONS):
+            state, slope = memory.respond(known_state, implicit, shear_rate, state)
+            stress = memory.shear_stress(state, shear_rate)
+            given = operators.given("across", self.walls(moment))
+            right = known + implicit * self.drive(moment, stress + slope * (given - shear_rate))
+            velocity = operators.solve(implicit * self.viscosity, implicit * slope, right, velocity, tolerance)
+            sheared = self.responded(implicit, slope, tolerance)
+            if velocity is None or sheared is None:
+                return None, math.nan
+            found = operators.slopes(velocity, -1.0) + given
+            expected = stress + slope * (found - shear_rate)
+            change, total = self.balanced(expected, found, slope, sheared)
+            velocity = velocity + change * self.response
+            found, expected = found + change * sheared, expected + change * slope * sheared
+            plate.set(plate.now + change)
+            shear_rate = found
+            state, slope = memory.respond(known_state, implicit, shear_rate, state)
+            stress = memory.shear_stress(state, shear_rate)
+            missed = root_mean_square(stress - expected) / self.stress_of_speed
+            if missed <= tolerance * self.speed + ROUNDING * root_mean_square(stress) / self.stress_of_speed:
+                plate.finish(total)
+                return (velocity, state, shear_rate, stress, slope), missed
+        return None, math.inf
+
+    def balanced(self, stress, shear_rate, slope, sheared):
+        """Return by how much the wall's velocity is to change, and the stress of the liquid at the wall then.
+
+        ``stress`` of the particles' memory, their ``shear_rate``, the ``slope`` of the first by the second, and by how
+        much the shear rate changes with the wall's velocity.
+        """
+        plate = self.plate
+        total = plate.at_wall(self.fit, self.viscosity * shear_rate + stress, plate.rate - self.acceleration)
+        more = plate.at_wall(self.fit, (self.viscosity + slope) * sheared, 1.0 / plate.implicit)
+        change = plate.correction(total, more)
+        return change, total + change * more
+
+    def responded(self, implicit, slope, tolerance):
+        """Find the ``response`` of the velocities to that of the wall; return that of the shear rates, or None."""
+        operators, side = self.operators, self.plate.side
+        own, stress = self.plate.response()
+        series = [[0.0] * 3, [0.0] * 3]
+        series[side] = own
+        given = operators.given("across", series)
+        right = self.viscosity * operators.given("laplacian", series)
+        right += operators.slopes(slope * given, 1.0) + operators.images(side, *stress)
+        found = operators.solve(implicit * self.viscosity, implicit * slope, implicit * right, self.response, tolerance)
+        if found is None:
+            return None
+        self.response = found
+        return operators.slopes(found, -1.0) + given
+
+    def error(self, end, implicit, slope, defect, state_defect):
+        """Return the estimated error, that of the plate's velocity included."""
+        return math.hypot(super().error(end, implicit, slope, defect, state_defect), self.plate.defect)
+
+    def turn(self, flow, time):
+        """Let the acceleration of the wall jump with the stress at ``time``; return the velocities gained, by wall."""
+        rates = [0.0, 0.0]
+        rates[self.walls.plate.side] = self.walls.plate.jump(time)
+        return self.kick(flow, [0.0, 0.0], rates)

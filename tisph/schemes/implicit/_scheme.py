@@ -45,7 +45,7 @@ MOST_ATTEMPTS = 20
 WORST = 1e6
 """What counts for an error that is infinite, over the reference velocity: the step is taken again."""
 
-HOST_STATE = "time steps rejected shortest longest reduced dropped projections transverse turned".split()
+HOST_STATE = ["time", "steps", "rejected", "shortest", "longest", "reduced", "dropped", "projections", "transverse", "turned"]
 """Attributes of a Scheme that change while it runs."""
 
 

@@ -16,6 +16,7 @@ from tisph.cli import (
     new,
     render,
     report,
+    rheometry,
     run,
     stress,
     sweep,
@@ -75,6 +76,7 @@ for _name, _command in {
     "export": export.export,
     "compare": compare.compare,
     "sweep": sweep.sweep,
+    "rheometry": rheometry.rheometry,
 }.items():
     app.command(_name)(reported(_command))
 

@@ -22,6 +22,7 @@ class History:
 
     ``followed`` (``scenes/_views.py: Followed``) says which numbers. ``resolved`` is 1 or 0, see
     ``verification/resolution.py``. ``close`` adds their references, of all lines at once, which costs little.
+    What the scene has ``monitored`` stands after ``resolved``, in the same lines.
     Lines of an interrupted run up to ``resumed_at`` are kept. ``about`` is the ``Description`` of the run, if the file
     is to say what it is, in lines that begin with ``#``. A cell is empty where there is no number.
     """
@@ -29,21 +30,28 @@ class History:
     def __init__(self, path, scene, followed, end, resumed_at=None, about=None):
         self.path = path
         self.scene = scene
-        self.followed = followed
+        self.followed, self.monitored = followed, scene.monitored
+        self.more = [] if self.monitored is None else list(self.monitored.columns)
         self.schedule = Schedule(even_times(scene.start_time, end, RECORDS))
         kept = []
         if resumed_at is not None:
-            times, values = read_history(path)
+            times, values = read_history(path, len(self.more))
             kept = [(t, row) for t, row in zip(times, values, strict=True) if t <= resumed_at]
             self.schedule.mark(resumed_at)
-        names = ",".join(["t", *followed.columns, RESOLVED])
+        names = ",".join(["t", *followed.columns, RESOLVED, *self.more])
         self.header = ("" if about is None else about.comment(followed.content)) + names
         with replaced(path) as new:
             new.write_text(f"{self.header}\n" + "".join(self._line(*record) for record in kept), encoding="utf-8")
 
     def observe(self, snapshot):
         """Append one line."""
-        self.record([snapshot.t], [self.followed.measure(snapshot)])
+        values = self.followed.measure(snapshot)
+        self.record([snapshot.t], [np.append(values, self.monitored.measure(snapshot)) if self.monitored else values])
+
+    @property
+    def probes(self):
+        """What reads the numbers from particles around some places; None where a line needs all of them."""
+        return None if self.monitored else self.followed.probes
 
     def record(self, times, values):
         """Append lines of ``values`` (times, numbers) at ``times``."""
@@ -59,18 +67,24 @@ class History:
 
     def close(self):
         """Add the references."""
-        times, values = read_history(self.path)
+        times, values = read_history(self.path, len(self.more))
         exact = self.followed.exact(times) if len(times) else None
         if exact is None:
             return
-        names = ",".join(self.followed.exact_columns)
+        names = list(self.followed.exact_columns)
+        if self.monitored:
+            names += self.monitored.final_columns
+            final = self.monitored.final(times, values[:, len(self.followed.columns) :])
+            exact = np.hstack([np.broadcast_to(exact, (len(times), exact.shape[-1])), final])
+        names = ",".join(names)
         lines = [self._line(*record) for record in zip(times, values, exact, strict=True)]
         with replaced(self.path) as new:
             new.write_text(f"{self.header},{names}\n" + "".join(lines), encoding="utf-8")
 
     def _line(self, t, values, exact=()):
-        resolved = str(int(resolution(self.scene, t)[0]))
-        return ",".join([*map(_digits, (t, *values)), resolved, *map(_digits, exact)]) + "\n"
+        resolved, count = str(int(resolution(self.scene, t)[0])), len(self.followed.columns)
+        numbers, more = values[:count], values[count:]
+        return ",".join([*map(_digits, (t, *numbers)), resolved, *map(_digits, (*more, *exact))]) + "\n"
 
     def _append(self, lines):
         """Add all of ``lines`` to the file, or nothing."""
@@ -88,8 +102,10 @@ def _digits(value):
     return "" if math.isnan(value) else repr(float(value))
 
 
-def read_history(path):
+def read_history(path, more=0):
     """Return times (records,) and what was followed (records, numbers) of a ``history.csv``.
+
+    With ``more``, (records, numbers + more): as many columns of what is monitored stand after them.
 
     Lines that begin with ``#`` and other columns do not count, nor does a last line without its end, which a killed run
     may leave. An empty cell is NaN. ConfigError where lines are damaged.
@@ -102,4 +118,4 @@ def read_history(path):
         _, *names = lines[0].split(",")
         count = names.index(RESOLVED) if RESOLVED in names else len(names)
         table = np.array([[float(cell or "nan") for cell in line.split(",")] for line in lines[1:]])
-    return table[:, 0], table[:, 1 : 1 + count]
+    return table[:, 0], np.hstack([table[:, 1 : 1 + count], table[:, 2 + count : 2 + count + more]])

@@ -55,6 +55,9 @@ class Scene:
     flow_numbers = ()
     """Those of the ``measures`` that are numbers of the flow, not errors: what they would be at spacing 0 is asked."""
 
+    monitored = None
+    """``_views.Monitored``: what ``history.csv`` has beside what is followed."""
+
     frame_velocity = 0.0
     """Velocity along x of the frame that the flow has of its own, to which speeds and errors refer."""
 

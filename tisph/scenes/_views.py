@@ -139,3 +139,17 @@ class Followed:
     angular_frequency: float = 0.0
     probes: Any = None
     sizes: Sequence[float] = ()
+
+
+@dataclass(frozen=True)
+class Monitored:
+    """Numbers that stand in ``history.csv`` beside those that are followed, and are not drawn.
+
+    ``measure`` takes them, ``columns``, from a snapshot; ``final`` takes all times (records,) and numbers (records,
+    columns) when a run ends, and returns what follows from them, (records, final columns).
+    """
+
+    columns: Sequence[str]
+    measure: Callable
+    final_columns: Sequence[str]
+    final: Callable

@@ -187,7 +187,7 @@ class Run:
             *before, last = self.scheme.output_times(due) or [self.scheme.time]
             latest = self._snapshot(last)
             self.guard.check(latest)
-            if self.history.followed.probes:
+            if self.history.probes:
                 self._record([time_ for time_ in self.history.schedule.pending(self.scheme.time) if time_ in before])
             for time_ in before:
                 if any(observer.schedule.due(time_) for observer in self.observers):
@@ -197,7 +197,7 @@ class Run:
     def _record(self, times):
         """Give the history its lines at ``times`` of the last step, from the particles around its tracers."""
         if times:
-            probes, velocity = self.history.followed.probes, self.channel.frame_velocity
+            probes, velocity = self.history.probes, self.channel.frame_velocity
             travelled = velocity * (np.array(times) - self.channel.start_time)
             when, x, y, u = self.scheme.around(times, probes.centre - travelled, probes.half_width)
             self.history.record(times, probes.velocities(len(times), when, x + travelled[when], y, u + velocity))

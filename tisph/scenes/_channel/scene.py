@@ -10,6 +10,7 @@ from tisph.scenes._channel import driving, views
 from tisph.scenes._channel.flow import NewtonianFlow, OldroydFlow
 from tisph.scenes._channel.layers import thinnest_layer
 from tisph.scenes._channel.measures import measures
+from tisph.scenes._channel.monitored import monitored
 from tisph.scenes._channel.solved import SolvedFlow
 from tisph.scenes._motion import Polymer, WallMotion
 from tisph.scenes._scene import Scene
@@ -242,6 +243,11 @@ class Channel(Scene):
     def followed(self, count, x="centre"):
         """Velocities at tracers; arguments as ``tracer_positions``."""
         return views.tracers(self, count, x)
+
+    @property
+    def monitored(self):
+        """What a rheometer reads."""
+        return monitored(self)
 
     def shown(self, name, end):
         """Speed, or shear stress of a polymer."""

@@ -45,7 +45,7 @@ MOST_ATTEMPTS = 20
 WORST = 1e6
 """What counts for an error that is infinite, over the reference velocity: the step is taken again."""
 
-HOST_STATE = ["time", "steps", "rejected", "shortest", "longest", "reduced", "dropped", "projections", "transverse", "turned"]
+HOST_STATE = ("time", "steps", "rejected", "shortest", "longest", "reduced", "dropped", "projections", "transverse")
 """Attributes of a Scheme that change while it runs."""
 
 
@@ -86,7 +86,7 @@ class Scheme:
         """Go back to before the first step."""
         self.time = self.channel.start_time
         self.steps = self.rejected = self.reduced = self.dropped = self.projections = 0
-        self.transverse, self.turned = False, 0.0
+        self.transverse = False
         self.shortest, self.longest = math.inf, 0.0
         self.momentum = MomentumBalance(self.time)
         used(self.field.volume)[...] = 0.0
@@ -116,7 +116,6 @@ class Scheme:
         """Take one step, in as many attempts as its error asks for; raise DivergedError where none succeeds."""
         if self.time in self.control.changes:
             self.assemble(0.0)
-            self.turned = self.time
             self.momentum.add_impulse(self.viscous.turn(self.time))
         for attempt in range(MOST_ATTEMPTS):
             length = self.control.length(self.time)
@@ -162,7 +161,8 @@ class Scheme:
         """Depth sqrt(nu t) of the layers that walls have made by jumping, in particle spacings; infinite without."""
         if not self.walls.any_jump:
             return math.inf
-        return math.sqrt(self.channel.solvent_viscosity * (self.time - self.turned)) / self.channel.spacing
+        turned = max((change for change in self.control.changes if change <= self.time), default=0.0)
+        return math.sqrt(self.channel.solvent_viscosity * (self.time - turned)) / self.channel.spacing
 
     def solve(self, length):
         """Compute the velocities at the end of a step; return the estimated error over the reference velocity."""

@@ -1,0 +1,71 @@
+"""What is read of a run: against histories that theory makes, and theory against its limits."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from tisph.errors import ConfigError
+from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity
+from tisph.scenes._motion import WallMotion
+from tisph.verification.rheometry import _amplitudes, _oscillation, _slowest_pair, _window
+
+LIQUID = Spectrum(0.1, ((0.6, 1.0), (0.3, 0.1)))
+
+
+def test_a_slow_oscillation_shows_the_viscosity_and_a_fast_one_the_solvent():
+    assert LIQUID.complex_viscosity(1e-9j) == pytest.approx(LIQUID.viscosity, rel=1e-8)
+    assert LIQUID.complex_viscosity(1e9j) == pytest.approx(0.1, rel=1e-7)
+    assert LIQUID.impedance(1.0, 1e-9, 1.0) == pytest.approx(LIQUID.complex_viscosity(1j), rel=1e-8)
+
+
+@pytest.mark.parametrize("frequency", [0.1, 1.0, 10.0, 100.0])
+def test_inertia_is_taken_off(frequency):
+    measured = LIQUID.impedance(frequency, 1.0, 0.1)
+    theory = LIQUID.complex_viscosity(1j * frequency)
+    assert corrected_viscosity(measured, frequency, 1.0, 0.1, 1.2 * theory) == pytest.approx(theory, rel=1e-10)
+
+
+def test_compliance_of_a_liquid_with_one_mode():
+    # Jeffreys: J = t/eta + (eta_p lambda/eta^2) (1 - exp(-t eta/(lambda eta_s)))
+    liquid, t = Spectrum(0.1, ((0.9, 2.0),)), np.array([0.01, 0.5, 3.0])
+    assert liquid.compliance(t) == pytest.approx(t + 1.8 * -np.expm1(-t / 0.2), rel=1e-9)
+    assert liquid.growth(1e3) == pytest.approx(1.0)
+    assert liquid.normal_growth(1e3) == pytest.approx(2.0 * 0.9 * 2.0)
+
+
+def test_a_free_plate_on_a_newtonian_liquid_slows_down():
+    # heavy: no waves in the liquid, d = eta/(mass gap), less the liquid's own third
+    assert Spectrum(1.0).ringing(-0.01, 1.0, 1.0, 100.0) == pytest.approx(-1.0 / (100.0 + 1.0 / 3.0), rel=1e-5)
+
+
+def test_moduli_are_found_in_a_history_with_a_start():
+    frequency, gap = 10.0, 0.1
+    wall = WallMotion(0.0, 0.01, frequency)
+    t = np.linspace(0.0, 6 * 2 * np.pi / frequency, 401)
+    complex_stress = LIQUID.impedance(frequency, 1.0, gap) * -0.01j / gap
+    stress = (complex_stress * np.exp(1j * frequency * t)).real + 0.02 * np.exp(-t)
+    table = {"t": t, "strain": wall.displacement(t) / gap, "wall_shear": stress, "wall_shear_exact": stress}
+    channel = SimpleNamespace(gap=gap, density=1.0, top=wall)
+    numbers = _oscillation(channel, LIQUID, wall, table).numbers
+    for name in ("storage_modulus", "loss_modulus"):
+        found, theory = (numbers[f"{name}_{kind}"] for kind in ("corrected_for_inertia", "linear_theory"))
+        assert found == pytest.approx(theory, rel=1e-4)  # what the polynomial leaves of the start
+    assert numbers["third_harmonic"] < 1e-4
+
+
+def test_harmonics_do_not_mix():
+    t = np.linspace(0.0, 4 * np.pi, 300)
+    found = _amplitudes(t, np.cos(t) + 0.1 * np.sin(3 * t), 1.0, 0)
+    assert [found[1], found[3], found[5]] == pytest.approx([1.0, -0.1j, 0.0], abs=1e-12)
+
+
+def test_ringing_is_found_beside_what_dies_away():
+    t = np.linspace(0.0, 10.0, 401)[1:]
+    velocity = 1.0 - np.exp(-0.5 * t) * np.cos(1.7 * t) + 0.05 * np.exp(-4.0 * t) * np.cos(9.0 * t)
+    assert _slowest_pair(t, velocity) == pytest.approx(-0.5 + 1.7j, rel=1e-8)
+
+
+def test_less_than_two_periods_are_refused():
+    with pytest.raises(ConfigError, match=r"the run has 1\.\d* periods"):
+        _window(np.linspace(0.0, 10.0, 50), 1.0, 0.1)

@@ -1,0 +1,103 @@
+"""Small deformations of a liquid with modes: what theory expects of a rheometer, with the inertia of the liquid.
+
+    complex viscosity  eta*(w) = solvent + sum eta_k/(1 + i w lambda_k),    G* = G' + i G'' = i w eta*
+
+Between a wall at rest and one whose velocity is U e^(i w t), a gap H away, u = U sinh(q y)/sinh(q H) with q^2 = i w
+density/eta*: the moving wall bears the stress Z U/H, Z = eta* qH coth(qH), which is eta* where inertia does not count
+(J. D. Ferry, Viscoelastic Properties of Polymers, 3rd ed. 1980, chapter 5).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+TERMS = 24
+"""Of Talbot's contour, by which transforms are inverted: ten digits and more where they have no poles off the axis."""
+
+MOST_ITERATIONS = 100
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """Viscosity of the ``solvent`` and pairs (viscosity, relaxation time) of the ``modes``, all dynamic."""
+
+    solvent: float
+    modes: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def viscosity(self):
+        """Viscosity of a steady flow."""
+        return self.solvent + sum(viscosity for viscosity, _ in self.modes)
+
+    @property
+    def longest_time(self):
+        """The longest relaxation time, 0 without modes."""
+        return max((time for _, time in self.modes), default=0.0)
+
+    def complex_viscosity(self, s):
+        """eta* at s = i w, or the Laplace transform of the relaxation modulus at ``s``."""
+        return self.solvent + sum(viscosity / (1.0 + s * time) for viscosity, time in self.modes)
+
+    def growth(self, t):
+        """Viscosity eta+(t) after a shear rate has begun, without inertia."""
+        t = np.asarray(t, dtype=float)
+        return self.solvent + sum(viscosity * -np.expm1(-t / time) for viscosity, time in self.modes) + 0.0 * t
+
+    def normal_growth(self, t):
+        """N1 over the square of the shear rate after it has begun, of upper-convected modes, without inertia."""
+        t = np.asarray(t, dtype=float)
+        parts = [2.0 * eta * time * (1.0 - np.exp(-t / time) * (1.0 + t / time)) for eta, time in self.modes]
+        return sum(parts) + 0.0 * t
+
+    def compliance(self, t):
+        """Creep compliance J(t > 0), strain over stress, without inertia."""
+        return np.array([_inverted(lambda s: 1.0 / (s * s * self.complex_viscosity(s)), one) for one in np.ravel(t)])
+
+    def impedance(self, angular_frequency, density, gap):
+        """Z of a ``gap`` between a wall at rest and one that oscillates."""
+        return impedance(self.complex_viscosity(1j * angular_frequency), angular_frequency, density, gap)
+
+    def ringing(self, guess, density, gap, mass_per_area):
+        """Root s near ``guess`` of mass s + sqrt(density s eta*) coth(qH) = 0: a plate's free motion is e^(s t)."""
+
+        def balance(s):
+            viscosity = self.complex_viscosity(s)
+            root = gap * np.sqrt(density * s / viscosity)
+            return mass_per_area * s + viscosity / gap * root / np.tanh(root)
+
+        return _root(balance, complex(guess))
+
+
+def impedance(viscosity, angular_frequency, density, gap):
+    """Z = eta* qH coth(qH) for a complex ``viscosity`` eta*."""
+    root = gap * np.sqrt(1j * angular_frequency * density / viscosity)
+    return viscosity * root / np.tanh(root)
+
+
+def corrected_viscosity(measured, angular_frequency, density, gap, guess):
+    """The complex viscosity whose ``impedance`` is the ``measured`` one; of several, that which is found from a guess.
+
+    Where waves fit into the gap there are several.
+    """
+    return _root(lambda eta: impedance(eta, angular_frequency, density, gap) - measured, complex(guess))
+
+
+def _root(function, guess):
+    """Newton's method, with a derivative by a difference; NaN where it does not converge."""
+    for _ in range(MOST_ITERATIONS):
+        step = 1e-6 * abs(guess)
+        slope = (function(guess + step) - function(guess - step)) / (2.0 * step)
+        change = function(guess) / slope
+        guess = guess - change
+        if abs(change) <= 1e-12 * abs(guess):
+            return guess
+    return complex(np.nan, np.nan)
+
+
+def _inverted(transform, t):
+    """Inverse Laplace transform at ``t``: J. Abate and W. Whitt, INFORMS J. Comput. 18 (2006) 408-421, Talbot."""
+    angle = np.arange(1, TERMS) * np.pi / TERMS
+    cotangent = 1.0 / np.tan(angle)
+    delta = 0.4 * TERMS * np.concatenate([[1.0], angle * (cotangent + 1j)])
+    weight = np.exp(delta) * np.concatenate([[0.5], 1.0 + 1j * angle * (1.0 + cotangent**2) - 1j * cotangent])
+    return 0.4 / t * np.sum((weight * transform(delta / t)).real)

@@ -224,8 +224,8 @@ def _ring(channel, liquid, plate, t, velocities, lines, numbers):
         numbers |= {f"ringing_frequency_{key}": float(root.imag), f"ringing_damping_{key}": float(-root.real)}
 
 
-PENCIL = 6
-"""Exponentials that a velocity is taken apart into."""
+PENCIL = 7
+"""Exponentials that a velocity is taken apart into: the steady speed and three pairs."""
 
 
 def _slowest_pair(t, velocity):

@@ -19,7 +19,7 @@ def thinnest_layer(channel, t):
     if any(started.values()):
         names = [name for name, has in started.items() if has]
         place = f"the layer at the {names[0]} wall" if len(names) == 1 else "the layer at each wall"
-        since = t - max((change for _, wall in _walls(channel) for change in wall.changes if change <= t), default=0.0)
+        since = t - max((change for _, wall in _walls(channel) for change in wall.changes if change < t), default=0.0)
         share = channel.polymer.spreading_share(since) if channel.polymer else 1.0
         depth = math.sqrt(share * channel.kinematic_viscosity * since)
         in_the_liquid = channel.elastic_speed * since > depth

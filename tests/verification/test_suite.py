@@ -17,9 +17,10 @@ HERE = {"runtime": {"threads": 1}, "output": {"video": None}}
 """Of a run in the tests' own process. One thread gives the bits of several, and costs less beside other tests."""
 
 
-LONG = ("cavity_25",)
-"""Quick rows of 1500 steps. The cavity's convergence is that of regular_lid_slow, its sharp lid that of
-tests/core/test_cavity.py."""
+LONG = ("cavity_25", "shear_held")
+"""Quick rows that take longest. The cavity's convergence is that of regular_lid_slow, its sharp lid that of
+tests/core/test_cavity.py; a coarser cylinder is held in shear in tests/core/test_bodies_in_flow.py, to the same stress
+of the walls."""
 
 
 def checks(quick):

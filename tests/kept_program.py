@@ -33,14 +33,18 @@ class Made:
 
 
 class Kept:
-    """The program that runs, as ``asked``; ``first`` is before all its fields, ``last`` what was handed out last."""
+    """The program that runs, as ``asked``; ``first`` is before all its fields, ``last`` what was handed out last.
+
+    ``starts`` counts what was taken for a start: what was built before the last one has lost its fields to others.
+    """
 
     def __init__(self):
         self.program = self.asked = self.first = self.last = None
-        self.within = False
+        self.within, self.starts = False, 0
 
     def start(self, precision, threads):
         """Stand in for ``runtime.start``."""
+        self.starts += 1
         asked = precision, threads, runtime.CACHE, os.environ.get("TI_DEBUG")
         kept = self.program is not None and self.program is get_runtime().prog and get_runtime().materialized
         if not kept or asked != self.asked or self.program.get_snode_tree_size() > MOST_TREES:

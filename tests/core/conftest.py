@@ -1,9 +1,9 @@
 """Schemes to test with: small channels on one thread, built without a YAML file."""
 
 import pytest
+from kept_program import kept
 
 from tisph import config, families, runtime
-from tisph.runtime import ti
 from tisph.scenes._motion import WallMotion
 from tisph.scenes.channel import Channel
 from tisph.simulation.run import start_values
@@ -58,7 +58,6 @@ def make_any(tmp_path_factory):
         threads = settings.runtime.threads
         if fresh:
             runtime.start(settings.discretisation.precision, threads)
-            build.starts += 1
         targets = sorted({*settings.time.samples, settings.time.end})
         scheme = families.load("schemes", settings.scheme.type).Scheme(settings, channel, targets, threads == 1)
         if started:
@@ -70,7 +69,6 @@ def make_any(tmp_path_factory):
             scheme.start(position, field, stress)
         return scheme
 
-    build.starts = 0
     return build
 
 
@@ -86,16 +84,16 @@ def shared(make_any):
 
     For tests that place particles and list neighbours anew: to read the kernels again takes longer than all they do.
     """
-    built, program, starts = {}, None, 0
+    built, starts = {}, 0
 
     def find(*overrides):
-        nonlocal program, starts
+        nonlocal starts
         # Taichi has started again, perhaps in what it had before: all fields are gone
-        if program is not ti.lang.impl.get_runtime().prog or starts != make_any.starts:
+        if starts != kept.starts:
             built.clear()
         if overrides not in built:
             built[overrides] = make_any(*overrides, started=False, fresh=not built)
-            program, starts = ti.lang.impl.get_runtime().prog, make_any.starts
+            starts = kept.starts
         return built[overrides]
 
     return find

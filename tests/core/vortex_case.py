@@ -1,10 +1,10 @@
 """The Taylor-Green vortex in a periodic box, for tests of the scheme that has a pressure."""
 
 import numpy as np
+from kept_program import kept
 
 from tisph import runtime
 from tisph.least_squares import rows
-from tisph.runtime import ti
 from tisph.schemes._splitting._control import StepControl
 from tisph.schemes._splitting._flow import PeriodicFlow
 from tisph.schemes._splitting._scheme import COURANT, TOLERANCE, Scheme
@@ -38,17 +38,17 @@ def make(number, *, jitter=0.2, wind=(0, 0), targets=(1.0,), threads=1, precisio
     """
     key = number, cells, threads, precision, rows.FEW
     scheme = _built.get(key)
-    if fresh or scheme is None or scheme.program is not ti.lang.impl.get_runtime().prog:
+    if fresh or scheme is None or scheme.built != kept.starts:
         _built.clear()
         runtime.start(precision, threads)
         scheme = _built[key] = Scheme(flow(number, cells), targets, threads == 1)
+        scheme.built = kept.starts
     scheme.courant = steps.get("courant", COURANT)
     scheme.control = StepControl(0.0, targets, steps.get("tolerance", TOLERANCE))
     scheme.reset()
     position = arrangement(number, jitter, cells)
     u, v, _ = exact(*position.T, 0.0, VISCOSITY)
     scheme.start(position, np.stack([u, v], 1) + wind)
-    scheme.program = ti.lang.impl.get_runtime().prog
     return scheme
 
 

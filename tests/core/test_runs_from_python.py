@@ -64,8 +64,9 @@ assert made_later.to_numpy().tolist() == [4.0, 4.0, 4.0] and made_later.to_numpy
 """
 
 ENDLESS = """
-import json, sys
+import json, signal, sys
 import tisph
+signal.signal(signal.SIGINT, signal.default_int_handler)  # tests may run where it is ignored
 try:
     tisph.run(json.loads(sys.argv[1]), "cut", video=False, progress=True, **{"time.end": 1000.0})
 except KeyboardInterrupt:

@@ -149,7 +149,7 @@ class _Operators:
         more = image_of_stress(self.depths, slope, third)
         return product(below[:, ::-1], more) if side == 0 else product(above, -more)
 
-    def solve(self, coefficient, tangent, right, guess, tolerance):
+    def answer(self, coefficient, tangent, right, guess, tolerance):
         """Solve (1 - ``coefficient`` A - D ``tangent`` D) x = ``right``; None where numbers are no numbers."""
         elastic = product(self.across[1.0], tangent[:, None] * self.across[-1.0])
         found = np.linalg.solve(np.eye(len(right)) - coefficient * self.odd_laplacian - elastic, right)

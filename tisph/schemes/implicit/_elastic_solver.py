@@ -50,7 +50,12 @@ class ElasticSolver(BiCGStab):
                 total += viscous + self.rows.across[i, k] * (self.pull[j] - pulled)
         return self.own[None] * own - total
 
-    def solve(self, coefficient, tangent, right, guess, tolerance):
+    def solve(self, coefficient, tolerance):
+        """Solve (1 - ``coefficient`` A) x = b, of velocities across the channel; return whether it did."""
+        view(self.tangent)[self.fluid] = 0.0
+        return super().solve(coefficient, tolerance)
+
+    def answer(self, coefficient, tangent, right, guess, tolerance):
         """Solve (1 - ``coefficient`` A - D ``tangent`` D) x = ``right``; return x, or None where that fails."""
         found = view(self.x)[self.fluid]
         found[...], view(self.b)[self.fluid], view(self.tangent)[self.fluid] = guess, right, tangent

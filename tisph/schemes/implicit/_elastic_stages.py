@@ -125,7 +125,7 @@ class ElasticStages:
             state, slope = memory.respond(known_state, implicit, shear_rate, state)
             stress = memory.shear_stress(state, shear_rate)
             right = known + implicit * self.drive(moment, stress + slope * (given - shear_rate))
-            velocity = self.operators.solve(implicit * self.viscosity, implicit * slope, right, velocity, tolerance)
+            velocity = self.operators.answer(implicit * self.viscosity, implicit * slope, right, velocity, tolerance)
             if velocity is None:
                 return None, math.nan
             found = self.sheared(velocity, moment)
@@ -141,7 +141,7 @@ class ElasticStages:
         """Return the estimated error from what second and third order differ by, filtered as a stage is."""
         pull = self.memory.linear(end.state, implicit, end.shear_rate, state_defect)
         right = defect + implicit * self.operators.slopes(pull, 1.0)
-        velocity = self.operators.solve(implicit * self.viscosity, implicit * slope, right, np.zeros_like(right), 1e-2)
+        velocity = self.operators.answer(implicit * self.viscosity, implicit * slope, right, np.zeros_like(right), 1e-2)
         if velocity is None:
             return math.nan
         stress = pull + slope * self.operators.slopes(velocity, -1.0)

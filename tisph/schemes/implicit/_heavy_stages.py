@@ -48,7 +48,7 @@ class HeavyStages(ElasticStages):
             stress = memory.shear_stress(state, shear_rate)
             given = operators.given("across", self.walls(moment))
             right = known + implicit * self.drive(moment, stress + slope * (given - shear_rate))
-            velocity = operators.solve(implicit * self.viscosity, implicit * slope, right, velocity, tolerance)
+            velocity = operators.answer(implicit * self.viscosity, implicit * slope, right, velocity, tolerance)
             sheared = self.responded(implicit, slope, tolerance)
             if velocity is None or sheared is None:
                 return None, math.nan
@@ -88,7 +88,9 @@ class HeavyStages(ElasticStages):
         given = operators.given("across", series)
         right = self.viscosity * operators.given("laplacian", series)
         right += operators.slopes(slope * given, 1.0) + operators.images(side, *stress)
-        found = operators.solve(implicit * self.viscosity, implicit * slope, implicit * right, self.response, tolerance)
+        found = operators.answer(
+            implicit * self.viscosity, implicit * slope, implicit * right, self.response, tolerance
+        )
         if found is None:
             return None
         self.response = found

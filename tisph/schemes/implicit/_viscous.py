@@ -31,7 +31,7 @@ class ViscousStep:
         self.mean = ti.field(real(), self.points.slots + 1)
         for scratch in (self.rates, self.known, self.mean):
             scratch.used = None  # for checkpoints
-        self.stages, self.guesses = (
+        self.tableau, self.guesses = (
             holding(ti.field(real(), (4, 4)), STAGES),
             holding(ti.field(real(), (4, 4)), guesses()),
         )
@@ -141,7 +141,7 @@ class ViscousStep:
             guess = known
             for before in range(stage):
                 change = length * self.rates[before, i]
-                known += self.stages[stage, before] * change
+                known += self.tableau[stage, before] * change
                 guess += self.guesses[stage, before] * change
             self.known[i] = known
             self.solver.b[i] = known + GAMMA * length * self.source[i]

@@ -7,7 +7,7 @@ import annulus_case as case
 import numpy as np
 import pytest
 
-from tisph import runtime
+from tisph import config, families, runtime
 from tisph.errors import DivergedError
 from tisph.exact.circular_start_up import CircularStartUp
 from tisph.exact.start_up import Polymer
@@ -15,6 +15,8 @@ from tisph.geometry.motion import WallMotion
 from tisph.neighbours.points import used
 from tisph.rheology import giesekus, oldroyd_b
 from tisph.runtime import view
+from tisph.simulation import checkpoint
+from tisph.simulation.start import start_values
 
 LIQUID = oldroyd_b.Parameters(relaxation_time=1.0, solvent_fraction=0.1)
 STILL = (0.0, 0.0)
@@ -135,3 +137,44 @@ def test_one_and_two_threads_give_the_same_bits(monkeypatch):
     for name in ("u", "v", "pressure", "stress_xx", "stress_xy", "stress_yy"):
         assert np.array_equal(getattr(one, name), getattr(two, name)), name
     assert np.abs(one.stress_xy).max() > 0.0
+
+
+CAVITY = """
+scene: cavity
+fluid:
+  {density: 1.0, kinematic_viscosity: 1.0, rheology: {type: oldroyd_b, relaxation_time: 0.1, solvent_fraction: 0.5}}
+geometry: {width: 1.0, height: 1.0}
+walls: {lid: {velocity: 1.0, profile: regular}}
+initial: {jitter: 0.2}
+discretisation: {particles_across: 14}
+time: {end: 1.0}
+"""
+
+
+def test_a_restart_gives_the_bits_of_going_on(tmp_path):
+    # under a lid that slides past the points on it, which know the slopes of the stress from the step before
+    path = tmp_path / "cavity.yaml"
+    path.write_text(CAVITY)
+    settings = config.load(path, ["scheme={type: implicit}"])
+    scene = families.load("scenes", "cavity").Scene.from_config(settings)
+
+    def make():
+        runtime.start("f64", 1)
+        return families.load("schemes", "implicit").Scheme(settings, scene, [1.0], True)
+
+    scheme = make()
+    scheme.start(*start_values(scene, settings.initial))
+    for steps in (4, 3):
+        for _ in range(steps):
+            scheme.advance()
+        if steps == 4:
+            checkpoint.save(tmp_path / "state.h5", scheme, "fingerprint")
+    expected = scheme.snapshot()
+    resumed = make()
+    checkpoint.restore(tmp_path / "state.h5", resumed, "fingerprint")
+    for _ in range(3):
+        resumed.advance()
+    found = resumed.snapshot()
+    for name in ("x", "y", "u", "v", "pressure", "stress_xx", "stress_xy", "stress_yy"):
+        assert np.array_equal(getattr(found, name), getattr(expected, name)), name
+    assert np.abs(found.stress_xy).max() > 0.0

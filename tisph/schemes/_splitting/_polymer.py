@@ -43,7 +43,7 @@ class Polymer:
         kept = ti.types.vector(ORDER * self.size, real())
         self.tensors, self.along, self.across = (ti.field(kept, self.points.slots + 1) for _ in range(3))
         self.tensors.used = slice(self.points.fluid)
-        self.along.used = self.across.used = None
+        self.along.used = self.across.used = slice(flow.liquid, self.points.fluid)  # what walls slide past
         self.gradient = ti.field(ti.types.vector(4, real()), self.points.most)
         self.excess = ti.field(ti.types.vector(3, real()), self.points.slots + 1)
         self.force = ti.field(ti.types.vector(2, real()), self.points.most)

@@ -9,7 +9,7 @@ from report_scene import make_annulus
 
 from tisph import families
 from tisph.scenes._annulus.flow import cartesian, polar
-from tisph.scenes._motion import Polymer, WallMotion
+from tisph.scenes._motion import WallMotion
 from tisph.snapshot import STRESSES, Snapshot
 
 CENTRE, DENSITY = (0.4, -0.3), 2.0
@@ -25,7 +25,6 @@ def annulus():
         outer=WallMotion(-0.3),
         density=DENSITY,
         kinematic_viscosity=0.5,
-        polymer=Polymer(0.6, 0.3),
         rheology=families.load("rheology", "giesekus").Parameters(**numbers),
     )
 

@@ -60,6 +60,11 @@ class Fluid(Model):
     kinematic_viscosity: Positive | None = None
     rheology: Annotated[Model, Rheology] = Field(default_factory=Rheology.default)
 
+    @property
+    def polymer(self) -> Model | None:
+        """The rheology where it has a polymer."""
+        return self.rheology if self.rheology.carries_stress else None
+
 
 class Discretisation(Model):
     """Particle spacing [length] or number across (50), smoothing kernel, smoothing length over spacing."""

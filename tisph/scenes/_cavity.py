@@ -14,8 +14,6 @@ from tisph.geometry.line import Line
 from tisph.geometry.sliding import SlidingWall
 from tisph.scenes import _turning
 from tisph.scenes._filled import Filled
-from tisph.scenes._motion import Polymer
-from tisph.snapshot import STRESSES
 from tisph.verification.fits import interpolated, with_walls
 from tisph.verification.steady import steadiness
 
@@ -47,7 +45,6 @@ class Cavity(Filled):
     kinematic_viscosity: float
     spacing: float
     units: Any
-    polymer: Polymer | None = None
     rheology: Any = None
 
     periodic = (False, False)
@@ -56,7 +53,6 @@ class Cavity(Filled):
     @classmethod
     def from_config(cls, config):
         """The scene that a validated config describes."""
-        rheology = config.fluid.rheology if config.fluid.rheology.carries_stress else None
         return cls(
             width=config.geometry.width,
             height=config.geometry.height,
@@ -66,8 +62,7 @@ class Cavity(Filled):
             kinematic_viscosity=config.kinematic_viscosity,
             spacing=config.spacing,
             units=config.units,
-            polymer=rheology and Polymer(rheology.relaxation_time, rheology.solvent_fraction),
-            rheology=rheology,
+            rheology=config.fluid.polymer,
         )
 
     @property
@@ -119,10 +114,6 @@ class Cavity(Filled):
     def reference_velocity(self):
         """The largest speed of the lid."""
         return abs(self.velocity)
-
-    def initial(self, x, y):
-        """Rest, without stress."""
-        return dict.fromkeys(("u", "v", *(STRESSES if self.polymer else ())), np.zeros(np.shape(x)))
 
     @cached_property
     def _exact(self):

@@ -6,7 +6,9 @@ import numpy as np
 
 from tisph.geometry.filling import fill
 from tisph.geometry.region import Region
+from tisph.scenes._motion import Polymer
 from tisph.scenes._scene import Scene
+from tisph.snapshot import STRESSES
 
 LEAST_JITTER = 0.05
 """Where particles are on a lattice at first, far from walls, the flow would stretch it, or tear it along the diagonals:
@@ -14,7 +16,19 @@ pushes cancel there."""
 
 
 class Filled(Scene):
-    """A scene with ``bodies``: liquid around them, and within them where the box is not ``periodic``."""
+    """A scene with ``bodies``: liquid around them, and within them where the box is not ``periodic``.
+
+    ``rheology`` has all numbers of the liquid's polymer, which starts from rest; it is None without.
+    """
+
+    @property
+    def polymer(self):
+        """The numbers of the polymer by which times are told, None without."""
+        return Polymer.of(self.rheology)
+
+    def initial(self, x, y):
+        """Rest, without stress."""
+        return {name: np.zeros(np.shape(x)) for name in ("u", "v", *(STRESSES if self.rheology else ()))}
 
     @cached_property
     def region(self):

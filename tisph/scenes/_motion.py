@@ -15,6 +15,11 @@ class Polymer:
     relaxation_time: float
     solvent_fraction: float
 
+    @classmethod
+    def of(cls, rheology):
+        """What stands first of it for a ``rheology`` with polymer; None for None."""
+        return rheology and cls(rheology.relaxation_time, rheology.solvent_fraction)
+
     def spreading_share(self, t):
         """Share of the total viscosity by which what starts at t = 0 has spread at time ``t``.
 

@@ -17,7 +17,7 @@ from tisph.config.base import Model, Positive, Problem, Signed
 from tisph.config.fields import Member
 from tisph.config.motion import Amplitude, WallMotion
 from tisph.scenes._annulus.scene import Annulus
-from tisph.scenes._initial import Initial, start_problems
+from tisph.scenes._initial import Initial, liquid_problems, start_problems
 
 __all__ = ["Annulus", "Config", "Scene"]
 
@@ -131,6 +131,4 @@ def _rheology(config: Config) -> Iterator[Problem]:
         if config.initial.state != "rest":
             text = f"must be rest with {rheology.type}: what the polymer remembers of another start is not known"
             yield "initial.state", text
-    elif rheology.type != "newtonian":
-        text = f"must be newtonian, or have a polymer: of {rheology.type} the flow between cylinders is not known"
-        yield "fluid.rheology.type", text
+    yield from liquid_problems(config, "of {} the flow between cylinders is not known")

@@ -13,7 +13,7 @@ from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem, Signed
 from tisph.config.lattice import is_whole
 from tisph.scenes._cavity import Cavity
-from tisph.scenes._initial import Start
+from tisph.scenes._initial import Start, liquid_problems
 
 __all__ = ["Cavity", "Config", "Scene"]
 
@@ -90,6 +90,4 @@ def _rheology(config: Config) -> Iterator[Problem]:
     if rheology.carries_stress and config.singular:
         text = f"must be regular with {rheology.type}: in the corners of a sharp lid its stress has no bound"
         yield "walls.lid.profile", text
-    elif rheology.type != "newtonian" and not rheology.carries_stress:
-        text = f"must be newtonian, or have a polymer: {rheology.type} in a cavity cannot be served yet"
-        yield "fluid.rheology.type", text
+    yield from liquid_problems(config, "{} in a cavity cannot be served yet")

@@ -1,4 +1,9 @@
-"""Implicit equations C = K + g F(C) of a few unknowns at each particle, solved side by side by Newton's method."""
+"""Stress with memory point by point: its modes, and implicit equations C = K + g F(C) of a few unknowns a particle.
+
+Those are solved side by side by Newton's method.
+"""
+
+import itertools
 
 import numpy as np
 
@@ -8,6 +13,27 @@ SMALL = 1e-30
 MOST_ITERATIONS = 30
 CONVERGED = 1e-13
 """Residual, over 1 plus the largest component, at which Newton's method is done: rounding is left."""
+
+
+class Modes:
+    """Laws of a liquid's modes, each with its ``part`` of the states (``components`` of all modes, ...).
+
+    ``deviation``: what makes C, the deviation of a conformation tensor from rest, of the state of one mode.
+    """
+
+    def __init__(self, rheology, kinematic_viscosity, deviation=tuple):
+        self.laws, self.deviation = rheology.laws(kinematic_viscosity), deviation
+        ends = itertools.accumulate((law.components for law in self.laws), initial=0)
+        self.parts = [slice(first, last) for first, last in itertools.pairwise(ends)]
+        self.components = self.parts[-1].stop
+
+    def __iter__(self):
+        return zip(self.laws, self.parts, strict=True)
+
+    def stress(self, state):
+        """Return S_xx, S_xy, S_yy over the density, the sums over the modes."""
+        each = [law.stress(self.deviation(state[part]))[:3] for law, part in self]
+        return np.stack([sum(column) for column in zip(*each, strict=True)])
 
 
 def solve(rate, known, duration, guess):

@@ -14,7 +14,6 @@ from tisph.scenes import _turning
 from tisph.scenes._annulus import views
 from tisph.scenes._annulus.flow import NewtonianFlow, SolvedFlow, cartesian, polar
 from tisph.scenes._filled import Filled
-from tisph.scenes._motion import Polymer
 from tisph.snapshot import STRESSES
 from tisph.verification.metrics import field_error, relative_difference
 
@@ -24,8 +23,7 @@ class Annulus(Filled):
     """Two cylinders around ``centre`` that turn as ``inner`` and ``outer`` say; every number in the config's units.
 
     ``initial_state`` is ``rest``, ``developed`` or ``exact`` (the flow that began at t = 0, at ``start_time``).
-    ``kinematic_viscosity`` is the total one, of solvent and ``polymer``; ``rheology`` has all numbers of that polymer,
-    whose liquid starts from rest. Both are None without.
+    ``kinematic_viscosity`` is the total one, of solvent and polymer.
     """
 
     inner_radius: float
@@ -39,7 +37,6 @@ class Annulus(Filled):
     initial_state: str
     start_time: float
     units: Any
-    polymer: Polymer | None = None
     rheology: Any = None
 
     periodic = (False, False)
@@ -50,7 +47,6 @@ class Annulus(Filled):
     def from_config(cls, config):
         """The scene that a validated config describes."""
         inner, outer = (WallMotion.from_config(wall) for wall in (config.walls.inner, config.walls.outer))
-        rheology = config.fluid.rheology if config.fluid.rheology.carries_stress else None
         return cls(
             inner_radius=config.geometry.inner_radius,
             outer_radius=config.geometry.outer_radius,
@@ -63,8 +59,7 @@ class Annulus(Filled):
             initial_state=config.initial.state,
             start_time=config.start_time,
             units=config.units,
-            polymer=rheology and Polymer(rheology.relaxation_time, rheology.solvent_fraction),
-            rheology=rheology,
+            rheology=config.fluid.polymer,
         )
 
     @property

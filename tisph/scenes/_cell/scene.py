@@ -10,8 +10,6 @@ import numpy as np
 from tisph.scenes._cell import measures, views
 from tisph.scenes._cell.walls import largest_speed
 from tisph.scenes._filled import Filled
-from tisph.scenes._motion import Polymer
-from tisph.snapshot import STRESSES
 
 KOZENY = 5.0
 """Constant of Kozeny and Carman: permeability = porosity^3 / (5 wetted length per area^2)."""
@@ -37,13 +35,11 @@ class Cell(Filled):
     origin: tuple[float, float] = (0.0, 0.0)
     acceleration: float = 0.0
     planes: tuple = ()
-    polymer: Polymer | None = None
     rheology: Any = None
 
     @classmethod
     def around(cls, config, bodies, walls, **others):
         """The scene of a ``config`` with these ``bodies`` in the liquid, and ``walls`` by their names."""
-        rheology = config.fluid.rheology if config.fluid.rheology.carries_stress else None
         numbers = ("",) if len(bodies) == 1 else tuple(f"_{index}" for index in range(len(bodies)))
         return cls(
             size=config.extent,
@@ -56,8 +52,7 @@ class Cell(Filled):
             bodies=(*bodies, *walls.values()),
             periodic=config.periodic,
             acceleration=config.drive.acceleration,
-            polymer=rheology and Polymer(rheology.relaxation_time, rheology.solvent_fraction),
-            rheology=rheology,
+            rheology=config.fluid.polymer,
             **others,
         )
 
@@ -70,10 +65,6 @@ class Cell(Filled):
     def walls(self):
         """The plane walls."""
         return self.planes
-
-    def initial(self, x, y):
-        """Rest, without stress."""
-        return {name: np.zeros_like(x) for name in ("u", "v", *(STRESSES if self.polymer else ()))}
 
     @cached_property
     def reference_length(self):

@@ -57,7 +57,7 @@ class Channel(Scene):
             bottom=bottom,
             top=top,
             acceleration=config.drive.acceleration,
-            polymer=Polymer(rheology.relaxation_time, rheology.solvent_fraction) if rheology.carries_stress else None,
+            polymer=Polymer.of(config.fluid.polymer),
             rheology=None if driving.has_closed_form(rheology, bottom, top) else rheology,
             initial_state=config.initial.state,
             start_time=config.start_time,

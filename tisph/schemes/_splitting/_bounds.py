@@ -125,7 +125,7 @@ class Bounds:
         shear = across[:, 0] + along[:, 1]
         stress = self.flow.solvent_viscosity * np.stack([2.0 * along[:, 0], shear, 2.0 * across[:, 1]])
         if polymer:
-            stress += polymer.stress(polymer.states[0][:, self.slots].astype(float))
+            stress += polymer.wall_stress()
         viscous = np.stack([(stress[:2] * normal.T).sum(axis=0), (stress[1:] * normal.T).sum(axis=0)], axis=1)
         tractions = np.stack([viscous, -carried[:, 2 * VELOCITIES, None] * normal])
         if self.corners:

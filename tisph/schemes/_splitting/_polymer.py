@@ -19,12 +19,11 @@ cylinders, Wi = 2.7 at the inner one, a solvent fraction of 0.1: by e in two rel
 Sources: R. Guenette and M. Fortin, J. Non-Newtonian Fluid Mech. 60 (1995) 27-52 (a viscosity on both sides).
 """
 
-import itertools
-
 import numpy as np
 
+from tisph.errors import DivergedError
 from tisph.runtime import real, ti, view
-from tisph.schemes._pointwise import solve
+from tisph.schemes._pointwise import Modes, solve
 from tisph.schemes._splitting._history import change, slopes
 from tisph.schemes._splitting._series import ORDER
 
@@ -35,11 +34,9 @@ class Polymer:
 
     def __init__(self, history, flow):
         self.history, self.rows, self.points = history, history.rows, history.points
-        self.walls, self.liquid = flow.walls, flow.liquid
-        self.laws = flow.rheology.laws(flow.kinematic_viscosity)
-        ends = itertools.accumulate((law.components for law in self.laws), initial=0)
-        self.parts = [slice(first, last) for first, last in itertools.pairwise(ends)]
-        self.size = self.parts[-1].stop
+        self.walls, self.liquid, self.origin = flow.walls, flow.liquid, flow.origin
+        self.modes = Modes(flow.rheology, flow.kinematic_viscosity)
+        self.size = self.modes.components
         kept = ti.types.vector(ORDER * self.size, real())
         self.tensors, self.along, self.across = (ti.field(kept, self.points.slots + 1) for _ in range(3))
         self.tensors.used = slice(self.points.fluid)
@@ -65,11 +62,10 @@ class Polymer:
         leading, back = times.backwards()
         self.time, self.duration = time, length / leading
         self.known = np.einsum("a,acn->cn", back[:ORDER], self.states.astype(float)) / leading
-        if self.walls:
-            self.known[:, self.liquid :] -= self.duration * self.slid(times)
+        self.known[:, self.liquid :] -= self.duration * self.slid(times)
         self.found = self.states[0].astype(float)
         self.viscosity = sum(
-            law.modulus * self.duration / (1.0 + self.duration / law.relaxation_time) for law in self.laws
+            law.modulus * self.duration / (1.0 + self.duration / law.relaxation_time) for law in self.modes.laws
         )
         view(self.force)[...] = 0.0
 
@@ -85,7 +81,7 @@ class Polymer:
         self.find(velocity)
         xx, xy, yx, yy = self.gradients
         strained = self.viscosity * np.stack([2.0 * xx, xy + yx, 2.0 * yy])
-        view(self.excess)[: self.points.fluid] = (self.stress(self.found) - strained).T
+        view(self.excess)[: self.points.fluid] = (self.modes.stress(self.found) - strained).T
         self.push(known, length)
 
     def find(self, velocity):
@@ -93,30 +89,37 @@ class Polymer:
         self.measure(velocity)
         gradient = self.gradients = view(self.gradient)[: self.points.fluid].T.astype(float)
         gradient[[0, 3]] -= 0.5 * (gradient[0] + gradient[3])  # what divergence there is, is an error
-        if self.walls:
-            points = gradient[:, self.liquid :]
-            points[...] = self.walls.gradients(points.reshape(2, 2, -1), self.time).reshape(4, -1)
-        for law, part in zip(self.laws, self.parts, strict=True):
+        points = gradient[:, self.liquid :]
+        points[...] = self.walls.gradients(points.reshape(2, 2, -1), self.time).reshape(4, -1)
+        for law, part in self.modes:
             rate = lambda c, law=law: law.deformed(c, gradient)  # noqa: E731
             self.found[part], _ = solve(rate, self.known[part], self.duration, self.found[part])
 
-    def take_up(self, velocity):
-        """Let the particles carry the C of the ``velocity`` at the end of a step; return where A is not definite."""
+    def take_up(self, velocity, step):
+        """Let the particles carry the C of the ``velocity`` at the end of a ``step``, and its slopes.
+
+        Raises DivergedError where A is not positive definite.
+        """
         self.find(velocity)
         states = self.states
         states[1:] = states[:-1].copy()
         states[0] = self.found
-        return np.flatnonzero(np.any([_lost(self.found[part]) for part in self.parts], axis=0))
+        lost = np.flatnonzero(np.any([_lost(self.found[part]) for _, part in self.modes], axis=0))
+        if len(lost):
+            x, y = view(self.points.place)[lost[0]] + self.origin
+            text = f"the conformation tensor is not positive definite at ({x:.4g}, {y:.4g}), step {step}"
+            cure = "more particles across, or a smaller relaxation time"
+            raise DivergedError(f"stress: {text}, t = {self.time:.6g}; {cure}")
+        self.slope()
 
-    def stress(self, state):
-        """Return S_xx, S_xy, S_yy over the density, the sums over the modes."""
-        each = [law.stress(state[part])[:3] for law, part in zip(self.laws, self.parts, strict=True)]
-        return np.stack([sum(column) for column in zip(*each, strict=True)])
+    def wall_stress(self):
+        """Return the stress (3, count) at the points on walls."""
+        return self.modes.stress(self.states[0][:, self.liquid :].astype(float))
 
     def at(self, times, age, tensors):
         """Return the stresses (3, n) ``age`` before the end of the last step, of ``tensors`` (n, ages and numbers)."""
         kept = tensors.reshape(len(tensors), ORDER, self.size)
-        return self.stress(np.einsum("a,nac->cn", times.at(age, ORDER), kept) if age else kept[:, 0].T)
+        return self.modes.stress(np.einsum("a,nac->cn", times.at(age, ORDER), kept) if age else kept[:, 0].T)
 
     @ti.kernel
     def measure(self, velocity: ti.template()):

@@ -98,6 +98,7 @@ class Scheme:
         self.polymer = Polymer(self.history, flow) if flow.rheology else None
         self.split = Split(self.history, self.lattice, flow, closure, self.polymer)
         self.control = StepControl(flow.start_time, targets, tolerance)
+        self.viscous = viscous_step(flow.spacing, flow.kinematic_viscosity, flow.rheology) if bounded else math.inf
         least = ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
         self.residuals = max(PRESSURE_RESIDUAL, least), max(VELOCITY_RESIDUAL, least)
         self.reset()
@@ -143,10 +144,7 @@ class Scheme:
     @property
     def longest_step(self):
         """Step that the Courant number allows at the present velocities, and between walls the viscous number."""
-        spacing, convective = self.flow.spacing, self.courant * self.flow.spacing / self.speed
-        if not self.bounds:
-            return convective
-        return min(convective, viscous_step(spacing, self.flow.kinematic_viscosity, self.flow.rheology))
+        return min(self.courant * self.flow.spacing / self.speed, self.viscous)
 
     @property
     def finished(self):
@@ -210,14 +208,6 @@ class Scheme:
             text = f"the linear systems cannot be solved at step {self.steps + 1}, t = {self.time:.6g}"
             raise DivergedError(f"u, v, pressure: {text}")
 
-    def require_definite(self, lost):
-        """Raise DivergedError where conformation tensors are ``lost``, numbers of points."""
-        if len(lost):
-            x, y = view(self.points.place)[lost[0]] + self.flow.origin
-            text = f"the conformation tensor is not positive definite at ({x:.4g}, {y:.4g}), step {self.steps + 1}"
-            cure = "more particles across, or a smaller relaxation time"
-            raise DivergedError(f"stress: {text}, t = {self.time:.6g}; {cure}")
-
     def conclude(self, length):
         """Take up the new velocities, measure them, and shift the particles."""
         self.split.take_up()
@@ -225,8 +215,7 @@ class Scheme:
             self.bounds.conclude(self.split.velocity.x)
         self.history.measure()
         if self.polymer:
-            self.require_definite(self.polymer.take_up(self.split.velocity.x))
-            self.polymer.slope()
+            self.polymer.take_up(self.split.velocity.x, self.steps + 1)
         if self.bounds:
             self.bounds.measure(self.time + length, self.polymer)
         gone = length * self.speed / self.flow.spacing

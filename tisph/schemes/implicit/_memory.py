@@ -12,34 +12,24 @@ method finds C for a given u_y, and with it dS_xy/du_y, by which the momentum eq
 that is still sought.
 """
 
-import itertools
-
 import numpy as np
 
-from tisph.schemes._pointwise import SMALL, eliminate, matrix, solve
+from tisph.schemes._pointwise import SMALL, Modes, eliminate, matrix, solve
 
 
-class Memory:
+class Memory(Modes):
     """Laws of a liquid's modes; states C are arrays (numbers of all modes, ...); stresses are over the density."""
 
     def __init__(self, rheology, kinematic_viscosity):
-        self.laws = rheology.laws(kinematic_viscosity)
-        ends = itertools.accumulate((law.components for law in self.laws), initial=0)
-        self.parts = [slice(first, last) for first, last in itertools.pairwise(ends)]
-        self.components = self.parts[-1].stop
+        super().__init__(rheology, kinematic_viscosity, deviation)
 
     def start(self, channel, heights):
         """Return C at ``heights`` of a channel when the run starts."""
         return np.concatenate([_carried(*mode) for mode in channel.initial_deviations(heights)])
 
-    def stress(self, state):
-        """Return S_xx, S_xy, S_yy, the sums over the modes."""
-        each = [law.stress(deviation(state[part]))[:3] for law, part in zip(self.laws, self.parts, strict=True)]
-        return np.stack([sum(column) for column in zip(*each, strict=True)])
-
     def shear_stress(self, state, shear_rate):
         """Return S_xy, which does not depend on the ``shear_rate`` of the moment."""
-        return sum(_shear_stress(law, state[part]) for law, part in zip(self.laws, self.parts, strict=True))
+        return sum(_shear_stress(law, state[part]) for law, part in self)
 
     def strain(self, state, strain):
         """Shear the states at once by ``strain``, A to F A F^T."""
@@ -48,13 +38,13 @@ class Memory:
 
     def rate(self, state, shear_rate):
         """Return dC/dt of particles in simple shear."""
-        each = [_rate(law, state[part], shear_rate) for law, part in zip(self.laws, self.parts, strict=True)]
+        each = [_rate(law, state[part], shear_rate) for law, part in self]
         return np.concatenate([np.stack(rate) for rate in each])
 
     def respond(self, known, duration, shear_rate, guess):
         """Solve C = ``known`` + ``duration`` F(C, ``shear_rate``) from a ``guess``; return C and dS_xy/d shear_rate."""
         state, slope = np.empty_like(known), 0.0
-        for law, part in zip(self.laws, self.parts, strict=True):
+        for law, part in self:
             state[part], along = _respond(law, known[part], duration, shear_rate, guess[part])
             slope = slope + _along(law, state[part], along)
         return state, slope
@@ -62,7 +52,7 @@ class Memory:
     def linear(self, state, duration, shear_rate, defect):
         """Return dS_xy/dC . (1 - duration F_C)^-1 ``defect``, linearised about ``state``."""
         total = 0.0
-        for law, part in zip(self.laws, self.parts, strict=True):
+        for law, part in self:
             slopes = matrix(lambda c, law=law: _rate(law, c, shear_rate), state[part], duration)
             change = eliminate(slopes, defect[part])
             total = total + _along(law, state[part], change)
@@ -75,7 +65,7 @@ class Memory:
         """
         size = self.components
         decay, pull, stress = np.zeros((size, size)), np.zeros(size), np.zeros(size)
-        for law, part in zip(self.laws, self.parts, strict=True):
+        for law, part in self:
             unity = np.eye(part.stop - part.start)
             ahead = state[part][:, None] + 1j * SMALL * unity
             decay[part, part] = np.imag(np.stack(_rate(law, ahead, shear_rate))) / SMALL

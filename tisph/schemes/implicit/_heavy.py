@@ -9,19 +9,17 @@ h), so that all that the wall prescribes is linear in U. What the images have of
 
 import numpy as np
 
+from tisph.schemes.implicit._driven_walls import DrivenWall, DrivenWalls
 from tisph.schemes.implicit._elastic_stages import DEFECT, weighted
-from tisph.schemes.implicit._elastic_walls import ElasticWalls, _AtWall
-from tisph.schemes.implicit._esdirk import GAMMA, STAGES, WEIGHTS
-
-HOST_STATE = "velocity", "displacement"
+from tisph.schemes.implicit._elastic_walls import AtWall
+from tisph.schemes.implicit._esdirk import GAMMA, STAGES
 
 
-class HeavyWalls(ElasticWalls):
-    """``ElasticWalls`` one of which is the ``plate``."""
+class HeavyWalls(DrivenWalls):
+    """Walls one of which is a ``HeavyPlate``."""
 
     def __init__(self, channel, treatment, memory):
-        self.plate = HeavyPlate(channel, memory)
-        super().__init__(channel, treatment, memory)
+        super().__init__(channel, treatment, memory, HeavyPlate(channel, memory))
 
     def _jumps(self):
         """Jumps at the start: at first the stress has only the wall to accelerate."""
@@ -39,11 +37,6 @@ class HeavyWalls(ElasticWalls):
             return super()._integrated(side, length, liquid)
         return self.plate.set_out(self.first[side], self.third[side], liquid)
 
-    def conclude(self):
-        """Take up the state at the end of the step."""
-        super().conclude()
-        self.plate.conclude()
-
     def series(self, side, stage, time):
         """Return the series of one wall, by what there is at the ``stage`` of ``time``."""
         if side != self.plate.side:
@@ -54,35 +47,16 @@ class HeavyWalls(ElasticWalls):
         """Return the first and third derivatives of S_xy along y at the (bottom, top) wall."""
         return [stage[4:6] for stage in self._at(time)]
 
-    def host_state(self):
-        """Return the numbers that a resumed run needs."""
-        return {**super().host_state(), "plate": self.plate.host_state()}
 
-    def restore_host_state(self, state):
-        """Take up the numbers of ``host_state``."""
-        super().restore_host_state(state)
-        self.plate.restore_host_state(state["plate"])
+class HeavyPlate(DrivenWall):
+    """The wall over a step.
 
-
-class HeavyPlate:
-    """The wall over a step; everything over the density.
-
-    ``velocity`` and ``displacement`` at the start of the step. ``stages``: (C_y, C_yyy, u_yy, u_yyyy, S_y, S_yyy, U) at
-    those that are done, and at the present one.
+    ``stages``: (C_y, C_yyy, u_yy, u_yyyy, S_y, S_yyy, U) at those that are done, and at the present one.
     """
 
     def __init__(self, channel, memory):
-        self.side, self.memory = channel.driven_side, memory
-        self.towards = 1.0 if self.side == 0 else -1.0
-        self.wall = (channel.bottom, channel.top)[self.side].over(channel.density)
-        self.mass, self.viscosity = self.wall.mass_per_area, channel.solvent_viscosity
-        self.body = channel.acceleration
-        self.forget()
-
-    def forget(self):
-        """Go back to before the first step."""
-        self.velocity = self.displacement = 0.0
-        self.stages = []
+        super().__init__(channel, memory)
+        self.mass, self.body = self.wall.mass_per_area, channel.acceleration
 
     def jump(self, time):
         """Return by how much the acceleration jumps with the stress at ``time``."""
@@ -91,8 +65,7 @@ class HeavyPlate:
 
     def begin(self, time, length):
         """Set out on a step from ``time``."""
-        self.length, self.stress_of, self.drive = length, self.wall.during(time).stress, None
-        self.start = time
+        self.length, self.stress_of = length, self.wall.during(time).stress
 
     def set_out(self, first, third, liquid):
         """Take up C_y and C_yyy at the wall, and C and shear rate of the ``liquid`` there at each stage."""
@@ -106,7 +79,7 @@ class HeavyPlate:
         weights, values = STAGES[number], self.liquid[number]
         self.implicit = GAMMA * self.length if number else 0.0
         self.drive = float(self.stress_of(moment))
-        self.law = _AtWall(self.implicit, self.viscosity, *self.memory.slopes(values[:-1], values[-1]))
+        self.law = AtWall(self.implicit, self.viscosity, *self.memory.slopes(values[:-1], values[-1]))
         self.known = self.velocity + self.length * weighted(weights, self.rates)
         self.known_first = self.first + self.length * weighted(weights, self.first_rates)
         self.known_third = self.third + self.length * weighted(weights, self.third_rates)
@@ -161,22 +134,3 @@ class HeavyPlate:
     def defect(self):
         """What second and third order differ by in the velocity."""
         return self.length * weighted(DEFECT, self.rates)
-
-    @property
-    def mean_stress(self):
-        """Integral of the shear stress of the liquid at the wall over the last step, over its length."""
-        return weighted(WEIGHTS, self.stresses)
-
-    def conclude(self):
-        """Take up the state at the end of the step."""
-        self.displacement += self.length * weighted(WEIGHTS, self.velocities)
-        self.velocity = self.now
-
-    def host_state(self):
-        """Return the numbers that a resumed run needs."""
-        return {name: float(getattr(self, name)) for name in HOST_STATE}
-
-    def restore_host_state(self, state):
-        """Take up the numbers of ``host_state``."""
-        for name in HOST_STATE:
-            setattr(self, name, state[name])

@@ -9,16 +9,14 @@ import math
 
 import numpy as np
 
-from tisph.schemes.implicit._elastic_stages import MOST_REPETITIONS, ROUNDING, ElasticStages, root_mean_square
+from tisph.schemes.implicit._driven_stages import DrivenStages
 
 
-class HeavyStages(ElasticStages):
+class HeavyStages(DrivenStages):
     """Advances a ``Flow`` between ``HeavyWalls``."""
 
     def advance(self, start, time, length, tolerance):
         """Advance by a step; see ``ElasticStages.advance``."""
-        self.plate, self.number = self.walls.plate, 0
-        self.fit = self.operators.even_fit(self.plate.side)
         self.response = np.zeros_like(start.velocity)
         return super().advance(start, time, length, tolerance)
 
@@ -37,35 +35,19 @@ class HeavyStages(ElasticStages):
         plate.accelerate(plate.velocity, rate)
         plate.finish(total[0] + rate * (total[1] - total[0]))
 
-    def solved(self, known, known_state, guess, state, moment, implicit, tolerance):
-        """Solve a stage; see ``ElasticStages.solved``."""
-        memory, operators, plate = self.memory, self.operators, self.plate
-        self.number += 1
-        plate.open(self.number, self.walls.moments[self.number])
-        velocity, shear_rate = guess, self.sheared(guess, moment)
-        for _ in range(MOST_REPETITIONS):
-            state, slope = memory.respond(known_state, implicit, shear_rate, state)
-            stress = memory.shear_stress(state, shear_rate)
-            given = operators.given("across", self.walls(moment))
-            right = known + implicit * self.drive(moment, stress + slope * (given - shear_rate))
-            velocity = operators.answer(implicit * self.viscosity, implicit * slope, right, velocity, tolerance)
-            sheared = self.responded(implicit, slope, tolerance)
-            if velocity is None or sheared is None:
-                return None, math.nan
-            found = operators.slopes(velocity, -1.0) + given
-            expected = stress + slope * (found - shear_rate)
-            change, total = self.balanced(expected, found, slope, sheared)
-            velocity = velocity + change * self.response
-            found, expected = found + change * sheared, expected + change * slope * sheared
-            plate.set(plate.now + change)
-            shear_rate = found
-            state, slope = memory.respond(known_state, implicit, shear_rate, state)
-            stress = memory.shear_stress(state, shear_rate)
-            missed = root_mean_square(stress - expected) / self.stress_of_speed
-            if missed <= tolerance * self.speed + ROUNDING * root_mean_square(stress) / self.stress_of_speed:
-                plate.finish(total)
-                return (velocity, state, shear_rate, stress, slope), missed
-        return None, math.inf
+    def matched(self, velocity, shear_rate, stress, *system):
+        """Let the wall have the velocity at which its momentum balances; see ``ElasticStages.matched``."""
+        _, slope, _ = system
+        sheared = self.responded(*system)
+        if sheared is None:
+            return None
+        change, self.total = self.balanced(stress, shear_rate, slope, sheared)
+        self.plate.set(self.plate.now + change)
+        return velocity + change * self.response, shear_rate + change * sheared, stress + change * slope * sheared
+
+    def at_plate(self, velocity):
+        """Return the stress of the liquid at the wall."""
+        return self.total
 
     def balanced(self, stress, shear_rate, slope, sheared):
         """Return by how much the wall's velocity is to change, and the stress of the liquid at the wall then.

@@ -19,23 +19,21 @@ import math
 import numpy as np
 
 from tisph.errors import DivergedError
+from tisph.schemes.implicit._driven_walls import DrivenWall, DrivenWalls
 from tisph.schemes.implicit._elastic_stages import weighted
-from tisph.schemes.implicit._elastic_walls import ElasticWalls, _AtWall
-from tisph.schemes.implicit._esdirk import GAMMA, STAGES, WEIGHTS
+from tisph.schemes.implicit._elastic_walls import AtWall
+from tisph.schemes.implicit._esdirk import GAMMA, STAGES
 
 MOST_ITERATIONS = 60
 ROUNDING = 1e-13
 """Of the stress, that a massless plate's balance is solved to."""
 
-HOST_STATE = "rate", "change", "velocity", "displacement"
 
-
-class PlateWalls(ElasticWalls):
-    """``ElasticWalls`` one of which is the ``plate``: ``first`` and ``third`` are C and C_yy there."""
+class PlateWalls(DrivenWalls):
+    """Walls one of which is a ``Plate``: ``first`` and ``third`` are C and C_yy there."""
 
     def __init__(self, channel, treatment, memory):
-        self.plate = Plate(channel, memory)
-        super().__init__(channel, treatment, memory)
+        super().__init__(channel, treatment, memory, Plate(channel, memory))
         self.any_jump = True
 
     def begin(self, time, length, near):
@@ -45,11 +43,6 @@ class PlateWalls(ElasticWalls):
 
     def _integrated(self, side, length, liquid):
         return self.plate.stages if side == self.plate.side else super()._integrated(side, length, liquid)
-
-    def conclude(self):
-        """Take up the state at the end of the step."""
-        super().conclude()
-        self.plate.conclude()
 
     def series(self, side, stage, time):
         """Return the series of one wall; of the plate, by its shear rate and the curvature of that."""
@@ -63,34 +56,20 @@ class PlateWalls(ElasticWalls):
             return super().of_states(side, component)
         return self.first[side, component], self.third[side, component]
 
-    def host_state(self):
-        """Return the numbers that a resumed run needs."""
-        return {**super().host_state(), "plate": self.plate.host_state()}
 
-    def restore_host_state(self, state):
-        """Take up the numbers of ``host_state``."""
-        super().restore_host_state(state)
-        self.plate.restore_host_state(state["plate"])
+class Plate(DrivenWall):
+    """The wall and the liquid there, over a step.
 
-
-class Plate:
-    """The liquid at a driven wall, over a step; everything over the density.
-
-    ``rate``: shear rate e there, ``change`` its time derivative, ``velocity`` and ``displacement`` of the wall, at the
-    start of the step. ``stages``: (C, C_yy, e, u_yyy, S, S_yy) at those that are done, and at the present one.
+    ``rate``: shear rate e there, ``change`` its time derivative, at the start of the step. ``stages``: (C, C_yy, e,
+    u_yyy, S, S_yy) at those that are done, and at the present one.
     """
 
-    def __init__(self, channel, memory):
-        self.side, self.memory = channel.driven_side, memory
-        self.towards = 1.0 if self.side == 0 else -1.0
-        self.wall = (channel.bottom, channel.top)[self.side].over(channel.density)
-        self.viscosity = channel.solvent_viscosity
-        self.forget()
+    kept = "rate", "change", *DrivenWall.kept
 
     def forget(self):
         """Go back to before the first step."""
-        self.rate = self.change = self.velocity = self.displacement = 0.0
-        self.stages, self.stress = [], 0.0
+        super().forget()
+        self.rate = self.change = 0.0
 
     def jump(self, time, state):
         """Take up the stress from ``time`` on, where it jumps; return by how much the shear rate does."""
@@ -141,7 +120,7 @@ class Plate:
 
     def law(self):
         """Return the equations of what changes across the channel, at the present state."""
-        return _AtWall(self.implicit, self.viscosity, *self.memory.slopes(self.state, self.now))
+        return AtWall(self.implicit, self.viscosity, *self.memory.slopes(self.state, self.now))
 
     def balance(self, guess):
         """Find the shear rate at which the stress of the liquid is that on the wall."""
@@ -180,23 +159,9 @@ class Plate:
         self.second_rates.append(second_rate)
         self.stresses.append(self.total)
 
-    @property
-    def mean_stress(self):
-        """Integral of the shear stress of the liquid at the wall over the last step, over its length."""
-        return weighted(WEIGHTS, self.stresses)
-
     def conclude(self):
         """Take up the state at the end of the step."""
-        self.displacement += self.length * weighted(WEIGHTS, self.velocities)
-        self.rate, self.change, self.velocity = self.now, self.rates[-1], self.velocities[-1]
+        super().conclude()
+        self.rate, self.change = self.now, self.rates[-1]
         if not math.isfinite(self.rate):
             raise DivergedError("u: the shear rate at the wall that a stress drives is no number")
-
-    def host_state(self):
-        """Return the numbers that a resumed run needs."""
-        return {name: float(getattr(self, name)) for name in HOST_STATE}
-
-    def restore_host_state(self, state):
-        """Take up the numbers of ``host_state``."""
-        for name in HOST_STATE:
-            setattr(self, name, state[name])

@@ -1,25 +1,14 @@
 """Stages of a step between walls of which a stress drives one that has no mass; see ``_plate.py``."""
 
-from tisph.schemes.implicit._elastic_stages import ElasticStages
+from tisph.schemes.implicit._driven_stages import DrivenStages
 
 
-class PlateStages(ElasticStages):
+class PlateStages(DrivenStages):
     """Advances a ``Flow`` between ``PlateWalls``."""
 
-    def advance(self, start, time, length, tolerance):
-        """Advance by a step; see ``ElasticStages.advance``."""
-        self.plate, self.number = self.walls.plate, 0
-        self.fit = self.operators.even_fit(self.plate.side)
-        return super().advance(start, time, length, tolerance)
-
-    def solved(self, known, known_state, guess, state, moment, implicit, tolerance):
-        """Solve a stage; see ``ElasticStages.solved``."""
-        self.number += 1
-        self.plate.open(self.number, self.walls.moments[self.number])
-        found, missed = super().solved(known, known_state, guess, state, moment, implicit, tolerance)
-        if found is not None:
-            self.plate.finish(self.plate.at_wall(self.fit, found[0], *self.plate.stages[-1][2:4]))
-        return found, missed
+    def at_plate(self, velocity):
+        """Return the velocity of the wall."""
+        return self.plate.at_wall(self.fit, velocity, *self.plate.stages[-1][2:4])
 
     def kick(self, flow, velocity_jumps, acceleration_jumps):
         """Let walls that start at once give their impulse, and the stress; see ``ElasticStages.kick``."""

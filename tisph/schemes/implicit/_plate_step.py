@@ -31,17 +31,9 @@ class PlateSolver(ElasticSolver):
         values[self.points.most + k] = self.parity * self.own_sign(k) * self.ghosts.value(values, k)
 
     @ti.func
-    def spread(self, values: ti.template(), particles):
-        """Mirror ``values``, and evaluate their ``pull`` on particles and mirror images."""
-        ti.loop_config(serialize=True)
-        for k in range(self.ghosts.count[None]):
-            self.reflect(values, k)
-        ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(particles):
-            self.pull[i] = self.tangent[i] * self.rows.apply(self.rows.across, values, i)
-        ti.loop_config(serialize=True)
-        for k in range(self.ghosts.count[None]):
-            self.pull[self.points.most + k] = self.own_sign(k) * self.ghosts.value(self.pull, k)
+    def reflect_pull(self, k):
+        """Give ghost ``k`` its ``pull``."""
+        self.pull[self.points.most + k] = self.own_sign(k) * self.ghosts.value(self.pull, k)
 
     def more(self, side, slope, third):
         """Return what each image beyond one wall has of the stress more than its source (ghosts).

@@ -15,36 +15,17 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from PIL import Image
+from faults_case import CASE, END, require_readable
 
 from tisph import config, simulation
-from tisph.errors import TisphError
 from tisph.folder import Folder
 from tisph.observers._storage import Storage
 from tisph.observers.frames import read_frames
 from tisph.observers.history import read_history
-from tisph.observers.samples import Samples, read_samples
-from tisph.report.studio import Studio
-from tisph.simulation import checkpoint
+from tisph.observers.samples import read_samples
 from tisph.snapshot import Snapshot
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="sends signals")
-
-END = 5.0
-CASE = f"""
-name: small
-scene: channel
-fluid: {{density: 1.0, kinematic_viscosity: 0.01}}
-geometry: {{gap: 1.0, length: 1.0}}
-walls: {{top: {{velocity: 0.5}}}}
-discretisation: {{particles_across: 12}}
-initial: {{jitter: 0.2}}
-scheme: {{type: wcsph}}
-time: {{end: {END}, samples: {[END * k / 20 for k in range(1, 21)]}}}
-output: {{video: {{frames: 40, width: 640, height: 320}}, checkpoint_every: {END / 50}}}
-"""
-"""Some 1300 steps in a second, with five hundred writes on the way."""
-
 
 KILLS = 40
 
@@ -109,30 +90,6 @@ def ended(process, status):
     assert "Traceback" not in said
     assert said.count("error") == (status not in (0, 130)), said
     return said
-
-
-def require_readable(folder):
-    """Read every file that is there; return how many samples, frames and lines of the history there are."""
-    if folder.summary.exists():
-        assert json.loads(folder.summary.read_text())["name"] == "small"
-    if folder.config.exists():
-        assert config.load(folder.config).name == "small"
-    if folder.checkpoint.exists():
-        with h5py.File(folder.checkpoint) as file:
-            assert all(np.isfinite(values[...]).all() for values in file.values())
-    for picture in folder.root.glob("*.png"):
-        Image.open(picture).load()
-    samples = read_samples(folder.samples) if folder.samples.exists() else []
-    frames = list(read_frames(folder.frames)) if folder.frames.exists() else []
-    if folder.history.exists():
-        text = folder.history.read_text()
-        assert text.endswith("\n")
-        assert len({line.count(",") for line in text.splitlines() if not line.startswith("#")}) == 1
-    times = read_history(folder.history)[0] if folder.history.exists() else []
-    for found in ([snapshot.t for snapshot in samples], [snapshot.t for snapshot in frames], times):
-        assert np.all(np.diff(found) > 0)
-    assert all(np.isfinite(snapshot.u).all() for snapshot in (*samples, *frames))
-    return len(samples), len(frames), len(times)
 
 
 def same_results(one, other):
@@ -282,56 +239,3 @@ def test_an_interrupt_ends_the_coarser_runs_of_an_estimate(start, folder):
     assert not (coarser.root / ".lock").exists()  # no process is left that would hold it
     assert sorted(path.name for path in folder.root.iterdir()) == ["coarser"]
     assert f"partial results are in {folder.root.name}; the same command with --overwrite begins again" in said
-
-
-def test_a_second_interrupt_waits_for_the_checkpoint_and_the_summary(folder, tmp_path, monkeypatch):
-    save = checkpoint.save
-
-    def interrupted_save(*arguments):
-        signal.raise_signal(signal.SIGINT)  # first that of the config, then that of the interrupt
-        save(*arguments)
-
-    (tmp_path / "small.yaml").write_text(CASE)
-    monkeypatch.setattr(checkpoint, "save", interrupted_save)
-    with pytest.raises(KeyboardInterrupt):
-        simulation.run(config.load(tmp_path / "small.yaml"), folder.root)
-    assert json.loads(folder.summary.read_text())["status"] == "interrupted"
-    assert not folder.profiles_picture.exists()  # it has no time for what render can make
-
-
-def test_a_hang_up_leaves_results_and_a_checkpoint(folder, tmp_path, monkeypatch):
-    observe = Samples.observe
-
-    def hung_up(self, snapshot):
-        signal.raise_signal(signal.SIGHUP)
-        observe(self, snapshot)
-
-    (tmp_path / "small.yaml").write_text(CASE)
-    monkeypatch.setattr(Samples, "observe", hung_up)
-    settings = config.load(tmp_path / "small.yaml", ["output.video=null", "time={end: 0.02, samples: [0.01, 0.02]}"])
-    with pytest.raises(KeyboardInterrupt):
-        simulation.run(settings, folder.root)
-    assert json.loads(folder.summary.read_text())["status"] == "interrupted"
-    assert folder.checkpoint.exists()
-    assert require_readable(folder)[0] == 1
-
-
-def test_a_run_whose_pictures_cannot_be_drawn_says_so_once_and_has_all_other_results(folder, tmp_path, monkeypatch):
-    gone = Studio()
-    gone._process.kill()
-    monkeypatch.setattr("tisph.simulation.drawing.shared", lambda: gone)
-    (tmp_path / "small.yaml").write_text(CASE)
-    with pytest.raises(TisphError, match="the process that draws has ended"):
-        simulation.run(config.load(tmp_path / "small.yaml"), folder.root)
-    assert json.loads(folder.summary.read_text())["status"] == "done"
-    assert require_readable(folder) == (20, 40, 401)
-    assert not folder.profiles_picture.exists()
-    gone.close()
-
-
-def test_an_interrupt_while_python_clears_up_is_not_heard():
-    # what is registered first is called last
-    program = "import atexit, signal; atexit.register(signal.raise_signal, signal.SIGINT); import tisph.cli as cli; "
-    done = subprocess.run([sys.executable, "-c", program + "cli.main()", "list"], capture_output=True, text=True)
-    assert done.returncode == 0
-    assert done.stderr == ""

@@ -107,15 +107,24 @@ def read_history(path, more=0):
 
     With ``more``, (records, numbers + more): as many columns of what is monitored stand after them.
 
-    Lines that begin with ``#`` and other columns do not count, nor does a last line without its end, which a killed run
-    may leave. An empty cell is NaN. ConfigError where lines are damaged.
+    Other columns do not count. ConfigError where lines are damaged.
     """
     with readable(path):
-        text = path.read_text(encoding="utf-8")
-        lines = [line for line in text[: text.rfind("\n") + 1].splitlines() if not line.startswith("#")]
-        if len(lines) < 2:
+        names, rows = read_rows(path)
+        if not rows:
             return np.empty(0), np.empty((0, 0))
-        _, *names = lines[0].split(",")
-        count = names.index(RESOLVED) if RESOLVED in names else len(names)
-        table = np.array([[float(cell or "nan") for cell in line.split(",")] for line in lines[1:]])
+        count = names.index(RESOLVED) - 1 if RESOLVED in names else len(names) - 1
+        table = np.array(rows)
     return table[:, 0], np.hstack([table[:, 1 : 1 + count], table[:, 2 + count : 2 + count + more]])
+
+
+def read_rows(path):
+    """Return the names of the columns of a ``history.csv``, and its rows, each a tuple of numbers.
+
+    Lines that begin with ``#`` do not count, nor does a last line without its end, which a killed run may leave. An
+    empty cell is NaN.
+    """
+    text = path.read_text(encoding="utf-8")
+    lines = [line for line in text[: text.rfind("\n") + 1].splitlines() if not line.startswith("#")]
+    names = lines[0].split(",") if lines else ["t"]
+    return names, [tuple(float(cell or "nan") for cell in line.split(",")) for line in lines[1:]]

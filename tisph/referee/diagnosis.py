@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from tisph.referee.faults import Fault, faults
-from tisph.verification.metrics import velocities
+from tisph.verification.metrics import root_mean_square, velocities
 
 EXPLAINS = 0.3
 """A fault explains an error of which no more than that part remains with it: a tenth of its square."""
@@ -60,7 +60,8 @@ def diagnose(placed):
     """``Diagnosis`` of samples of one run, ``Placed`` each; their faults are fitted to all of them at once."""
     scene = placed[0].scene
     samples = [_chosen(each.scene, each.snapshot) for each in placed]
-    error = _rms(np.concatenate([(u - exact).ravel() for _, u, exact in samples]), scene)
+    errors = np.concatenate([(u - exact).ravel() for _, u, exact in samples])
+    error = root_mean_square(errors) / scene.reference_velocity
     if error < TOO_SMALL:
         return Diagnosis(error, [], [])
     times = [snapshot.t for snapshot, _, _ in samples]
@@ -94,10 +95,6 @@ class _Place:
     names: list[str]
 
 
-def _rms(residuals, scene):
-    return float(np.sqrt(np.mean(np.square(residuals)))) / scene.reference_velocity
-
-
 def _fitted(fault, scene, samples):
     """``Finding`` with the parameter that leaves the smallest error, from the best of the guesses."""
 
@@ -116,4 +113,4 @@ def _fitted(fault, scene, samples):
         for start in starts
     ]
     best = min(fits, key=lambda fit: fit.cost)
-    return Finding(fault, float(best.x[0]), float(np.sqrt(np.mean(np.square(best.fun)))))
+    return Finding(fault, float(best.x[0]), root_mean_square(best.fun))

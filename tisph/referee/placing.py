@@ -9,6 +9,7 @@ import numpy as np
 
 from tisph.errors import ConfigError
 from tisph.snapshot import STRESSES, Bodies, Snapshot
+from tisph.verification.metrics import root_mean_square
 
 AXES = [(along, towards) for along in ("x", "-x", "y", "-y") for towards in ("y", "-y", "x", "-x")]
 ORIENTATIONS = [pair for pair in AXES if pair[0][-1] != pair[1][-1]]
@@ -129,7 +130,7 @@ def _turned(columns, axes, origin):
 
 def _error(placed):
     snapshot = placed.snapshot
-    return float(np.sqrt(np.mean(np.square(snapshot.u - snapshot.reference["u"]))))
+    return root_mean_square(snapshot.u - snapshot.reference["u"])
 
 
 def _spacing(columns, scene):

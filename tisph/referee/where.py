@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tisph.verification.metrics import velocities
+from tisph.verification.metrics import root_mean_square, velocities
 
 STANDS_OUT = 2.0
 """A third of the channel has the error where its root mean square is that many times those of the others."""
@@ -32,7 +32,7 @@ def where(scene, snapshot):
 def _thirds(height, size):
     part = np.clip((3 * height).astype(int), 0, 2)
     return {
-        name: float(np.sqrt(np.mean(np.square(size[part == index])))) if (part == index).any() else 0.0
+        name: root_mean_square(size[part == index]) if (part == index).any() else 0.0
         for index, name in enumerate(("bottom", "middle", "top"))
     }
 

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from tisph.observers._files import readable
+from tisph.observers.history import read_rows
 
 
 class History(np.recarray):
@@ -23,13 +24,6 @@ class History(np.recarray):
 
 def read(path: Path) -> History:
     """Return what is in ``path``; no rows where there is no such file, or a run was killed before its first one."""
-    names, rows = ["t"], []
-    if path.is_file():
-        with readable(path):
-            text = path.read_text(encoding="utf-8")
-            whole = text[: text.rfind("\n") + 1].splitlines()  # a killed run may leave a last line without its end
-            lines = [line for line in whole if not line.startswith("#")]
-            names = lines[0].split(",") if lines else names
-            rows = [tuple(float(cell or "nan") for cell in line.split(",")) for line in lines[1:]]
     with readable(path):
+        names, rows = read_rows(path) if path.is_file() else (["t"], [])
         return np.array(rows, dtype=[(name, float) for name in names]).view(History)

@@ -64,6 +64,11 @@ def rms_error(scene, snapshot):
     return None if squares is None else float(np.sqrt(np.mean(squares))) / scene.reference_velocity
 
 
+def root_mean_square(values):
+    """Return that of an array of any shape."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
 def _largest_error(scene, snapshot):
     squares = _squared_errors(scene, snapshot)
     return None if squares is None else np.sqrt(np.max(squares)) / scene.reference_velocity

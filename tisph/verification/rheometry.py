@@ -11,6 +11,7 @@ import numpy as np
 
 from tisph.errors import ConfigError
 from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity
+from tisph.verification.wall_shear import integral
 
 HARMONICS = (1, 2, 3, 5)
 SETTLED = 1e-6
@@ -147,6 +148,15 @@ def _parts(words, both):
     return f"  {words}: {both[0]:+.2e} of G', {both[1]:+.2e} of G''"
 
 
+def _over_time(t, columns):
+    """Lines of a table of ``columns`` by name at some of the times, more of them at first."""
+    chosen = np.unique(np.geomspace(1, len(t), SHOWN).astype(int)) - 1
+    return [
+        f"  {'t':>10} " + " ".join(f"{name:>12}" for name in columns),
+        *(f"  {t[k]:10.4g} " + " ".join(f"{values[k]:12.6g}" for values in columns.values()) for k in chosen),
+    ]
+
+
 def _start_up(channel, liquid, wall, table):
     rate = wall.cosine / channel.gap
     before = (wall.before or 0.0) / channel.gap
@@ -156,10 +166,8 @@ def _start_up(channel, liquid, wall, table):
     theory = growth if rate else liquid.viscosity - growth
     found, exact = (table[name][1:] / steady for name in _both("wall_shear"))
     what = "viscosity growth eta+" if rate else "stress after cessation, over the rate before"
-    lines = [f"{what}; shear rate {rate:.6g}, before {before:.6g}", f"  {'t':>10} {'as read':>12} {'reference':>12}"]
-    lines[-1] += f" {'no inertia':>12}"
-    chosen = np.unique(np.geomspace(1, len(t), SHOWN).astype(int)) - 1
-    lines += [f"  {t[k]:10.4g} {found[k]:12.6g} {exact[k]:12.6g} {theory[k]:12.6g}" for k in chosen]
+    lines = [f"{what}; shear rate {rate:.6g}, before {before:.6g}"]
+    lines += _over_time(t, {"as read": found, "reference": exact, "no inertia": theory})
     numbers = {"viscosity_at_the_end": float(found[-1]), "viscosity_at_the_end_reference": float(exact[-1])}
     axis = "time", what
     curves = [
@@ -186,14 +194,12 @@ def _creep(channel, liquid, table):
     if not stress or plate.oscillates:
         raise ConfigError("RUN_DIR: creep is read from a stress that is constant from t = 0 on, for a while")
     strain = sign * table["strain"]
-    exact = _integral(t, table[f"wall_velocity_{side}_exact"]) / channel.gap
+    exact = integral(t, table[f"wall_velocity_{side}_exact"]) / channel.gap
     end = min(plate.changes, default=t[-1])
     during = (t > 0) & (t <= end * (1 + 1e-12))
     found, known, theory = strain[during] / stress, exact[during] / stress, liquid.compliance(t[during])
-    lines = [f"creep compliance J under the stress {stress:.6g}", f"  {'t':>10} {'run':>12} {'reference':>12}"]
-    lines[-1] += f" {'no inertia':>12}"
-    chosen = np.unique(np.geomspace(1, len(found), SHOWN).astype(int)) - 1
-    lines += [f"  {t[during][k]:10.4g} {found[k]:12.6g} {known[k]:12.6g} {theory[k]:12.6g}" for k in chosen]
+    lines = [f"creep compliance J under the stress {stress:.6g}"]
+    lines += _over_time(t[during], {"run": found, "reference": known, "no inertia": theory})
     axis = "time", "strain over stress"
     curves = [
         (axis, "run", t, strain / stress, "."),
@@ -243,9 +249,3 @@ def _slowest_pair(t, velocity):
     sizes = np.linalg.lstsq(np.exp(np.outer(t - t[0], roots)), velocity.astype(complex), rcond=None)[0]
     pairs = [(abs(size), root) for size, root in zip(sizes, roots, strict=True) if root.imag > 1e-6 / step]
     return max(pairs, key=lambda pair: pair[0])[1] if pairs else None
-
-
-def _integral(t, velocity):
-    from scipy.interpolate import PchipInterpolator  # of no use to other commands
-
-    return PchipInterpolator(t, velocity).antiderivative()(t)

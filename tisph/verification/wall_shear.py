@@ -90,3 +90,10 @@ def _coefficients(channel, distance, values, powers):
     root_weight = (1 - fraction) * np.sqrt(1 + 2 * fraction)
     basis = root_weight[:, None] * fraction[:, None] ** powers
     return np.linalg.lstsq(basis, root_weight * values[near], rcond=None)[0]
+
+
+def integral(times, velocities):
+    """Return the integral from the first of ``times`` to each of them, by a smooth curve through ``velocities``."""
+    from scipy.interpolate import PchipInterpolator  # of no use to most runs
+
+    return PchipInterpolator(times, velocities).antiderivative()(times) if len(times) > 1 else np.zeros(len(times))

@@ -39,32 +39,21 @@ class Table:
 
 def errors(runs: "Sequence[Results]", views: "Sequence[View]") -> Table:
     """Errors of the velocity, a row a sample."""
-    rows, left_out = [], 0
-    for run, view in zip(runs, views, strict=True):
-        chosen, left = _chosen(run.summary.samples)
-        left_out += left
-        for sample in chosen:
-            relative = NOTHING if sample.l2 is None else scientific(sample.l2)
-            others = [NOTHING if each is None else scientific(each) for each in (sample.rms, sample.linf)]
-            resolved = "yes" if sample.resolved else f"no: {sample.reason}"
-            time = f"{number(sample.t)} {run.config.units.time}"
-            rows.append(Row([view.title, time, number(sample.t_star, 3), relative, *others, resolved]))
+    rows = []
+    for start, sample in _shown(runs, views):
+        errors = [NOTHING if each is None else scientific(each) for each in (sample.l2, sample.rms, sample.linf)]
+        resolved = "yes" if sample.resolved else f"no: {sample.reason}"
+        rows.append(Row([*start, number(sample.t_star, 3), *errors, resolved]))
     header = ["run", "t", "t*", "L2, relative", "rms / U", "max / U", "resolved"]
-    return _named_once(Table("Errors of the velocity", header, rows, _note(left_out)), runs)
+    return _named_once(Table("Errors of the velocity", header, rows, _note(runs)), runs)
 
 
 def measures(runs: "Sequence[Results]", views: "Sequence[View]") -> Table:
     """What the scene measures of a sample: wall forces, torques, fluxes, energies, with the exact ones beside them."""
-    rows, left_out = [], 0
-    for run, view in zip(runs, views, strict=True):
-        chosen, left = _chosen(run.summary.samples)
-        left_out += left
-        for sample in chosen:
-            time = f"{number(sample.t)} {run.config.units.time}"
-            rows += [Row([view.title, time, *texts]) for texts in _measured(sample)]
+    rows = [Row([*start, *texts]) for start, sample in _shown(runs, views) for texts in _measured(sample)]
     title = "Wall forces and other numbers at the samples"
     header = ["run", "t", "quantity", "run", "exact", "difference"]
-    return _named_once(Table(title, header, rows, _note(left_out)), runs)
+    return _named_once(Table(title, header, rows, _note(runs)), runs)
 
 
 def _measured(sample: SampleErrors) -> Iterator[list[str]]:
@@ -157,14 +146,17 @@ def _versions(summary: Any) -> dict[str, Any]:
     return {"versions": ", ".join(f"{name} {version}" for name, version in summary.provenance.versions.items())}
 
 
-def _chosen(samples: Sequence[SampleErrors]) -> tuple[Sequence[SampleErrors], int]:
-    """Return the first and last ones of many, and how many are left out."""
-    left_out = max(0, len(samples) - _MOST_SAMPLES)
+def _shown(runs: "Sequence[Results]", views: "Sequence[View]") -> Iterator[tuple[list[str], SampleErrors]]:
+    """Yield title and time of the samples with themselves: of many, the first and last ones of a run."""
     half = _MOST_SAMPLES // 2
-    return ([*samples[:half], *samples[-half:]] if left_out else samples), left_out
+    for run, view in zip(runs, views, strict=True):
+        samples = run.summary.samples
+        for sample in (*samples[:half], *samples[half:][-half:]):
+            yield [view.title, f"{number(sample.t)} {run.config.units.time}"], sample
 
 
-def _note(left_out: int) -> str:
-    return f"{left_out} samples between the first and the last ones are left out; summary.json has them." * bool(
-        left_out
-    )
+def _note(runs: "Sequence[Results]") -> str:
+    left_out = sum(max(0, len(run.summary.samples) - _MOST_SAMPLES) for run in runs)
+    if not left_out:
+        return ""
+    return f"{left_out} samples between the first and the last ones are left out; summary.json has them."

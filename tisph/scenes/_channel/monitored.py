@@ -3,7 +3,7 @@
 import numpy as np
 
 from tisph.scenes._views import Monitored
-from tisph.verification.wall_shear import wall_shear, wall_velocity
+from tisph.verification.wall_shear import integral, wall_shear, wall_velocity
 
 SIDES = ("bottom", "top")
 
@@ -37,16 +37,10 @@ def _final(channel, times, values):
     That of a wall that a stress drives is the integral of the velocities that the particles show.
     """
     ways = [
-        _integral(times, values[:, 2 + side]) if wall.driven else wall.displacement(times)
+        integral(times, values[:, 2 + side]) if wall.driven else wall.displacement(times)
         for side, wall in enumerate((channel.bottom, channel.top))
     ]
     walls = [wall for _, wall in reversed(channel.walls)]
     exact = [*channel.exact_wall_shear(times), *(wall.velocity(times) for wall in walls)]
     strain = (ways[1] - ways[0]) / channel.gap
     return np.column_stack([strain, *(np.where(np.isfinite(one), one, np.nan) for one in exact)])
-
-
-def _integral(times, velocities):
-    from scipy.interpolate import PchipInterpolator  # of no use to most runs
-
-    return PchipInterpolator(times, velocities).antiderivative()(times) if len(times) > 1 else np.zeros(len(times))

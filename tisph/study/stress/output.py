@@ -3,14 +3,12 @@
 import json
 import os
 import platform
-import sys
 import time
 from datetime import datetime
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
 import tisph
+from tisph.observers._files import replaced
+from tisph.report.terminal_bar import study_bar
 from tisph.study.stress import limits, maps
 from tisph.study.stress.judge import VERDICTS
 from tisph.study.stress.picture import plot_maps
@@ -46,16 +44,7 @@ class Output:
         self.processes = processes
         self._running = []
         seconds = sum(plan.seconds + START_SECONDS for plan in plans.values() if not plan.refusal)
-        self._progress = Progress(
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TimeRemainingColumn(),
-            console=Console(stderr=True),
-            transient=True,
-            redirect_stdout=False,
-            speed_estimate_period=3600.0,
-            disable=not sys.stderr.isatty(),
-        )
+        self._progress = study_bar()
         self._task = self._progress.add_task("", total=seconds)
         minutes = seconds / 60 / processes
         print(f"{len(plans)} cells, about {minutes:.0f} minutes with {processes} processes of one thread")
@@ -122,9 +111,8 @@ class Output:
             **more,
             "cells": [_data(row) for row in self.rows.values()],
         }
-        partial = self.folder / f"{NUMBERS}.partial"
-        partial.write_text(json.dumps(numbers, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-        partial.replace(self.folder / NUMBERS)
+        with replaced(self.folder / NUMBERS) as new:
+            new.write_text(json.dumps(numbers, indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def _cells(row):

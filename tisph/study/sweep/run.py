@@ -1,13 +1,13 @@
 """Run a sweep: a line as each run ends, then table, picture, orders, and the cheapest run within the bound."""
 
-import sys
 import time
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
 
+from tisph.report.terminal_bar import study_bar
 from tisph.study.store import Store, claimed
 from tisph.study.sweep import cluster, local, picture, plan, table
 from tisph.verification.table import format_table
@@ -37,6 +37,7 @@ class Sweep:
     def __init__(self, study, folder):
         self.study, self.folder = study, folder
         self.store = Store(folder / "runs")
+        self.cases = {case.name: case for case in reversed(study.cases)}
         self.rows = {}
 
     def run(self, processes, scheduler):
@@ -75,36 +76,30 @@ class Sweep:
         )
         seconds = {case.name: case.seconds + START_SECONDS for case in missing}
         began, left = time.perf_counter(), sum(seconds.values())
-        with closing(found) as outcomes, _progress() as progress:
-            task = progress.add_task("", total=left)
+        with closing(found) as outcomes, study_bar() as progress:
+            task = progress.add_task(f"0/{len(missing)}", total=left)
             for count, (name, summary, message) in enumerate(outcomes, 1):
                 self._add(name, summary, message)
                 left -= seconds[name]
                 elapsed = time.perf_counter() - began
                 rest = elapsed * left / max(sum(seconds.values()) - left, 1e-9)
                 print(self._line(name, count, len(missing), rest), flush=True)
-                progress.advance(task, seconds[name])
+                progress.update(task, advance=seconds[name], description=f"{count}/{len(missing)}")
                 self._write()
 
     def _line(self, name, count, total, rest):
-        case = next(case for case in self.study.cases if case.name == name)
         found = self.rows[name]
-        values = ", ".join(f"{key.rpartition('.')[2]} = {value}" for key, value in case.values.items())
+        values = ", ".join(f"{key.rpartition('.')[2]} = {value}" for key, value in found.case.values.items())
         error = found.numbers[self.study.error]
         result = f"{self.study.error} {error:.2e}" if error is not None else found.message or found.status
         return f"{count}/{total}  {values}: {result}" + (f"  ({rest:.0f} s left)" if count < total else "")
 
     def _add(self, name, summary, message):
-        case = next(case for case in self.study.cases if case.name == name)
-        self.rows[name] = table.row(self.study, case, summary, message)
+        self.rows[name] = table.row(self.study, self.cases[name], summary, message)
 
     def _ordered(self):
-        """Rows of the cases that are known, in their order."""
-        return [
-            table.Row(**{**vars(self.rows[case.name]), "case": case})
-            for case in self.study.cases
-            if case.name in self.rows
-        ]
+        """Rows of the cases that are known, in their order; several may be one run."""
+        return [replace(self.rows[case.name], case=case) for case in self.study.cases if case.name in self.rows]
 
     def _write(self):
         table.write(self.study, self._ordered(), self.folder)
@@ -124,16 +119,3 @@ class Sweep:
         setting = ", ".join(f"{key} = {value}" for key, value in best.case.values.items())
         cost = f"{best.numbers[study.error]:.2e} in {best.seconds:.3g} s, {best.steps} steps"
         return "\n".join([*lines, f"cheapest run{within}: {setting}: {cost}"])
-
-
-def _progress():
-    return Progress(
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-        console=Console(stderr=True),
-        transient=True,
-        redirect_stdout=False,
-        speed_estimate_period=3600.0,
-        disable=not sys.stderr.isatty(),
-    )

@@ -5,13 +5,13 @@ runs were made; ``costs.csv`` has the seconds, which are not. ``table.h5`` has t
 """
 
 import csv
-import io
 import statistics
 from dataclasses import dataclass
 
 import h5py
 import numpy as np
 
+from tisph.observers._files import hdf5_file, replaced
 from tisph.verification.criteria import fitted_order
 
 TABLE, COSTS, ARRAYS = "table.csv", "costs.csv", "table.h5"
@@ -71,38 +71,24 @@ def write(study, rows, folder):
     }
     costs = {"run": names, "loop_s": [each.seconds for each in rows], "total_s": [each.total for each in rows]}
     for name, columns in ((TABLE, computed), (COSTS, costs)):
-        _replace(folder / name, _as_csv(columns).encode())
-    _replace(folder / ARRAYS, _as_hdf5({**computed, **costs}))
-
-
-def _replace(path, content):
-    """Put ``content`` in the place of a file at once: who reads meanwhile sees the old or the new one."""
-    partial = path.with_name(f"{path.name}.partial")
-    partial.write_bytes(content)
-    partial.replace(path)
-
-
-def _as_csv(columns):
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(zip(*([_text(value) for value in column] for column in columns.values()), strict=True))
-    return stream.getvalue()
+        with replaced(folder / name) as new, new.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(columns)
+            writer.writerows(zip(*(map(_text, column) for column in columns.values()), strict=True))
+    with replaced(folder / ARRAYS) as new, hdf5_file(new) as file:
+        _fill(file, {**computed, **costs})
 
 
 def _text(value):
     return "" if value is None else repr(value) if isinstance(value, float) else str(value)
 
 
-def _as_hdf5(columns):
-    stream = io.BytesIO()
-    with h5py.File(stream, "w") as file:
-        for name, column in columns.items():
-            numeric = all(value is None or isinstance(value, int | float) for value in column)
-            kind = float if numeric else h5py.string_dtype()
-            values = [np.nan if value is None else value for value in column] if numeric else map(_text, column)
-            file.create_dataset(name, data=np.array(list(values), dtype=object).astype(kind))
-    return stream.getvalue()
+def _fill(file, columns):
+    for name, column in columns.items():
+        numeric = all(value is None or isinstance(value, int | float) for value in column)
+        kind = float if numeric else h5py.string_dtype()
+        values = [np.nan if value is None else value for value in column] if numeric else map(_text, column)
+        file.create_dataset(name, data=np.array(list(values), dtype=object).astype(kind))
 
 
 def orders(study, rows):

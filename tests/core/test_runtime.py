@@ -1,5 +1,8 @@
 """The one place where Taichi is initialised."""
 
+import os
+import time
+
 import pytest
 
 from tisph import runtime
@@ -56,6 +59,20 @@ def test_reading_a_kernel_counts_once():
     assert after > before
     assert doubled(3.0) == 6.0
     assert runtime.compile_seconds() == after
+
+
+@pytest.mark.parametrize("age", [0.0, 2.0 * runtime.WRITTEN_SECONDS])
+def test_a_lock_that_a_killed_process_left_does_not_keep_kernels_from_the_cache(tmp_path, monkeypatch, age):
+    monkeypatch.setattr(runtime, "CACHE", tmp_path)
+    (tmp_path / "serial").mkdir()
+    lock = tmp_path / "serial" / "ticache.lock"
+    lock.touch()
+    os.utime(lock, (time.time() - age,) * 2)
+    runtime.start("f64", 1)
+    assert lock.exists() == (age == 0.0)  # somebody may be writing now
+    assert doubled(1.0) == 2.0
+    ti.reset()
+    assert any(tmp_path.glob("serial/*.tic")) == (age > 0.0)
 
 
 @ti.data_oriented

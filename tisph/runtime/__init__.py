@@ -12,6 +12,7 @@ import linecache
 import os
 import shutil
 import tempfile
+import time
 from pathlib import Path
 
 
@@ -36,6 +37,9 @@ CACHE = _cache_home()
 CACHE_BYTES = 2**30
 """Room for compiled kernels in each of the two folders: a config needs 1 to 5 MB, and Taichi's 100 MB made a study of
 some dozens compile everything again and again."""
+
+WRITTEN_SECONDS = 60
+"""After which nobody is writing to a cache any more; it takes one."""
 
 os.environ.update(
     ENABLE_TAICHI_HEADER_PRINT="0",  # no banner
@@ -109,10 +113,12 @@ def start(precision, threads):
     others = _thread_ids()
     _fields.forget()
     os.environ.pop("TI_ARCH", None)  # a run depends on its config alone
+    cache = CACHE / ("serial" if threads == 1 else "parallel")
+    _unlock(cache)
     with contextlib.redirect_stdout(io.StringIO()):
         ti.init(
             offline_cache=True,
-            offline_cache_file_path=str(CACHE / ("serial" if threads == 1 else "parallel")),
+            offline_cache_file_path=str(cache),
             offline_cache_max_size_of_files=CACHE_BYTES,
             arch=ti.cpu,
             default_fp=ti.f64 if precision == "f64" else ti.f32,
@@ -121,6 +127,18 @@ def start(precision, threads):
             log_level=ti.ERROR,
         )
     _share_processors(sorted(_thread_ids() - others), threads)
+
+
+def _unlock(cache):
+    """Let kernels be added to a cache again that a process was killed in while it wrote there.
+
+    Taichi 1.7.4 leaves them out for as long as the lock file is there, and says so only to those who let it warn:
+    every process compiles anew what came later, and waits 0.4 s for the lock before it ends.
+    """
+    lock = cache / "ticache.lock"
+    with contextlib.suppress(OSError):
+        if time.time() - lock.stat().st_mtime > WRITTEN_SECONDS:
+            lock.unlink()
 
 
 def threads():

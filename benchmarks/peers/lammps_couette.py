@@ -17,9 +17,12 @@ PROGRAMS = HERE / "env-lammps" / "bin"
 LOOP = re.compile(r"Loop time of (\S+) on (\d+) procs for (\d+) steps")
 VERSION = re.compile(r"LAMMPS \((.+)\)")
 
+DUMPS = 3
+"""Times in the file of ``--dump``, evenly spaced; the last one is the end."""
 
-def command(arguments, dump):
-    """Command and its input; the fluid particles at the end go to the file ``dump`` (None: nowhere)."""
+
+def command(arguments, end):
+    """Command and its input; y and u of the fluid particles at the end go to the file ``end`` (None: nowhere)."""
     variables = {
         "gap": case.GAP,
         "length": case.LENGTH,
@@ -35,14 +38,23 @@ def command(arguments, dump):
     for name, value in variables.items():
         words += ["-var", name, repr(value)]
     source = (HERE / "in.couette.lammps").read_text(encoding="utf-8")
-    if dump is not None:
-        source += f'write_dump fluid custom "{dump}" y vx modify format float %.17g\n'
+    if arguments.dump:
+        source = source.replace("\nrun ", f"\n{dump_commands(arguments)}\nrun ")
+    if end is not None:
+        source += f'write_dump fluid custom "{end}" y vx modify format float %.17g\n'
     return words, source
 
 
-def run(arguments, dump=None):
+def dump_commands(arguments):
+    """Commands that dump liquid and walls as a user would: all particles with their types, at some times."""
+    every = arguments.steps // DUMPS
+    dump = f'dump all all custom {every} "{arguments.dump}" id type x y vx vy'
+    return f"{dump}\ndump_modify all sort id time yes delay 1 format float %.9g"
+
+
+def run(arguments, end=None):
     """Output of a run; RuntimeError with the end of it if LAMMPS fails."""
-    words, source = command(arguments, dump)
+    words, source = command(arguments, end)
     done = subprocess.run(words, input=source, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise RuntimeError("LAMMPS failed:\n" + (done.stdout + done.stderr)[-2000:])
@@ -62,10 +74,10 @@ def main():
     parser.add_argument("--threads", type=int, default=2, help="MPI processes")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        dump = Path(arguments.dump or Path(folder) / "end.dump")
-        output = run(arguments, dump if arguments.profile or arguments.dump else None)
+        end = Path(folder) / "end.dump" if arguments.profile else None
+        output = run(arguments, end)
         if arguments.profile:
-            case.write_profile(arguments.profile, read_dump(dump))
+            case.write_profile(arguments.profile, read_dump(end))
     seconds, processes, steps = LOOP.search(output).groups()
     case.report(
         version=VERSION.search(output).group(1),

@@ -107,7 +107,12 @@ def main():
         case.write_profile(arguments.profile, zip(fluid.y.tolist(), fluid.u.tolist(), strict=True))
     if arguments.dump:
         solver = application.solver
-        dump(arguments.dump, application.particles, {"t": solver.t, "dt": solver.dt, "count": solver.count})
+        dump(
+            arguments.dump,
+            application.particles,
+            {"t": solver.t, "dt": solver.dt, "count": solver.count},
+            compress=True,
+        )
     case.report(
         version=pysph.__version__,
         across=arguments.across,

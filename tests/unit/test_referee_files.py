@@ -144,8 +144,14 @@ LAMMPS = Path(__file__).parent / "data/lammps_couette.dump"
 """Written by LAMMPS (22 Jul 2025, Update 4), liquid and walls:
 ``benchmarks/peers/lammps_couette.py --across 20 --steps 1188 --end 2.7 --threads 1 --dump lammps_couette.dump``."""
 
-LAMMPS_BENCH = 1.465e-01
-"""What ``tisph bench`` measures of that run: ``measure.py --code lammps --threads 1 --across 20 --until 2.7``."""
+PYSPH = Path(__file__).parent / "data/pysph_couette.npz"
+"""Written by PySPH (1.0b2), in the same way: ``pysph_couette.py --across 20 --steps 1188 --end 2.7 --dump FILE``."""
+
+LAMMPS_BENCH, PYSPH_BENCH = 1.465e-01, 8.440e-03
+"""What ``tisph bench`` measures of these runs: ``measure.py --code CODE --threads 1 --across 20 --until 2.7``."""
+
+PRINTED = 5e-4
+"""The numbers above are printed to four digits."""
 
 
 def lammps_l2(t, rows):
@@ -165,7 +171,17 @@ def test_a_dump_of_lammps_is_judged_as_the_bench_judges_the_run(config):
         assert each.placed.notes == ()
         own = lammps_l2(each.numbers["t"], lines[start : start + 1040])
         assert each.numbers["l2"] == pytest.approx(own, rel=1e-9)  # sums in another order
-    assert found[-1].numbers["l2"] == pytest.approx(LAMMPS_BENCH, rel=5e-4)  # it is printed to four digits
+    assert found[-1].numbers["l2"] == pytest.approx(LAMMPS_BENCH, rel=PRINTED)
+
+
+def test_a_file_of_pysph_is_judged_as_the_bench_judges_the_run(config):
+    (found,) = judge.judge(config, [PYSPH], judge.Question()).samples
+    assert found.numbers["t"] == pytest.approx(TIME, rel=1e-12)
+    assert len(found.placed.snapshot.u) == 800
+    assert found.numbers["l2"] == pytest.approx(PYSPH_BENCH, rel=PRINTED)
+    (frame,) = reading.frames(PYSPH)
+    own = {"y": frame.columns["y"], "u": frame.columns["u"]}
+    assert found.numbers["l2"] == pytest.approx(l2(own), rel=1e-9)  # sums in another order
 
 
 def test_walls_of_lammps_that_do_not_hold_the_liquid_are_found(config):

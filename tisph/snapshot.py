@@ -54,7 +54,9 @@ class Snapshot:
     All arrays have shape (particles_fluid,) and the units of the config: positions ``x`` and ``y`` in the box of the
     scene, velocities ``u`` and ``v`` along them, density, pressure; polymer stresses
     [mass/(length time^2)] where the liquid has them, else None. ``reference``: arrays of the exact solution by the name
-    of the field, where somebody has asked for them; ``bodies``, where there are any.
+    of the field, where somebody has asked for them; ``bodies``, where there are any. ``steepest``: the largest change
+    of the logarithm of a conformation tensor within a particle spacing, with x and y of where it is; None where it is
+    not known.
     """
 
     t: float
@@ -70,3 +72,4 @@ class Snapshot:
     stress_yy: np.ndarray | None = None
     reference: dict[str, np.ndarray] | None = None
     bodies: Bodies | None = None
+    steepest: tuple[float, float, float] | None = None

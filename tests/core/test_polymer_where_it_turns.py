@@ -1,11 +1,13 @@
 """Polymer stress where the flow turns: along particles and points of walls, in the implicit scheme between walls."""
 
 import math
+import re
 from dataclasses import replace
 
 import annulus_case as case
 import numpy as np
 import pytest
+from scipy.linalg import logm
 
 from tisph import config, families, runtime
 from tisph.errors import DivergedError
@@ -15,6 +17,7 @@ from tisph.geometry.motion import WallMotion
 from tisph.neighbours.points import used
 from tisph.rheology import giesekus, oldroyd_b
 from tisph.runtime import view
+from tisph.schemes._splitting import _polymer
 from tisph.simulation import checkpoint
 from tisph.simulation.start import start_values
 
@@ -61,7 +64,8 @@ def test_stress_at_rest_relaxes_and_pushes_nothing():
     # uniform stress has no divergence; steps of a seventh of the relaxation time, of third order: measured 3e-6
     flow, places = make(turning=STILL)
     scheme = started(flow, places)
-    scheme.polymer.states[:] = np.array([0.3, 0.1, -0.2])[:, None]
+    logarithm = logm([[1.3, 0.1], [0.1, 0.8]])
+    scheme.polymer.states[:] = logarithm[[0, 0, 1], [0, 1, 1]][:, None]
     while not scheme.finished:
         scheme.advance()
     expected = 0.9 * np.array([0.3, 0.1, -0.2]) * math.exp(-scheme.time)
@@ -114,12 +118,29 @@ def test_stress_follows_a_shift():
     assert np.abs(used(polymer.tensors) - field(place + moved)[:, None]).max() < 1e-11
 
 
-def test_a_conformation_that_is_lost_is_named_with_its_place():
+def test_stress_without_resolution_is_named_with_its_place(monkeypatch):
+    monkeypatch.setattr(_polymer, "HOPELESS", 0.5)
     scheme = started(*make(turning=STILL))
-    scheme.polymer.states[:, 0, 7] = -1.5
-    x, y = view(scheme.points.place)[7] + scheme.flow.origin
-    with pytest.raises(DivergedError, match=rf"not positive definite at \({x:.4g}, {y:.4g}\), step 1, t = 0"):
+    scheme.polymer.states[:, 0, 7] = 2.0
+    place = view(scheme.points.place)[7] + scheme.flow.origin
+    with pytest.raises(DivergedError, match="changes more than 2-fold within a particle spacing") as error:
         scheme.advance()
+    named = re.search(r"\((\S+), (\S+)\), step 1, t = ", str(error.value)).groups()
+    assert np.linalg.norm(place - np.array(named, float)) < 3.0 * scheme.flow.spacing
+
+
+def test_samples_say_how_steep_the_stress_is():
+    # P_xx = 2 x and P_xy = y: a change of sqrt(2^2 + 2 1^2) in a length of 1, wherever
+    flow, places = make(turning=STILL)
+    scheme = started(flow, places)
+    place = view(scheme.points.place)[: flow.particles]
+    scheme.polymer.states[:, 0] = 2.0 * place[:, 0]
+    scheme.polymer.states[:, 1] = place[:, 1]
+    scheme.polymer.slope()
+    assert scheme.polymer.steepest()[0] == pytest.approx(math.sqrt(6.0) * flow.spacing, rel=1e-9)
+    scheme.polymer.begin()
+    scheme.advance()
+    assert scheme.snapshot().steepest[0] < 1e-9
 
 
 def test_one_and_two_threads_give_the_same_bits(monkeypatch):

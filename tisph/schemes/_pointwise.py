@@ -14,6 +14,9 @@ MOST_ITERATIONS = 30
 CONVERGED = 1e-13
 """Residual, over 1 plus the largest component, at which Newton's method is done: rounding is left."""
 
+SLOW = 0.1
+"""Part of the residual before, above which slopes that were kept are made anew."""
+
 
 class Modes:
     """Laws of a liquid's modes, each with its ``part`` of the states (``components`` of all modes, ...).
@@ -36,18 +39,22 @@ class Modes:
         return np.stack([sum(column) for column in zip(*each, strict=True)])
 
 
-def solve(rate, known, duration, guess):
+def solve(rate, known, duration, guess, slopes=None):
     """Solve C = ``known`` + ``duration`` ``rate``(C), arrays (numbers, n), from a ``guess``.
 
-    ``rate`` takes real and complex arrays. Returns C and the last ``matrix``.
+    ``rate`` takes real and complex arrays. Returns C and the last ``matrix``. ``slopes``: one that is near enough, used
+    as long as residuals fall fast; without, Newton's method makes its own in each turn.
     """
-    state, slopes = guess.copy(), None
+    state, kept, last = guess.copy(), slopes is not None, np.inf
     for _ in range(MOST_ITERATIONS):
         residual = known + duration * np.stack(rate(state)) - state
-        if slopes is not None and not np.abs(residual).max() > CONVERGED * (1.0 + np.abs(state).max()):
+        left = np.abs(residual).max()
+        if slopes is not None and not left > CONVERGED * (1.0 + np.abs(state).max()):
             break
-        slopes = matrix(rate, state, duration)
+        if not (kept and left < SLOW * last):
+            slopes = matrix(rate, state, duration)
         state += eliminate(slopes, residual)
+        last = left
     return state, slopes
 
 

@@ -33,7 +33,7 @@ def sample_metrics(scene, snapshot, followed):
         **scene.measures(snapshot, followed),
     }
     numbers = {key: value if _is_word(key, value) else _number(value) for key, value in measures.items()}
-    resolved, reason = resolution(scene, snapshot.t)
+    resolved, reason = resolution(scene, snapshot.t, snapshot.steepest)
     return {"t": numbers.pop("t"), "resolved": resolved, "reason": reason, **numbers}
 
 

@@ -1,5 +1,7 @@
 """Whether the particles resolve the flow at a time: the depth of its thinnest layer against their spacing."""
 
+import math
+
 LEAST_DEPTH = 2.0
 """Depth of a layer, in particle spacings, from which on a sample counts as resolved.
 
@@ -7,13 +9,23 @@ The velocities of the layer then err by at most 1.5 % (L2) and the wall shear by
 with polymer the wall shear errs by 5 %. ``benchmarks/resolution.py`` measures it, docs/results.md has its table.
 """
 
+STEEPEST = 1.0
+"""Change of the logarithm of a conformation tensor within a spacing up to which a sample counts as resolved."""
 
-def resolution(channel, t):
-    """Tell whether the flow of a scene is resolved at time ``t``, and why not: (True, None) or (False, reason)."""
+
+def resolution(channel, t, steepest=None):
+    """Tell whether the flow of a scene is resolved at time ``t``, and why not: (True, None) or (False, reason).
+
+    ``steepest``: see ``Snapshot``.
+    """
     depth, place = channel.thinnest_layer(t)
     spacings = depth / channel.spacing
     if spacings >= LEAST_DEPTH:
-        return True, None
+        if steepest is None or steepest[0] <= STEEPEST:
+            return True, None
+        change, x, y = steepest
+        text = f"the polymer's stretch changes {math.exp(change):.2g}-fold within a spacing at ({x:.4g}, {y:.4g})"
+        return False, f"{text}; resolved up to {math.exp(STEEPEST):.2g}-fold"
     return False, f"{place} is {spacings:.2g} spacings thin; resolved from {LEAST_DEPTH:g} spacings on"
 
 

@@ -45,5 +45,6 @@ def state(scheme, time):
         density=np.full(len(position), flow.density),
         pressure=flow.density * (pressure - pressure.mean()),
         bodies=bounds.bodies(time, times, age) if bounds else None,
+        steepest=scheme.steepest,
         **dict(zip(STRESSES, stress, strict=False)),
     )

@@ -69,6 +69,7 @@ HOST_STATE = (
     "lengths",
     "iterations",
     "initial_momentum",
+    "steepest",
 )
 """Attributes of a Scheme that change while it runs."""
 
@@ -109,7 +110,7 @@ class Scheme:
         self.steps = self.rejected = self.reduced = self.dropped = 0
         self.shortest, self.longest = math.inf, 0.0
         self.lengths, self.iterations = [], [0.0, 0.0]
-        self.seen = None
+        self.seen = self.steepest = None
 
     def start(self, position, velocity, stress=None):
         """Place the particles, (particles, 2) arrays, and find the pressure of their velocities.
@@ -215,7 +216,7 @@ class Scheme:
             self.bounds.conclude(self.split.velocity.x)
         self.history.measure()
         if self.polymer:
-            self.polymer.take_up(self.split.velocity.x, self.steps + 1)
+            self.steepest = self.polymer.take_up(self.split.velocity.x, self.steps + 1)
         if self.bounds:
             self.bounds.measure(self.time + length, self.polymer)
         gone = length * self.speed / self.flow.spacing

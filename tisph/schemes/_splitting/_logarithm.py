@@ -1,0 +1,66 @@
+"""The logarithm P of a conformation tensor A, by which a flow may stretch A without end and not make it negative.
+
+Where a liquid is stretched A grows and falls off exponentially from path to path and from step to step; its logarithm
+does so linearly, and any P is that of a positive definite A. In two dimensions P = p 1 + E, E without trace, of which
+e = (P_xx - P_yy)/2 and f = P_xy are the components, and with s^2 = e^2 + f^2
+
+    A = exp(p) (cosh s 1 + sinh(s)/s E).
+
+With L = grad u, D its symmetric part, of which d is the trace and D' the rest, and w half the vorticity,
+
+    dp/dt = d/2 + ...,    dE/dt = 2 w J E + 2 c D' + 2 (1 - c)/s^2 (E . D') E + ...,    c = s coth s,
+
+J E = (-f, e), E . D' = e D'_xx + f D'_xy; relaxation R, which has the axes of A in every law, adds A^-1 R. All of these
+are functions of s^2 and as smooth as A. Sources: R. Fattal and R. Kupferman, J. Non-Newtonian Fluid Mech. 123 (2004)
+281-285; here without finding the axes.
+"""
+
+import numpy as np
+
+SMALL = 1e-3
+"""Of s^2, below which series are used; what they leave out is below 1e-16."""
+
+
+def deviation(state):
+    """Return the components xx, xy, yy and, where there is one, zz of A - 1, of arrays (3 or 4, ...) of P."""
+    xx, xy, yy, *others = state
+    half = 0.5 * (xx - yy)
+    grown, even, odd, _, _ = _functions(0.5 * (xx + yy), half, xy)
+    isotropic = grown * even
+    one = grown * odd
+    return (isotropic + one * half - 1.0, one * xy, isotropic - one * half - 1.0, *(np.exp(zz) - 1.0 for zz in others))
+
+
+def rate(law, state, gradient):
+    """Return dP/dt of a mode with this ``law`` for the components xx, xy, yx, yy of the velocity ``gradient``."""
+    xx, xy, yy, *others = state
+    half = 0.5 * (xx - yy)
+    grown, even, odd, turned, rest = _functions(0.5 * (xx + yy), half, xy)
+    along, across = grown * odd * half, grown * odd * xy
+    isotropic = grown * even - 1.0
+    pulls = law.relaxation((isotropic + along, across, isotropic - along, *(np.exp(zz) - 1.0 for zz in others)))
+    mean, slope, shear = 0.5 * (pulls[0] + pulls[2]), 0.5 * (pulls[0] - pulls[2]), pulls[1]
+    lxx, lxy, lyx, lyy = gradient
+    stretch, strain, spin = 0.5 * (lxx - lyy), 0.5 * (lxy + lyx), lyx - lxy
+    aligned = 2.0 * rest * (half * stretch + xy * strain) - odd * mean / grown
+    trace = lxx + lyy + (even * mean - odd * (half * slope + xy * shear)) / grown
+    first = -spin * xy + 2.0 * turned * stretch + aligned * half + even * slope / grown
+    second = spin * half + 2.0 * turned * strain + aligned * xy + even * shear / grown
+    beside = (pull / np.exp(zz) for pull, zz in zip(pulls[3:], others, strict=True))
+    return (trace + first, second, trace - first, *beside)
+
+
+def _functions(mean, half, shear):
+    """Return exp(p), cosh s, sinh(s)/s, s coth s and (1 - s coth s)/s^2."""
+    square = half * half + shear * shear
+    small = np.abs(square) < SMALL
+    root = np.sqrt(np.where(small, 1.0, square))
+    up = np.exp(root)
+    even, odd = 0.5 * (up + 1.0 / up), 0.5 * (up - 1.0 / up)
+    q = np.where(small, square, 0.0)
+    rest = -1 / 3 + q * (1 / 45 - q * (2 / 945 - q / 4725))
+    turned = np.where(small, 1.0 - q * rest, root * even / odd)
+    rest = np.where(small, rest, (1.0 - turned) / np.where(small, 1.0, square))
+    ratio = np.where(small, 1.0 + q * (1 / 6 + q * (1 / 120 + q / 5040)), odd / root)
+    even = np.where(small, 1.0 + q * (0.5 + q * (1 / 24 + q * (1 / 720 + q / 40320))), even)
+    return np.exp(mean), even, ratio, turned, rest

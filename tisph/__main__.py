@@ -14,6 +14,7 @@ def main() -> None:
         signal.signal(signal.SIGINT, _leave)
     except KeyboardInterrupt:
         _leave()
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # not to look for them in all that is installed
     from tisph.cli import main as command
 
     command()

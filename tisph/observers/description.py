@@ -1,6 +1,7 @@
 """What the files of a run say of themselves: software, flow, units, and the config that made them."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from tisph import __version__
@@ -12,6 +13,11 @@ class Description:
 
     config: Any
     scene: Any
+
+    @cached_property
+    def resolved(self):
+        """The config as YAML; to write that takes longer than all else here."""
+        return self.config.resolved_yaml()
 
     def attributes(self, content):
         """Return names and values, text and numbers in the config's units, of a file with this ``content``."""
@@ -30,7 +36,7 @@ class Description:
             **(vars(scene.polymer) if scene.polymer else {}),
             "reference_velocity": scene.reference_velocity,
             "frame_velocity": scene.frame_velocity,
-            "config": self.config.resolved_yaml(),
+            "config": self.resolved,
         }
 
     @property

@@ -76,15 +76,15 @@ class History:
             names += self.monitored.final_columns
             final = self.monitored.final(times, values[:, len(self.followed.columns) :])
             exact = np.hstack([np.broadcast_to(exact, (len(times), exact.shape[-1])), final])
-        names = ",".join(names)
-        lines = [self._line(*record) for record in zip(times, values, exact, strict=True)]
+        more = [",".join(map(_digits, row)) for row in exact]
+        lines = self.path.read_text(encoding="utf-8").splitlines()[-len(more) :]
+        text = "".join(f"{line},{rest}\n" for line, rest in zip(lines, more, strict=True))
         with replaced(self.path) as new:
-            new.write_text(f"{self.header},{names}\n" + "".join(lines), encoding="utf-8")
+            new.write_text(f"{self.header},{','.join(names)}\n{text}", encoding="utf-8")
 
-    def _line(self, t, values, exact=()):
+    def _line(self, t, values):
         resolved, count = str(int(resolution(self.scene, t)[0])), len(self.followed.columns)
-        numbers, more = values[:count], values[count:]
-        return ",".join([*map(_digits, (t, *numbers)), resolved, *map(_digits, (*more, *exact))]) + "\n"
+        return ",".join([*map(_digits, (t, *values[:count])), resolved, *map(_digits, values[count:])]) + "\n"
 
     def _append(self, lines):
         """Add all of ``lines`` to the file, or nothing."""

@@ -11,9 +11,11 @@ import io
 import linecache
 import os
 import shutil
+import sys
 import tempfile
 import time
 from pathlib import Path
+from types import ModuleType
 
 
 def _cache_home():
@@ -43,10 +45,14 @@ WRITTEN_SECONDS = 60
 
 os.environ.update(
     ENABLE_TAICHI_HEADER_PRINT="0",  # no banner
-    TI_SKIP_VERSION_CHECK="ON",  # no request to a server, which it sends once a day otherwise
     TI_ENABLE_TORCH="0",  # no import of what happens to be installed
     TI_ENABLE_PADDLE="0",
 )
+
+_check = ModuleType("taichi._version_check")
+_check.start_version_check_thread = lambda: None
+sys.modules[_check.__name__] = _check
+"""In its place: a request to a server, once a day, and the import of all that it takes."""
 
 
 @contextlib.contextmanager

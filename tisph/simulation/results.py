@@ -18,13 +18,13 @@ def write_summary(path, summary):
         new.write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
 
-def fingerprint(config):
-    """Return a hash of all that decides a run's outcome."""
-    return hashlib.sha256(config.resolved_yaml().encode()).hexdigest()[:16]
+def fingerprint(resolved):
+    """Return a hash of all that decides a run's outcome: the ``resolved`` config as YAML."""
+    return hashlib.sha256(resolved.encode()).hexdigest()[:16]
 
 
-def provenance(config, threads):
-    """Return what else a number in the summary depends on."""
+def provenance(config, resolved, threads):
+    """Return what else a number in the summary depends on; ``resolved`` is the config as YAML."""
     packages = ("taichi", "numpy", "scipy", "h5py", "pydantic", "matplotlib")
     return {
         "versions": {
@@ -37,7 +37,7 @@ def provenance(config, threads):
         "threads": threads,
         "precision": config.discretisation.precision,
         "seed": config.initial.seed,
-        "config_hash": fingerprint(config),
+        "config_hash": fingerprint(resolved),
         "commit": _commit(),
     }
 

@@ -66,7 +66,7 @@ class Run:
         self.folder = folder
         self.channel = families.load("scenes", config.scene).Scene.from_config(config)
         self.particles = self.channel.particles
-        self.resolved = config.resolved_yaml()
+        self.about = Description(config, self.channel)
         self.threads = threads(config, self.channel)
         self.costs = {
             "import": time.perf_counter() - PROCESS_START,
@@ -115,7 +115,7 @@ class Run:
         targets = sorted({*config.time.samples, config.time.end})
         self.scheme = scheme(config, self.channel.in_own_frame(), targets, serial=self.threads == 1)
         log.info("scheme %s", reason)
-        if resume and not checkpoint.restore(self.folder.checkpoint, self.scheme, self.resolved, targets):
+        if resume and not checkpoint.restore(self.folder.checkpoint, self.scheme, self.about.resolved, targets):
             log.warning(OTHER_STEPS)
             print(f"warning: {OTHER_STEPS}", file=sys.stderr)
         self.first_step = self.scheme.steps
@@ -139,12 +139,11 @@ class Run:
 
     def _open(self, resumed_at):
         with replaced(self.folder.config) as new:
-            new.write_text(self.resolved, encoding="utf-8")
+            new.write_text(self.about.resolved, encoding="utf-8")
         end = self.config.time.end
         followed = self.channel.followed(**self.config.followed)
-        about = Description(self.config, self.channel)
-        self.samples = Samples(self.folder.samples, self.channel, self.config.time.samples, resumed_at, about)
-        self.history = History(self.folder.history, self.channel, followed, end, resumed_at, about)
+        self.samples = Samples(self.folder.samples, self.channel, self.config.time.samples, resumed_at, self.about)
+        self.history = History(self.folder.history, self.channel, followed, end, resumed_at, self.about)
         self.observers = [self.samples, self.history]
         if self.movie:
             video = self.config.output.video
@@ -212,7 +211,7 @@ class Run:
             for observer in self.observers:
                 observer.flush()  # a run that goes on from the checkpoint needs what came before it
         finally:
-            checkpoint.save(self.folder.checkpoint, self.scheme, self.resolved)
+            checkpoint.save(self.folder.checkpoint, self.scheme, self.about.resolved)
 
     def _begin_pictures(self):
         self.pictures = drawing.begin_pictures(self.folder, self.config, self.channel)

@@ -25,7 +25,7 @@ def summarise(job):
         "numbers": _numbers(job),
         "momentum": _momentum(job),
         "cost": cost(job),
-        "provenance": provenance(job.config, job.threads),
+        "provenance": provenance(job.config, job.about.resolved, job.threads),
     }
 
 

@@ -14,7 +14,7 @@ demo: .venv/run-ready
 
 # Run the tests, without the ones that take minutes (those: $(BIN)/python -m pytest -m slow).
 test: .venv/test-ready
-	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist worksteal
+	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile
 
 # Make the pictures and movies that README.md shows.
 media: .venv/run-ready

@@ -15,9 +15,13 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 gc.set_threshold(200_000, 20, 20)  # as the command line does, and for the same reason
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def kept_program():
-    """Taichi starts once for many tests."""
+    """Taichi starts once for many tests of a file.
+
+    Numbers of fields are compiled in, and they follow from what was asked for before: in a file always the same, so
+    that the next run of the tests finds its kernels in the cache. Tests of one file run in one process for that.
+    """
     import kept_program  # it imports Taichi, which most tests do without
 
     kept_program.install()

@@ -31,9 +31,9 @@ def pytest_collection_modifyitems(items):
     items.sort(key=lambda item: item.get_closest_marker("other_program") is not None)
 
 
-@pytest.fixture(scope="session", autouse=True)
+@pytest.fixture(scope="module", autouse=True)
 def started_once(kept_program):
-    """Let Taichi start once for many tests of this folder."""
+    """Let Taichi start once for many tests of each file of this folder."""
 
 
 @pytest.fixture(scope="session")
@@ -78,7 +78,7 @@ def make(make_any):
     return make_any
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def shared(make_any):
     """Return ``make_any(..., started=False)``, on one thread, which builds a Scheme once for all tests that ask for it.
 

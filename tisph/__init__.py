@@ -27,7 +27,7 @@ __version__ = "0.1.0"
 __all__ = ["Results", "check", "open", "run"]
 
 PROCESS_START = time.perf_counter()
-"""When the package was imported: the cost of start-up counts from here."""
+"""When the process began, or rather the package was imported: the cost of start-up counts from here."""
 
 _PLACES = {
     "run": ("tisph.interface", "run"),

@@ -30,6 +30,11 @@ def names(family: str) -> list[str]:
     return sorted(item.name for item in pkgutil.iter_modules(folders) if not item.name.startswith("_"))
 
 
+def modules(family: str) -> list[str]:
+    """Dotted names of the modules of all members of ``family``; KeyError for an unknown family. Imports no member."""
+    return [f"{FAMILIES[family]}.{name}" for name in names(family)]
+
+
 def load(family: str, name: str) -> ModuleType:
     """Import one member (this may import Taichi); KeyError where ``names(family)`` does not have it."""
     _member_file(family, name)

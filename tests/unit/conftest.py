@@ -43,5 +43,5 @@ def fake_process(monkeypatch):
         return l2 if isinstance(l2, str) else make_result(t18=l2).summary
 
     runs = FakeRuns(summary)
-    monkeypatch.setattr(processes.subprocess, "Popen", runs)
+    monkeypatch.setattr(processes, "start", runs)
     return runs.configs, l2_by_name

@@ -1,6 +1,8 @@
 """A stand-in for the processes of ``tisph run``: they leave the numbers that a test chooses, and compute nothing."""
 
 import json
+import multiprocessing
+import time
 from pathlib import Path
 
 from ruamel.yaml import YAML
@@ -9,7 +11,7 @@ from tisph.verification.criteria import Result
 
 
 class FakeRuns:
-    """Takes the place of ``subprocess.Popen``: records the configs that it is asked for.
+    """Takes the place of ``tisph.study.starting.start``: records the configs that it is asked for.
 
     ``summary(config)`` gives the summary that a run leaves, or the text of the error with which it stops.
     """
@@ -20,47 +22,55 @@ class FakeRuns:
         self.running = 0
         self.most_at_once = 0
 
-    def __call__(self, command, *, stdout, stderr):
-        path, folder = Path(command[4]), Path(command[6])
+    def __call__(self, arguments, messages):
+        path, folder = Path(arguments[1]), Path(arguments[3])
         config = YAML(typ="safe", pure=True).load(path)
         self.configs.append(config)
         self.running += 1
         self.most_at_once = max(self.most_at_once, self.running)
-        return FakeProcess(self, self.summary(config), folder, stderr)
+        return FakeProcess(self, self.summary(config), folder, messages)
 
 
 class FakeProcess:
     """One of them; it ends when it is looked at for the second time."""
 
-    def __init__(self, runs, outcome, folder, stderr):
-        self.runs, self.outcome, self.folder, self.stderr = runs, outcome, folder, stderr
+    def __init__(self, runs, outcome, folder, messages):
+        self.runs, self.outcome, self.folder, self.messages = runs, outcome, folder, messages
         self.looks = 0
-        self.returncode = None
+        self.status = None
         self.terminated = False
 
-    def poll(self):
+    @property
+    def exitcode(self):
         self.looks += 1
-        return self.wait() if self.looks > 1 else self.returncode
+        if self.looks > 1:
+            self.join()
+        return self.status
 
     def terminate(self):
         self.terminated = True
 
-    def wait(self):
-        if self.returncode is None:
+    def join(self):
+        if self.status is None:
             self.runs.running -= 1
-            self.returncode = self._end()
-        return self.returncode
+            self.status = self._end()
 
     def _end(self):
         if self.terminated:
             return 130
         self.folder.mkdir(exist_ok=True)
         if isinstance(self.outcome, str):
-            self.stderr.write(f" 10%  t = 0.1 s  step 100\nerror: {self.outcome}\n")
-            self.stderr.flush()
+            self.messages.write_text(f" 10%  t = 0.1 s  step 100\nerror: {self.outcome}\n", encoding="utf-8")
             return 3
         (self.folder / "summary.json").write_text(json.dumps(self.outcome), encoding="utf-8")
         return 0
+
+
+def sleeper():
+    """A process that does not end by itself."""
+    process = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(600,))
+    process.start()
+    return process
 
 
 def make_result(folder=None, speed=0.5, **errors):

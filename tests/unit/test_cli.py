@@ -45,8 +45,8 @@ def simulation(monkeypatch):
     stand_in.calls, stand_in.error, stand_in.drawn = [], None, []
     stand_in.__path__ = [str(Path(tisph.__file__).parent / "simulation")]  # its other modules are the real ones
 
-    def run(config, folder, *, video, resume):
-        stand_in.calls.append((config.name, folder, video, resume))
+    def run(config, folder, *, pictures, video, resume):
+        stand_in.calls.append((config.name, folder, pictures, video, resume))
         (folder / "summary.json").write_text("{}")
         if stand_in.error:
             raise stand_in.error
@@ -93,14 +93,14 @@ def test_run_makes_its_folder_and_names_the_results(case, simulation):
     result = tisph_command("run", "case.yaml", "--no-video")
     assert result.exit_code == 0
     folder = Path("runs/case")
-    assert simulation.calls == [("case", folder, False, False)]
+    assert simulation.calls == [("case", folder, True, False, False)]
     assert str(folder / "summary.json") in result.stdout
     assert "movie" not in result.stdout  # names only what is there
 
 
 def test_run_passes_overrides_on(case, simulation):
     tisph_command("run", "case.yaml", "--set", "name=other", "--out", "here")
-    assert simulation.calls == [("other", Path("here"), True, False)]
+    assert simulation.calls == [("other", Path("here"), True, True, False)]
 
 
 def test_run_estimates_its_error_after_coarser_runs(case, simulation, monkeypatch):
@@ -115,7 +115,7 @@ def test_run_estimates_its_error_after_coarser_runs(case, simulation, monkeypatc
     done = tisph_command("run", "case.yaml", "--estimate-error")
     assert done.exit_code == 0
     assert done.stdout.endswith("\nerror 1e-5\n")
-    assert simulation.calls == [["across_25", "across_35"], ("case", Path("runs/case"), True, False)]
+    assert simulation.calls == [["across_25", "across_35"], ("case", Path("runs/case"), True, True, False)]
 
 
 def test_too_few_particles_for_coarser_runs(case, simulation):
@@ -149,7 +149,7 @@ def test_resume_needs_a_checkpoint(case, simulation):
     assert "no checkpoint.h5 in old" in result.stderr
     Path("old/checkpoint.h5").write_text("")
     assert tisph_command("run", "case.yaml", "--out", "old", "--resume").exit_code == 0
-    assert simulation.calls == [("case", Path("old"), True, True)]
+    assert simulation.calls == [("case", Path("old"), True, True, True)]
 
 
 @pytest.mark.parametrize("how", [[], ["--overwrite"], ["--resume"]])

@@ -146,7 +146,7 @@ def test_the_table_names_the_worst_sample_and_fails_with_it(monkeypatch, tmp_pat
 
     samples = [forecast_of(), SimpleNamespace(t=2.0, steps=20, l2=1e-3, rms=1e-3, at_most=False)]
     for factor, passed in ((2.0, True), (10.0, False)):
-        monkeypatch.setattr(processes.subprocess, "Popen", outcome(factor))
+        monkeypatch.setattr(processes, "start", outcome(factor))
         tell = lambda config: ({"samples": samples, "steps": 20, "particles": 100}, [])  # noqa: E731
         assert study.run(tmp_path / f"out{factor}", tell, 1) is passed
         output = capsys.readouterr().out

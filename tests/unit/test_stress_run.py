@@ -1,13 +1,11 @@
 """How the stability matrix is run: plans, what is kept, what is printed and written. Nothing is simulated."""
 
 import json
-import subprocess
-import sys
 import time
 from types import SimpleNamespace
 
 import pytest
-from fake_runs import FakeRuns, make_result
+from fake_runs import FakeRuns, make_result, sleeper
 from PIL import Image
 
 from tisph.errors import ConfigError
@@ -43,7 +41,7 @@ def runs(monkeypatch):
         return {**found, "cost": {"steps": 100, "wall_total_s": 2.0}}
 
     fake = FakeRuns(summary)
-    monkeypatch.setattr(processes.subprocess, "Popen", fake)
+    monkeypatch.setattr(processes, "start", fake)
     monkeypatch.setattr(processes, "POLL_SECONDS", 0.0)
     return fake
 
@@ -71,10 +69,10 @@ def test_lines_maps_numbers_and_picture(runs, tmp_path, capsys):
 def test_results_are_written_as_they_come(runs, tmp_path, monkeypatch):
     start, seen = FakeRuns.__call__, []
 
-    def watched(self, command, **options):
+    def watched(self, *arguments):
         path = tmp_path / "stress.json"
         seen.append(len(written(tmp_path)["cells"]) if path.is_file() else 0)
-        return start(self, command, **options)
+        return start(self, *arguments)
 
     monkeypatch.setattr(FakeRuns, "__call__", watched)
     stress.run(tmp_path, forecast, 1, PARTS)
@@ -84,10 +82,10 @@ def test_results_are_written_as_they_come(runs, tmp_path, monkeypatch):
 def test_an_interrupted_matrix_goes_on_where_it_was(runs, tmp_path, monkeypatch, capsys):
     start = FakeRuns.__call__
 
-    def interrupted(self, command, **options):
+    def interrupted(self, *arguments):
         if len(self.configs) == 3:
             raise KeyboardInterrupt
-        return start(self, command, **options)
+        return start(self, *arguments)
 
     monkeypatch.setattr(FakeRuns, "__call__", interrupted)
     with pytest.raises(KeyboardInterrupt):
@@ -112,12 +110,12 @@ def test_one_cell_that_crashes_is_wrong_and_stops_no_other(runs, tmp_path, capsy
 def test_two_matrices_do_not_write_into_one_folder(runs, tmp_path, monkeypatch):
     start, refusals = FakeRuns.__call__, []
 
-    def second(self, command, **options):
+    def second(self, *arguments):
         if not refusals:
             with pytest.raises(ConfigError, match="another matrix is running there") as refusal:
                 stress.run(tmp_path, forecast, 1, PARTS)
             refusals.append(refusal)
-        return start(self, command, **options)
+        return start(self, *arguments)
 
     monkeypatch.setattr(FakeRuns, "__call__", second)
     assert stress.run(tmp_path, forecast, 1, PARTS) is True
@@ -131,9 +129,7 @@ def test_a_folder_that_cannot_be_used_is_bad_input(runs, tmp_path):
 
 
 def test_a_run_that_does_not_end_is_ended(tmp_path, monkeypatch):
-    start = subprocess.Popen
-    sleeper = [sys.executable, "-c", "import time; time.sleep(600)"]
-    monkeypatch.setattr(processes.subprocess, "Popen", lambda command, **options: start(sleeper, **options))
+    monkeypatch.setattr(processes, "start", lambda *_: sleeper())
     process = stress.Limited(processes.Process("config.yaml", tmp_path), 0.2)
     while not process.finished:
         time.sleep(0.01)  # for ever, if nothing ended it

@@ -8,14 +8,18 @@ import sys
 import pytest
 
 STUDY = """
-import subprocess, sys
+import multiprocessing, sys, time
 import typer
 from tisph.cli.outcome import reported
-from tisph.study import processes
+from tisph.study import processes, starting
 
-start = subprocess.Popen
-SLEEPER = [sys.executable, "-c", "import time; time.sleep(600)"]
-processes.subprocess.Popen = lambda command, **options: start(SLEEPER, **options)
+def sleeper(*_):
+    starting.prepare()
+    process = multiprocessing.get_context(starting.METHOD).Process(target=time.sleep, args=(600,))
+    process.start()
+    return process
+
+processes.start = sleeper
 
 class Named(processes.Process):
     @property

@@ -34,7 +34,7 @@ def runs(monkeypatch):
         return {**result, "cost": {"wall_loop_s": 1.2 if consistent else 1.0, "steps": 1000}}
 
     fake = FakeRuns(summary)
-    monkeypatch.setattr(processes.subprocess, "Popen", fake)
+    monkeypatch.setattr(processes, "start", fake)
     monkeypatch.setattr(processes, "POLL_SECONDS", 0.0)
     monkeypatch.setattr(families, "names", lambda family: TREATMENTS)
     monkeypatch.setattr(walls.walls, "FULL", SMALL)
@@ -65,8 +65,8 @@ def test_timed_runs_are_alone_and_others_two_at_a_time(runs, tmp_path, monkeypat
     alone = []
     start = FakeRuns.__call__
 
-    def watched(self, command, **options):
-        process = start(self, command, **options)
+    def watched(self, *arguments):
+        process = start(self, *arguments)
         if is_timed(self.configs[-1]):
             alone.append(self.running == 1)
         return process
@@ -100,8 +100,8 @@ def test_an_interrupted_comparison_goes_on_where_it_was(runs, tmp_path, monkeypa
     start, count = FakeRuns.__call__, itertools.count(1)
     started = []
 
-    def interrupted(self, command, **options):
-        process = start(self, command, **options)
+    def interrupted(self, *arguments):
+        process = start(self, *arguments)
         started.append(process)
         if next(count) == stop:
             raise KeyboardInterrupt
@@ -111,7 +111,7 @@ def test_an_interrupted_comparison_goes_on_where_it_was(runs, tmp_path, monkeypa
     with pytest.raises(KeyboardInterrupt):
         walls.run(tmp_path)
     assert "the same command goes on" in capsys.readouterr().out
-    assert not [process for process in started[:-1] if process.returncode is None]  # none is left behind
+    assert not [process for process in started[:-1] if process.status is None]  # none is left behind
     done = sum((tmp_path / "runs" / config["name"] / "summary.json").is_file() for config in runs.configs)
     assert 0 < done < stop
     begun = len(runs.configs)

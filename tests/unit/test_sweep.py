@@ -2,6 +2,7 @@
 
 import csv
 import json
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -12,14 +13,15 @@ from threading import Timer
 
 import h5py
 import pytest
-from fake_runs import FakeRuns
+from fake_runs import FakeRuns, sleeper
 from sweep_worker import summary
 
 from tisph.cli.check import forecast
 from tisph.errors import ConfigError
 from tisph.folder import held
 from tisph.study import processes
-from tisph.study.sweep import picture, plan, table
+from tisph.study.store import fingerprint
+from tisph.study.sweep import cluster, picture, plan, table
 from tisph.study.sweep.run import run
 
 CASE = """\
@@ -58,7 +60,7 @@ def undrawn(monkeypatch):
 def runs(monkeypatch):
     """Stands in for the processes of `tisph run`."""
     fakes = FakeRuns(summary)
-    monkeypatch.setattr(processes.subprocess, "Popen", fakes)
+    monkeypatch.setattr(processes, "start", fakes)
     return fakes
 
 
@@ -218,10 +220,20 @@ def test_dask_with_a_worker_that_is_killed_half_way_gives_the_same_table(study, 
     assert kept["status"] == "done"
 
 
+def test_a_worker_that_dask_started_as_a_daemon_may_start_runs(monkeypatch):
+    def run_config(path, folder):
+        process = sleeper()
+        process.terminate()
+        process.join()
+        return None, "ended"
+
+    monkeypatch.setattr(cluster, "run_config", run_config)
+    monkeypatch.setitem(multiprocessing.current_process()._config, "daemon", True)
+    assert cluster.run("name", {}, fingerprint()) == ("name", {}, "ended")
+
+
 def test_no_scheduler_is_one_message(study, tmp_path, monkeypatch):
     pytest.importorskip("distributed", reason="Dask is an extra")
-    from tisph.study.sweep import cluster
-
     connect = cluster._imported().Client
     monkeypatch.setattr(cluster._imported(), "Client", lambda address, timeout: connect(address, timeout="1s"))
     with pytest.raises(ConfigError, match="cannot be reached"):

@@ -29,6 +29,7 @@ def run(
     ] = None,
     overrides: Overrides = None,
     no_video: Annotated[bool, typer.Option("--no-video", help="Make no movie.")] = False,
+    no_pictures: Annotated[bool, typer.Option("--no-pictures", help="Make no movie and no plots.")] = False,
     resume: Annotated[bool, typer.Option("--resume", help="Go on from the checkpoint in DIR.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in DIR.")] = False,
     estimate_error: Annotated[
@@ -57,24 +58,26 @@ def run(
     with output_folder.claimed(folder, overwrite=overwrite, resume=resume):
         for text in warnings:
             typer.echo(f"warning: {text}", err=True)
-        _simulate(loaded, folder, coarser, video=not no_video, resume=resume)
+        drawn = {"pictures": not no_pictures, "video": not (no_video or no_pictures)}
+        _simulate(loaded, folder, coarser, resume=resume, **drawn)
         estimate = coarser.report() if coarser else None
     _show_results(folder)
     if estimate:
         typer.echo(f"\n{estimate}")
 
 
-def _simulate(config: Any, folder: Path, coarser: Any, *, video: bool, resume: bool) -> None:
+def _simulate(config: Any, folder: Path, coarser: Any, *, pictures: bool, video: bool, resume: bool) -> None:
     with held_back():
-        from tisph.report import studio
+        if pictures:
+            from tisph.report import studio
 
-        studio.shared()  # it imports matplotlib while this process imports Taichi
+            studio.shared()  # it imports matplotlib while this process imports Taichi
         from tisph import simulation
 
     with _partial_results_named(folder, coarser):
         if coarser:
             coarser.run()
-        simulation.run(config, folder, video=video, resume=resume)
+        simulation.run(config, folder, pictures=pictures, video=video, resume=resume)
 
 
 @contextmanager

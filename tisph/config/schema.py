@@ -270,10 +270,14 @@ class Config(Model):
         """What keeps the lattice, whose spacing divides ``across``, from filling the box."""
         return iter(())
 
-    def resolved_yaml(self) -> str:
-        """The config as YAML with every default filled in; loading it gives an equal config."""
+    def resolved(self) -> dict[str, Any]:
+        """The config as plain data with every default filled in; loading it gives an equal config."""
         data = self.model_dump()
-        return yaml_text.dump({key: data[key] for key in self.keys() if key in data})
+        return {key: data[key] for key in self.keys() if key in data}
+
+    def resolved_yaml(self) -> str:
+        """The same as YAML."""
+        return yaml_text.dump(self.resolved())
 
 
 ORDER = (

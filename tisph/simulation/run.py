@@ -7,7 +7,8 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from tisph import PROCESS_START, families, runtime, schemes
+import tisph
+from tisph import families, runtime, schemes
 from tisph.errors import DivergedError, TisphError
 from tisph.folder import Folder
 from tisph.observers._files import replaced
@@ -34,8 +35,8 @@ OTHER_STEPS = (
 )
 
 
-def run(config, out_dir, *, video=True, resume=False):
-    """Run ``config`` into the folder ``out_dir`` and return its path.
+def run(config, out_dir, *, pictures=True, video=True, resume=False):
+    """Run ``config`` into the folder ``out_dir`` and return its path; with the movie and the plots, if they are wanted.
 
     ``resume`` goes on from the checkpoint there. Raises ConfigError for a checkpoint that does not fit,
     DivergedError for a run that went wrong and KeyboardInterrupt after Ctrl-C; the last two leave all results
@@ -45,9 +46,10 @@ def run(config, out_dir, *, video=True, resume=False):
     folder = Folder(out_dir)
     try:
         folder.root.mkdir(parents=True, exist_ok=True)
-        studio.shared()  # it gets ready while this process does
+        if pictures or video:
+            studio.shared()  # it gets ready while this process does
         with logging_to(folder.log, append=resume):
-            Run(config, folder).execute(video, resume)
+            Run(config, folder, pictures).execute(video, resume)
     except OSError as error:
         raise TisphError(f"{folder.root}: the results cannot be written: {error}") from error
     finally:
@@ -56,20 +58,21 @@ def run(config, out_dir, *, video=True, resume=False):
 
 
 class Run:
-    """A run and its costs; ``costs`` adds up seconds by kind.
+    """A run and its costs; ``costs`` adds up seconds by kind, ``drawn`` tells whether there are plots at the end.
 
     ``unsaved``: there is a state to go on from, and at the end it is not written yet. An interrupt waits for that.
     """
 
-    def __init__(self, config, folder):
+    def __init__(self, config, folder, drawn):
         self.config = config
         self.folder = folder
+        self.drawn = drawn
         self.channel = families.load("scenes", config.scene).Scene.from_config(config)
         self.particles = self.channel.particles
         self.about = Description(config, self.channel)
         self.threads = threads(config, self.channel)
         self.costs = {
-            "import": time.perf_counter() - PROCESS_START,
+            "import": time.perf_counter() - tisph.PROCESS_START,
             "compile": 0.0,
             "loop": 0.0,
             "output": 0.0,
@@ -242,7 +245,8 @@ class Run:
         if self.unsaved or self.status != "interrupted":
             if self.status == "interrupted":
                 yield self._save
-            yield self._begin_pictures  # drawn beside the rest
+            if self.drawn:
+                yield self._begin_pictures  # drawn beside the rest
             yield self._summarise
         self.unsaved = False
         if self.interrupts > 1:

@@ -14,7 +14,6 @@ from dataclasses import asdict
 
 import numpy as np
 from pydantic import ValidationError
-from ruamel.yaml import YAML
 
 from tisph import families, schemes
 from tisph.errors import ConfigError
@@ -79,7 +78,7 @@ def _coarser(config, factor):
     near = range(int(wanted / NEAR), int(wanted * NEAR) + 2)
     for across in sorted((n for n in near if wanted / NEAR < n < wanted * NEAR), key=lambda n: abs(n - wanted)):
         changed = schemes.lengthened(resolved, config.particles_across / across)
-        data = YAML(typ="safe", pure=True).load(changed.resolved_yaml())
+        data = changed.resolved()
         data["discretisation"] |= {"particles_across": across, "spacing": None}
         data["output"] = {"video": None}
         del data["name"]

@@ -1,12 +1,14 @@
 """Runs as processes of their own: none can touch another, and each costs what a user pays."""
 
 import json
-import subprocess
-import sys
+import os
 import tempfile
 import time
+from contextlib import suppress
+from pathlib import Path
 
 from tisph.folder import Folder
+from tisph.study.starting import start
 from tisph.verification.criteria import Result
 
 POLL_SECONDS = 0.02
@@ -15,28 +17,26 @@ POLL_SECONDS = 0.02
 class Process:
     """``tisph run`` of the config ``config_path`` into ``folder``, in place of what an earlier run left there.
 
-    With ``resume`` it goes on from that one's checkpoint instead.
+    With ``resume`` it goes on from that one's checkpoint instead. It leaves no pictures.
     """
 
     def __init__(self, config_path, folder, resume=False):
         self.folder = folder
-        # a file, since a pipe could fill up; stop() closes it
-        self._messages = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")  # noqa: SIM115
-        command = [sys.executable, "-m", "tisph", "run", str(config_path), "--out", str(folder)]
-        self._process = subprocess.Popen(
-            [*command, "--no-video", "--resume" if resume else "--overwrite"],
-            stdout=subprocess.DEVNULL,
-            stderr=self._messages,
-        )
+        descriptor, name = tempfile.mkstemp(prefix="tisph-")  # a pipe could fill up; stop() removes it
+        os.close(descriptor)
+        self._messages = Path(name)
+        command = ["run", config_path, "--out", folder, "--no-pictures", "--resume" if resume else "--overwrite"]
+        self._process = start(command, self._messages)
 
     @property
     def finished(self):
         """Whether it has ended."""
-        return self._process.poll() is not None
+        return self._process.exitcode is not None
 
     def outcome(self):
         """``Result`` of the run and its error message, empty if it is done. Waits for the end."""
-        status = self._process.wait()
+        self._process.join()
+        status = self._process.exitcode
         result = read_result(self.folder)
         message = result.summary.get("message") or self._error() or f"exit status {status}"
         return result, message if status else ""
@@ -45,13 +45,13 @@ class Process:
         """End it after its present step, if it still runs."""
         if not self.finished:
             self._process.terminate()
-            self._process.wait()
-        self._messages.close()
+            self._process.join()
+        with suppress(OSError):
+            self._messages.unlink()
 
     def _error(self):
         """What it has written to standard error, without the lines of its progress."""
-        self._messages.seek(0)
-        text = self._messages.read()
+        text = self._messages.read_text(encoding="utf-8", errors="replace")
         return text[max(text.rfind("error: "), 0) :].removeprefix("error: ").strip()
 
 

@@ -5,7 +5,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
-from tisph.config import yaml_text
 from tisph.report.labels import number, scientific
 from tisph.results._summary import SampleErrors
 
@@ -101,7 +100,7 @@ def side_by_side(runs: "Sequence[Results]") -> list[Table]:
 
 def config(runs: "Sequence[Results]") -> Table:
     """Every key of the configs, a column a run; marked where they differ."""
-    maps = [dict(_flat(yaml_text.parse(run.config.resolved_yaml()).data)) for run in runs]
+    maps = [dict(_flat(run.config.resolved())) for run in runs]
     return Table("Config", ["key", *(run.summary.name for run in runs)], _columns(maps))
 
 

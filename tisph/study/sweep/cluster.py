@@ -3,6 +3,7 @@
 A worker needs tisph, of the same code, and nothing else: the config travels to it, the files of the run come back.
 """
 
+import multiprocessing
 import tempfile
 from contextlib import contextmanager
 from pathlib import Path
@@ -35,6 +36,7 @@ def run(name, config, code):
     """On a worker: run a config in an empty folder; its name, its files by name, and its message, empty if done."""
     if fingerprint() != code:
         raise ConfigError("--scheduler: a worker has another version of tisph than this command")
+    multiprocessing.current_process().daemon = False  # as Dask starts it, it might start no process
     with tempfile.TemporaryDirectory(prefix="tisph-sweep-") as scratch:
         path, folder = Path(scratch) / f"{name}.yaml", Path(scratch) / name
         path.write_text(config_text(name, config), encoding="utf-8")

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from ruamel.yaml import YAML
 
 from tisph.config import load
 from tisph.config.fields import nearest
@@ -145,7 +144,7 @@ def _case(base, values, forecast):
         numbers, _ = forecast(config)
     except ConfigError as error:
         return Case(_hash(values), values, None, refusal=str(error))
-    data = YAML(typ="safe", pure=True).load(config.resolved_yaml())
+    data = config.resolved()
     del data["name"]
     data["output"] = {**data["output"], "video": None}
     if config.runtime.threads == "auto":

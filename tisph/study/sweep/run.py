@@ -8,6 +8,7 @@ from pathlib import Path
 from rich.console import Console
 
 from tisph.report.terminal_bar import study_bar
+from tisph.study import starting
 from tisph.study.store import Store, claimed
 from tisph.study.sweep import cluster, local, picture, plan, table
 from tisph.verification.table import format_table
@@ -24,6 +25,8 @@ def run(path, folder, forecast, processes, scheduler=None):
     ``processes`` runs at a time on this machine, or on the workers of the ``scheduler`` at an address. Runs that have
     ended are kept and not run again. Raises ConfigError where the study or the folder cannot be used.
     """
+    if not scheduler:
+        starting.prepare()
     with Console(stderr=True).status("checking the configs"):
         study = plan.read(path, forecast)
     folder = Path(folder or Path("runs") / study.name)

@@ -103,10 +103,6 @@ class Body:
         turning = self.motion.turning.velocity(time)
         return self.motion.velocity(time) + turning * _quarter(self._from_centre(points, time))
 
-    def sliding(self, points, time=0.0):
-        """Velocity (n, 2) of the solid past the body's ``boundary_points``, which are at ``points`` (n, 2): none."""
-        return np.zeros(np.shape(points))
-
     def strain(self, points, tangents, time=0.0):
         """Derivatives (n, 2) of the solid's velocity along ``tangents`` (n, 2) at ``points`` (n, 2)."""
         return self.motion.turning.velocity(time) * _quarter(tangents)

@@ -24,9 +24,13 @@ class SlidingWall(Body):
         """Velocity (n, 2) of the wall at ``points`` (n, 2)."""
         return self.speed * self._along(points, self.profile)
 
-    def sliding(self, points, time=0.0):
-        """Velocity (n, 2) of the wall past the points on it, which stay where they are."""
-        return self.velocity(points, time)
+    def came_from(self, points, elapsed):
+        """Where (n, 2) the wall's material at ``points`` (n, 2) was a time ``elapsed`` ago: a step of Runge-Kutta."""
+        start = np.asarray(points, dtype=float)
+        first = -elapsed * self.velocity(start)
+        second = -elapsed * self.velocity(start + 0.5 * first)
+        third = -elapsed * self.velocity(start + 0.5 * second)
+        return start + (first + 2.0 * (second + third) - elapsed * self.velocity(start + third)) / 6.0
 
     def strain(self, points, tangents, time=0.0):
         """Derivatives (n, 2) of the wall's velocity along ``tangents`` (n, 2) at ``points`` (n, 2)."""

@@ -31,8 +31,8 @@ from tisph.schemes._splitting._history import change, slopes
 from tisph.schemes._splitting._logarithm import deviation, rate
 from tisph.schemes._splitting._series import ORDER
 
-HOPELESS = 7.0
-"""Change of P within a spacing from which on there is nothing to compute: A changes a thousandfold from one particle to
+HOPELESS = 5.0
+"""Change of P within a spacing from which on there is nothing to compute: A changes 150-fold from one particle to
 the next."""
 
 
@@ -48,7 +48,7 @@ class Polymer:
         self.tensors, self.along, self.across = self._three(ORDER * self.size)
         self.now, self.now_along, self.now_across = self._three(self.size)
         self.tensors.used = slice(self.points.fluid)
-        self.along.used = self.across.used = slice(flow.liquid, self.points.fluid)  # what walls slide past
+        self.along.used = self.across.used = None
         self.gradient = ti.field(ti.types.vector(4, real()), self.points.most)
         self.strained = ti.field(ti.types.vector(3, real()), self.points.slots + 1)
         self.force, self.pull = (ti.field(ti.types.vector(2, real()), self.points.most) for _ in range(2))
@@ -74,20 +74,14 @@ class Polymer:
         """Take up a step of this ``length`` that ends at ``time``."""
         leading, back = times.backwards()
         self.time, self.duration = time, length / leading
-        self.known = np.einsum("a,acn->cn", back[:ORDER], self.states.astype(float)) / leading
-        self.known[:, self.liquid :] -= self.duration * self.slid(times)
-        self.found, self.slopes = self.states[0].astype(float), [None for _ in self.modes.laws]
+        states, elapsed = self.states.astype(float), (times.unit * times.ages)[:ORDER]
+        states[..., self.liquid :] = self.walls.carried(states[..., self.liquid :], elapsed, self.time)
+        self.known = np.einsum("a,acn->cn", back[:ORDER], states) / leading
+        self.found, self.slopes = states[0], [None for _ in self.modes.laws]
         self.viscosity = sum(
             law.modulus * self.duration / (1.0 + self.duration / law.relaxation_time) for law in self.modes.laws
         )
         view(self.force)[...] = 0.0
-
-    def slid(self, times):
-        """Return U . grad P on points that walls slide past with U, expected at the end of a step."""
-        sliding, ahead = self.walls.sliding(self.time).T, times.ahead(ORDER)
-        slopes = [view(field)[self.liquid : self.points.fluid].astype(float) for field in (self.along, self.across)]
-        kept = (slope.reshape(-1, ORDER, self.size) for slope in slopes)
-        return sum(speed * np.einsum("a,nac->cn", ahead, slope) for speed, slope in zip(sliding, kept, strict=True))
 
     def act(self, velocity, known, length):
         """Let the stress of a ``velocity``, a field, push what is ``known`` of a step of this ``length``."""

@@ -7,6 +7,9 @@ part of a disc around a particle holds any liquid: without that they are unstabl
 import itertools
 
 import numpy as np
+from scipy.interpolate import CubicSpline
+
+from tisph.geometry.sliding import SlidingWall
 
 REACH = 2.9
 """Distance from a wall below which operators reach farther, in particle spacings."""
@@ -51,10 +54,19 @@ class Walls:
         pairs = zip(self.bodies, self._placed(time), strict=True)
         return np.concatenate([body.acceleration(boundary.point, time) for body, boundary in pairs])
 
-    def sliding(self, time):
-        """Return the velocities (count, 2) of the walls past the points on them."""
-        pairs = zip(self.bodies, self._placed(time), strict=True)
-        return np.concatenate([body.sliding(part.point, time) for body, part in pairs])
+    def carried(self, values, elapsed, time):
+        """Return ``values`` (ages, numbers, count), each ``elapsed`` (ages,) ago, where what is at the points was then.
+
+        Walls that slide along themselves carry them past the points, which stay: between those by cubic splines.
+        """
+        result = values.copy()
+        for body, boundary, part in zip(self.bodies, self._placed(time), self.parts, strict=True):
+            if isinstance(body, SlidingWall):
+                order = np.argsort(boundary.point[:, 0])
+                for age, gone in enumerate(elapsed):
+                    curve = CubicSpline(boundary.point[order, 0], values[age][:, part][:, order], axis=1)
+                    result[age][:, part] = curve(body.came_from(boundary.point, gone)[:, 0])
+        return result
 
     def gradients(self, gradients, time):
         """Return velocity gradients (2, 2, count), du_a/dx_b, on the points with what is known of them there.

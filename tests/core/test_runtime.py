@@ -108,3 +108,29 @@ def test_a_launch_with_the_wrong_number_of_arguments_is_refused():
     counter.add(1, 1.0)
     with pytest.raises(ValueError, match="argument"):
         counter.add(1)
+
+
+class Subclass(Counter):
+    """Overrides what its class has, and calls it."""
+
+    @property
+    def half(self):
+        return 0.5 * self.doubled()
+
+    @ti.kernel
+    def add(self, times: ti.i32, what: float):
+        self.total[None] -= times * what
+
+    def both(self):
+        super().add(1, 3.0)
+        self.add(1, 2.0)
+
+
+def test_an_object_has_the_kernels_of_its_class_and_of_those_above():
+    runtime.start("f64", 1)
+    one = Subclass()
+    for _ in range(2):
+        one.both()
+    assert one.total[None] == 2 * (3.0 - 2.0)
+    assert one.half == 2.0
+    assert "__getattribute__" not in vars(Counter)  # all else is looked up as Python does

@@ -8,9 +8,6 @@ import math
 
 import numpy as np
 
-_erfc = np.vectorize(math.erfc, otypes=[float])
-"""SciPy, which has one too, takes a fifth of a second to import, so that it is imported where nothing else will do."""
-
 SWITCH_TIME = 0.1
 """t* = nu t/gap^2 up to which images are summed, and from which the series: at this time 3 pairs of images or
 7 terms of the series reach rounding error."""
@@ -20,9 +17,12 @@ EXPONENT = 38.5
 
 
 def erfc(x):
-    """The complementary error function of an array, 0 where it is below double rounding of 1."""
+    """The complementary error function of an array, 0 where it is below double rounding of 1.
+
+    SciPy, which has one too, takes a fifth of a second to import, so that it is imported where nothing else will do.
+    """
     result, matters = np.zeros(x.shape), ~(x * np.abs(x) >= EXPONENT)  # what is no number stays none
-    result[matters] = _erfc(x[matters])
+    result[matters] = list(map(math.erfc, x[matters].tolist()))
     return result
 
 

@@ -3,9 +3,13 @@
 Taichi 1.7.4 looks at every argument, finds its kernel and asks for its code at each launch: 35 us, of which the launch
 itself takes 1. A kernel of an object whose arguments are numbers is found once here. What launches it again takes the
 place of the method in the object, with which it ends: fields of an object do not outlive the program that they are of.
+
+For the sake of its kernels Taichi has each attribute of such an object, whatever it is, looked up by a function in
+Python, and by another one for each class that it inherits from. Here only kernels know that they are looked up.
 """
 
 import taichi as ti
+from taichi.lang import kernel_impl
 from taichi.lang.impl import get_runtime
 from taichi.lang.kernel_impl import _BoundedDifferentiableMethod
 
@@ -13,14 +17,40 @@ _call = _BoundedDifferentiableMethod.__call__
 
 
 def install():
-    """Let every kernel of an object be found once."""
+    """Let every kernel of an object be found once, and all else of it as Python does."""
     _BoundedDifferentiableMethod.__call__ = _call_and_keep
+    ti.data_oriented = kernel_impl.data_oriented = _data_oriented
+
+
+class _OfObjects:
+    """A ``kernel`` in the body of a class: what its objects have of it."""
+
+    def __init__(self, kernel):
+        self.kernel = kernel
+
+    def __get__(self, owner, kind=None):
+        if owner is None:
+            return self.kernel
+        bound = _BoundedDifferentiableMethod(owner, self.kernel)
+        bound.__name__ = self.kernel.__name__
+        return bound
+
+
+def _data_oriented(kind):
+    """Mark a class, and those that inherit from it, in the place of Taichi's decorator; no static kernels."""
+    for name, method in list(vars(kind).items()):
+        if getattr(method, "_is_classkernel", False):
+            method._is_staticmethod = False
+            setattr(kind, name, _OfObjects(method))
+    kind._data_oriented, kind.__init_subclass__ = True, classmethod(_data_oriented)
+    return kind
 
 
 def _call_and_keep(self, *args, **kwargs):
     result = _call(self, *args, **kwargs)
     kept = vars(self._kernel_owner)
-    if self.__name__ not in kept and not kwargs:  # what somebody else has put there stays
+    own = getattr(type(self._kernel_owner), self.__name__)._primal is self._primal  # not that of a class above
+    if own and self.__name__ not in kept and not kwargs:  # what somebody else has put there stays
         launch = _launcher(self._primal, self._kernel_owner, args)
         if launch is not None:
             kept[self.__name__] = launch

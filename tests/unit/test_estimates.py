@@ -4,6 +4,7 @@
 docs/stability.md prints, to one digit, of cells at the end of their runs, with that end.
 """
 
+import functools
 import json
 from pathlib import Path
 from types import SimpleNamespace
@@ -30,10 +31,16 @@ MOST_WITHOUT = 0.1
 """Of the runs that end: no estimate is for what the rows cannot know, not a way out."""
 
 
+@functools.cache
+def of_config(name):
+    """The ``Forecast`` of every sample of a config, which several tests look at."""
+    return estimates(load(CONFIGS / f"{name.removeprefix('configs-')}.yaml"))["samples"]
+
+
 def stated(name, end, folder):
     """The ``Forecast`` of every sample of a config, or of a cell to its ``end``."""
     if name.startswith("configs-"):
-        return estimates(load(CONFIGS / f"{name.removeprefix('configs-')}.yaml"))["samples"]
+        return of_config(name)
     cell = CELLS[name]
     path = folder / "case.yaml"
     path.write_text(config_text(name, cell.config(end / cell.reynolds)))

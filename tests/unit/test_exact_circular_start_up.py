@@ -45,12 +45,12 @@ def test_without_polymer_it_is_newtonian_flow():
     found = start_up(Polymer(1.0, (law("oldroyd_b", viscosity=0.0),)), 0.3, -0.7, radii=radii)
     expected = CircularCouette(*radii, 1.0, Rotation(0.3), Rotation(-0.7))
     r = np.linspace(*radii, 41)
-    for t in (1e-5, 0.01, 0.3):
+    for t in (1e-5, 0.01, 0.1):
         assert apart(found.velocity(r, t), expected.velocity(r, t)) < 1e-11
         assert apart(found.shear_rate(r, t), expected.shear_rate(r, t)) < 1e-11
         assert apart(np.array(found.torque(t, density=3.0)), np.array(expected.torque(t, density=3.0))) < 1e-11
-    pressure = expected.pressure(r, 0.3, density=3.0)
-    assert apart(found.pressure(r, 0.3, density=3.0), pressure) < 1e-11
+    pressure = expected.pressure(r, 0.1, density=3.0)
+    assert apart(found.pressure(r, 0.1, density=3.0), pressure) < 1e-11
 
 
 def oldroyd_modes(r, t, fraction, relaxation_time, count=2000):
@@ -131,7 +131,7 @@ def test_pressure_balances_hoop_stress_and_inertia():
 
 def test_another_order_changes_nothing():
     one, other = shared("giesekus"), start_up(liquid("giesekus"), order=18, finest=5e-4)
-    for t in (1e-3, 0.1):
+    for t in (1e-3, 0.01):
         assert apart(one.velocity(R, t), other.velocity(R, t)) < ACCURACY
         for mine, its in zip(one.polymer_stress(R, t), other.polymer_stress(R, t), strict=True):
             assert apart(mine, its) < 3 * ACCURACY

@@ -1,12 +1,13 @@
 """YAML 1.2 text to plain data with the line of every key, and back: maps, lists and plain values only."""
 
 import io
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
-from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent, NodeEvent
+from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent, Event, NodeEvent
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 MOST_LEVELS = 20
@@ -46,9 +47,10 @@ class Document:
 def parse(text: str) -> Document:
     """Read one YAML document; raises YamlTextError for everything but plain data."""
     try:
-        _refuse_what_is_not_plain(text)
-        builder = _Builder()
-        return Document(builder.plain(_reader().compose(text)), builder.lines)
+        reader, builder = _reader(), _Builder()
+        events = list(_plain_events(reader.parse(text)))
+        reader._parser = _Parsed(events)  # what composes nodes scans the text again otherwise, half of the time
+        return Document(builder.plain(reader.composer.get_single_node()), builder.lines)
     except PARSER_ERRORS as error:
         raise YamlTextError(*_parser_message(error)) from None
 
@@ -75,10 +77,10 @@ def _parser_message(error: Exception) -> tuple[str, int | None]:
     return f"is not YAML: {text}", mark.line + 1 if mark else None
 
 
-def _refuse_what_is_not_plain(text: str) -> None:
+def _plain_events(events: Iterable[Event]) -> Iterator[Event]:
     """Look at the stream of events first, so that no alias is expanded and no deep nesting is followed."""
     level = 0
-    for event in _reader().parse(text):
+    for event in events:
         line = event.start_mark.line + 1
         if isinstance(event, AliasEvent):
             raise YamlTextError(f"alias *{event.anchor}: aliases are not allowed, write the value out", line)
@@ -90,6 +92,23 @@ def _refuse_what_is_not_plain(text: str) -> None:
         level += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
         if level > MOST_LEVELS:
             raise YamlTextError(f"nested more than {MOST_LEVELS} levels deep", line)
+        yield event
+
+
+class _Parsed:
+    """A parser's events, once more, as ruamel's composer asks for them."""
+
+    def __init__(self, events: list[Event]):
+        self._coming = events[::-1]
+
+    def check_event(self, *kinds: type[Event]) -> bool:
+        return isinstance(self._coming[-1], kinds)
+
+    def peek_event(self) -> Event:
+        return self._coming[-1]
+
+    def get_event(self) -> Event:
+        return self._coming.pop()
 
 
 class _Builder:

@@ -1,6 +1,7 @@
 """Which cells there are: the full sub-matrices that matter, and a covering set of all axes."""
 
 from dataclasses import dataclass
+from functools import cache
 from itertools import product
 
 from tisph.equation_of_state import SCALE_RATIO
@@ -105,6 +106,7 @@ def covered(values):
     return exists(values) and not memory
 
 
+@cache  # the covering set is a second of work
 def _full():
     every = {"reynolds": REYNOLDS, "jitter": JITTERS, "scheme": SCHEMES}
     two = {"jitter": (0.0, 0.3), "scheme": BOTH}

@@ -6,7 +6,7 @@ from pathlib import Path
 
 LOCK = ".lock"
 
-MADE = ("report.html", "samples.vtkhdf", "samples.csv", "samples.npz", "samples.extxyz")
+MADE = ("report.html", "samples.csv", "samples.npz", "samples.extxyz")
 """What other commands make of a run, in its folder: out of date with the next one."""
 
 
@@ -28,6 +28,7 @@ class Folder:
         self.config = self.root / "config.resolved.yaml"
         self.summary = self.root / "summary.json"
         self.samples = self.root / "samples.h5"
+        self.vtk = self.root / "samples.vtkhdf"
         self.history = self.root / "history.csv"
         self.frames = self.root / "frames.h5"
         self.movie = self.root / "movie.mp4"
@@ -41,7 +42,8 @@ class Folder:
     def files(self):
         """Return the paths of all of them, and of what a killed run was writing."""
         paths = [path for name, path in vars(self).items() if name != "root"]
-        return [*paths, *map(partial, paths), spare(self.samples), spare(self.frames), *map(self.root.joinpath, MADE)]
+        spares = map(spare, (self.samples, self.vtk, self.frames))
+        return [*paths, *map(partial, paths), *spares, *map(self.root.joinpath, MADE)]
 
 
 @contextmanager

@@ -11,6 +11,8 @@ import pytest
 from tisph import config, simulation
 from tisph.errors import ConfigError
 from tisph.folder import Folder
+from tisph.results import open_run
+from tisph.results.export import export
 from tisph.runtime import ti
 from tisph.simulation import checkpoint
 
@@ -52,7 +54,7 @@ SCENES = {
     "implicit order 2": ["scheme={type: implicit, operators: {order: 2}}", "time.tolerance=1e-5", NO_VIDEO],
     "viscoelastic": ["scheme={type: wcsph}", OLDROYD_B, NO_VIDEO],
     "viscoelastic implicit": ["scheme={type: implicit}", "time.tolerance=1e-5", OLDROYD_B, NO_VIDEO],
-    "several modes": [MODES, NO_VIDEO],
+    "several modes": [MODES, NO_VIDEO, "output.vtk=true"],
     "oscillating": ["scheme={type: wcsph}", "walls.treatment.type=adami", OSCILLATION, NO_VIDEO],
     "oscillating implicit": ["scheme={type: implicit}", "time.tolerance=1e-5", OSCILLATION, NO_VIDEO],
     "creep and recovery": [OLDROYD_B, "walls.top={times: [0.0, 0.5], stresses: [0.01, 0.0]}", NO_VIDEO],
@@ -133,11 +135,16 @@ def test_the_files_of_a_resumed_run_have_the_bits_of_an_uninterrupted_one(case, 
     shutil.copytree(whole.root, cut.root)
     forget_what_came_after(cut)
     simulation.run(settings, cut.root, resume=True)
-    for name in ["samples", "frames"] if whole.frames.exists() else ["samples"]:
+    assert whole.vtk.exists() == settings.output.vtk
+    for name in [name for name in ("samples", "frames", "vtk") if getattr(whole, name).exists()]:
         expected, found = datasets(getattr(whole, name)), datasets(getattr(cut, name))
         assert expected.keys() == found.keys()
         different = [key for key in expected if not same(expected[key], found[key])]
         assert different == [], name
+    if settings.output.vtk:
+        exported = datasets(export(open_run(cut.root), "vtkhdf", tmp_path / "exported.vtkhdf"))
+        assert exported.keys() == found.keys()
+        assert [key for key in exported if not same(exported[key], found[key])] == []
     assert cut.history.read_text() == whole.history.read_text()
     expected, found = (json.loads(folder.summary.read_text()) for folder in (whole, cut))
     for key in ("status", "samples", "numbers", "momentum"):

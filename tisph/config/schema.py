@@ -124,10 +124,12 @@ class Video(Model):
 
 
 class Output(Model):
-    """Movie (null or false for none) and simulated time between checkpoints [time] (null for none)."""
+    """Movie (null or false for none), simulated time between checkpoints [time] (null for none), and whether the
+    samples are also written for ParaView while the run goes on."""
 
     video: Annotated[Video | None, BeforeValidator(lambda value: None if value is False else value)] = Video()
     checkpoint_every: Positive | None = None
+    vtk: bool = False
 
 
 class Runtime(Model):

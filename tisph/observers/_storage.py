@@ -32,6 +32,8 @@ class Storage:
     add to a file without a moment in which it cannot be read. So there are two: the one that nobody reads is brought up
     to date, then they change places. TisphError where the system lets none be written. ``about``: attributes of the
     file, and units of its datasets, each by name.
+
+    ``put`` says what a snapshot is in the file.
     """
 
     def __init__(self, path, name, fields=FIELDS + STRESSES, dtype=None, delay=0.0, about=({}, {})):
@@ -53,7 +55,7 @@ class Storage:
         with replaced(self.path) as new, hdf5_file(new) as file:
             file.attrs.update(self.attributes)
             for snapshot in snapshots:
-                self._write(file.create_group(self.name.format(self.count)), _kept(snapshot, *self.options))
+                self.put(file, self.name.format(self.count), _kept(snapshot, *self.options))
                 self.count += 1
 
     def add(self, snapshot):
@@ -74,7 +76,7 @@ class Storage:
                 self.missing = []
             with hdf5_file(new, "r+") as file:
                 for name, content in (*self.missing, *self.waiting):
-                    self._write(file.create_group(name), content)
+                    self.put(file, name, content)
             with contextlib.suppress(OSError):  # a system without links: next time the file is copied
                 os.link(self.path, spare(self.path))
         with contextlib.suppress(OSError):
@@ -82,7 +84,9 @@ class Storage:
         self.missing, self.waiting = self.waiting, []
         self.due = time.monotonic() + self.delay
 
-    def _write(self, group, snapshot):
+    def put(self, file, name, snapshot):
+        """Write ``snapshot`` as the group ``name`` of the open ``file``."""
+        group = file.create_group(name)
         write_snapshot(group, snapshot)
         for part in (group, group.get(BODIES, {})):
             for name in part:

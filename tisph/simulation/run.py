@@ -148,6 +148,10 @@ class Run:
         self.samples = Samples(self.folder.samples, self.channel, self.config.time.samples, resumed_at, self.about)
         self.history = History(self.folder.history, self.channel, followed, end, resumed_at, self.about)
         self.observers = [self.samples, self.history]
+        if self.config.output.vtk:
+            from tisph.observers.vtk import Vtk  # who does not want it does not pay for it
+
+            self.observers.append(Vtk(self.folder.vtk, self.samples, resumed_at, self.about))
         if self.movie:
             video = self.config.output.video
             times, more = frame_times(self.channel, end, video.frames), self.channel.shown_fields(video.color_by)

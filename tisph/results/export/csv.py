@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tisph.results.export._fields import columns
+from tisph.results.export._columns import columns
 
 if TYPE_CHECKING:
     from tisph.results import Results

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tisph.results.export._fields import columns
+from tisph.results.export._columns import columns
 
 if TYPE_CHECKING:
     from tisph.results import Results

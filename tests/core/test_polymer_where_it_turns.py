@@ -112,12 +112,8 @@ def test_walls_that_slide_carry_along_what_is_at_them():
     lid = sliding_lid(spacing=1 / 40)
     (body,), place = lid.bodies, lid.at(0.0)[0][:, 0]
     elapsed = np.array([0.01, 0.03])
-    back = [
-        solve_ivp(lambda t, x: -body.velocity(np.stack([x, 0 * x], axis=1))[:, 0], (0, gone), place, rtol=1e-10).y[
-            :, -1
-        ]
-        for gone in elapsed
-    ]
+    against = lambda t, x: -body.velocity(np.stack([x, 0 * x], axis=1))[:, 0]  # noqa: E731
+    back = [solve_ivp(against, (0, gone), place, rtol=1e-10).y[:, -1] for gone in elapsed]
     values = np.broadcast_to(np.sin(3.0 * place), (2, 1, len(place)))
     assert np.abs(lid.carried(values, elapsed, 0.0)[:, 0] - np.sin(3.0 * np.array(back))).max() < 1e-5
     flow, _ = make()
@@ -202,7 +198,7 @@ time: {end: 1.0}
 
 
 def test_a_restart_gives_the_bits_of_going_on(tmp_path):
-    # under a lid that slides past the points on it, which know the slopes of the stress from the step before
+    # under a lid that slides past the points on it and carries the stress there along
     path = tmp_path / "cavity.yaml"
     path.write_text(CAVITY)
     settings = config.load(path, ["scheme={type: implicit}"])

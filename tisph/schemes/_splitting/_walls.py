@@ -7,7 +7,6 @@ part of a disc around a particle holds any liquid: without that they are unstabl
 import itertools
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from tisph.geometry.sliding import SlidingWall
 
@@ -59,6 +58,8 @@ class Walls:
 
         Walls that slide along themselves carry them past the points, which stay: between those by cubic splines.
         """
+        from scipy.interpolate import CubicSpline  # only walls that slide need it
+
         result = values.copy()
         for body, boundary, part in zip(self.bodies, self._placed(time), self.parts, strict=True):
             if isinstance(body, SlidingWall):

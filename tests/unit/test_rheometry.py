@@ -54,6 +54,19 @@ def test_moduli_are_found_in_a_history_with_a_start():
     assert numbers["third_harmonic"] < 1e-4
 
 
+def test_large_strains_are_not_blamed_on_inertia():
+    frequency, gap = 1.0, 0.1
+    wall = WallMotion(0.0, 0.5, frequency)
+    t = np.linspace(0.0, 6 * 2 * np.pi / frequency, 401)
+    stress = np.cos(t) + 0.2 * np.sin(t) + 0.1 * np.sin(3 * t)
+    exact = 0.5 * stress
+    table = {"t": t, "strain": wall.displacement(t) / gap, "wall_shear": stress, "wall_shear_exact": exact}
+    lines = _oscillation(SimpleNamespace(gap=gap, density=1.0, top=wall), LIQUID, wall, table).lines
+    (off,) = (line for line in lines if "off its reference" in line)
+    assert "+1.00e+00 of G', +1.00e+00 of G''" in off
+    assert not any("inertia" in line for line in lines[5:])
+
+
 def test_harmonics_do_not_mix():
     t = np.linspace(0.0, 4 * np.pi, 300)
     found = _amplitudes(t, np.cos(t) + 0.1 * np.sin(3 * t), 1.0, 0)

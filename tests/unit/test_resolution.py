@@ -81,3 +81,12 @@ def test_samples_and_pictures_say_so():
     label = velocity_error_label(channel)
     assert label(early) == "unresolved: 0.2 spacings"
     assert label(late).startswith("L2 error")
+
+
+def test_steep_stress_is_not_resolved():
+    channel = make_channel(initial_state="developed")
+    assert resolution(channel, 0.0, (2.0, 0.1, 0.2)) == (True, None)
+    text = "the polymer's stretch changes 20-fold within a spacing at (0.1, 0.2); resolved up to 7.4-fold"
+    assert resolution(channel, 0.0, (3.0, 0.1, 0.2)) == (False, text)
+    snapshot = replace(make_snapshot(channel, 0.0), steepest=(3.0, 0.1, 0.2))
+    assert sample_metrics(channel, snapshot, channel.tracer_positions(3))["reason"] == text

@@ -44,7 +44,8 @@ CAVITY = [
     "scene=cavity",
     "geometry={width: 1.0, height: 1.0}",
     "walls={lid: {velocity: 1.0}}",
-    "time={end: 0.6, samples: [0.3, 0.45, 0.6]}",
+    "time={end: 0.3, samples: [0.1, 0.2, 0.3]}",
+    "output.checkpoint_every=0.25",
     NO_VIDEO,
 ]
 TURNING_BODY = "bodies=[{centre: [0.5, 0.5], radius: 0.2, motion: {angular_velocity: 1.0}}]"

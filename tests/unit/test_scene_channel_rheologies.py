@@ -58,7 +58,7 @@ def test_a_flow_of_several_modes_and_one_that_stops():
 
 
 def test_a_liquid_without_memory():
-    liquid = rheology("power_law", index=0.5, reference_rate=2.0, least_rate=1e-3)
+    liquid = rheology("power_law", index=0.8, reference_rate=2.0, least_rate=1e-3)
     channel = Channel(**OIL, rheology=liquid)
     # at the reference rate the viscosity is the fluid's; least rate over reference rate, squared: 3e-7
     assert channel.exact_wall_shear(30.0) == pytest.approx((2.0 * 0.5 * 2.0,) * 2, rel=1e-6)

@@ -17,10 +17,20 @@ HERE = {"runtime": {"threads": 1}, "output": {"video": None}}
 """Of a run in the tests' own process. One thread gives the bits of several, and costs less beside other tests."""
 
 
-LONG = ("cavity_25", "shear_held")
-"""Quick rows that take longest. The cavity's convergence is that of regular_lid_slow, its sharp lid that of
-tests/core/test_cavity.py; a coarser cylinder is held in shear in tests/core/test_bodies_in_flow.py, to the same stress
-of the walls."""
+LONG = (
+    "cavity_25",
+    "regular_lid_slow 16/25",
+    "shear_held",
+    "oldroyd_b_annulus_12",
+    "exponential_ptt_poiseuille",
+    "fene_p_couette",
+)
+"""Quick rows that take longest. Convergence at walls of any shape is that of annulus 12/25; the steady flow under a
+regular lid and the sharp lid are in tests/core/test_cavity.py; a coarser cylinder is held in shear in
+tests/core/test_bodies_in_flow.py, to the same stress of the walls; between the same cylinders a Giesekus liquid starts
+in tests/core/test_polymer_where_it_turns.py. What the two laws say in kernels is compared with NumPy in
+tests/core/test_laws_in_kernels.py, that with the literature in tests/unit/test_laws.py; how a law is stepped is in
+other rows here."""
 
 
 def checks(quick):

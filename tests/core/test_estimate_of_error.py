@@ -61,7 +61,7 @@ def test_a_coarser_run_that_fails_leaves_no_estimate(config, tmp_path, monkeypat
     def ended(names, launch, most):
         yield names[0], None, "too bad"
 
-    monkeypatch.setattr("tisph.study.error_estimate.run_side_by_side", ended)
+    monkeypatch.setattr("tisph.study.store.run_side_by_side", ended)
     coarser = Coarser(config(), tmp_path)
     coarser.run()
     (tmp_path / "summary.json").write_text('{"status": "done", "samples": []}')

@@ -21,7 +21,7 @@ from tisph.folder import Folder
 from tisph.observers._storage import STRESSES, read_snapshots
 from tisph.simulation.results import write_summary
 from tisph.study.extrapolation import PAIRS, of_norms, of_number
-from tisph.study.processes import read_result, run_side_by_side
+from tisph.study.processes import read_result
 from tisph.study.store import Store
 from tisph.verification.fits import interpolated
 from tisph.verification.table import format_table
@@ -51,8 +51,7 @@ class Coarser:
         """Run them one after the other, but for those that have run; ``message`` says then what did not end, if any."""
         store = Store(self.root / FOLDER)
         configs = dict(zip(self.names, self.configs, strict=True))
-        missing = [name for name in self.names if not store.kept(name, configs[name])]
-        with closing(run_side_by_side(missing, lambda name: store.launch(name, configs[name]), 1)) as ended:
+        with closing(store.outcomes(configs, 1)) as ended:
             for name, _, message in ended:
                 if message:
                     self.message = f"the coarser run {name} did not finish: {message}"

@@ -16,7 +16,6 @@ from ruamel.yaml import YAML
 
 from tisph.config import load
 from tisph.errors import ConfigError
-from tisph.study.processes import run_side_by_side
 from tisph.study.store import Store, claimed, config_text
 from tisph.study.stress import matrix
 from tisph.study.stress.plan import plan
@@ -143,16 +142,10 @@ def _cells(forecast, scratch, quick):
 
 
 def _outcomes(cases, store, processes):
-    """Yield names and summaries of the runs, first of those that are kept; None for a case that is refused."""
-    kept, missing = {}, []
-    for name, case in cases.items():
-        outcome = None if case.refusal else store.kept(name, case.config)
-        if case.refusal or outcome:
-            kept[name] = outcome and outcome[0].summary
-        else:
-            missing.append(name)
-    yield from kept.items()
-    with closing(run_side_by_side(missing, lambda name: store.launch(name, cases[name].config), processes)) as ended:
+    """Yield names and summaries of the runs; first of the cases that are refused, None, and of those that are kept."""
+    configs = {name: case.config for name, case in cases.items() if not case.refusal}
+    yield from ((name, None) for name in cases if name not in configs)
+    with closing(store.outcomes(configs, processes)) as ended:
         for name, result, _ in ended:
             yield name, result.summary
 

@@ -2,7 +2,7 @@
 
 import hashlib
 import time
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from io import StringIO
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from ruamel.yaml import YAML
 import tisph
 from tisph.errors import ConfigError
 from tisph.folder import held
-from tisph.study.processes import POLL_SECONDS, Process, read_result
+from tisph.study.processes import POLL_SECONDS, Process, read_result, run_side_by_side
 
 WITHOUT_EFFECT = ("cli/", "interface/", "referee/", "report/", "results/", "study/", "schemes/_forecast/")
 """Parts of the package on which no number of a run depends."""
@@ -61,13 +61,30 @@ class Store:
             return None
         return result, result.summary.get("message", "")
 
+    def outcomes(self, configs, most, launch=None):
+        """Yield (name, ``Result``, message) of runs, their ``configs`` by name: first of those that are kept.
+
+        The others run ``most`` at once, started by ``launch(name)``, which is ``launch`` of this store if not given.
+        """
+        missing = []
+        for name, config in configs.items():
+            kept = self.kept(name, config)
+            if kept:
+                yield (name, *kept)
+            else:
+                missing.append(name)
+        start = launch or (lambda name: self.launch(name, configs[name]))
+        with closing(run_side_by_side(missing, start, most)) as ended:
+            yield from ended
+
     def launch(self, name, config):
-        """Start the run as a ``Process``, in place of one that may be there."""
+        """Start the run as a ``Process``, in place of one that may be there, and after one that still runs."""
+        self._wait(name)
         (self.folder / name / "summary.json").unlink(missing_ok=True)
         self._path(name).write_text(self._text(name, config), encoding="utf-8")
         return Process(self._path(name), self.folder / name)
 
-    def wait(self, name):
+    def _wait(self, name):
         """Wait until no run of an earlier command that was killed goes on in the folder of this one."""
         while (self.folder / name).is_dir():
             try:

@@ -14,7 +14,6 @@ from rich.console import Console
 
 import tisph
 from tisph import families
-from tisph.study.processes import run_side_by_side
 from tisph.study.store import Store, claimed
 from tisph.study.walls_picture import plot_walls
 from tisph.verification import walls, walls_table
@@ -88,18 +87,12 @@ def _outcomes(runs, store, progress, most):
 
 def _finished(runs, store, progress, most):
     """Yield (name, ``Result``, message) of ``runs``, configs by name: first of those that are kept."""
-    kept = {name: store.kept(name, config) for name, config in runs.items()}
-    for name, outcome in kept.items():
-        if outcome:
-            progress.ended(name)
-            yield (name, *outcome)
 
     def launch(name):
         progress.started(name)
         return store.launch(name, runs[name])
 
-    missing = [name for name, outcome in kept.items() if not outcome]
-    with closing(run_side_by_side(missing, launch, most)) as ended:
+    with closing(store.outcomes(runs, most, launch)) as ended:
         for name, result, message in ended:
             progress.ended(name)
             yield name, result, message

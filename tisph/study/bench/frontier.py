@@ -19,7 +19,6 @@ from tisph.study.bench.equals import equals, equals_table
 from tisph.study.bench.machine import describe
 from tisph.study.bench.measured import Measured, front
 from tisph.study.bench.picture import plot_frontier
-from tisph.study.processes import run_side_by_side
 from tisph.study.store import Store
 from tisph.verification.table import format_header, format_row
 
@@ -52,11 +51,8 @@ def run(folder, quick=False, peers_folder=None, group="channel"):
 
 def outcome(store, name, config):
     """Return the summary of a run, kept or new. Raises TisphError where it could not even start."""
-    kept = store.kept(name, config)
-    if kept:
-        return kept[0].summary
     with Console(stderr=True).status(name):
-        ((_, result, message),) = run_side_by_side([name], lambda wanted: store.launch(wanted, config), 1)
+        ((_, result, message),) = store.outcomes({name: config}, 1)
     if "cost" not in result.summary:
         raise TisphError(f"{name}: {message}")
     return result.summary

@@ -64,8 +64,8 @@ class Output:
         self._show()
 
     def ended(self, name):
-        """Note that it has ended."""
-        self._running.remove(name)
+        """Note that it has ended, or had before."""
+        self._running = [each for each in self._running if each != name]
         self._show()
 
     def add(self, row):

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from tisph.study.processes import read_result, run_side_by_side
+from tisph.study.processes import read_result
 from tisph.study.store import Store, claimed
 from tisph.study.stress import judge, matrix
 from tisph.study.stress.maps import Row
@@ -65,17 +65,13 @@ def _row(own, summary, message, calm):
 def _outcomes(plans, store, processes, output):
     """Yield cells with summary and message of their runs: first of those that are kept."""
     valid = {cell.name: each for cell, each in plans.items() if not each.refusal}
-    kept = {name: store.kept(name, each.config) for name, each in valid.items()}
-    for name, outcome in kept.items():
-        if outcome:
-            yield valid[name].cell, (outcome[0].summary, outcome[1])
+    configs = {name: each.config for name, each in valid.items()}
 
     def launch(name):
         output.started(name)
-        return Limited(store.launch(name, valid[name].config), PATIENCE * valid[name].seconds + ALLOWANCE)
+        return Limited(store.launch(name, configs[name]), PATIENCE * valid[name].seconds + ALLOWANCE)
 
-    missing = [name for name, outcome in kept.items() if not outcome]
-    with closing(run_side_by_side(missing, launch, processes)) as ended:
+    with closing(store.outcomes(configs, processes, launch)) as ended:
         for name, result, message in ended:
             output.ended(name)
             yield valid[name].cell, (result.summary, message)

@@ -16,18 +16,18 @@ LEFT_THERE = ("frames.h5", "checkpoint.h5", ".lock")
 """Files that do not travel: large ones that no table needs."""
 
 
-def outcomes(cases, store, address):
-    """Yield (name, summary, message) of ``cases`` as they end on the workers of the scheduler at ``address``."""
+def outcomes(configs, store, address):
+    """Yield (name, ``Result``, message) of runs, their ``configs`` by name, as they end on the workers of the scheduler
+    at ``address``.
+    """
     distributed = _imported()
-    configs = {case.name: case.config for case in cases}
     with _connected(distributed, address) as client:
         code = fingerprint()
         futures = [client.submit(run, name, config, code, key=f"{name}-{code}") for name, config in configs.items()]
         try:
             for future in distributed.as_completed(futures):
                 name, files, message = future.result()
-                result = store.keep(name, configs[name], files)
-                yield name, result.summary, message
+                yield name, store.keep(name, configs[name], files), message
         finally:
             client.cancel([future for future in futures if not future.done()])
 

@@ -10,7 +10,7 @@ from rich.console import Console
 from tisph.report.terminal_bar import study_bar
 from tisph.study import starting
 from tisph.study.store import Store, claimed
-from tisph.study.sweep import cluster, local, picture, plan, table
+from tisph.study.sweep import cluster, picture, plan, table
 from tisph.verification.table import format_table
 
 PICTURE = "sweep.png"
@@ -72,17 +72,16 @@ class Sweep:
         return list(missing.values())
 
     def _run(self, missing, processes, scheduler):
+        configs = {case.name: case.config for case in missing}
         found = (
-            cluster.outcomes(missing, self.store, scheduler)
-            if scheduler
-            else local.outcomes(missing, self.store, processes)
+            cluster.outcomes(configs, self.store, scheduler) if scheduler else self.store.outcomes(configs, processes)
         )
         seconds = {case.name: case.seconds + START_SECONDS for case in missing}
         began, left = time.perf_counter(), sum(seconds.values())
         with closing(found) as outcomes, study_bar() as progress:
             task = progress.add_task(f"0/{len(missing)}", total=left)
-            for count, (name, summary, message) in enumerate(outcomes, 1):
-                self._add(name, summary, message)
+            for count, (name, result, message) in enumerate(outcomes, 1):
+                self._add(name, result.summary, message)
                 left -= seconds[name]
                 elapsed = time.perf_counter() - began
                 rest = elapsed * left / max(sum(seconds.values()) - left, 1e-9)

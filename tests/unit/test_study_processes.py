@@ -9,6 +9,7 @@ import pytest
 
 STUDY = """
 import multiprocessing, sys, time
+from pathlib import Path
 import typer
 from tisph.cli.outcome import reported
 from tisph.study import processes, starting
@@ -28,7 +29,7 @@ class Named(processes.Process):
         return super().finished
 
 try:
-    reported(lambda: list(processes.run_side_by_side(["run"], lambda name: Named("config.yaml", name), 1)))()
+    reported(lambda: list(processes.run_side_by_side(["run"], lambda name: Named("config.yaml", Path(name)), 1)))()
 except typer.Exit as ending:
     sys.exit(ending.exit_code)
 """

@@ -13,7 +13,7 @@ PICTURE = "rheometry.png"
 def rheometry(
     run_dirs: Annotated[list[Path], typer.Argument(metavar="RUN_DIR...", help="Folders of finished runs.")],
 ) -> None:
-    """Print and draw what a rheologist reads from runs in a channel, beside theory and reference.
+    """Read runs in a channel as a rheometer, beside theory.
 
     Viscosity growth, N1, creep compliance, recovery, ringing, moduli G' and G'', harmonics: what the walls of the run
     do. The picture goes into the folder of the run, rheometry.png.

@@ -1,11 +1,8 @@
-"""Runs as processes of their own: none can touch another, and each costs what a user pays."""
+"""Runs as processes of their own, so that none can touch another."""
 
 import json
-import os
-import tempfile
 import time
 from contextlib import suppress
-from pathlib import Path
 
 from tisph.folder import Folder
 from tisph.study.starting import start
@@ -22,9 +19,7 @@ class Process:
 
     def __init__(self, config_path, folder, resume=False):
         self.folder = folder
-        descriptor, name = tempfile.mkstemp(prefix="tisph-")  # a pipe could fill up; stop() removes it
-        os.close(descriptor)
-        self._messages = Path(name)
+        self._messages = folder.with_name(f"{folder.name}.messages")  # a pipe could fill up; stop() removes it
         command = ["run", config_path, "--out", folder, "--no-pictures", "--resume" if resume else "--overwrite"]
         self._process = start(command, self._messages)
 
@@ -51,6 +46,8 @@ class Process:
 
     def _error(self):
         """What it has written to standard error, without the lines of its progress."""
+        if not self._messages.exists():
+            return ""
         text = self._messages.read_text(encoding="utf-8", errors="replace")
         return text[max(text.rfind("error: "), 0) :].removeprefix("error: ").strip()
 

@@ -44,7 +44,7 @@ def _be(arguments, messages):
     """Be that process: as ``python -m tisph`` with ``arguments``."""
     tisph.PROCESS_START = time.perf_counter()
     for path, descriptor in ((os.devnull, 1), (messages, 2)):
-        file = os.open(path, os.O_WRONLY)
+        file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         os.dup2(file, descriptor)
         os.close(file)
     sys.argv[1:] = arguments

@@ -1,6 +1,6 @@
 """Run the verification suite, or the verification page's case, and print the table.
 
-Each case is a fresh process, one at a time, so that no run can touch another and each costs what a user pays.
+Each case is a fresh process, one at a time, so that no run can touch another.
 """
 
 import tempfile

@@ -15,6 +15,8 @@ def main() -> None:
     except KeyboardInterrupt:
         _leave()
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # not to look for them in all that is installed
+    # matrices are small: threads of NumPy's double the processor time, and wait for one another where others compute
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from tisph.cli import main as command
 
     command()

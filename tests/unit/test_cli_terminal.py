@@ -8,6 +8,8 @@ import sys
 
 import pytest
 
+import tisph.__main__
+import tisph.cli
 from tisph.cli.outcome import held_back
 from tisph.cli.terminal import lasting
 from tisph.endings import endings
@@ -70,6 +72,20 @@ tisph.__main__.main()
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")
+
+
+@pytest.mark.parametrize(("given", "kept"), [(None, "1"), ("3", "3")])
+def test_numpy_has_one_thread_unless_the_user_wants_more(monkeypatch, given, kept):
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+    if given:
+        monkeypatch.setenv("OPENBLAS_NUM_THREADS", given)
+    seen, handler = [], signal.getsignal(signal.SIGINT)
+    monkeypatch.setattr(tisph.cli, "main", lambda: seen.append(os.environ["OPENBLAS_NUM_THREADS"]))
+    try:
+        tisph.__main__.main()
+    finally:
+        signal.signal(signal.SIGINT, handler)
+    assert seen == [kept]
 
 
 @POSIX

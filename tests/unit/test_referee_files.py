@@ -1,7 +1,6 @@
 """Files as other codes write them, and how they are placed: the same particles give the same numbers."""
 
 import json
-from pathlib import Path
 
 import h5py
 import numpy as np
@@ -138,64 +137,6 @@ def test_the_same_particles_are_judged_the_same_whatever_wrote_them(tmp_path, co
     assert found.samples[0].scene.rows == 20
     assert numbers["wall_shear_top"] == pytest.approx(numbers["wall_shear_top_exact"], rel=0.1)
     assert numbers["centreline"] == pytest.approx(exact(0.5) - 2e-3, abs=2e-4)  # the fit of a sine of 13 spacings
-
-
-LAMMPS = Path(__file__).parent / "data/lammps_couette.dump"
-"""Written by LAMMPS (22 Jul 2025, Update 4), liquid and walls:
-``benchmarks/peers/lammps_couette.py --across 20 --steps 1188 --end 2.7 --threads 1 --dump lammps_couette.dump``."""
-
-PYSPH = Path(__file__).parent / "data/pysph_couette.npz"
-"""Written by PySPH (1.0b2), in the same way: ``pysph_couette.py --across 20 --steps 1188 --end 2.7 --dump FILE``."""
-
-LAMMPS_BENCH, PYSPH_BENCH = 1.465e-01, 8.440e-03
-"""What ``tisph bench`` measures of these runs: ``measure.py --code CODE --threads 1 --across 20 --until 2.7``."""
-
-PRINTED = 5e-4
-"""The numbers above are printed to four digits."""
-
-
-def lammps_l2(t, rows):
-    """The measure of ``tisph bench`` from the lines of a time, of atoms of type 1, by columns as the file has them."""
-    kind, y, u = np.loadtxt(rows, usecols=(1, 3, 4), unpack=True)
-    u, right = u[kind == 1], couette.velocity(y[kind == 1], t, gap=1.0, kinematic_viscosity=0.01, bottom=0.0, top=0.5)
-    return np.sqrt(np.sum((u - right) ** 2) / np.sum(right**2))
-
-
-def test_a_dump_of_lammps_is_judged_as_the_bench_judges_the_run(config):
-    lines = LAMMPS.read_text().splitlines()
-    starts = [index + 1 for index, line in enumerate(lines) if line.startswith("ITEM: ATOMS id type x y vx vy")]
-    found = judge.judge(config, [LAMMPS], judge.Question(select="1")).samples
-    assert [each.numbers["t"] for each in found] == pytest.approx([0.9, 1.8, 2.7], rel=1e-12)
-    for each, start in zip(found, starts, strict=True):
-        assert len(each.placed.snapshot.u) == 800
-        assert each.placed.notes == ()
-        own = lammps_l2(each.numbers["t"], lines[start : start + 1040])
-        assert each.numbers["l2"] == pytest.approx(own, rel=1e-9)  # sums in another order
-    assert found[-1].numbers["l2"] == pytest.approx(LAMMPS_BENCH, rel=PRINTED)
-
-
-def test_a_file_of_pysph_is_judged_as_the_bench_judges_the_run(config):
-    (found,) = judge.judge(config, [PYSPH], judge.Question()).samples
-    assert found.numbers["t"] == pytest.approx(TIME, rel=1e-12)
-    assert len(found.placed.snapshot.u) == 800
-    assert found.numbers["l2"] == pytest.approx(PYSPH_BENCH, rel=PRINTED)
-    (frame,) = reading.frames(PYSPH)
-    own = {"y": frame.columns["y"], "u": frame.columns["u"]}
-    assert found.numbers["l2"] == pytest.approx(l2(own), rel=1e-9)  # sums in another order
-
-
-def test_walls_of_lammps_that_do_not_hold_the_liquid_are_found(config):
-    """Its SPH package extrapolates no velocity into the walls."""
-    found = judge.judge(config, [LAMMPS], judge.Question(times=(1.8, 2.7), select="1"))
-    (diagnosis,) = found.diagnoses.values()
-    assert "top_wall" in {each.fault.name for each in diagnosis.explaining}
-    assert "outside the liquid" in diagnosis.explaining[0].words
-
-
-@pytest.mark.parametrize(("select", "says"), [(None, "which types are the liquid"), ("4", "no atoms of type 4")])
-def test_a_dump_with_several_types_is_asked_which_of_them_is_the_liquid(config, select, says):
-    with pytest.raises(ConfigError, match=says):
-        judge.judge(config, [LAMMPS], judge.Question(select=select))
 
 
 @pytest.mark.parametrize("kind", ["vtu", "vtp", "vtk", "vtkhdf"])

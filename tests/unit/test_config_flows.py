@@ -1,6 +1,7 @@
 """What a config says of the flow: wall motion, drive, rheology, start; and the conditions between these keys."""
 
 import types
+from pathlib import Path
 
 import pytest
 
@@ -9,6 +10,7 @@ from tisph.config import load
 from tisph.config.memory import REALS, estimated_bytes
 from tisph.errors import ConfigError
 
+CONFIGS = Path(__file__).parents[2] / "configs"
 POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 2.0, solvent_fraction: 0.1}"
 SWINGING = "walls.top={amplitude: -0.5, angular_frequency: 3.0, phase: sin}"
 STOPPED = "walls.top={velocity: 0.0, velocity_before: 0.5}"
@@ -74,6 +76,15 @@ def test_polymer_stress_needs_memory(case):
     assert estimated_bytes(1e5, case(POLYMER), False) - estimated_bytes(1e5, case(), False) == pytest.approx(
         1e5 * 3 * 4 * 8
     )
+
+
+def test_what_a_flow_between_walls_needs_was_measured():
+    # resident memory of 50 across less that of 12 across, whose fields have the smallest size there is: 169 MB for a
+    # Newtonian liquid, 197 MB with Oldroyd-B; to a quarter, what Python and libraries take besides
+    for name, measured in (("circular_couette", 169e6), ("circular_couette_oldroyd_b", 197e6)):
+        config = load(CONFIGS / f"{name}.yaml")
+        grown = estimated_bytes(23562, config, True) - estimated_bytes(1357, config, True)
+        assert 0.75 < grown / measured < 1.25
 
 
 def test_single_precision_needs_half_the_memory_for_numbers(case):

@@ -8,8 +8,15 @@ REALS = {False: 25, True: 280}
 """Numbers with fractions that a particle has in fields, by whether the scheme is implicit: the explicit one keeps two
 copies of 11 and where the lists were made, the implicit one three rows of operators with 52 entries and vectors."""
 
-STRESS_REALS = 12
-"""A particle's polymer stress: three numbers in two copies, at full and at half steps."""
+WALLED_REALS = 200
+"""What a particle has more than that where the flow turns between walls: operators reach farther, and there are points
+on the walls, about ``WALL_POINTS`` times the root of the number of particles as around an annulus of ratio 1/2."""
+
+WALL_POINTS = 6.0
+
+STRESS_REALS = {False: 12, True: 110}
+"""A particle's polymer stress: of the explicit scheme three numbers in two copies, at full and at half steps; of the
+implicit one three, and their slopes, at the ends of three steps, and what solving for them takes."""
 
 INTEGER_BYTES = {False: 24, True: 240}
 """A particle's places in lists and cells; those of its neighbours too in the implicit scheme."""
@@ -50,7 +57,10 @@ def estimated_bytes(particles: float, config: Any, implicit: bool) -> float:
 
     ``tisph bench throughput`` compares it with what a process takes.
     """
-    reals = REALS[implicit] + STRESS_REALS * config.fluid.rheology.carries_stress
+    reals = REALS[implicit] + STRESS_REALS[implicit] * config.fluid.rheology.carries_stress
+    if implicit and not config.parallel and (getattr(config, "bodies", ()) or not all(config.periodic)):
+        reals += WALLED_REALS
+        particles += WALL_POINTS * math.sqrt(particles)
     fields = reals * (8 if config.discretisation.precision == "f64" else 4) + INTEGER_BYTES[implicit]
     lists = 0.0 if implicit else NEIGHBOUR_BYTES * math.pi * (config.support + REACH) ** 2
     return room(particles) * (fields + lists) + particles * HOST_BYTES

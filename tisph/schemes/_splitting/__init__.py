@@ -12,8 +12,12 @@ from tisph.schemes._splitting._walls import Walls
 COST, OVERHEAD = 3.5e-6, 2e-3
 """Rough cost of one particle and step on two threads, and of a step whatever the number of particles [s]."""
 
-BETWEEN_WALLS = 1.6
-"""By how much a particle costs more there: operators reach farther, and the pressure is solved for twice a step."""
+BETWEEN_WALLS = 2.2
+"""By how much a particle costs more there: operators reach farther, and the pressure is solved for twice a step. In
+slow flow and in quick start-up it was 2.9, in developed flow 1.6."""
+
+WITH_POLYMER = 1.7
+"""By how much a polymer makes it more."""
 
 MARGIN = 0.2
 """Room beyond walls over the larger side of the box, for the lattice of the linear solvers, which is periodic."""
@@ -75,7 +79,7 @@ def estimates(config, scene):
         1 - 1 / LARGEST_FACTOR
     )  # steps that grow, less their time
     counts = [max(1, round(begin + np.interp(t, times, gone))) for t in [*config.time.samples, config.time.end]]
-    cost = COST * (BETWEEN_WALLS if scene.bodies else 1.0)
+    cost = COST * (BETWEEN_WALLS if scene.bodies else 1.0) * (WITH_POLYMER if scene.rheology else 1.0)
     return {
         "mach": 0.0,
         "sound_speed": None,

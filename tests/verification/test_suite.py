@@ -24,13 +24,14 @@ LONG = (
     "oldroyd_b_annulus_12",
     "exponential_ptt_poiseuille",
     "fene_p_couette",
+    "two_modes_poiseuille",
 )
 """Quick rows that take longest. Convergence at walls of any shape is that of annulus 12/25; the steady flow under a
 regular lid and the sharp lid are in tests/core/test_cavity.py; a coarser cylinder is held in shear in
 tests/core/test_bodies_in_flow.py, to the same stress of the walls; between the same cylinders a Giesekus liquid starts
 in tests/core/test_polymer_where_it_turns.py. What the two laws say in kernels is compared with NumPy in
 tests/core/test_laws_in_kernels.py, that with the literature in tests/unit/test_laws.py; how a law is stepped is in
-other rows here."""
+other rows here, and two modes in tests/core/test_polymer_steps.py, to the same bound."""
 
 
 def checks(quick):

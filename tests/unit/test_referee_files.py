@@ -5,31 +5,19 @@ import json
 import h5py
 import numpy as np
 import pytest
+import referee_case
+from referee_case import TIME, exact, loaded
 from typer.testing import CliRunner
 
 from tisph import cli, families
 from tisph.config import load
 from tisph.errors import ConfigError
-from tisph.exact import couette
 from tisph.referee import judge, reading
-
-CASE = """
-scene: channel
-units: {length: m, mass: kg, time: s}
-fluid: {density: 1.0, kinematic_viscosity: 0.01}
-geometry: {gap: 1.0, length: 1.0}
-walls: {top: {velocity: 0.5}}
-discretisation: {particles_across: 20}
-time: {end: 2.7}
-"""
-
-TIME = 2.7
 
 
 @pytest.fixture
 def config(tmp_path):
-    (tmp_path / "case.yaml").write_text(CASE)
-    return load(tmp_path / "case.yaml")
+    return loaded(tmp_path)
 
 
 @pytest.fixture(scope="module")
@@ -42,14 +30,9 @@ def particles():
     return {"x": x, "y": y, "u": u, "v": np.zeros_like(u), "rho": np.ones_like(u)}
 
 
-def exact(y):
-    return couette.velocity(y, TIME, gap=1.0, kinematic_viscosity=0.01, bottom=0.0, top=0.5)
-
-
 def l2(particles):
     """The measure of ``tisph bench``."""
-    own, right = particles["u"], exact(particles["y"])
-    return float(np.sqrt(np.sum((own - right) ** 2) / np.sum(right**2)))
+    return referee_case.l2(particles["y"], particles["u"])
 
 
 def wall_particles(particles):
@@ -242,7 +225,7 @@ def test_order_of_several_resolutions_and_the_way_of_the_error_in_time(tmp_path,
 
     y = (np.arange(20) + 0.5) / 20
     for t, error in ((1.8, 0.02), (2.7, 0.04)):
-        own = couette.velocity(y, t, gap=1.0, kinematic_viscosity=0.01, bottom=0.0, top=0.5)
+        own = exact(y, t)
         csv(tmp_path / f"at_{t}.csv", {"y": y, "u": own * (1 + error)})
     question = judge.Question(times=(1.8, 2.7))
     found = judge.judge(config, [tmp_path / "at_1.8.csv", tmp_path / "at_2.7.csv"], question)

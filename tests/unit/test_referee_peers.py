@@ -4,23 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from referee_case import TIME, l2, loaded
 
-from tisph.config import load
 from tisph.errors import ConfigError
-from tisph.exact import couette
 from tisph.referee import judge, reading
-
-CASE = """
-scene: channel
-units: {length: m, mass: kg, time: s}
-fluid: {density: 1.0, kinematic_viscosity: 0.01}
-geometry: {gap: 1.0, length: 1.0}
-walls: {top: {velocity: 0.5}}
-discretisation: {particles_across: 20}
-time: {end: 2.7}
-"""
-
-TIME = 2.7
 
 LAMMPS = Path(__file__).parent / "data/lammps_couette.dump"
 """Written by LAMMPS (22 Jul 2025, Update 4), liquid and walls:
@@ -38,18 +25,11 @@ PRINTED = 5e-4
 
 @pytest.fixture
 def config(tmp_path):
-    (tmp_path / "case.yaml").write_text(CASE)
-    return load(tmp_path / "case.yaml")
-
-
-def l2(y, u, t=TIME):
-    """The measure of ``tisph bench``."""
-    right = couette.velocity(y, t, gap=1.0, kinematic_viscosity=0.01, bottom=0.0, top=0.5)
-    return np.sqrt(np.sum((u - right) ** 2) / np.sum(right**2))
+    return loaded(tmp_path)
 
 
 def lammps_l2(t, rows):
-    """The same from the lines of a time, of atoms of type 1, by columns as the file has them."""
+    """``l2`` from the lines of a time, of atoms of type 1, by columns as the file has them."""
     kind, y, u = np.loadtxt(rows, usecols=(1, 3, 4), unpack=True)
     return l2(y[kind == 1], u[kind == 1], t)
 

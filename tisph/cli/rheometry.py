@@ -23,6 +23,7 @@ def rheometry(
       tisph rheometry runs/creep_and_recovery
       tisph rheometry runs/oscillation_*
     """
+    from tisph import families
     from tisph.report.rheometry import plot_reading
     from tisph.results import open_run
     from tisph.verification.rheometry import read
@@ -32,7 +33,8 @@ def rheometry(
         config, history = run.config, run.history
         if config.scene != "channel" or not config.parallel:
             raise ConfigError(f"RUN_DIR {run_dir}: is no run in a channel without bodies")
-        reading = read(config, run._scene, {name: history[name] for name in history.dtype.names})
+        channel = families.load("scenes", config.scene).Scene.from_config(config)
+        reading = read(config, channel, {name: history[name] for name in history.dtype.names})
         typer.echo(f"{config.name}: {reading.title}")
         for line in reading.lines:
             typer.echo(f"  {line}")

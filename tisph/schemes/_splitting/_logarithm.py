@@ -23,12 +23,14 @@ SMALL = 1e-3
 
 def deviation(state):
     """Return the components xx, xy, yy and, where there is one, zz of A - 1, of arrays (3 or 4, ...) of P."""
-    xx, xy, yy, *others = state
-    half = 0.5 * (xx - yy)
-    grown, even, odd, _, _ = _functions(0.5 * (xx + yy), half, xy)
-    isotropic = grown * even
-    one = grown * odd
-    return (isotropic + one * half - 1.0, one * xy, isotropic - one * half - 1.0, *(np.exp(zz) - 1.0 for zz in others))
+    half, shear = 0.5 * (state[0] - state[2]), state[1]
+    grown, even, odd, _, _ = _functions(0.5 * (state[0] + state[2]), half, shear)
+    return _deviation(grown * even - 1.0, grown * odd, half, shear, state[3:])
+
+
+def _deviation(isotropic, odd, half, shear, others):
+    """``deviation`` of A = (1 + isotropic) 1 + odd E."""
+    return (isotropic + odd * half, odd * shear, isotropic - odd * half, *(np.exp(zz) - 1.0 for zz in others))
 
 
 def rate(law, state, gradient):
@@ -36,9 +38,7 @@ def rate(law, state, gradient):
     xx, xy, yy, *others = state
     half = 0.5 * (xx - yy)
     grown, even, odd, turned, rest = _functions(0.5 * (xx + yy), half, xy)
-    along, across = grown * odd * half, grown * odd * xy
-    isotropic = grown * even - 1.0
-    pulls = law.relaxation((isotropic + along, across, isotropic - along, *(np.exp(zz) - 1.0 for zz in others)))
+    pulls = law.relaxation(_deviation(grown * even - 1.0, grown * odd, half, xy, others))
     mean, slope, shear = 0.5 * (pulls[0] + pulls[2]), 0.5 * (pulls[0] - pulls[2]), pulls[1]
     lxx, lxy, lyx, lyy = gradient
     stretch, strain, spin = 0.5 * (lxx - lyy), 0.5 * (lxy + lyx), lyx - lxy

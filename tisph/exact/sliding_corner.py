@@ -76,6 +76,17 @@ class SlidingCorner:
         log = 4.0 * h.deriv()(0.0) + h.deriv(3)(0.0)  # + f (f + f''), but f is 0 at theta = 0
         return [h, *(h.deriv(k) for k in (1, 2, 3))], float(log)
 
+    @property
+    def slow_numbers(self):
+        """The numbers a, b, c, d (4,) of f."""
+        return self._coefficients
+
+    @cached_property
+    def inertial_numbers(self):
+        """Coefficients (``DEGREE`` + 1, 4) of h and its derivatives in 2 theta/angle - 1, highest power first."""
+        powers = [chebyshev.cheb2poly(part.coef) for part in self._inertial[0]]
+        return np.stack([np.pad(part, (0, DEGREE + 1 - len(part))) for part in powers], axis=1)[::-1]
+
     def _polar(self, points):
         """Distance r and angle theta of ``points`` (n, 2), and the unit vectors (n, 2) along both."""
         away = np.asarray(points, dtype=float) - self.place
@@ -92,22 +103,44 @@ class SlidingCorner:
         second, third = 2.0 - 10.0 * square + 4.0 * square**2, -24.0 + 36.0 * square - 8.0 * square**2
         return chi, (2.0 - 2.0 * square) * chi, second * chi, k * radius * third * chi
 
+    def _parts(self, points):
+        """What fields at ``points`` (n, 2) are made of: ``_polar``, ``_slow``, h and its derivatives, ``_fading``."""
+        polar = self._polar(points)
+        part = 2.0 * polar[1] / self.angle - 1.0
+        inertial = np.vander(part, DEGREE + 1) @ self.inertial_numbers
+        return polar, self._slow(polar[1]), inertial.T, self._fading(polar[0])
+
+    def fields(self, points):
+        """Return ``velocity``, ``gradient`` and ``acceleration`` at ``points`` (n, 2)."""
+        parts = self._parts(points)
+        return self._velocity(*parts), self._gradient(*parts), self._acceleration(*parts)
+
     def velocity(self, points):
         """Velocity (n, 2) at ``points`` (n, 2)."""
-        radius, theta, out, turn = self._polar(points)
-        f, slope, *_ = self._slow(theta)
-        (h, h1, *_), _ = self._inertial
-        chi, first, *_ = self._fading(radius)
-        scale = radius / self.kinematic_viscosity
-        radial, turning = slope + scale * chi * h1(theta), -f - scale * first * h(theta)
-        return radial[:, None] * out + turning[:, None] * turn
+        return self._velocity(*self._parts(points))
 
     def gradient(self, points):
         """Velocity gradient (n, 2, 2) at ``points`` (n, 2): by the first axis, of the velocity along the second."""
-        radius, theta, out, turn = self._polar(points)
-        f, _, bend, _ = self._slow(theta)
-        h, h1, h2 = (part(theta) / self.kinematic_viscosity for part in self._inertial[0][:3])
-        chi, first, second, _ = self._fading(radius)
+        return self._gradient(*self._parts(points))
+
+    def acceleration(self, points):
+        """Acceleration (n, 2) at ``points`` (n, 2) by the pressure and the viscous forces of this flow."""
+        return self._acceleration(*self._parts(points))
+
+    def _velocity(self, polar, slow, inertial, fading):
+        radius, _, out, turn = polar
+        f, slope, *_ = slow
+        h, h1, *_ = inertial
+        chi, first, *_ = fading
+        scale = radius / self.kinematic_viscosity
+        radial, turning = slope + scale * chi * h1, -f - scale * first * h
+        return radial[:, None] * out + turning[:, None] * turn
+
+    def _gradient(self, polar, slow, inertial, fading):
+        radius, _, *ways = polar
+        f, _, bend, _ = slow
+        h, h1, h2, _ = inertial / self.kinematic_viscosity
+        chi, first, second, _ = fading
         stretch = (chi - 2.0 * (radius / self.reach) ** 2 * chi) * h1
         parts = {
             (0, 0): stretch,
@@ -115,8 +148,18 @@ class SlidingCorner:
             (1, 0): (bend + f) / radius + chi * h2 + first * h,
             (1, 1): -first * h1 + chi * h1,
         }
-        ways = out, turn
         return sum(part[:, None, None] * ways[i][:, :, None] * ways[j][:, None, :] for (i, j), part in parts.items())
+
+    def _acceleration(self, polar, _, inertial, fading):
+        radius, _, out, turn = polar
+        h, h1, h2, h3 = inertial
+        log = self._inertial[1]
+        chi, first, second, third = fading
+        square, k = (radius / self.reach) ** 2, radius * self.reach**-2
+        slope = (chi / radius - 2.0 * k * chi * np.log(radius / self.reach)) * log
+        radial = (second + first) * h1 / radius + chi * h3 / radius - slope
+        turning = -(third + k * (4.0 * square - 8.0) * chi) * h + 2.0 * k * chi * h2
+        return radial[:, None] * out + turning[:, None] * turn
 
     def pressure(self, points):
         """Pressure over the density (n,) at ``points`` (n, 2); infinite in the corner."""
@@ -125,15 +168,3 @@ class SlidingCorner:
         with np.errstate(divide="ignore", invalid="ignore"):
             slow = 2.0 * self.kinematic_viscosity * (c * np.cos(theta) + d * np.sin(theta)) / radius
             return slow + self._inertial[1] * self._fading(radius)[0] * np.log(radius / self.reach)
-
-    def acceleration(self, points):
-        """Acceleration (n, 2) at ``points`` (n, 2) by the pressure and the viscous forces of this flow."""
-        radius, theta, out, turn = self._polar(points)
-        (h, h1, h2, h3), log = self._inertial
-        h, h1, h2, h3 = (part(theta) for part in (h, h1, h2, h3))
-        chi, first, second, third = self._fading(radius)
-        square, k = (radius / self.reach) ** 2, radius * self.reach**-2
-        slope = (chi / radius - 2.0 * k * chi * np.log(radius / self.reach)) * log
-        radial = (second + first) * h1 / radius + chi * h3 / radius - slope
-        turning = -(third + k * (4.0 * square - 8.0) * chi) * h + 2.0 * k * chi * h2
-        return radial[:, None] * out + turning[:, None] * turn

@@ -34,7 +34,7 @@ class Bounds:
         self.history, self.points, self.shift = history, history.points, shift
         self.closure = Closure(history.rows, flow.walls, flow.spacing)
         self.slots = slice(flow.liquid, flow.particles)
-        self.corners = Corners(flow.corners, flow.origin) if flow.corners else None
+        self.corners = Corners(flow.corners, flow.origin, history) if flow.corners else None
         self.twists, self.loads = [], []
         self.normal = self.velocity = None
 
@@ -75,11 +75,9 @@ class Bounds:
     def predict(self, times, length):
         """Put the particles where they are after a step of this ``length``, where the flow in the corners counts."""
         if self.corners:
-            liquid = self.flow.liquid
             weights = lambda part: times.at((1.0 - part) * length, VELOCITIES)  # noqa: E731
-            place = used(self.history.position)[:liquid].astype(float)
-            place = self.corners.gone(place, self.rests[:liquid].astype(float), weights, length)
-            view(self.points.place)[:liquid] = place % [self.flow.length, self.flow.gap]
+            place = self.corners.paths.find(weights, length)
+            view(self.points.place)[: self.flow.liquid] = place % [self.flow.length, self.flow.gap]
 
     def find_fastest(self):
         """Take up the largest velocity relative to the mean, of which those carried are a part."""

@@ -11,9 +11,14 @@ from tisph.snapshot import STRESSES, Snapshot
 def carried_in_order(scheme):
     """Return what the particles of liquid carry, where they are, and tensors, in the order of creation."""
     history, liquid = scheme.history, scheme.flow.liquid
-    created = np.argsort(used(history.number)[:liquid])
+    created = _order(scheme)
     fields = [history.carried, history.position, *([scheme.polymer.tensors] if scheme.polymer else [])]
     return [used(field)[:liquid][created].astype(float) for field in fields]
+
+
+def _order(scheme):
+    """Return where the particles lie in memory (n,), in the order of creation."""
+    return np.argsort(used(scheme.history.number)[: scheme.flow.liquid])
 
 
 def state(scheme, time):
@@ -31,7 +36,7 @@ def state(scheme, time):
     if bounds and bounds.corners:
         if age:
             at = lambda part: times.at(part * age, VELOCITIES)  # noqa: E731
-            position = bounds.corners.gone(scheme.seen[2], velocities, at, -age)
+            position = bounds.corners.paths.find(at, -age)[_order(scheme)]
         velocity = velocity + bounds.corners.velocity(position)
         pressure = pressure + bounds.corners.pressure(position)
     stress = [flow.density * part for part in scheme.polymer.at(times, age, *tensors)] if tensors else []

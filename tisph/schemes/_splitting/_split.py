@@ -19,6 +19,9 @@ from tisph.schemes._splitting._history import PRESSURES, VELOCITIES
 ROUGH = 1.0
 """Viscous number h nu/(g spacing^2) up to which the diagonal is preconditioner enough."""
 
+FIRST = 100.0
+"""By how much less exact the first of two turns may be: all that is left of it is a curl at walls."""
+
 
 @ti.data_oriented
 class Split:
@@ -48,7 +51,8 @@ class Split:
         ``leading`` is g, ``kept`` k g, ``tolerances`` those of the pressure and of the velocities.
         """
         sound, self.iterations = True, [0.0, 0.0]
-        for turn in range(2 if self.bounded else 1):
+        turns = 2 if self.bounded else 1
+        for turn in range(turns):
             if self.polymer:
                 self.polymer.act(self.velocity.x, self.known, length)
             if self.polymer or turn == 0:
@@ -57,11 +61,12 @@ class Split:
                 if turn == 1:
                     self.closure.spin(self.velocity.x)
                 self.bound(length, leading, viscosity)
-            sound = self.pressure.solve(0.0, 1.0, tolerances[0], rough=False) and sound
+            loose = FIRST if turn < turns - 1 else 1.0
+            sound = self.pressure.solve(0.0, 1.0, loose * tolerances[0], rough=False) and sound
             self.push(length)
             diffusion = length * viscosity
             rough = diffusion <= ROUGH * leading * self.spacing**2
-            sound = self.velocity.solve(leading, diffusion, tolerances[1], rough) and sound
+            sound = self.velocity.solve(leading, diffusion, loose * tolerances[1], rough) and sound
             self.iterations[0] += self.pressure.iterations
             self.iterations[1] += self.velocity.iterations
         self.compare()

@@ -6,7 +6,7 @@ from scipy.linalg import expm, expm_frechet
 
 from tisph import families
 from tisph.schemes._pointwise import SMALL, matrix
-from tisph.schemes._splitting._logarithm import deviation, rate
+from tisph.schemes._splitting._logarithm import deviation, logarithm, rate
 
 LAWS = {
     "oldroyd_b": {},
@@ -57,3 +57,11 @@ def test_newton_sees_the_law_at_rest():
     # dP/dt = -P/lambda about rest, whatever else: the matrix of an implicit step is (1 + h/lambda) 1
     rows = matrix(lambda p: rate(law("oldroyd_b"), p, np.zeros((4, 1))), np.zeros((3, 1)), 0.3)
     assert np.abs(np.array(rows, dtype=object).astype(float).reshape(3, 3) - 1.5 * np.eye(3)).max() < 1e-14
+
+
+def test_logarithm_and_deviation_undo_each_other():
+    states = np.random.default_rng(3).normal(size=(4, 30)) * np.geomspace(1e-9, 5.0, 30)
+    states[:3, 0], states[1, 1] = 0.0, 0.0
+    found = logarithm(np.array(deviation(states)))
+    conditions = np.exp(2.0 * np.hypot(0.5 * (states[0] - states[2]), states[1]))  # of A, whose rounding log A has
+    assert np.all(np.abs(found - states) < 1e-14 * conditions)

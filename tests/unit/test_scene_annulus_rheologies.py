@@ -119,6 +119,22 @@ def test_a_start_from_rest_has_no_stress(annulus):
     assert "stress_xx" not in make_annulus().fields
 
 
+def test_a_developed_start_knows_what_each_mode_remembers():
+    modes = [
+        {"relaxation_time": 1.0, "fraction": 0.6},
+        {"type": "fene_p", "relaxation_time": 0.2, "maximum_extension": 9.0, "fraction": 0.3},
+    ]
+    rheology = families.load("rheology", "multi_mode").Parameters(solvent_fraction=0.1, modes=modes)
+    annulus = make_annulus(centre=CENTRE, kinematic_viscosity=0.5, rheology=rheology, initial_state="developed")
+    x, y = annulus.jittered(0, 0.2)
+    laws = zip(rheology.laws(0.5), annulus.initial_deviations(x, y), strict=True)
+    found = sum(np.stack(law.stress(deviations)[:3]) for law, deviations in laws)
+    exact = annulus.initial(x, y)
+    for part, name in zip(found, STRESSES, strict=True):
+        assert np.allclose(part, exact[name], rtol=0, atol=1e-13)
+    assert make_annulus(rheology=rheology).initial_deviations is None  # at rest
+
+
 def test_the_layer_at_a_wall_is_the_solvents_at_first(annulus):
     depth, place = annulus.thinnest_layer(1e-4)
     assert depth == pytest.approx(np.sqrt(0.3 * 0.5e-4), rel=1e-3)

@@ -18,7 +18,7 @@ pushes cancel there."""
 class Filled(Scene):
     """A scene with ``bodies``: liquid around them, and within them where the box is not ``periodic``.
 
-    ``rheology`` has all numbers of the liquid's polymer, which starts from rest; it is None without.
+    ``rheology`` has all numbers of the liquid's polymer; it is None without.
     """
 
     @property

@@ -2,7 +2,7 @@
 
 Particles fill the annulus evenly, the first layer half a spacing from the walls. Motion starts, or changes, at t = 0.
 The run's clock starts at ``start_time``: at the initial time of the config for the state ``exact``, else at 0. The
-liquid is a Newtonian one, or has a polymer and is at rest at first. See ``tisph/exact/circular_couette.py`` and
+liquid is a Newtonian one, or has a polymer. See ``tisph/exact/circular_couette.py`` and
 ``circular_start_up.py`` for the solutions.
 """
 
@@ -123,12 +123,8 @@ class Config(schema.Config):
 def _rheology(config: Config) -> Iterator[Problem]:
     """Liquids, and starts of theirs, without a reference."""
     rheology = config.fluid.rheology
-    if rheology.carries_stress:
-        for name in ("inner", "outer"):
-            if getattr(config.walls, name).amplitude is not None:
-                text = f"no solution is built in for cylinders that oscillate in a liquid of {rheology.type}"
-                yield f"walls.{name}.amplitude", f"{text}: give angular_velocity, or fluid.rheology {{type: newtonian}}"
-        if config.initial.state != "rest":
-            text = f"must be rest with {rheology.type}: what the polymer remembers of another start is not known"
-            yield "initial.state", text
+    swinging = any(getattr(config.walls, name).amplitude is not None for name in ("inner", "outer"))
+    if rheology.carries_stress and swinging and config.initial.state == "developed":
+        text = f"the periodic flow of {rheology.type} between cylinders that oscillate is not built in"
+        yield "initial.state", f"must be rest or exact: {text}"
     yield from liquid_problems(config, "of {} the flow between cylinders is not known")

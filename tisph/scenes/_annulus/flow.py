@@ -10,7 +10,7 @@ import numpy as np
 
 from tisph.exact.circular_couette import CircularCouette
 from tisph.exact.circular_start_up import CircularStartUp
-from tisph.exact.start_up import Polymer
+from tisph.exact.start_up import Polymer, Wall
 
 
 class NewtonianFlow:
@@ -39,11 +39,13 @@ class NewtonianFlow:
 
 
 class SolvedFlow:
-    """Of a liquid with polymer, from rest; solved for once."""
+    """Of a liquid with polymer, from rest, or on from the steady flow of what the cylinders did before; solved once."""
 
     def __init__(self, annulus):
+        walls = annulus.inner, annulus.outer
+        before = tuple(Wall(annulus.before(wall)) for wall in walls)
         liquid = annulus.rheology, annulus.kinematic_viscosity
-        self._of = _solved(*liquid, annulus.inner_radius, annulus.outer_radius, annulus.inner, annulus.outer)
+        self._of = _solved(*liquid, annulus.inner_radius, annulus.outer_radius, *walls, before)
         self._density = annulus.density
 
     def velocity(self, r, t):
@@ -62,19 +64,24 @@ class SolvedFlow:
         """Torques of the liquid on the inner and the outer cylinder, per length of the axis."""
         return self._of.torque(t, density=self._density)
 
+    def deviations(self, r, t):
+        """C of each mode at radii ``r`` (radii,) and a time, arrays in a list: around the axis, shear, along the radius."""
+        return self._of.deviations(r, t)
+
     def polymer_stress(self, r, t):
         """Polymer stress (3, ...) in polar components: around the axis, shear, along the radius."""
         return self._density * self._of.polymer_stress(r, t)
 
 
 @lru_cache(maxsize=8)
-def _solved(rheology, kinematic_viscosity, inner_radius, outer_radius, inner, outer):
+def _solved(rheology, kinematic_viscosity, inner_radius, outer_radius, inner, outer, before):
     liquid = Polymer(rheology.solvent_fraction * kinematic_viscosity, rheology.laws(kinematic_viscosity))
-    return CircularStartUp(inner_radius, outer_radius, liquid, inner, outer)
+    moved = any(wall.speed for wall in before)
+    return CircularStartUp(inner_radius, outer_radius, liquid, inner, outer, before if moved else None)
 
 
 def cartesian(stress, x, y):
-    """Components xx, xy, yy (3, ...) of a ``stress`` (3, ...) in polar ones at places ``x``, ``y`` from the axis."""
+    """Components xx, xy, yy (3, ...) of a symmetric ``stress`` (3, ...) in polar ones at ``x``, ``y`` from the axis."""
     cosine, sine = _directions(x, y)
     around, shear, along = stress
     both = sine * cosine

@@ -172,6 +172,18 @@ class Annulus(Filled):
         """Exact stress of the polymer in polar components, shape (3, ...): around the axis, shear, along the radius."""
         return self._flow.polymer_stress(self.radii(x, y), t)
 
+    @property
+    def initial_deviations(self):
+        """``deviations`` when the run starts; None from rest, which has none."""
+        return None if self.initial_state == "rest" else self._deviations
+
+    def _deviations(self, x, y):
+        """C (components, n) of each mode, xx, xy, yy (and zz), at places ``x``, ``y`` (n,) when the run starts."""
+        radius = np.clip(self.radii(x, y), self.inner_radius, self.outer_radius)
+        away = np.subtract(x, self.centre[0]), np.subtract(y, self.centre[1])
+        modes = self._flow.deviations(radius, self.start_time)
+        return [np.concatenate([cartesian(mode[:3], *away), mode[3:]]) for mode in modes]
+
     def polymer_stress(self, snapshot):
         """Shear stress (particles,) of the polymer, and its N1, the stress around the axis less that along radii."""
         away = snapshot.x - self.centre[0], snapshot.y - self.centre[1]

@@ -43,6 +43,7 @@ def _flow(scene):
         "reference_velocity": scene.reference_velocity,
         "start_time": scene.start_time,
         "rheology": scene.rheology,
+        "initial_deviations": scene.initial_deviations,
     }
     if not scene.bodies:
         return PeriodicFlow(columns=scene.columns, rows=scene.rows, spacing=scene.spacing, **liquid)

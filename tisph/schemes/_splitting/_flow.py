@@ -12,7 +12,8 @@ class _Flow(Box):
     ``reference_velocity`` is the velocity that errors and steps refer to, as seen from the frame of the mean flow.
     ``acceleration`` is that of the body force; ``walls`` (``_walls.Walls``) are None where there are none, ``corners``
     those (``exact/sliding_corner.py``) where the velocities of two of them differ. ``kinematic_viscosity`` is the total
-    one, of solvent and polymer; ``rheology``: parameters of the liquid where it has a polymer, else None.
+    one, of solvent and polymer; ``rheology``: parameters of the liquid where it has a polymer, else None, and
+    ``initial_deviations`` of the conformation tensors of its modes at places x, y, None where it starts from rest.
     """
 
     density: float
@@ -23,6 +24,7 @@ class _Flow(Box):
     acceleration: tuple[float, float] = (0.0, 0.0)
     corners: tuple = ()
     rheology: object = None
+    initial_deviations: object = None
 
     @property
     def solvent_viscosity(self):

@@ -28,6 +28,16 @@ def deviation(state):
     return _deviation(grown * even - 1.0, grown * odd, half, shear, state[3:])
 
 
+def logarithm(deviations):
+    """Return P, arrays (3 or 4, n), of the components of A - 1."""
+    xx, xy, yy, *others = deviations
+    mean, half = 1.0 + 0.5 * (xx + yy), 0.5 * (xx - yy)
+    size = np.hypot(half, xy)
+    middle = 0.5 * (np.log(mean + size) + np.log(mean - size))
+    stretch = np.where(size > 0.0, np.arctanh(size / mean) / np.where(size > 0.0, size, 1.0), 1.0 / mean)
+    return np.stack([middle + stretch * half, stretch * xy, middle - stretch * half, *map(np.log1p, others)])
+
+
 def _deviation(isotropic, odd, half, shear, others):
     """``deviation`` of A = (1 + isotropic) 1 + odd E."""
     return (isotropic + odd * half, odd * shear, isotropic - odd * half, *(np.exp(zz) - 1.0 for zz in others))

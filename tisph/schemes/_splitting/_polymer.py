@@ -28,7 +28,7 @@ from tisph.errors import DivergedError
 from tisph.runtime import real, ti, view
 from tisph.schemes._pointwise import SMALL, Modes, solve
 from tisph.schemes._splitting._history import change, slopes
-from tisph.schemes._splitting._logarithm import deviation, rate
+from tisph.schemes._splitting._logarithm import deviation, logarithm, rate
 from tisph.schemes._splitting._series import ORDER
 
 HOPELESS = 5.0
@@ -43,6 +43,7 @@ class Polymer:
     def __init__(self, history, flow):
         self.history, self.rows, self.points = history, history.rows, history.points
         self.walls, self.liquid, self.origin, self.spacing = flow.walls, flow.liquid, flow.origin, flow.spacing
+        self.initial_deviations = flow.initial_deviations
         self.modes = Modes(flow.rheology, flow.kinematic_viscosity, deviation)
         self.size = self.modes.components
         self.tensors, self.along, self.across = self._three(ORDER * self.size)
@@ -67,8 +68,12 @@ class Polymer:
         return values.reshape(len(values), ORDER, self.size).transpose(1, 2, 0)
 
     def begin(self):
-        """Start from rest, without stress."""
+        """Start from rest, without stress, or from what the flow says."""
         view(self.tensors)[...] = 0.0
+        if self.initial_deviations:
+            places = view(self.points.place)[: self.points.fluid].astype(float) + self.origin
+            modes = self.initial_deviations(*places.T)
+            self.states[0] = np.concatenate([logarithm(deviations) for deviations in modes])
 
     def prepare(self, times, length, time):
         """Take up a step of this ``length`` that ends at ``time``."""

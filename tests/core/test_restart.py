@@ -32,6 +32,7 @@ MODES = (
     "{type: fene_p, relaxation_time: 0.2, maximum_extension: 20, fraction: 0.3}]}"
 )
 OSCILLATION = "walls.top={amplitude: 0.5, angular_frequency: 40.0}"
+SCHEDULE = "walls.top={times: [0.0, 0.5, 0.5, 0.7], velocities: [0.5, 0.5, 0.1, 0.3]}"
 NO_VIDEO = "output.video=null"
 ANNULUS = [
     "scene=annulus",
@@ -58,6 +59,7 @@ SCENES = {
     "several modes": [MODES, NO_VIDEO, "output.vtk=true"],
     "oscillating": ["scheme={type: wcsph}", "walls.treatment.type=adami", OSCILLATION, NO_VIDEO],
     "oscillating implicit": ["scheme={type: implicit}", "time.tolerance=1e-5", OSCILLATION, NO_VIDEO],
+    "scheduled wall": ["scheme={type: implicit}", "time.tolerance=1e-5", SCHEDULE, NO_VIDEO],
     "creep and recovery": [OLDROYD_B, "walls.top={times: [0.0, 0.5], stresses: [0.01, 0.0]}", NO_VIDEO],
     "a plate with a mass": [OLDROYD_B, "walls.top={shear_stress: 0.01, mass_per_area: 0.3}", NO_VIDEO],
     "annulus": ANNULUS,
@@ -209,7 +211,7 @@ def test_a_run_goes_on_from_a_checkpoint_at_its_end(case, tmp_path):
     assert json.loads(folder.summary.read_text())["status"] == "done"
 
 
-@pytest.mark.parametrize("scene", [pytest.param("wcsph", marks=pytest.mark.slow), "implicit"])
+@pytest.mark.parametrize("scene", [pytest.param("wcsph", marks=pytest.mark.slow), "scheduled wall"])
 def test_a_run_that_goes_on_for_longer_is_one_that_was_to_be_so_long(case, tmp_path, capsys, scene):
     shorter = "time={end: 0.6, samples: [0.3, 0.45, 0.6]}"  # the old end is a sample: both runs step onto it
     settings = [case(*SCENES[scene], NO_VIDEO, *end) for end in ([], [shorter, *SCENES[scene][1:]])]

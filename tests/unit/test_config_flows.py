@@ -94,9 +94,10 @@ def test_single_precision_needs_half_the_memory_for_numbers(case):
 
 
 DRIVEN = "walls.top={shear_stress: 1}"
+SCHEDULED = "walls.top={times: [0, 1], velocities: [0, 1]}"
 ONLY_STEADY = "is only for a wall of constant velocity; this one oscillates"
 ONLY_SWINGING = "is only for a wall that oscillates, which has an amplitude"
-EXACTLY_ONE = "give exactly one of velocity, amplitude, shear_stress, stress_amplitude, stresses: "
+EXACTLY_ONE = "give exactly one of velocity, amplitude, shear_stress, stress_amplitude, stresses, velocities: "
 SOLVENT = "must be greater than 0 and at most 1: at 0 (upper-convected Maxwell) the velocity has no viscous term"
 
 # overrides that are wrong together, the key that is blamed with its value, part of the reason
@@ -159,6 +160,28 @@ BAD = [
         [DRIVEN, "initial={state: developed}"],
         'initial.state = "developed"',
         "must be rest where a stress drives a wall",
+    ),
+    (
+        ["walls.top={velocities: [1, 0]}"],
+        "walls.top.times = null",
+        "must be as many times, ascending from 0 on, as there",
+    ),
+    (["walls.top={velocities: [1, 0], times: [0, 0]}"], "walls.top.times = [0.0, 0.0]", "come after the first"),
+    (["walls.top={velocities: [1, 0], times: [1, 0]}"], "walls.top.times = [1.0, 0.0]", "must ascend from 0 on"),
+    (
+        ["walls.top={velocities: [1, 0, 1, 2], times: [0, 1, 1, 1]}"],
+        "walls.top.times = [0.0, 1.0, 1.0, 1.0]",
+        "two equal ones",
+    ),
+    (["walls.top={velocities: [0, 0], times: [0, 1]}"], "walls.top.velocities = [0.0, 0.0]", "must not all be 0"),
+    ([SCHEDULED[:-1] + ", velocity_before: 1}"], "walls.top.velocity_before = 1.0", "it starts from rest"),
+    ([SCHEDULED[:-1] + ", phase: sin}"], 'walls.top.phase = "sin"', "not for one with velocities at times"),
+    ([SCHEDULED, "initial.state=developed"], 'initial.state = "developed"', "must be rest where a wall has velocities"),
+    ([SCHEDULED, "scheme.type=wcsph"], 'scheme.type = "wcsph"', "wcsph has no wall with velocities at times"),
+    (
+        [SCHEDULED, "bodies=[{centre: [0.5, 0.5], radius: 0.2}]"],
+        "walls.top.velocities = [0.0, 1.0]",
+        "is not for a channel with bodies",
     ),
     ([DRIVEN, "scheme.type=wcsph"], 'scheme.type = "wcsph"', "wcsph has no wall that a stress drives (walls.top)"),
     (

@@ -15,33 +15,43 @@ from tisph.exact import couette
 
 
 class Layer:
-    """Layer at walls whose ``jumps`` (bottom, top) are in the unit of the continuous field of ``elements``.
+    """Layers at walls whose ``jumps``, triples (time, bottom, top), are in the unit of ``elements``' continuous field.
 
     ``viscosity``: the kinematic one of the solvent. Between cylinders the continuous field is the angular velocity.
-    ``shear_rates`` and ``drift`` have clocks that start at ``begin``.
+    Nothing is felt of a jump at its very time, but of one at t = 0, where the walls have started. ``shear_rates`` and
+    ``drift`` have clocks that start at ``begin``.
     """
 
     def __init__(self, elements, jumps, viscosity, begin=0.0):
-        self.begin, self._numbers = begin, (elements, jumps, viscosity)
+        self.begin, self.all = begin, jumps
         self.elements, self.viscosity = elements, viscosity
-        self.jumps, self.curved = any(jumps), elements.inner_radius is not None
-        gap = float(elements.edges[-1])
-        bottom, top = (float(jump * elements.arm(y) ** 1.5) for jump, y in zip(jumps, (0.0, gap), strict=True))
-        self._plane = {"gap": gap, "kinematic_viscosity": viscosity, "bottom": bottom, "top": top}
+        self.jumps = [(time, *both) for time, *both in jumps if any(both)]
+        self.curved = elements.inner_radius is not None
+        self.gap = float(elements.edges[-1])
+        self.factors = [float(elements.arm(y) ** 1.5) for y in (0.0, self.gap)]
 
     def later(self, begin):
-        """The same layer on a clock that starts at ``begin``."""
-        return Layer(*self._numbers, begin)
+        """The layers of the jumps up to ``begin``, on a clock that starts then."""
+        return Layer(self.elements, [jump for jump in self.all if jump[0] <= begin], self.viscosity, begin)
 
     def velocity(self, y, t):
         """Velocity along the walls, or around the axis."""
-        return self.elements.arm(y) ** -0.5 * couette.velocity(y, t, **self._plane)
+        return self.elements.arm(y) ** -0.5 * self._summed(couette.velocity, y, t)
 
     def shear_rate(self, y, t):
         """Shear rate arm d(u/arm)/dy."""
         arm = self.elements.arm(y)
-        rate = arm**-0.5 * couette.shear_rate(y, t, **self._plane)
+        rate = arm**-0.5 * self._summed(couette.shear_rate, y, t)
         return rate - 1.5 / arm * self.velocity(y, t) if self.curved else rate
+
+    def _summed(self, profile, y, t):
+        total = np.zeros(np.broadcast_shapes(np.shape(y), np.shape(t)))
+        for time, *both in self.jumps:
+            if time == 0.0 or time < np.min(t):
+                bottom, top = (jump * factor for jump, factor in zip(both, self.factors, strict=True))
+                flow = {"gap": self.gap, "kinematic_viscosity": self.viscosity, "bottom": bottom, "top": top}
+                total = total + profile(y, t - time, **flow)
+        return total
 
     def shear_rates(self, times):
         """Shear rate (times, count, p + 1) at the points of the elements."""

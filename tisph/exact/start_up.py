@@ -13,8 +13,8 @@ drives changes at once later on, a new solution begins, in the root of the time 
 Between cylinders y = r - R1. Seen by who turns with the liquid, the flow is simple shear of the rate r d(u/r)/dr, x
 around the axis and y outwards, so that the laws are the same; u/r has the place of u, as ``_elements`` says.
 
-A wall whose velocity jumps at t = 0 makes a layer sqrt(t) deep. Where a solvent of constant viscosity takes it, the
-solvent's own start (``_layer``) is left to a closed form, u = v + solvent's start, and v is smooth. Generalised
+A wall whose velocity jumps at t = 0, or later, makes a layer sqrt(t) deep. Where a solvent of constant viscosity takes
+it, the solvent's own start (``_layer``) is left to a closed form, u = v + solvent's start, and v is smooth. Generalised
 Newtonian liquids, which remember nothing, start with the jump between the wall and the next point.
 
 Numerics: polynomials of high order on elements that are finest at the walls (``_elements``), collocation in sqrt(t)
@@ -156,6 +156,11 @@ def _edges(liquid, flows, finest):
     return np.concatenate([half[:-1], 1 - half[::-1]])
 
 
+def _jump(wall, time):
+    """By how much the velocity of a wall that has changes jumps at one of them."""
+    return 0.0 if wall.driven else float(wall.during(time).velocity(time) - wall.velocity(time))
+
+
 @dataclass(frozen=True)
 class _Later:
     """A ``wall`` on a clock that starts at ``begin``."""
@@ -190,23 +195,22 @@ class StartUp:
         self.liquid, self.flow = liquid, flow
         edges = _edges(liquid, (flow, before or flow), finest) if edges is None else edges
         self.elements = Elements(flow.gap * edges, order, flow.inner_radius)
-        walls, ends = (flow.bottom, flow.top), [0, self.elements.size - 1]
-        jumps = [0.0 if wall.driven else float(wall.velocity(0.0)) for wall in walls]
-        start = None
+        walls, self._ends = (flow.bottom, flow.top), [0, self.elements.size - 1]
+        jumps, start = [0.0 if wall.driven else float(wall.velocity(0.0)) for wall in walls], None
         if before is not None:
             if (before.gap, before.inner_radius) != (flow.gap, flow.inner_radius):
                 raise ValueError(f"the flow before has a gap of {before.gap}, the flow one of {flow.gap}")
             start = StartUp(liquid, before, order=order, edges=edges)._developed()
-            jumps = [new - old for new, old in zip(jumps, start[ends], strict=True)]
+            jumps = [new - old for new, old in zip(jumps, start[self._ends], strict=True)]
         driven = abs(flow.acceleration) * flow.gap**2 / liquid.total_viscosity
-        self.speed = max(1e-200, driven / 12, *map(abs, jumps), *([] if start is None else np.abs(start[ends])))
-        self.layer = Layer(self.elements, jumps if liquid.laws else (0.0, 0.0), liquid.carried(1.0))
         self.begins = sorted({0.0, *(time for wall in walls for time in wall.changes)})
+        self._jumps = [(0.0, *jumps), *((time, *(_jump(wall, time) for wall in walls)) for time in self.begins[1:])]
+        largest = np.abs([both for _, *both in self._jumps]).max()
+        self.speed = max(1e-200, driven / 12, largest, *([] if start is None else np.abs(start[self._ends])))
+        self.layer = Layer(self.elements, self._jumps if liquid.laws else (), liquid.carried(1.0))
         self.equations = self._equations(0.0)
         start = np.zeros(self.equations.size) if start is None else start
-        if not liquid.laws:
-            start[ends] += jumps
-        self._pieces = [self._solution(self.equations, start)]
+        self._pieces = [self._solution(self.equations, start, jumps)]
 
     def _equations(self, begin):
         """Equations of the time from ``begin`` on."""
@@ -214,8 +218,10 @@ class StartUp:
         walls = [_Later(wall.during(begin), begin) for wall in (flow.bottom, flow.top)]
         return Equations(self.elements, self.liquid, walls, flow.acceleration, self.layer.later(begin), self.speed)
 
-    def _solution(self, equations, start):
+    def _solution(self, equations, start, jumps):
         first = 1e-3 * self.flow.gap / np.sqrt(self.liquid.total_viscosity)
+        if not self.liquid.laws:
+            start[self._ends] += jumps
         return Solution(equations, start, first, self.liquid.tolerance)
 
     def _at(self, time):
@@ -223,7 +229,8 @@ class StartUp:
         piece = max(int(np.searchsorted(self.begins, time)) - 1, 0)
         while len(self._pieces) <= piece:
             begin, end = self.begins[len(self._pieces) - 1 :][:2]
-            self._pieces.append(self._solution(self._equations(end), self._pieces[-1].at(end - begin)))
+            state, (_, *jumps) = self._pieces[-1].at(end - begin), self._jumps[len(self._pieces)]
+            self._pieces.append(self._solution(self._equations(end), state, jumps))
         return self._pieces[piece].at(time - self.begins[piece])
 
     def velocity(self, y, t):

@@ -17,6 +17,7 @@ class WallMotion:
 
     driven: ClassVar[bool] = False
     changes: ClassVar[tuple[float, ...]] = ()
+    kinks: ClassVar[tuple[tuple[float, float, float], ...]] = ()
 
     cosine: float
     sine: float = 0.0

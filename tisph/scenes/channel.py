@@ -50,12 +50,13 @@ class Wall(WallMotion):
     ``amplitude`` [length/time] * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t. Or a plate that starts
     from rest, of ``mass_per_area`` [mass/length^2] (0 where left out), on which a shear stress along x acts from
     outside [mass/(length time^2)]: ``shear_stress``, constant; ``stress_amplitude`` with ``angular_frequency`` and
-    ``phase``; or ``stresses``, each from one of the ``times`` on.
+    ``phase``; or ``stresses``, each from one of the ``times`` on. Or ``velocities`` at ``times``, linear in between and
+    constant before and after; where two times are equal the velocity jumps.
     """
 
     speed_key = "velocity"
-    other_keys = STRESS_KEYS
-    exclusive_keys = ("velocity", "amplitude", *STRESS_KEYS)
+    other_keys = (*STRESS_KEYS, "velocities")
+    exclusive_keys = ("velocity", "amplitude", *STRESS_KEYS, "velocities")
     unset_keys = ("velocity_before", "angular_frequency", "phase", "times", "mass_per_area")
 
     velocity: Signed | None = None
@@ -67,6 +68,7 @@ class Wall(WallMotion):
     stress_amplitude: Amplitude | None = None
     times: Times | None = None
     stresses: Values | None = None
+    velocities: Values | None = None
     mass_per_area: Annotated[float, Field(ge=0, le=LARGEST)] | None = None
 
     @property
@@ -82,24 +84,46 @@ class Wall(WallMotion):
         return data
 
     @model_validator(mode="after")
-    def _check_stress(self) -> "Wall":
-        found = [(key, text) for key, text in _stress_problems(self) if getattr(self, key) is not None]
+    def _check_what_is_given(self) -> "Wall":
+        found = [(key, text) for key, text in _alien_keys(self) if getattr(self, key) is not None]
         if self.stress_amplitude is not None and self.angular_frequency is None:
             raise refusals([(("angular_frequency",), "is missing: a stress with an amplitude oscillates", {})])
-        if self.stresses is not None and len(self.times or ()) != len(self.stresses):
-            text = f"must be as many times, ascending from 0 on, as there are stresses, {len(self.stresses)}"
-            raise refusals([(("times",), text, self.times)])
-        if self.times and any(late <= early for early, late in pairwise((-1e-300, *self.times))):
+        for name in ("stresses", "velocities"):
+            values = getattr(self, name)
+            if values is not None and len(self.times or ()) != len(values):
+                text = f"must be as many times, ascending from 0 on, as there are {name}, {len(values)}"
+                raise refusals([(("times",), text, self.times)])
+        if self.velocities is not None:
+            _check_schedule(self.times, self.velocities)
+        elif self.times and any(late <= early for early, late in pairwise((-1e-300, *self.times))):
             raise refusals([(("times",), "must ascend from 0 on", self.times)])
         if found:
             raise refusals([((key,), text, getattr(self, key)) for key, text in found])
         return self
 
 
-def _stress_problems(wall: Wall) -> Iterator[tuple[str, str]]:
+def _check_schedule(times: tuple[float, ...], velocities: tuple[float, ...]) -> None:
+    """Raise ValidationError where velocities at these times say nothing, or two things."""
+    falls = any(late < early for early, late in pairwise(times))
+    if (
+        falls
+        or times[:2] == (times[0],) * 2
+        or any(last == first for first, last in zip(times, times[2:], strict=False))
+    ):
+        text = "must ascend from 0 on; two equal ones, where the velocity jumps, come after the first"
+        raise refusals([(("times",), text, times)])
+    if not any(velocities):
+        raise refusals([(("velocities",), "must not all be 0: for a wall at rest give velocity: 0", velocities)])
+
+
+def _alien_keys(wall: Wall) -> Iterator[tuple[str, str]]:
     """Keys that are not of the form of the ``wall``, and why, whether they are given or not."""
-    if wall.stresses is None:
-        yield "times", "is only for a wall with stresses, each from one of the times on"
+    if wall.stresses is None and wall.velocities is None:
+        yield "times", "is only for a wall with stresses, each from one of the times on, or with velocities"
+    if wall.velocities is not None:
+        yield "velocity_before", "is not for a wall with velocities at times: it starts from rest"
+        yield "angular_frequency", "is only for a wall that oscillates, not for one with velocities at times"
+        yield "phase", "is only for a wall that oscillates, not for one with velocities at times"
     if not wall.driven:
         yield "mass_per_area", "is only for a wall that is driven by a stress, such as shear_stress"
         return
@@ -227,7 +251,7 @@ class Scene:
 
 def _motion(config: Config) -> Iterator[Problem]:
     walls = (config.walls.bottom, config.walls.top)
-    if config.drive.acceleration or any(wall.amplitude or wall.driven for wall in walls):
+    if config.drive.acceleration or any(wall.amplitude or wall.driven or wall.velocities for wall in walls):
         return
     velocities = {velocity for wall in walls for velocity in (wall.velocity, wall.velocity_before)} - {None}
     settled = config.initial.state == "developed" or any(wall.velocity_before is not None for wall in walls)
@@ -244,6 +268,9 @@ def _driven(config: Config) -> Iterator[Problem]:
         yield "walls.top", "must have a velocity where a stress drives the bottom wall: nothing else holds the liquid"
     if sides and config.initial.state != "rest":
         yield "initial.state", f"must be rest where a stress drives a wall (walls.{sides[0]})"
+    scheduled = [side for side in ("bottom", "top") if getattr(config.walls, side).velocities]
+    if scheduled and config.initial.state != "rest":
+        yield "initial.state", f"must be rest where a wall has velocities at times (walls.{scheduled[0]})"
     if sides and config.walls.treatment.type != "consistent_image":
         text = f"must be consistent_image where a stress drives a wall (walls.{sides[0]})"
         yield "walls.treatment.type", f"{text}: only its images take a stress"

@@ -22,6 +22,9 @@ def problems(config, scheme):
     driven = [side for side in ("bottom", "top") if getattr(getattr(walls, side, None), "driven", False)]
     if driven and scheme != "implicit":
         yield "scheme.type", f"{scheme} has no wall that a stress drives (walls.{driven[0]}); take implicit"
+    scheduled = [side for side in ("bottom", "top") if getattr(getattr(walls, side, None), "velocities", None)]
+    if scheduled and scheme != "implicit":
+        yield "scheme.type", f"{scheme} has no wall with velocities at times (walls.{scheduled[0]}); take implicit"
     name = config.fluid.rheology.type
     if name in SERVED[scheme]:
         return

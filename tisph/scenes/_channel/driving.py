@@ -1,6 +1,7 @@
 """What moves the walls of a channel: motions that a config gives, or stresses, and what that means for the flow."""
 
 from tisph.geometry.plate import Plate, PlateMotion
+from tisph.geometry.schedule import Schedule
 from tisph.scenes._motion import WallMotion
 
 CLOSED_FORMS = ("newtonian", "oldroyd_b")
@@ -9,6 +10,8 @@ CLOSED_FORMS = ("newtonian", "oldroyd_b")
 
 def wall(config):
     """The motion of a wall of a config, or the plate that it is."""
+    if config.velocities:
+        return Schedule(config.times, config.velocities)
     return Plate.from_config(config) if config.driven else WallMotion.from_config(config)
 
 

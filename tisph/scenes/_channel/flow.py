@@ -6,11 +6,11 @@ rest at t = 0. ``channel`` is a ``scene.Channel``; heights ``y`` and times ``t``
 
 import numpy as np
 
-from tisph.exact import couette, oldroyd_b, oscillating_wall, poiseuille
+from tisph.exact import couette, oldroyd_b, oscillating_wall, poiseuille, scheduled_wall
 
 
 class NewtonianFlow:
-    """Sum of one part for each thing that drives the liquid: walls of constant velocity, oscillating ones, drive."""
+    """Sum of one part for each thing that drives the liquid: walls of constant velocity, others that move, drive."""
 
     def __init__(self, channel):
         self.channel = channel
@@ -47,10 +47,10 @@ class NewtonianFlow:
         if bottom or top or not channel.settled:
             yield getattr(couette, quantity)(y, t, **self._liquid, bottom=bottom, top=top)
         if channel.bottom.oscillates:
-            mirrored = self._oscillation(quantity, channel.bottom, channel.gap - y, t)
+            mirrored = self._by_one_wall(quantity, channel.bottom, channel.gap - y, t)
             yield mirrored if quantity == "velocity" else -mirrored
         if channel.top.oscillates:
-            yield self._oscillation(quantity, channel.top, y, t)
+            yield self._by_one_wall(quantity, channel.top, y, t)
         if channel.acceleration:
             yield self._driven(quantity, y, t)
 
@@ -60,8 +60,10 @@ class NewtonianFlow:
         rate = (top - bottom) / self.channel.gap
         return bottom + rate * y if quantity == "velocity" else rate + np.zeros_like(y)
 
-    def _oscillation(self, quantity, wall, distance, t):
-        """Flow by one oscillating wall; ``distance`` is measured from the other wall."""
+    def _by_one_wall(self, quantity, wall, distance, t):
+        """Flow by one wall whose velocity changes; ``distance`` is measured from the other wall."""
+        if not wall.angular_frequency:
+            return getattr(scheduled_wall, quantity)(distance, t, **self._liquid, kinks=wall.kinks)
         form = getattr(oscillating_wall, f"periodic_{quantity}" if self.channel.settled else quantity)
         return form(distance, t, **self._liquid, wall=wall)
 

@@ -9,8 +9,12 @@ SIDES = ("bottom", "top")
 
 
 def monitored(channel):
-    """Return the ``Monitored`` of a ``channel``; None of a Newtonian liquid between walls of given velocities."""
-    if channel.driven_side is None and channel.polymer is None and channel.rheology is None:
+    """Return the ``Monitored`` of a ``channel``.
+
+    None of a Newtonian liquid between walls of which none is driven by a stress or follows a schedule.
+    """
+    plain = channel.polymer is None and channel.rheology is None
+    if plain and not any(wall.driven or wall.changes for wall in (channel.bottom, channel.top)):
         return None
     columns = [f"{name}_{side}" for name in ("wall_shear", "wall_velocity") for side in SIDES]
     return Monitored(

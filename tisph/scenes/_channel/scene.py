@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from tisph.geometry.plate import Plate
+from tisph.geometry.schedule import Schedule
 from tisph.scenes._channel import driving, views
 from tisph.scenes._channel.flow import NewtonianFlow, OldroydFlow
 from tisph.scenes._channel.layers import thinnest_layer
@@ -32,8 +33,8 @@ class Channel(Scene):
     length: float
     density: float
     kinematic_viscosity: float
-    bottom: WallMotion | Plate
-    top: WallMotion | Plate
+    bottom: WallMotion | Plate | Schedule
+    top: WallMotion | Plate | Schedule
     acceleration: float = 0.0
     polymer: Polymer | None = None
     rheology: Any = None

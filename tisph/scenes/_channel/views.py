@@ -77,7 +77,7 @@ def facts(channel):
         mean = channel.acceleration * channel.gap**2 / (12 * channel.kinematic_viscosity)
         lines.append(("drive", f"{drive}, of which the developed flow has the mean speed {mean:.6g} {length}/{time}"))
     for name, wall in reversed(channel.walls):
-        if wall.oscillates:
+        if wall.angular_frequency:
             depth = wall.penetration_depth(channel.kinematic_viscosity)
             text = f"{depth:.4g} {length}, {depth / channel.spacing:.3g} spacings  (sqrt(2 nu / w), {name} wall)"
             lines.append(("penetration depth", text))

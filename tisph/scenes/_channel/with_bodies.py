@@ -21,6 +21,10 @@ def problems(config: Any) -> Iterator[Problem]:
     if driven:
         yield f"walls.{driven[0]}", "must have a velocity: with bodies in the channel no stress can drive a wall"
         return
+    for side in ("bottom", "top"):
+        if getattr(config.walls, side).velocities:
+            yield f"walls.{side}.velocities", "is not for a channel with bodies: give velocity, or an amplitude"
+            return
     if config.initial.state != "rest":
         yield "initial.state", "must be rest: with bodies in the channel no other flow to start from is known"
     if config.initial.time:

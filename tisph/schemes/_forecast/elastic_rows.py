@@ -45,7 +45,7 @@ class ElasticRows:
         flow = Flow(velocity, memory.start(channel, heights), np.zeros_like(heights))
         self.stages.settle(channel)
         if self.walls.obeys_momentum and self.walls.any_jump:
-            self.stages.kick(flow, *self.walls.jumps)
+            self.stages.turn(flow, self.time)
         return flow
 
     @property

@@ -83,11 +83,16 @@ class Rows:
     def _start(self):
         """Return the velocities at the start, with the impulse of walls that obey the momentum equation."""
         velocity = self.channel.initial_velocity(self.heights).astype(float)
+        return velocity + product(self.modes.T, self._turned())
+
+    def _turned(self):
+        """Let walls that change at once do so; return the amplitudes that their impulse gives."""
+        self.walls.enter(self.time)
+        gained = np.zeros(self.rows)
         if self.walls.obeys_momentum:
-            for series, jump, rate in zip(self.series, *self.walls.jumps, strict=True):
-                gained = jump * series[:, 1] + (rate / self.viscosity + jump * self.laplacian) * series[:, 2] / 12.0
-                velocity += product(self.modes.T, gained)
-        return velocity
+            for series, jump, rate in zip(self.series, *self.walls.jumps_at(self.time), strict=True):
+                gained += jump * series[:, 1] + (rate / self.viscosity + jump * self.laplacian) * series[:, 2] / 12.0
+        return gained
 
     @property
     def strained(self):
@@ -110,6 +115,8 @@ class Rows:
     def run_to(self, target):
         """Take steps to the time ``target``, one of those that the control meets."""
         while self.time < target:
+            if self.time in self.control.changes:
+                self.amplitudes = self.amplitudes + self._turned()
             self._leap()
             self._advance()
 
@@ -198,13 +205,16 @@ class Rows:
         """Return the amplitudes that are left a long time after the start."""
         rest = -self._source(time) / self.rates
         for side, wall in enumerate((self.channel.bottom, self.channel.top)):
-            if wall.oscillates:
+            if wall.angular_frequency:
                 quarter = 0.5 * math.pi / wall.angular_frequency
                 # what the other wall and the drive give does not change, or drops out
                 now, later = (np.array(self.walls(moment)[side]) for moment in (time, time + quarter))
                 still = self._still(side)
                 wave = self.viscosity * (self.series[side] @ ((now - still) - 1j * (later - still)))
                 rest = rest + (wave / (1j * wall.angular_frequency - self.rates) + wave / self.rates).real
+            elif wall.oscillates:  # a ramp: what it gives rises steadily, and the amplitudes follow it late
+                rises = 2.0 * self.viscosity * self.walls.walls[side].acceleration(time)
+                rest = rest - rises * self.series[side][:, 0] / self.rates**2
         return rest
 
     def _still(self, side):

@@ -105,9 +105,13 @@ class ElasticStages:
             end, implicit, slope, length * weighted(DEFECT, rates), length * weighted(DEFECT, state_rates)
         )
 
-    def kick(self, flow, velocity_jumps, acceleration_jumps):
-        """Let walls that start at once give their impulse to a ``flow``; return the velocity gained, by wall."""
-        return kick(self, flow, velocity_jumps, acceleration_jumps)
+    def turn(self, flow, time):
+        """Let walls that change at once at ``time`` give their impulse to a ``flow``; return the velocity gained, by wall.
+
+        Summed over the particles.
+        """
+        self.walls.enter(time)
+        return kick(self, flow, *self.walls.jumps_at(time)) if self.walls.obeys_momentum else [0.0, 0.0]
 
     def prepare(self, start, time):
         """Do what else is to be done at the start of a step: nothing between walls of given velocities."""

@@ -31,6 +31,11 @@ class ElasticWalls(WallSeries):
         """Go back to before the first step."""
         self.moments, self.stages, self.near, self.past = [], [], None, None
 
+    def enter(self, time):
+        """Go by the motions from ``time`` on; what the liquid near walls was before says nothing any more."""
+        super().enter(time)
+        self.past = None
+
     def begin(self, time, length, near):
         """Integrate over a step from ``time``; ``near`` (2, components + 1): C and shear rate of the liquid there."""
         self.moments = [time + part * length for part in TIMES]

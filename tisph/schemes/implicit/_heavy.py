@@ -27,6 +27,11 @@ class HeavyWalls(DrivenWalls):
         rates[self.plate.side] = self.plate.jump(0.0)
         return velocities, rates
 
+    def _later_jumps(self, time):
+        velocities, rates = super()._later_jumps(time)
+        rates[self.plate.side] = self.plate.jump(time)
+        return velocities, rates
+
     def begin(self, time, length, near):
         """Integrate the other wall over a step from ``time``, and set out with the plate."""
         self.plate.begin(time, length)

@@ -81,9 +81,3 @@ class HeavyStages(DrivenStages):
     def error(self, end, implicit, slope, defect, state_defect):
         """Return the estimated error, that of the plate's velocity included."""
         return math.hypot(super().error(end, implicit, slope, defect, state_defect), self.plate.defect)
-
-    def turn(self, flow, time):
-        """Let the acceleration of the wall jump with the stress at ``time``; return the velocities gained, by wall."""
-        rates = [0.0, 0.0]
-        rates[self.walls.plate.side] = self.walls.plate.jump(time)
-        return self.kick(flow, [0.0, 0.0], rates)

@@ -10,12 +10,12 @@ class PlateStages(DrivenStages):
         """Return the velocity of the wall."""
         return self.plate.at_wall(self.fit, velocity, *self.plate.stages[-1][2:4])
 
-    def kick(self, flow, velocity_jumps, acceleration_jumps):
-        """Let walls that start at once give their impulse, and the stress; see ``ElasticStages.kick``."""
-        gains = super().kick(flow, velocity_jumps, acceleration_jumps)
-        return [gain + more for gain, more in zip(gains, self.turn(flow, 0.0), strict=True)]
-
     def turn(self, flow, time):
+        """Let walls that change at once give their impulse, and the stress; see ``ElasticStages.turn``."""
+        gains = super().turn(flow, time)
+        return [gain + more for gain, more in zip(gains, self.let_go(flow, time), strict=True)]
+
+    def let_go(self, flow, time):
         """Let the stress jump at ``time``; return the velocities gained, summed over the particles, by wall.
 
         What the layer that the particles cannot resolve yet takes up is as in ``_kick.py``: a shear rate that jumps by

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from tisph.neighbours.points import used
 from tisph.runtime import holding, real, scalar, ti
 from tisph.schemes.implicit._elastic_solver import ElasticSolver
 from tisph.schemes.implicit._elastic_wall_force import ElasticWallForce
@@ -67,13 +66,6 @@ class DrivenStep(ViscoelasticStep):
         """Take up the states of particles at ``heights`` (fluid,) at the start."""
         super().begin_with(heights)
         self.walls.plate.forget()
-
-    def turn(self, time):
-        """Let the stress on the wall jump at ``time``; return the velocities gained from the (bottom, top) wall."""
-        flow = self.flow()
-        gains = self.stages.turn(flow, time)
-        used(self.velocity)[0], self.carried.state[...] = flow.velocity, flow.state
-        return gains
 
     def wall_force(self):
         """Return what measures the impulses of the walls."""

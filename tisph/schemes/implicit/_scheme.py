@@ -41,7 +41,6 @@ TOLERANCE = 3e-7
 """Of a step, where the config leaves it open."""
 
 MOST_ATTEMPTS = 20
-
 WORST = 1e6
 """What counts for an error that is infinite, over the reference velocity: the step is taken again."""
 
@@ -92,20 +91,17 @@ class Scheme:
         used(self.field.volume)[...] = 0.0
         used(self.projection.pressure)[...] = 0.0
         self.viscous.push = None
+        self.walls.enter(self.time)
 
     def start(self, position, velocity, _stress=None):
-        """Place the particles, (particles, 2) arrays; let walls that start at once give their impulse.
-
-        What particles remember is more than a stress tells: the channel knows it.
-        """
+        """Place the particles, (particles, 2) arrays; what they remember, more than a stress, the channel knows."""
         used(self.motion.position)[...] = position
         used(self.viscous.velocity)[...] = velocity.T
         self.momentum.initial = float(velocity[:, 0].sum())
         self.transverse = bool(np.any(velocity[:, 1] != 0.0))
         self.viscous.begin_with(position[:, 1])
         if self.walls.obeys_momentum and self.walls.any_jump:
-            self.assemble(0.0)
-            self.momentum.impulse = self.viscous.kick(*self.walls.jumps)
+            self.turn()
 
     @property
     def finished(self):
@@ -115,8 +111,7 @@ class Scheme:
     def advance(self):
         """Take one step, in as many attempts as its error asks for; raise DivergedError where none succeeds."""
         if self.time in self.control.changes:
-            self.assemble(0.0)
-            self.momentum.add_impulse(self.viscous.turn(self.time))
+            self.turn()
         for attempt in range(MOST_ATTEMPTS):
             length = self.control.length(self.time)
             self.assemble(length, shift=self.steps > 0 and self.smooth and attempt == 0)
@@ -131,6 +126,11 @@ class Scheme:
         else:
             raise DivergedError(f"u: no step is short enough at step {self.steps + 1}, t = {self.time:.6g}")
         self.conclude(length)
+
+    def turn(self):
+        """Let walls that change at once now give their impulse."""
+        self.assemble(0.0)
+        self.momentum.add_impulse(self.viscous.turn(self.time))
 
     def assemble(self, length, shift=False):
         """Put the points where they are in the middle of a step, push them apart, and compute the operators there."""
@@ -158,7 +158,7 @@ class Scheme:
 
     @property
     def depth(self):
-        """Depth sqrt(nu t) of the layers that walls have made by jumping, in particle spacings; infinite without."""
+        """Depth sqrt(nu t) of the layers that walls have made by changing at once, in spacings; infinite without."""
         if not self.walls.any_jump:
             return math.inf
         turned = max((change for change in self.control.changes if change <= self.time), default=0.0)
@@ -278,8 +278,10 @@ class Scheme:
         """Take up the numbers of ``host_state``."""
         for name in HOST_STATE:
             setattr(self, name, state[name])
-        vars(self.control).update(state["control"])
+        changes = self.control.changes  # there are more of them before a later end
+        vars(self.control).update({**state["control"], "changes": changes})
         vars(self.momentum).update(state["momentum"])
+        self.walls.enter(self.time)
         self.viscous.restore_host_state(state)
         if self.projections:
             self.viscous.push = self.projection.push

@@ -44,10 +44,10 @@ class ViscoelasticStep(ViscousStep):
         self.walls.forget()
         self.stages.settle(self.channel)
 
-    def kick(self, velocity_jumps, acceleration_jumps):
-        """Let walls that start at once give their impulse to velocities and states; see ``ViscousStep``."""
+    def turn(self, time):
+        """Let walls that change at once give their impulse to velocities and states; see ``ViscousStep``."""
         flow = self.flow()
-        gains = self.stages.kick(flow, velocity_jumps, acceleration_jumps)
+        gains = self.stages.turn(flow, time)
         used(self.velocity)[0], self.carried.state[...] = flow.velocity, flow.state
         return gains
 

@@ -60,9 +60,11 @@ class ViscousStep:
         """Take up the end of the step as the start of the next."""
         used(self.velocity)[...] = used(self.end)
 
-    def kick(self, velocity_jumps, acceleration_jumps):
-        """Let walls that start at once give their impulse; return what is gained from each, see ``Kick.apply``."""
-        return Kick(self).apply(velocity_jumps, acceleration_jumps)
+    def turn(self, time):
+        """Let walls that change at once at ``time`` give their impulse; return what is gained from each, by ``Kick``."""
+        series = self.wall_series
+        series.enter(time)
+        return Kick(self).apply(*series.jumps_at(time)) if series.obeys_momentum else [0.0, 0.0]
 
     def begin_with(self, heights):
         """Take up what else particles at ``heights`` (fluid,) carry when a run starts: nothing here."""

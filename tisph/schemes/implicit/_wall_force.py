@@ -19,7 +19,6 @@ class WallForce:
     def __init__(self, viscous, channel):
         self.viscous, self.rows, self.ghosts = viscous, viscous.rows, viscous.ghosts
         self.channel = channel
-        self.walls = (channel.bottom, channel.top)
 
     def impulse(self, time, length, resolved):
         """Return the velocity that the (bottom, top) wall gives in a step, summed over the particles.
@@ -27,6 +26,7 @@ class WallForce:
         ``resolved``: whether there are gradients at the walls to go by.
         """
         viscous, channel, ghosts = self.viscous, self.channel, self.ghosts
+        walls = viscous.wall_series.walls
         stages = [(weight, time + part * length) for part, weight in zip(TIMES, WEIGHTS, strict=True)]
         ghosts.prescribe(*sum(weight * np.array(viscous.wall_series(moment)) for weight, moment in stages))
         mean = view(viscous.mean)
@@ -35,7 +35,7 @@ class WallForce:
         if not resolved:
             differences = beyond[ghosts.listed] - mean[ghosts.near[ghosts.row]]
             return [length * float(pull) for pull in self.pulls(differences, stages)]
-        relative = [sum(weight * self.acceleration(wall, moment) for weight, moment in stages) for wall in self.walls]
+        relative = [sum(weight * self.acceleration(wall, moment) for weight, moment in stages) for wall in walls]
         rise = [rate - channel.acceleration for rate in relative]
         stress = self.stress(self.rows.apply_to(ghosts.near, self.rows.across, mean))
         rises = np.stack([stress, -stress]) - np.array(rise)[:, None] * ghosts.offset

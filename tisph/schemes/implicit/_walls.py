@@ -8,16 +8,31 @@ class WallSeries:
     """Series c0 + c1 d^2 + c2 d^4 of both walls: 2 U, w_2 and w_4/12 by the momentum equation at the wall.
 
     Without ``obeys_momentum`` only 2 U. ``jumps``: at the start, those of the (bottom, top) wall's velocity, and of its
-    acceleration relative to the drive; ``any_jump`` tells whether there is one.
+    acceleration relative to the drive; ``any_jump`` tells whether there is one, then or later. ``walls`` are their
+    motions from the last change on.
     """
 
     def __init__(self, channel, treatment):
         self.channel = channel
-        self.walls = (channel.bottom, channel.top)
+        self.motions = (channel.bottom, channel.top)
         self.obeys_momentum = OBEY_MOMENTUM[treatment]
-        self.steady = not any(wall.oscillates for wall in self.walls)
+        self.steady = not any(wall.oscillates for wall in self.motions)
         self.jumps = self._jumps()
-        self.any_jump = any(any(pair) for pair in self.jumps)
+        self.any_jump = any(any(pair) for pair in self.jumps) or any(wall.changes for wall in self.motions)
+        self.enter(channel.start_time)
+
+    def enter(self, time):
+        """Go by the motions that the walls have from ``time`` on, to the next change."""
+        self.walls = tuple(wall.during(time) for wall in self.motions)
+
+    def jumps_at(self, time):
+        """Return ``jumps``, or the like of a later ``time`` at which something changes."""
+        return self.jumps if time == self.channel.start_time else self._later_jumps(time)
+
+    def _later_jumps(self, time):
+        kinks = [() if wall.driven else wall.kinks for wall in self.motions]
+        found = [next((both for when, *both in each if when == time), (0.0, 0.0)) for each in kinks]
+        return [list(each) for each in zip(*found, strict=True)]
 
     def __call__(self, time):
         """Return the series of the (bottom, top) wall at ``time``."""
@@ -37,7 +52,7 @@ class WallSeries:
         if channel.start_time > 0.0:
             return [0.0, 0.0], [0.0, 0.0]
         drive = channel.acceleration if from_rest else 0.0
-        rates = [0.0 if wall.driven else self._rate_jump(wall, from_rest) - drive for wall in self.walls]
+        rates = [0.0 if wall.driven else self._rate_jump(wall, from_rest) - drive for wall in self.motions]
         return list(channel.wall_jumps), rates
 
     def _rate_jump(self, wall, from_rest):

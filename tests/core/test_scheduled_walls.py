@@ -1,0 +1,114 @@
+"""Walls whose velocity is given at some times, scheme implicit: against the reference, on rows and on particles."""
+
+import numpy as np
+import pytest
+from implicit_case import run
+
+from tisph import config, families, runtime, schemes
+from tisph.exact import oldroyd_b
+from tisph.scenes.channel import Channel
+from tisph.schemes._forecast.elastic_rows import ElasticRows
+from tisph.schemes._forecast.implicit_rows import Rows
+from tisph.schemes.implicit._scheme import control
+from tisph.schemes.implicit._walls import WallSeries
+from tisph.simulation.run import start_values
+
+CASE = """
+scene: channel
+fluid: {density: 2.0, kinematic_viscosity: 0.5}
+geometry: {gap: 1.0, length: 1.0}
+walls: {top: {times: [0.0, 0.2, 0.2], velocities: [1.0, 1.0, 0.0]}}
+discretisation: {particles_across: 12}
+scheme: {type: implicit}
+time: {end: 0.3}
+runtime: {threads: 1}
+"""
+OLDROYD_B = "fluid.rheology={type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.2}"
+TRIANGLE = "walls.top={times: [0.0, 0.1, 0.2], velocities: [0.0, 1.0, 0.0]}"
+UPSIDE_DOWN = "walls={bottom: {times: [0.0, 0.1, 0.2], velocities: [0.0, 1.0, 0.0]}, top: {velocity: 0.0}}"
+
+
+@pytest.fixture
+def case(tmp_path):
+    """Return a function that gives a config and its channel of overrides."""
+
+    def build(*overrides):
+        path = tmp_path / "case.yaml"
+        path.write_text(CASE)
+        settings = schemes.resolve(config.load(path, overrides))[0]
+        return settings, Channel.from_config(settings)
+
+    return build
+
+
+def rows(settings, channel):
+    """The rows of the lattice at the end."""
+    kind = ElasticRows if channel.polymer else Rows
+    found = kind(settings, channel, control(settings, channel, [settings.time.end]))
+    found.run_to(settings.time.end)
+    return found
+
+
+def error(found, channel):
+    """Root mean square, over the largest speed of the wall, 1."""
+    wrong = found.velocity - channel.exact_velocity(found.heights, found.time)
+    return float(np.sqrt(np.mean(wrong**2)))
+
+
+@pytest.mark.parametrize("shape", [[], [TRIANGLE]], ids=["pulse", "triangle"])
+def test_steps_end_where_the_velocity_has_a_kink(case, shape):
+    settings, channel = case(*shape)
+    found = rows(settings, channel)
+    assert found.control.changes == list(channel.top.changes)
+    assert error(found, channel) < 1e-4  # of 12 rows; measured: 2.6e-5 and 1.1e-5
+
+
+# measured: 35 and 2.3
+@pytest.mark.parametrize(("shape", "worse"), [([], 20.0), ([TRIANGLE], 2.0)], ids=["pulse", "triangle"])
+def test_the_kick_at_a_kink_makes_the_order(case, monkeypatch, shape, worse):
+    fine = ["discretisation.particles_across=24", *shape]
+    coarse, finer = (error(*rows_of(case, *overrides)) for overrides in (shape, fine))
+    assert coarse > 2.0**3.5 * finer  # measured: 2^4.2, with steps that err by 1e-6
+    monkeypatch.setattr(WallSeries, "_later_jumps", lambda *_: [[0.0, 0.0], [0.0, 0.0]])
+    assert error(*rows_of(case, *shape)) > worse * coarse
+
+
+def rows_of(case, *overrides):
+    settings, channel = case(*overrides)
+    return rows(settings, channel), channel
+
+
+def test_stress_is_kicked_with_the_velocity(case):
+    found, channel = rows_of(case, OLDROYD_B)
+    assert isinstance(found, ElasticRows)
+    # linear in velocity and shear stress: a wall that stops is the difference of two that start
+    liquid = oldroyd_b.Liquid(density=2.0, solvent_viscosity=0.2, polymer_viscosity=0.8, relaxation_time=1.0)
+    numbers = {"liquid": liquid, "flow": oldroyd_b.Flow(1.0, 0.0, 1.0, 0.0), "before": None}
+    stress = channel.density * found.stages.memory.shear_stress(found.flow.state, None)
+    for mine, profile in ((found.velocity, oldroyd_b.velocity), (stress, oldroyd_b.shear_stress)):
+        since_start, since_stop = (profile(found.heights, t, **numbers) for t in (0.3, 0.1))
+        wrong = np.linalg.norm(mine - (since_start - since_stop))
+        assert wrong < 1e-2 * np.linalg.norm(since_start)  # of 12 rows a layer after the stop; measured: 2.7e-3, 6.4e-3
+
+
+def test_either_wall_may_be_the_one(case):
+    one, other = rows_of(case, TRIANGLE)[0], rows_of(case, UPSIDE_DOWN)[0]
+    assert np.abs(one.velocity - other.velocity[::-1]).max() < 1e-14
+
+
+@pytest.mark.parametrize(
+    "liquid", [[], pytest.param([OLDROYD_B], marks=pytest.mark.slow)], ids=["newtonian", "oldroyd_b"]
+)
+def test_particles_do_what_rows_do(case, liquid):
+    slow = ["walls.top.velocities=[1e-6, 1e-6, 0.0]", *liquid]  # nothing moves noticeably
+    settings, channel = case(*slow)
+    found = rows(settings, channel)
+    runtime.start("f64", 1)
+    scheme = families.load("schemes", "implicit").Scheme(settings, channel, [settings.time.end], True)
+    scheme.start(*start_values(channel, settings.initial))
+    last = run(scheme)
+    order = np.argsort(last.y, kind="stable")
+    lines = np.array([last.u[row].mean() for row in np.array_split(order, 12)])
+    # what residuals of linear systems leave
+    assert np.linalg.norm(lines - found.velocity) < 1e-6 * np.linalg.norm(found.velocity)
+    assert scheme.steps == found.steps

@@ -106,9 +106,9 @@ class ElasticStages:
         )
 
     def turn(self, flow, time):
-        """Let walls that change at once at ``time`` give their impulse to a ``flow``; return the velocity gained, by wall.
+        """Let walls that change at once at ``time`` give their impulse to a ``flow``.
 
-        Summed over the particles.
+        Returns the velocity gained from the (bottom, top) wall, summed over the particles.
         """
         self.walls.enter(time)
         return kick(self, flow, *self.walls.jumps_at(time)) if self.walls.obeys_momentum else [0.0, 0.0]

@@ -161,15 +161,14 @@ class Scheme:
         """Depth sqrt(nu t) of the layers that walls have made by changing at once, in spacings; infinite without."""
         if not self.walls.any_jump:
             return math.inf
-        turned = max((change for change in self.control.changes if change <= self.time), default=0.0)
-        return math.sqrt(self.channel.solvent_viscosity * (self.time - turned)) / self.channel.spacing
+        since = self.time - max((change for change in self.control.changes if change <= self.time), default=0.0)
+        return math.sqrt(self.channel.solvent_viscosity * since) / self.channel.spacing
 
     def solve(self, length):
         """Compute the velocities at the end of a step; return the estimated error over the reference velocity."""
         tolerance = SOLVER_TOLERANCE * self.control.tolerance
-        errors = [
-            self.viscous.advance(component, self.time, length, tolerance) for component in range(1 + self.transverse)
-        ]
+        along = range(1 + self.transverse)
+        errors = [self.viscous.advance(component, self.time, length, tolerance) for component in along]
         return math.hypot(*errors) / self.channel.reference_velocity
 
     def require_positive(self):

@@ -61,7 +61,7 @@ class ViscousStep:
         used(self.velocity)[...] = used(self.end)
 
     def turn(self, time):
-        """Let walls that change at once at ``time`` give their impulse; return what is gained from each, by ``Kick``."""
+        """Let walls that change at once at ``time`` give their impulse; return what is gained from each: ``Kick``."""
         series = self.wall_series
         series.enter(time)
         return Kick(self).apply(*series.jumps_at(time)) if series.obeys_momentum else [0.0, 0.0]

@@ -27,7 +27,12 @@ MEASURED = json.loads((DATA / "measured.json").read_text())
 PRINTED = json.loads((DATA / "matrix.json").read_text())
 CELLS = {cell.name: cell for quick in (True, False) for cell in matrix.cells(matrix.sub_matrices(quick))}
 
-LONG = ("configs-small_amplitude_oscillation", "configs-fene_p_couette")
+LONG = (
+    "configs-small_amplitude_oscillation",
+    "configs-fene_p_couette",
+    "configs-step_strain",
+    "configs-flow_curve",
+)
 """What takes longest to forecast. Others have walls that oscillate, plates that a stress drives, and such polymers."""
 
 MOST_WITHOUT = 0.1

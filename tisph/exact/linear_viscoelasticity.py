@@ -43,6 +43,11 @@ class Spectrum:
         t = np.asarray(t, dtype=float)
         return self.solvent + sum(viscosity * -np.expm1(-t / time) for viscosity, time in self.modes) + 0.0 * t
 
+    def modulus(self, t):
+        """Relaxation modulus G(t > 0), stress over strain after a sudden strain, without inertia."""
+        t = np.asarray(t, dtype=float)
+        return sum(viscosity / time * np.exp(-t / time) for viscosity, time in self.modes) + 0.0 * t
+
     def normal_growth(self, t):
         """N1 over the square of the shear rate after it has begun, of upper-convected modes, without inertia."""
         t = np.asarray(t, dtype=float)

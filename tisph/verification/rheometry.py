@@ -5,12 +5,13 @@ stress at the moving wall over the nominal shear rate (its speed over the gap), 
 the liquid had no inertia. What that is off is the difference from the linear theory of the liquid.
 """
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
 from tisph.errors import ConfigError
 from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity
+from tisph.geometry.schedule import Schedule
+from tisph.verification._reading import Reading, over_time
+from tisph.verification._schedules import read_schedule
 from tisph.verification.wall_shear import integral
 
 LINEAR = 1e-2
@@ -26,22 +27,6 @@ DEGREE = 5
 
 FADED = 15.0
 """Longest relaxation times after which nothing is left of the start."""
-
-SHOWN = 9
-"""Lines of a table over time."""
-
-
-@dataclass
-class Reading:
-    """``curves``: (axis, name, abscissae, ordinates, style) with axis a pair of labels and style a line's or a mark's.
-
-    ``numbers`` by name; ``lines`` of text.
-    """
-
-    title: str
-    lines: list[str]
-    numbers: dict[str, float]
-    curves: list[tuple] = field(default_factory=list)
 
 
 def spectrum(rheology, channel):
@@ -69,6 +54,8 @@ def read(config, channel, table):
         raise ConfigError("RUN_DIR: a rheometer has one moving wall, a wall at rest and no drive")
     wall = getattr(channel, moving[0])
     table = _as_if_upper(table, moving[0])
+    if isinstance(wall, Schedule):
+        return read_schedule(config, channel, liquid, wall, table)
     return _oscillation(channel, liquid, wall, table) if wall.oscillates else _start_up(channel, liquid, wall, table)
 
 
@@ -156,15 +143,6 @@ def _off(words, value, best):
     return f"  {words}: {elastic:+.2e} of G', {value.imag / best.imag - 1.0:+.2e} of G''"
 
 
-def _over_time(t, columns):
-    """Lines of a table of ``columns`` by name at some of the times, more of them at first."""
-    chosen = np.unique(np.geomspace(1, len(t), SHOWN).astype(int)) - 1
-    return [
-        f"  {'t':>10} " + " ".join(f"{name:>12}" for name in columns),
-        *(f"  {t[k]:10.4g} " + " ".join(f"{values[k]:12.6g}" for values in columns.values()) for k in chosen),
-    ]
-
-
 def _start_up(channel, liquid, wall, table):
     rate = wall.cosine / channel.gap
     before = (wall.before or 0.0) / channel.gap
@@ -175,7 +153,7 @@ def _start_up(channel, liquid, wall, table):
     found, exact = (table[name][1:] / steady for name in _both("wall_shear"))
     what = "viscosity growth eta+" if rate else "stress after cessation, over the rate before"
     lines = [f"{what}; shear rate {rate:.6g}, before {before:.6g}"]
-    lines += _over_time(t, {"as read": found, "reference": exact, "no inertia": theory})
+    lines += over_time(t, {"as read": found, "reference": exact, "no inertia": theory})
     numbers = {"viscosity_at_the_end": float(found[-1]), "viscosity_at_the_end_reference": float(exact[-1])}
     axis = "time", what
     curves = [
@@ -207,7 +185,7 @@ def _creep(channel, liquid, table):
     during = (t > 0) & (t <= end * (1 + 1e-12))
     found, known, theory = strain[during] / stress, exact[during] / stress, liquid.compliance(t[during])
     lines = [f"creep compliance J under the stress {stress:.6g}"]
-    lines += _over_time(t[during], {"run": found, "reference": known, "no inertia": theory})
+    lines += over_time(t[during], {"run": found, "reference": known, "no inertia": theory})
     axis = "time", "strain over stress"
     curves = [
         (axis, "run", t, strain / stress, "."),

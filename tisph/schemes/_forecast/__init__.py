@@ -26,6 +26,9 @@ MOST_IMPLICIT_ROWS = 400
 TYPICAL = 3.0
 """What may add up over what does, as it is stated: residuals of a linear system seldom all have the same sense."""
 
+RESTS = 100.0
+"""Reference velocity over the root mean square of the liquid's, above which it counts as at rest."""
+
 DIGITS = 1e-13
 """Digits to which rows are computed: smaller errors are not told apart."""
 
@@ -35,7 +38,7 @@ class Forecast:
     """Estimates of one sample: its time ``t``, the number of ``steps`` up to it, errors as in the summary.
 
     ``l2`` and ``rms``, see ``verification/metrics.py``, are None where the model cannot tell, ``l2`` also where the
-    liquid rests. ``at_most``: they are what may add up and may as well cancel, so that the run may err less.
+    liquid rests, or nearly so. ``at_most``: they are what may add up and may as well cancel: the run may err less.
     """
 
     t: float
@@ -136,4 +139,4 @@ def _forecast(channel, heights, time, steps, velocity, noise, finer=1.0):
     rms = math.hypot(sure, possible)
     # disorder has either sign: a few times as much as is usual may take away two thirds of the rest
     cancels = possible > sure or TYPICAL * noise.stirred > 2.0 / 3.0 * sure
-    return Forecast(time, steps, rms * scale if scale else None, rms, cancels)
+    return Forecast(time, steps, rms * scale if scale and scale < RESTS else None, rms, cancels)

@@ -5,10 +5,12 @@ import math
 import numpy as np
 
 from tisph.schemes._forecast.images import mirrored
+from tisph.schemes._forecast.implicit_rows import RESIDUALS
 from tisph.schemes._forecast.linear import product
 from tisph.schemes._forecast.stencils import least_squares
 from tisph.schemes.implicit._driven import slides_freely, stages
 from tisph.schemes.implicit._elastic_stages import Flow, even_fit, image_of_stress, polynomial
+from tisph.schemes.implicit._esdirk import GAMMA
 from tisph.schemes.implicit._instant import material
 from tisph.schemes.implicit._scheme import MOST_ATTEMPTS, WORST
 
@@ -22,11 +24,9 @@ EXACT = 1e-12
 class ElasticRows:
     """Velocities of the rows of a channel, step by step; attributes as of ``implicit_rows.Rows``.
 
-    Its linear systems leave no ``residual``. ``beyond``: whether it has given up, after ``MOST_STEPS`` or where none is
-    short enough.
+    ``beyond``: whether it has given up, after ``MOST_STEPS`` or where none is short enough.
     """
 
-    residual = 0.0
     beyond = False
 
     def __init__(self, config, channel, control):
@@ -37,6 +37,7 @@ class ElasticRows:
         self.stages = stages(self.operators, channel, config.walls.treatment.type, memory)
         self.walls = self.stages.walls
         self.time, self.steps, self.longest, self.steepest = channel.start_time, 0, 0.0, 0.0
+        self.length = 0.0
         self.flow = self._start(memory)
 
     def _start(self, memory):
@@ -52,6 +53,14 @@ class ElasticRows:
     def velocity(self):
         """Velocities of the rows."""
         return self.flow.velocity
+
+    @property
+    def residual(self):
+        """As of ``implicit_rows.Rows``: of the systems of particles, here taken for those of a Newtonian liquid."""
+        velocity, coefficient = self.velocity, GAMMA * self.length * self.channel.kinematic_viscosity
+        size = float(np.linalg.norm(velocity)) * (1.0 + coefficient * (math.pi / self.channel.gap) ** 2)
+        right_side = float(np.linalg.norm(velocity - coefficient * self.operators.laplacian(velocity)))
+        return RESIDUALS * self.control.tolerance * right_side / size if size > 0.0 else 0.0
 
     @property
     def strained(self):

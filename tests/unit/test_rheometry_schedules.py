@@ -1,0 +1,83 @@
+"""Step strain and flow curves: the law alone against closed forms, and what is read of histories that theory makes."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from tisph import families
+from tisph.exact.linear_viscoelasticity import Spectrum
+from tisph.exact.uniform_shear import UniformShear
+from tisph.geometry.schedule import Schedule
+from tisph.verification._schedules import _flow_curve, _middle, _step_strain
+
+LIQUID = Spectrum(0.1, ((0.9, 2.0),))
+TIMES = np.linspace(0.0, 6.0, 61)
+
+
+def uniform(name="oldroyd_b", **numbers):
+    member = families.load("rheology", name)
+    laws = member.Parameters(relaxation_time=2.0, solvent_fraction=0.1, **numbers).laws(1.0)
+    return UniformShear(lambda rate: 0.1 * rate, laws)
+
+
+def rates(wall, gap):
+    pieces = [(begin, wall.during(begin)) for begin in (0.0, *wall.changes)]
+    return [(begin, lambda t, ramp=ramp: ramp.velocity(t) / gap) for begin, ramp in pieces]
+
+
+def test_a_constant_rate_shows_the_growth_of_stress_and_normal_stress():
+    stress, normal = uniform().response([(0.0, lambda t: 3.0 + 0.0 * t)], TIMES)
+    assert stress == pytest.approx(3.0 * LIQUID.growth(TIMES), rel=1e-8)
+    assert normal == pytest.approx(9.0 * LIQUID.normal_growth(TIMES), abs=1e-8 * normal.max())
+    assert uniform().steady(3.0) == pytest.approx((3.0, 2.0 * 0.9 * 2.0 * 9.0), rel=1e-9)
+
+
+def test_steady_shear_of_a_giesekus_liquid_balances():
+    law = uniform("giesekus", mobility=0.3)
+    end, state = 120.0, np.zeros(law.laws[0].components)
+    _, state = law._solved(lambda t: 5.0, 0.0, end, state, np.zeros(0))
+    assert np.abs(law.laws[0].sheared(tuple(state), 5.0)).max() < 1e-8 * np.abs(state).max()
+
+
+def test_stress_jumps_with_the_rate_and_memory_does_not():
+    wall = Schedule((0.0, 1.0, 1.0), (0.3, 0.3, 0.0))
+    found, _ = uniform().response(rates(wall, 0.1), np.array([0.5, 1.0, 1.0 + 1e-9, 3.0]))
+    grown = 0.9 * 3.0 * -np.expm1(-np.array([0.25, 0.5, 0.5]))
+    expected = [0.3 + grown[0], 0.3 + grown[1], grown[2], grown[2] * np.exp(-1.0)]
+    assert found == pytest.approx(expected, rel=1e-8)
+
+
+@pytest.mark.parametrize("times", [(0.0, 0.2, 0.2), (0.0, 0.1, 0.2)], ids=["pulse", "triangle"])
+def test_a_relaxation_modulus_is_read_from_a_ramp(times):
+    wall = Schedule(times, (0.3, 0.3, 0.0) if times[1] == 0.2 else (0.0, 0.6, 0.0))
+    strain = wall.displacement(0.2) / 0.1
+    assert (strain, _middle(wall)) == pytest.approx((0.6, 0.1))
+    law = uniform()
+    stress, normal = law.response(rates(wall, 0.1), TIMES)
+    table = {"t": TIMES, "wall_shear": 1.01 * stress, "wall_shear_exact": stress, "n1_mean": normal}
+    channel = SimpleNamespace(gap=0.1)
+    reading = _step_strain(channel, LIQUID, wall, table, law, rates(wall, 0.1))
+    numbers = reading.numbers
+    modulus = 0.9 / 2.0 * np.exp(-(6.0 - 0.1) / 2.0)
+    # what is left of the ramp is of the second order, (0.2/2)^2/24 of the pulse
+    assert numbers["modulus_at_the_end_reference"] == pytest.approx(modulus, rel=5e-4)
+    assert numbers["modulus_at_the_end_linear"] == pytest.approx(modulus, rel=1e-12)
+    assert numbers["modulus_at_the_end"] == pytest.approx(1.01 * numbers["modulus_at_the_end_reference"], rel=1e-12)
+    assert numbers["inertia_gone_at"] == pytest.approx(0.2, abs=1e-9)  # from the first time after the step, less 0.1
+    # Lodge and Meissner: N1 is strain times shear stress after a sudden strain, to the first order in its duration
+    assert numbers["normal_over_shear_stress_at_the_end"] == pytest.approx(strain / 1.01, rel=0.05)
+
+
+def test_a_flow_curve_tells_inertia_from_memory():
+    gap, density = 0.1, 1.0
+    wall = Schedule((0.0, 6.0), (0.0, 1.2))
+    law = UniformShear(lambda rate: 2.0 * rate)
+    alone, _ = law.response(rates(wall, gap), TIMES)
+    inertia = density * 0.2 * gap / 3.0  # of a steady ramp: the third of the liquid follows the wall
+    table = {"t": TIMES, "wall_shear": alone + inertia, "wall_shear_exact": alone + inertia}
+    reading = _flow_curve(SimpleNamespace(gap=gap), Spectrum(2.0), wall, table, law, rates(wall, gap))
+    assert reading.numbers["fastest_rate"] == pytest.approx(12.0)
+    assert reading.numbers["off_reference"] == 0.0
+    assert reading.numbers["off_by_inertia"] == pytest.approx(inertia / (2.0 * 1.2), rel=1e-9)  # at a tenth of it
+    assert reading.numbers["off_by_memory"] == pytest.approx(0.0, abs=1e-14)

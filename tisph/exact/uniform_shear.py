@@ -1,0 +1,76 @@
+"""A liquid that is sheared uniformly: what a rheometer would show if the liquid had no inertia.
+
+    shear stress = flux(rate) + sum of S_xy,    dC/dt = law.sheared(C, rate(t)),    S = law.stress(C)
+
+for each law (mode) of a polymer, from rest; C and laws as in ``start_up``, stresses of the unit of the laws' viscosity.
+Ordinary differential equations, solved to 1e-8 of the largest value (LSODA, piece by piece between changes of the
+rate). The steady stress is that after ``REMEMBERED`` of the longest relaxation times.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+REMEMBERED = 60.0
+RELATIVE, ABSOLUTE = 1e-10, 1e-13
+"""Tolerances of a step."""
+
+
+@dataclass(frozen=True)
+class UniformShear:
+    """``flux(rate)``: shear stress of the solvent, or of a liquid without memory; ``laws`` of a polymer's modes."""
+
+    flux: Any
+    laws: tuple[Any, ...] = ()
+
+    def response(self, rates, times):
+        """Shear stress and N1 at ascending ``times`` (n,), two arrays (n,).
+
+        ``rates``: pairs (begin, function of time) ascending from (0, ...) on: the shear rate from each begin on, which
+        at the begin itself is still that before it.
+        """
+        times = np.asarray(times, dtype=float)
+        begins = [begin for begin, _ in rates]
+        stress, normal = np.empty(len(times)), np.empty(len(times))
+        state = np.zeros(sum(law.components for law in self.laws))
+        for (begin, rate), end in zip(rates, [*begins[1:], max(times[-1], begins[-1])], strict=True):
+            here = (times > begin) & (times <= end) if begin else times <= end
+            states, state = self._solved(rate, begin, end, state, times[here])
+            stress[here], normal[here] = self._stresses(states, rate(times[here]))
+        return stress, normal
+
+    def steady(self, rate):
+        """Shear stress and N1 of steady shear of a ``rate``."""
+        end = REMEMBERED * max((law.relaxation_time for law in self.laws), default=0.0)
+        start = np.zeros(sum(law.components for law in self.laws))
+        _, state = self._solved(lambda t: rate + 0.0 * t, 0.0, end, start, np.zeros(0))
+        stress, normal = self._stresses(state[:, None], np.array([rate]))
+        return float(stress[0]), float(normal[0])
+
+    def _parts(self, state):
+        ends = np.cumsum([0, *(law.components for law in self.laws)])
+        return [state[a:b] for a, b in pairwise(ends.tolist())]
+
+    def _stresses(self, states, rate):
+        shear, normal = self.flux(rate), np.zeros(len(rate))
+        for law, c in zip(self.laws, self._parts(states), strict=True):
+            xx, xy, yy = law.stress(tuple(c))[:3]
+            shear, normal = shear + xy, normal + (xx - yy)
+        return shear, normal
+
+    def _solved(self, rate, begin, end, start, times):
+        """States (components, n) at ``times``, and at the ``end``."""
+        if not self.laws or end <= begin:
+            return np.repeat(start[:, None], len(times), axis=1), start
+        from scipy.integrate import solve_ivp  # a fifth of a second, of no use to most runs
+
+        def change(t, state):
+            now = float(rate(t))
+            parts = zip(self.laws, self._parts(state), strict=True)
+            return np.concatenate([[1.0 * one for one in law.sheared(tuple(c), now)] for law, c in parts])
+
+        moments = np.append(times[times < end], end)
+        found = solve_ivp(change, (begin, end), start, "LSODA", moments, rtol=RELATIVE, atol=ABSOLUTE).y
+        return found[:, np.searchsorted(moments, times)], found[:, -1]

@@ -12,6 +12,7 @@ from tisph.schemes._forecast.implicit_rows import Rows
 from tisph.schemes.implicit._scheme import control
 from tisph.schemes.implicit._walls import WallSeries
 from tisph.simulation.run import start_values
+from tisph.verification.wall_shear import _slope
 
 CASE = """
 scene: channel
@@ -89,6 +90,26 @@ def test_stress_is_kicked_with_the_velocity(case):
         since_start, since_stop = (profile(found.heights, t, **numbers) for t in (0.3, 0.1))
         wrong = np.linalg.norm(mine - (since_start - since_stop))
         assert wrong < 1e-2 * np.linalg.norm(since_start)  # of 12 rows a layer after the stop; measured: 2.7e-3, 6.4e-3
+
+
+def test_a_small_step_strain_shows_the_relaxation_modulus(case):
+    # in a gap so narrow that momentum crosses it in 1e-3 of the relaxation time, 1
+    step = "walls.top={times: [0.0, 0.05, 0.05], velocities: [0.02, 0.02, 0.0]}"
+    narrow = ["geometry={gap: 0.01, length: 0.01}", "time={end: 0.5, tolerance: 1e-5}"]
+    found, channel = rows_of(case, OLDROYD_B, step, *narrow)
+    stress = channel.density * found.stages.memory.shear_stress(found.flow.state, None)
+    stress += channel.density * channel.solvent_viscosity * found.flow.shear_rate
+    middle, half = 0.025, 0.025  # of the ramp, over which exp(-t) has the mean exp(-middle) sinh(half)/half
+    modulus = 0.8 * np.exp(middle - 0.5) * np.sinh(half) / half
+    assert stress / 0.1 == pytest.approx(modulus, rel=5e-5)  # measured: 1.3e-5, of the steps; 7e-6 with 3e-7
+
+
+def test_a_slow_ramp_shows_the_viscosity_and_a_third_of_the_inertia(case):
+    ramp = "walls.top={times: [0.0, 10.0], velocities: [0.0, 1.0]}"
+    found, channel = rows_of(case, "geometry={gap: 0.5, length: 0.5}", ramp, "time={end: 5.0}")
+    slope = _slope(channel, 0.5 - found.heights, 0.5 - found.velocity)
+    # u = a t y/gap + a/(6 nu gap) (y^3 - gap^2 y) after the start: a cubic, for which the operators are exact
+    assert channel.dynamic_viscosity * slope == pytest.approx(1.0 + 2.0 * 0.1 * 0.5 / 3.0, rel=1e-9)
 
 
 def test_either_wall_may_be_the_one(case):

@@ -51,6 +51,11 @@ class WallMotion:
         before = None if self.before is None else self.before - velocity
         return replace(self, cosine=self.cosine - velocity, before=before)
 
+    def scaled(self, factor):
+        """The motion with ``factor`` times the velocities."""
+        before = None if self.before is None else self.before * factor
+        return replace(self, cosine=self.cosine * factor, sine=self.sine * factor, before=before)
+
     def velocity(self, t):
         """Velocity at time(s) ``t``, of the shape of ``t``."""
         angle = self.angular_frequency * np.asarray(t, dtype=float)

@@ -114,6 +114,10 @@ class Schedule:
         """The schedule in a frame that moves along x with ``velocity``."""
         return replace(self, velocities=tuple(speed - velocity for speed in self.velocities))
 
+    def scaled(self, factor):
+        """The schedule with ``factor`` times the velocities."""
+        return replace(self, velocities=tuple(speed * factor for speed in self.velocities))
+
     def penetration_depth(self, kinematic_viscosity):
         """Infinite: nothing oscillates."""
         return np.inf

@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tisph.geometry.motion import WallMotion
+
 HALF = 0.1
 """Spacings within which a distance is called half a spacing."""
 
@@ -109,7 +111,7 @@ def _slip(scene):
         return
 
     def flow(scene, value):
-        return replace(scene, bottom=_slowed(scene.bottom, value), top=_slowed(scene.top, value)).exact
+        return replace(scene, bottom=scene.bottom.scaled(1 - value), top=scene.top.scaled(1 - value)).exact
 
     def words(value):
         if value < 0:
@@ -119,17 +121,13 @@ def _slip(scene):
     yield Fault("slip", flow, words, -1.0, 1.0, 0.002, (0.01, 0.5))
 
 
-def _slowed(wall, part):
-    before = None if wall.before is None else wall.before * (1 - part)
-    return replace(wall, cosine=wall.cosine * (1 - part), sine=wall.sine * (1 - part), before=before)
-
-
 def _start(scene, times):
     """The start was not at rest, or not the developed flow: superpositions, so of liquids with linear laws only."""
     other = replace(scene, initial_state="rest" if scene.settled else "developed", start_time=0.0)
     stops = any(wall.before is not None for _, wall in scene.walls)
     swings = scene.polymer and any(wall.oscillates for _, wall in scene.walls)
-    if stops or swings or scene.start_time:
+    scheduled = any(wall.changes for _, wall in scene.walls)  # nothing has developed before
+    if stops or swings or scheduled or scene.start_time:
         return
 
     def mixed(scene, value):
@@ -146,8 +144,7 @@ def _start(scene, times):
 
 
 def _uniform_start(scene):
-    moving = replace(scene.top, cosine=1.0, sine=0.0, angular_frequency=0.0, before=None)
-    dragged = replace(scene, top=moving, bottom=moving, acceleration=0.0)
+    dragged = replace(scene, top=WallMotion(1.0), bottom=WallMotion(1.0), acceleration=0.0)
     speed = scene.reference_velocity
 
     def flow(scene, value):

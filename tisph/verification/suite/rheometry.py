@@ -1,4 +1,4 @@
-"""Walls that a stress drives in the verification suite: creep, recovery, a plate that rings.
+"""Rheometry in the verification suite: creep, recovery, a plate that rings, step strain, a rate that rises.
 
 Oldroyd-B liquid of the base: total viscosity 1, a tenth of it the solvent's, relaxation time 1. Bounds are those of
 start-up between walls of given velocities.
@@ -10,12 +10,20 @@ from tisph.verification.flows import across, merged
 
 BOUND = 1e-3
 
-PLATES = {
+WALLS = {
     "creep": {"shear_stress": 1.0},
     "recovery": {"times": [0.0, 1.0], "stresses": [1.0, 0.0]},
     "ringing": {"shear_stress": 1.0, "mass_per_area": 1.0},
+    "step_strain": {"times": [0.0, 0.2, 0.2], "velocities": [1.0, 1.0, 0.0]},
+    "rising_rate": {"times": [0.0, 3.0], "velocities": [0.0, 3.0]},
 }
-TIMES = {"creep": (0.5, 1.0, 3.0), "recovery": (1.0, 1.5, 3.0), "ringing": (0.5, 1.0, 3.0)}
+TIMES = {
+    "creep": (0.5, 1.0, 3.0),
+    "recovery": (1.0, 1.5, 3.0),
+    "ringing": (0.5, 1.0, 3.0),
+    "step_strain": (0.5, 1.0, 3.0),
+    "rising_rate": (0.5, 1.0, 3.0),
+}
 
 
 def runs(quick):
@@ -23,7 +31,7 @@ def runs(quick):
     base = merged(flows.NEWTONIAN, flows.oldroyd_b(), {"scheme": {"type": "implicit"}})
     if quick:
         return {"ringing_25": _config(base, "ringing", (1.0,), across(25))}
-    return {name: _config(base, name, TIMES[name]) for name in PLATES}
+    return {name: _config(base, name, TIMES[name]) for name in WALLS}
 
 
 def criteria(quick):
@@ -38,4 +46,4 @@ def criteria(quick):
 
 
 def _config(base, name, times, *changes):
-    return flows.sampled(merged(base, {"walls": {"top": PLATES[name]}}, *changes), times)
+    return flows.sampled(merged(base, {"walls": {"top": WALLS[name]}}, *changes), times)

@@ -65,7 +65,7 @@ class SolvedFlow:
         return self._of.torque(t, density=self._density)
 
     def deviations(self, r, t):
-        """C of each mode at radii ``r`` (radii,) and a time, arrays in a list: around the axis, shear, along the radius."""
+        """C of each mode, arrays in a list, at radii ``r`` (radii,) and a time; in the order of ``polymer_stress``."""
         return self._of.deviations(r, t)
 
     def polymer_stress(self, r, t):

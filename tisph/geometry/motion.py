@@ -76,8 +76,10 @@ class WallMotion:
     def displacement(self, t):
         """Way [length] from t = 0 on, negative times included, of the shape of ``t``."""
         t = np.asarray(t, dtype=float)
+        if not self.oscillates:
+            return self._or_before(t, (self.before or 0.0) * t, t * self.cosine)
         half = 0.5 * self.angular_frequency * t
-        # sin(w t/2)/(w/2) = t sin(x)/x with x = w t/2, which also holds without an oscillation
+        # sin(w t/2)/(w/2) = t sin(x)/x with x = w t/2
         way = t * np.sinc(half / np.pi) * (self.cosine * np.cos(half) + self.sine * np.sin(half))
         return self._or_before(t, (self.before or 0.0) * t, way)
 

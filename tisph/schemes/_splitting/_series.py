@@ -24,8 +24,9 @@ class Times:
         """Return the weights of the newest values that give a functional, known by its values for 1, t, t^2 ..."""
         ages = self.ages[:count] if ages is None else ages
         powers = np.arange(len(ages))
-        weights = np.linalg.solve((-ages) ** powers[:, None], [functional(power) for power in powers])
-        return np.pad(weights, (0, max(0, count - len(weights))))
+        weights = np.zeros(max(count, len(ages)))
+        weights[: len(ages)] = np.linalg.solve((-ages) ** powers[:, None], [functional(power) for power in powers])
+        return weights
 
     def at(self, age, count):
         """Return the weights of ``count`` values that give the value at ``age``."""
@@ -48,7 +49,9 @@ class Times:
         """Return g and weights a such that unit du/dt = g u(now) - sum a u, by backward differences."""
         ages = np.concatenate([[0.0], self.ages[:ORDER]])
         leading, *back = self._weights(ORDER + 1, lambda power: float(power == 1), ages)
-        return float(leading), -np.pad(back, (0, VELOCITIES - len(back)))
+        weights = np.zeros(VELOCITIES)
+        weights[: len(back)] = np.negative(back)
+        return float(leading), weights
 
     def error(self, difference, leading, speed):
         """Return the error of a step, and of which order it is, from the ``difference`` to extrapolated velocities.

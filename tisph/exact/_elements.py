@@ -63,6 +63,7 @@ class Elements:
         self.y = self.edges[:-1, None] + self.stretch * (self.points + 1)
         self.inner_radius = inner_radius
         self.arms = self.arm(self.y)
+        self._slopes = (self.matrix[:, :, None] * self.matrix[:, None, :]).reshape(order + 1, -1)
         self.node_places = np.append(self.y[:, :-1].ravel(), self.edges[-1])
         self.mass = self.joined(self.stretch * self.weights * self.arms**3)
 
@@ -72,15 +73,14 @@ class Elements:
 
     def shear_rate(self, field):
         """arm d/dy (..., count, p + 1) of a continuous ``field`` (..., size)."""
-        return self.arms * np.einsum("qi,...ei->...eq", self.matrix, field[..., self.nodes]) / self.stretch
+        return field.take(self.nodes, axis=-1) @ self.matrix.T * (self.arms / self.stretch)
 
     def weak_divergence(self, flux):
         """d(arm^2 flux)/dy/arm^3 (..., size) of ``flux`` (..., count, p + 1).
 
         Tested with each node's function, and without what passes through the walls.
         """
-        scaled = self.weights * self.arms**2 * flux
-        return -self.joined(np.einsum("qi,...eq->...ei", self.matrix, scaled)) / self.mass
+        return -self.joined((self.weights * self.arms**2 * flux) @ self.matrix) / self.mass
 
     def joined(self, parts):
         """Sums (..., size) of what elements (..., count, p + 1) give to each node."""
@@ -90,9 +90,9 @@ class Elements:
         return whole
 
     def stiffness(self, coefficient):
-        """Matrices (count, p + 1, p + 1) of elements: of -d/dy(arm^3 coefficient d/dy), coefficient (count, p + 1)."""
-        scaled = coefficient * self.arms**3 * self.weights / self.stretch
-        return np.einsum("qi,eq,qj->eij", self.matrix, scaled, self.matrix, optimize=True)
+        """Matrices (..., p + 1, p + 1) of elements: of -d/dy(arm^3 coefficient d/dy), real coefficient (..., p + 1)."""
+        scaled = coefficient * (self.arms**3 * self.weights / self.stretch)
+        return (scaled @ self._slopes).reshape(*coefficient.shape, -1)
 
     def integral(self, field):
         """Integrals over y (count, p + 1) from the first edge on of a field (count, p + 1)."""

@@ -40,6 +40,7 @@ class Equations:
             if wall.driven:
                 self.mass[place] += wall.mass_per_area
         self.free = np.array([not (k in self.walls and not self.walls[k].driven) for k in range(elements.size)])
+        self.share = self.free * elements.mass / self.mass
         points = elements.y.size
         ends = elements.size + np.cumsum([0, *(law.components * points for law in liquid.laws)])
         self.parts = [slice(a, b) for a, b in pairwise(ends.tolist())]
@@ -60,20 +61,21 @@ class Equations:
             law.stress(c)[1] for law, c in zip(self.liquid.laws, deviations, strict=True)
         )
 
-    def rates(self, states, times):
-        """dX/dt, shape of ``states`` (times, size)."""
-        result = np.empty_like(states)
-        whole, deviations = self.shear_rate(states, times), self.deviations(states)
-        # the flux of ``layer`` through the solvent is balanced by its own inertia, but for the drift, where one is
-        flux = self.stress(deviations, whole) - self.liquid.carried(self.layer.shear_rates(times))
-        own = self.drive + self.layer.drift(times)
-        result[:, : self.elements.size] = own + self.elements.weak_divergence(flux)
+    def forcing(self, times):
+        """What drives the flow at ``times`` (times,), whatever its state is: shear rates of the layer, and rates."""
+        rates = np.zeros((len(times), self.elements.size)) + (self.drive + self.layer.drift(times)) * self.share
         for place, wall in self.walls.items():
-            if wall.driven:
-                pull = result[:, place] * self.elements.mass[place] + wall.stress(times)
-                result[:, place] = pull / self.mass[place]
-            else:
-                result[:, place] = wall.acceleration(times)
+            rates[:, place] += wall.stress(times) / self.mass[place] if wall.driven else wall.acceleration(times)
+        return self.layer.shear_rates(times), rates
+
+    def rates(self, states, forcing):
+        """dX/dt, shape of ``states`` (times, size), with ``forcing`` at those times."""
+        layer, own = forcing
+        result = np.empty_like(states)
+        whole, deviations = self.elements.shear_rate(states[:, : self.elements.size]) + layer, self.deviations(states)
+        # the flux of ``layer`` through the solvent is balanced by its own inertia, but for the drift, where one is
+        flux = self.stress(deviations, whole) - self.liquid.carried(layer)
+        result[:, : self.elements.size] = own + self.elements.weak_divergence(flux) * self.share
         for law, c, part in zip(self.liquid.laws, deviations, self.parts, strict=True):
             change = np.stack([np.broadcast_to(one, whole.shape) for one in law.sheared(tuple(c), whole)], axis=1)
             result[:, part] = change.reshape(len(states), -1)
@@ -100,18 +102,37 @@ class Equations:
 
 
 def _derivatives(law, c, rate):
-    """Of one law: d(dC/dt)/dC (..., m, m), d(dC/dt)/drate (..., m) and dS_xy/dC (..., m), by complex steps."""
+    """Of one law: d(dC/dt)/dC (m, m, ...), d(dC/dt)/drate (m, ...) and dS_xy/dC (m, ...), by complex steps."""
 
     def slopes(function, *arguments):
         parts = function(*arguments)
-        return np.stack([np.broadcast_to(np.imag(part) / STEP, rate.shape) for part in parts], axis=-1)
+        return np.stack([np.broadcast_to(np.imag(part) / STEP, rate.shape) for part in parts])
 
     by_c, shear = [], []
     for k in range(law.components):
         moved = tuple(part + 1j * STEP * (k == j) for j, part in enumerate(c))
         by_c.append(slopes(law.sheared, moved, rate))
-        shear.append(slopes(law.stress, moved)[..., 1])
-    return np.stack(by_c, axis=-1), slopes(law.sheared, tuple(c), rate + 1j * STEP), np.stack(shear, axis=-1)
+        shear.append(slopes(law.stress, moved)[1])
+    return np.stack(by_c, axis=1), slopes(law.sheared, tuple(c), rate + 1j * STEP), np.stack(shear)
+
+
+def _inverses(matrices):
+    """Inverses of ``matrices`` (m, m, ...), by Gauss and Jordan, all at once; they are small.
+
+    Without pivots: what is lost to rounding here makes Newton's method slower, not its result another.
+    """
+    result = matrices.copy()
+    for k in range(len(result)):
+        pivot = 1 / result[k, k]
+        column = -result[:, k] * pivot
+        result[k, k] = 0.0
+        column[k] = pivot
+        row = result[k].copy()
+        result[:, k] = 0.0
+        result[k] = 0.0
+        result += column[:, None] * row
+        result[:, k] = column
+    return result
 
 
 class Jacobian:
@@ -121,49 +142,57 @@ class Jacobian:
         self.equations, self.elements = equations, equations.elements
         self.flux, self.local = flux, local
 
-    def solver(self, shift):
-        """A function that solves (shift - J) x = b for complex x and b (size,)."""
+    def solver(self, shifts):
+        """A function that solves (shift - J) x = b for each of ``shifts`` (k,) and rows of complex b (k, size)."""
         from scipy.linalg.lapack import zgbtrf, zgbtrs
 
         elements, order = self.elements, self.elements.order
-        # points' own answers: C = inverse (b_C + by_rate dv/dy), of which the shear stress takes ``pull``
-        inverses = [np.linalg.inv(shift * np.eye(len(by_c[0, 0])) - by_c) for by_c, _, _ in self.local]
-        pulls = [
-            np.einsum("eqm,eqmn->eqn", shear, inverse)
-            for (_, _, shear), inverse in zip(self.local, inverses, strict=True)
-        ]
-        coefficient = self.flux + sum(
-            np.einsum("eqm,eqm->eq", pull, by_rate) for pull, (_, by_rate, _) in zip(pulls, self.local, strict=True)
-        )
-        factors, pivots, _ = zgbtrf(self._banded(shift, coefficient), order, order)
+        # points' own answers: C = inverse b_C + by_rate dv/dy, of which the shear stress takes ``pull``
+        points, coefficient = [], np.broadcast_to(self.flux, (len(shifts), *self.flux.shape))
+        for part, (by_c, by_rate, shear) in zip(self.equations.parts, self.local, strict=True):
+            unit = np.eye(len(by_c))[:, :, None, None, None]
+            inverse = _inverses(shifts[:, None, None] * unit - by_c[:, :, None])
+            pull = np.einsum("meq,mnkeq->nkeq", shear, inverse)
+            by_rate = np.einsum("mnkeq,neq->mkeq", inverse, by_rate)
+            coefficient = coefficient + np.einsum("meq,mkeq->keq", shear, by_rate)
+            points.append((part, inverse, pull, by_rate))
+        factors = [zgbtrf(one.T, order, order, overwrite_ab=True)[:2] for one in self._banded(shifts, coefficient)]
 
         def solve(b):
-            right = b[: elements.size] * self.equations.mass
-            free = self.equations.free
-            points = [b[part].reshape(-1, *elements.y.shape).transpose(1, 2, 0) for part in self.equations.parts]
+            result = np.empty_like(b)
+            shape = (len(b), -1, *elements.y.shape)
+            flux = sum(np.einsum("mkeq,kmeq->keq", pull, b[:, part].reshape(shape)) for part, _, pull, _ in points)
+            right = b[:, : elements.size] * self.equations.mass
             if points:
-                flux = sum(np.einsum("eqm,eqm->eq", pull, c) for pull, c in zip(pulls, points, strict=True))
-                right = right + (elements.weak_divergence(flux) * elements.mass) * free
-            v, _ = zgbtrs(factors, order, order, right.astype(complex), pivots)
-            rate = elements.shear_rate(v)
-            rest = [
-                np.einsum("eqmn,eqn->meq", inverse, c + by_rate * rate[..., None]).ravel()
-                for inverse, c, (_, by_rate, _) in zip(inverses, points, self.local, strict=True)
-            ]
-            return np.concatenate([v, *rest])
+                right += elements.weak_divergence(flux) * (elements.mass * self.equations.free)
+            for row, (factor, pivots) in zip(right, factors, strict=True):
+                row[:] = zgbtrs(factor, order, order, row, pivots)[0]
+            result[:, : elements.size] = right
+            rate = elements.shear_rate(right)
+            for part, inverse, _, by_rate in points:
+                own = np.einsum("mnkeq,kneq->kmeq", inverse, b[:, part].reshape(shape))
+                own += (by_rate * rate).swapaxes(0, 1)
+                result[:, part] = own.reshape(len(b), -1)
+            return result
 
         return solve
 
-    def _banded(self, shift, coefficient):
-        """shift * mass + stiffness in LAPACK's banded storage; where a wall's velocity is given, that is its own."""
+    def _banded(self, shifts, coefficient):
+        """shift * mass + stiffness (k, size, 3 p + 1): columns of LAPACK's banded storage, one after the other.
+
+        Where a wall's velocity is given, that is its own.
+        """
         elements, order = self.elements, self.elements.order
-        matrices = elements.stiffness(coefficient)
-        matrices[0, 0] *= self.equations.free[0]
-        matrices[-1, -1] *= self.equations.free[-1]
-        band = np.zeros((3 * order + 1, elements.size), dtype=complex)
-        row, column = elements.nodes[:, :, None], elements.nodes[:, None, :]
-        band[2 * order + row - column, column + 0 * row] = matrices
-        joints = elements.nodes[1:, 0]
-        band[2 * order, joints] += matrices[:-1, -1, -1]
-        band[2 * order] += shift * self.equations.mass
+        matrices = np.empty((*coefficient.shape, order + 1), dtype=complex)
+        matrices.real, matrices.imag = elements.stiffness(coefficient.real), elements.stiffness(coefficient.imag)
+        matrices[:, 0, 0] *= self.equations.free[0]
+        matrices[:, -1, -1] *= self.equations.free[-1]
+        joint = matrices[:, :-1, -1, -1] + matrices[:, 1:, 0, 0]
+        matrices[:, :-1, -1, -1] = matrices[:, 1:, 0, 0] = joint  # both elements put it into the same place
+        band = np.zeros((len(shifts), elements.size, 3 * order + 1), dtype=complex)
+        inner = band.reshape(len(shifts), -1)[:, 2 * order :]
+        whole, one = inner.strides
+        strides = (whole, order * (3 * order + 1) * one, one, 3 * order * one)
+        np.lib.stride_tricks.as_strided(inner, matrices.shape, strides)[:] = matrices
+        band[:, :, 2 * order] += shifts[:, None] * self.equations.mass
         return band

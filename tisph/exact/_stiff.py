@@ -1,8 +1,8 @@
 """Stiff equations in time to many digits: collocation at Radau points of sqrt(t), dense between the steps.
 
 dX/dt = f(X, t) with s = sqrt(t), in which flows are smooth that start with a layer sqrt(t) deep. In each step X is the
-polynomial of degree ``STAGES`` in s that meets the equation at the Radau points of the step: an implicit Runge-Kutta
-method, L-stable, of order 2 STAGES - 1 at the steps' ends and STAGES + 1 between. Newton's method finds its stages,
+polynomial of degree ``stages`` in s that meets the equation at the Radau points of the step: an implicit Runge-Kutta
+method, L-stable, of order 2 stages - 1 at the steps' ends and stages + 1 between. Newton's method finds its stages,
 with one Jacobian a step; the eigenvectors of the method's matrix, which the weight dt/ds = 2 s is part of, take the
 stages apart. The last Legendre coefficient of each step's polynomial is kept below ``tolerance`` of the largest value.
 
@@ -10,13 +10,15 @@ The steps depend on the equations alone, not on what is asked. Source: E. Hairer
 Differential Equations II, sections IV.5 and IV.8 (method, Newton's method).
 """
 
+from dataclasses import dataclass
+from functools import lru_cache
+
 import numpy as np
 from numpy.polynomial import legendre
 
 from tisph.errors import UnsolvedError
 from tisph.exact._elements import interpolation
 
-STAGES = 7
 ITERATIONS = 12
 LARGEST_GROWTH, LEAST_GROWTH = 2.0, 0.2
 SAFETY = 0.85
@@ -25,34 +27,47 @@ ROUNDING = 10.0
 """Of the tolerance: what may be left where Newton's method comes no nearer."""
 
 
-def _radau():
-    """Points on (0, 1], and the matrix of integrals from 0 to each point of the polynomial through all of them."""
-    last, before = legendre.Legendre.basis(STAGES), legendre.Legendre.basis(STAGES - 1)
-    x = np.sort((last - before).roots().real)
+@dataclass(frozen=True)
+class Method:
+    """``points`` (stages,) of a step, on (0, 1], and the ``matrix`` of integrals from 0 to each of their polynomial.
+
+    ``nodes``: 0 and the points; ``last``: what takes increments at the points to their last Legendre coefficient.
+    """
+
+    points: np.ndarray
+    matrix: np.ndarray
+    nodes: np.ndarray
+    last: np.ndarray
+
+
+@lru_cache
+def radau(stages):
+    """The Method of Radau's points."""
+    left, right = legendre.Legendre.basis(stages - 1), legendre.Legendre.basis(stages)
+    x = np.sort((right - left).roots().real)
     x[-1] = 1.0
-    values = legendre.legvander(x, STAGES)
-    integrals = np.empty((STAGES, STAGES))
+    values = legendre.legvander(x, stages)
+    integrals = np.empty((stages, stages))
     integrals[:, 0] = (x + 1) / 2
-    for k in range(1, STAGES):
+    for k in range(1, stages):
         integrals[:, k] = (values[:, k + 1] - values[:, k - 1]) / (2 * k + 1) / 2
-    return (x + 1) / 2, integrals @ np.linalg.inv(values[:, :STAGES])
-
-
-POINTS, MATRIX = _radau()
-NODES = np.concatenate([[0.0], POINTS])
-LAST_COEFFICIENT = np.linalg.inv(legendre.legvander(2 * NODES - 1, STAGES))[-1, 1:]
+    points = (x + 1) / 2
+    nodes = np.concatenate([[0.0], points])
+    last = np.linalg.inv(legendre.legvander(2 * nodes - 1, stages))[-1, 1:]
+    return Method(points, integrals @ np.linalg.inv(values[:, :stages]), nodes, last)
 
 
 class Solution:
     """The solution of ``equations`` from ``start`` (size,) at t = 0 on; as far as it has been asked for.
 
-    ``equations`` has ``rates(states, times)`` with states (stages, size), ``scales(states)`` (size,), what 1 is in the
-    tolerance, and ``jacobian(state)``, an object whose ``solver(shift)`` solves (shift - J) x = b for x (size,). Raises
-    UnsolvedError where Newton's method finds no step of any length.
+    More ``stages`` take longer steps, where the solution has as many derivatives and Newton's method goes as far.
+    ``equations`` has ``rates(states, forcing(times))`` with states (stages, size), ``scales(states)`` (size,), what 1
+    is in the tolerance, and ``jacobian(state, time)``, an object whose ``solver(shifts)`` solves (shift - J) x = b for
+    all shifts at once. Raises UnsolvedError where Newton's method finds no step of any length.
     """
 
-    def __init__(self, equations, start, first_step, tolerance):
-        self.equations, self.tolerance = equations, tolerance
+    def __init__(self, equations, start, first_step, tolerance, stages):
+        self.equations, self.tolerance, self.method = equations, tolerance, radau(stages)
         self.begins, self.lengths, self.pieces = [], [], []
         self.root, self.next_length, self.state = 0.0, first_step, np.array(start, dtype=float)
         self.largest = np.zeros(len(self.state))
@@ -64,7 +79,7 @@ class Solution:
             self._step()
         k = max(int(np.searchsorted(self.begins, root, side="right")) - 1, 0)
         local = np.array([(root - self.begins[k]) / self.lengths[k]])
-        return (interpolation(NODES, local) @ self.pieces[k])[0]
+        return (interpolation(self.method.nodes, local) @ self.pieces[k])[0]
 
     def _step(self):
         if len(self.pieces) >= MOST_STEPS:
@@ -78,8 +93,8 @@ class Solution:
                     raise UnsolvedError(f"the equations have no solution that goes on after t = {self.root**2:g}")
                 continue
             scales = np.maximum(self.largest, self.equations.scales(self.state + found))
-            error = np.max(np.abs(LAST_COEFFICIENT @ found) / scales)
-            factor = SAFETY * (self.tolerance / max(error, 1e-300)) ** (1 / STAGES)
+            error = np.max(np.abs(self.method.last @ found) / scales)
+            factor = SAFETY * (self.tolerance / max(error, 1e-300)) ** (1 / len(self.method.points))
             if error <= self.tolerance:
                 break
             if error > before / 2 and error < ROUNDING * self.tolerance:
@@ -94,13 +109,13 @@ class Solution:
         self.next_length = length * min(max(factor, LEAST_GROWTH), LARGEST_GROWTH if smooth else 1.0)
 
     def _stages(self, length, extrapolate):
-        """Increments (STAGES, size) of the stages of a step, None where Newton's method does not find them."""
-        roots = self.root + length * POINTS
-        inverse = np.linalg.inv(MATRIX * (2 * roots)) / length
-        found = np.zeros((STAGES, len(self.state)))
+        """Increments (stages, size) of the stages of a step, None where Newton's method does not find them."""
+        points, nodes = self.method.points, self.method.nodes
+        roots = self.root + length * points
+        inverse = np.linalg.inv(self.method.matrix * (2 * roots)) / length
+        found = np.zeros((len(points), len(self.state)))
         if extrapolate and self.pieces:
-            matrix = interpolation(NODES, 1 + POINTS * length / self.lengths[-1])
-            found = matrix @ self.pieces[-1] - self.state
+            found = interpolation(nodes, 1 + points * length / self.lengths[-1]) @ self.pieces[-1] - self.state
         with np.errstate(all="ignore"):  # what is no number is no step
             return self._newton(found, roots**2, inverse)
 
@@ -108,17 +123,16 @@ class Solution:
         values, vectors = np.linalg.eig(inverse)
         backwards = np.linalg.inv(vectors)
         kept = np.flatnonzero(values.imag >= 0)
-        jacobian = self.equations.jacobian(self.state + found[STAGES // 2], times[STAGES // 2])
+        middle = len(times) // 2
+        jacobian = self.equations.jacobian(self.state + found[middle], times[middle])
         if jacobian is None:
             return None
-        solvers = [jacobian.solver(values[k]) for k in kept]
+        solve, forcing = jacobian.solver(values[kept]), self.equations.forcing(times)
+        into, out = backwards[kept], vectors[:, kept] * (1 + (values[kept].imag > 0))
         before = np.inf
         for _ in range(ITERATIONS):
-            residual = self.equations.rates(self.state + found, times) - inverse @ found
-            parts = backwards @ residual
-            change = np.zeros_like(found)
-            for k, solve in zip(kept, solvers, strict=True):
-                change += (1 + (values[k].imag > 0)) * np.outer(vectors[:, k], solve(parts[k])).real
+            residual = self.equations.rates(self.state + found, forcing) - inverse @ found
+            change = (out @ solve(into @ residual)).real
             found = found + change
             scales = np.maximum(self.largest, self.equations.scales(self.state + found))
             size = np.max(np.abs(change) / scales)

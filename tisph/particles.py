@@ -24,7 +24,7 @@ class Particles:
 
     def __init__(self, fluid, dummies, images, carries_stress):
         self.fluid, self.dummies = fluid, dummies
-        self.has_dummies = dummies > 0
+        self.has_dummies, self.has_walls = dummies > 0, dummies + images > 0
         self.fluid_number, self.mobile_number = integer(fluid), integer(fluid + dummies)
         self.first_wall = room(fluid)
         self.mobile_slots = self.first_wall + (room(dummies) if dummies else 0)

@@ -30,7 +30,7 @@ class Cells:
         if columns < 3 or (domain.open_across and rows < 3):
             axis = f"{columns} cells along x" if columns < 3 else f"{rows} cells along y"
             raise ValueError(f"{axis}: a pair and its periodic copy would both be listed")
-        levels = 2 * rows + 1 if domain.open_across and particles.has_dummies else rows + 2
+        levels = 2 * rows + 1 if domain.open_across and particles.has_walls else rows + 2
         self.rows, self.columns, self.levels = integer(rows), integer(columns), integer(levels)
         cells = room(levels * (columns + 1))
         self.start = ti.field(ti.i32, shape=cells)

@@ -30,7 +30,8 @@ class VerletLists:
 
     Pair loops look one neighbour ahead, which is why a row goes on after its end.
     ``crosses[i]`` tells whether a neighbour lies across the period, so that only few particles pay for it.
-    Dummy particles list the fluid around them, with ``looks_inside`` that around their mirror points.
+    Dummy particles list the fluid around them, with ``looks_inside`` that around their mirror points: in a channel
+    those follow from the places, in a box those of bodies are in ``mirror``, by wall slot.
     """
 
     def __init__(self, cells, cutoff, spacing, serial, looks_inside=False):
@@ -48,6 +49,9 @@ class VerletLists:
         self.table = ti.field(ti.i32, shape=(mobile, self.capacity))
         self.count = ti.field(ti.i32, shape=mobile)
         self.crosses = ti.field(ti.i32, shape=mobile)
+        if looks_inside and self.domain.open_across:
+            self.mirror = ti.field(ti.types.vector(2, real()), shape=mobile - fluid)
+            self.mirror.used = None  # set before it is read
         self.longest = integer(0)
         self.built_position = ti.field(ti.types.vector(2, real()), shape=fluid)
         self.built_position.used = np.s_[: self.particles.fluid]
@@ -147,7 +151,7 @@ class VerletLists:
             if ti.static(self.domain.open_across):
                 level = self.domain.row_inside(near, self.cells.rows[None])
             found, across = self.append_level(now, i, column, level, level != near, found, across)
-            if ti.static(self.domain.open_across and self.particles.has_dummies):  # noqa: SIM102
+            if ti.static(self.domain.open_across and self.particles.has_walls):  # noqa: SIM102
                 if i < self.particles.first_wall:
                     beyond = level + self.cells.rows[None]
                     found, across = self.append_level(now, i, column, beyond, level != near, found, across)
@@ -185,7 +189,10 @@ class VerletLists:
         place = self.particles.mid_position[now, i]
         if ti.static(self.looks_inside):  # noqa: SIM102 (Taichi would not see the static one)
             if i >= self.particles.first_wall:
-                place.y = ti.select(place.y < 0.0, -place.y, 2.0 * self.domain.gap[None] - place.y)
+                if ti.static(self.domain.open_across):
+                    place = self.mirror[i - self.particles.first_wall]
+                else:
+                    place.y = ti.select(place.y < 0.0, -place.y, 2.0 * self.domain.gap[None] - place.y)
         return place
 
     @ti.func

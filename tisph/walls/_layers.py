@@ -7,6 +7,7 @@ import numpy as np
 
 from tisph.runtime import real, room, ti, view
 from tisph.walls._dummies import Dummies
+from tisph.walls._solids import SolidWalls
 
 
 @dataclass(frozen=True)
@@ -20,9 +21,22 @@ class Layers:
     foot: np.ndarray
     body: np.ndarray
 
-    def radius(self, body):
-        """Distance of the farthest particle in a body from its centre."""
-        return float(np.linalg.norm(self.place[self.body == body], axis=1).max())
+    @property
+    def mirror(self):
+        """Mirror points (n, 2) of the particles, in the liquid."""
+        return 2.0 * self.foot - self.place
+
+    @property
+    def slots(self):
+        """Number of particles, and room for images."""
+        return len(self.place), 0
+
+    def radius(self, body, mirrored):
+        """Distance of the farthest particle in a body from its centre, or ``mirrored`` of it or its mirror point."""
+        farthest = [np.linalg.norm(self.place[self.body == body], axis=1).max()]
+        if mirrored:
+            farthest.append(np.linalg.norm(self.mirror[self.body == body], axis=1).max())
+        return float(max(farthest))
 
 
 def layers_in(bodies, spacing, reach):
@@ -53,40 +67,29 @@ def _outline(shape, spacing, depth):
 
 
 @ti.data_oriented
-class LayerWalls(Dummies):
-    """Dummy particles in bodies, in the periodic box around them, whose lowest corner is ``origin``.
+class LayerWalls(Dummies, SolidWalls):
+    """Dummy particles in bodies.
 
     ``number[k]`` tells which of the ``Layers`` the k-th wall slot holds: a sort permutes them, and nothing else of
-    theirs but that is kept by slot from step to step. The bodies are where ``place_bodies`` has put them last.
+    theirs but that is kept by slot from step to step. With ``looks_inside`` the lists are told their mirror points.
     """
 
     accelerates = True
 
     def __init__(self, lists, kernel, liquid, parameters, layers, bodies, origin):
-        super().__init__(lists, kernel, liquid, parameters)
-        self.layers, self.bodies, self.origin = layers, bodies, origin
+        super().__init__(lists, kernel, liquid, parameters, bodies, origin)
+        self.layers = layers
         slots, vector = room(self.particles.dummies), ti.types.vector(2, real())
         self.number, self.sorted = (ti.field(ti.i32, shape=slots) for _ in range(2))
         self.body = ti.field(ti.i32, shape=slots)
         self.arm, self.foot = (ti.field(vector, shape=slots) for _ in range(2))
         self.number.used = self.body.used = self.arm.used = self.foot.used = np.s_[: self.particles.dummies]
         self.sorted.used = None
-        # of each body: centre in the box, cosine and sine of its angle, and its motion
-        self.centre, self.turn, self.velocity, self.acceleration = (
-            ti.field(vector, shape=len(bodies)) for _ in range(4)
-        )
-        self.spin, self.spin_rate = (ti.field(real(), shape=len(bodies)) for _ in range(2))
 
-    def place_bodies(self, time):
-        """Put the bodies where they are at ``time``."""
-        for number, body in enumerate(self.bodies):
-            place, motion = body.at(time), body.motion
-            view(self.centre)[number] = place.centre - self.origin
-            view(self.turn)[number] = math.cos(place.angle), math.sin(place.angle)
-            view(self.velocity)[number] = motion.velocity(time)
-            view(self.acceleration)[number] = motion.acceleration(time)
-            view(self.spin)[number] = motion.turning.velocity(time)
-            view(self.spin_rate)[number] = motion.turning.acceleration(time)
+    @staticmethod
+    def arrange(bodies, spacing, reach):
+        """Return the ``Layers`` of bodies, for particles that see as far as ``reach``."""
+        return layers_in(bodies, spacing, reach)
 
     def load(self, time):
         """Put the dummy particles into the bodies at the start."""
@@ -111,6 +114,8 @@ class LayerWalls(Dummies):
         ti.loop_config(serialize=True)
         for k in range(count):
             self.number[k] = self.sorted[k]
+            if ti.static(self.looks_inside):
+                self.mirror(first + k)
 
     @ti.func
     def advance(self, now, k, elapsed):
@@ -118,26 +123,27 @@ class LayerWalls(Dummies):
         number = self.number[k - self.particles.first_wall]
         body = self.body[number]
         self.particles.mid_position[1 - now, k] = self.centre[body] + self.turned(body, self.arm[number])
+        if ti.static(self.looks_inside):
+            self.mirror(k)
 
     @ti.func
-    def turned(self, body, vector):
-        """Return a vector of the frame of a body as seen from outside."""
-        turn = self.turn[body]
-        return ti.Vector([turn.x * vector.x - turn.y * vector.y, turn.y * vector.x + turn.x * vector.y])
+    def mirror(self, k):
+        """Tell the lists where the mirror point of dummy particle ``k`` is."""
+        number = self.number[k - self.particles.first_wall]
+        body = self.body[number]
+        arm = self.turned(body, 2.0 * self.foot[number] - self.arm[number])
+        self.lists.mirror[k - self.particles.first_wall] = self.centre[body] + arm
 
     @ti.func
     def velocity_at(self, buffer, k):
         """Return the velocity of the wall point nearest to dummy particle ``k``."""
         number = self.number[k - self.particles.first_wall]
         body = self.body[number]
-        arm = self.turned(body, self.foot[number])
-        return self.velocity[body] + self.spin[body] * ti.Vector([-arm.y, arm.x])
+        return self.velocity_of(body, self.turned(body, self.foot[number]))
 
     @ti.func
     def acceleration_at(self, k):
         """Return the acceleration of the wall point nearest to dummy particle ``k``."""
         number = self.number[k - self.particles.first_wall]
         body = self.body[number]
-        arm = self.turned(body, self.foot[number])
-        along = self.spin_rate[body] * ti.Vector([-arm.y, arm.x])
-        return self.acceleration[body] + along - self.spin[body] ** 2 * arm
+        return self.acceleration_of(body, self.turned(body, self.foot[number]))

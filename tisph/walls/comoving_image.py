@@ -2,13 +2,15 @@
 
 Image of a particle at distance d inside the wall: at distance d beyond it, with the same x, pressure, density and
 polymer stress, velocity u_I = 2 u_W - u_F, v_I = -v_F (Bierbrauer, "No-Slip Boundary Conditions in Smoothed
-Particle Hydrodynamics", slide 4, third way; d_I = d_F in slide 6's formula).
+Particle Hydrodynamics", slide 4, third way; d_I = d_F in slide 6's formula). In a circle with the curvature of the
+wall: ``_circles.py``.
 """
 
 from typing import Literal
 
 from tisph.config.base import Model
 from tisph.runtime import ti
+from tisph.walls._circles import CircleImages
 from tisph.walls._images import ImageWalls
 
 
@@ -21,3 +23,8 @@ class Parameters(Model):
 @ti.data_oriented
 class Treatment(ImageWalls):
     """Mirror images as their base has them."""
+
+
+@ti.data_oriented
+class BodyTreatment(CircleImages):
+    """At the walls of circles."""

@@ -2,7 +2,9 @@
 
 u_I = u_V + (1 + d_I/d_V) (u_W - u_V) with d_V = d_I: the virtual point V is the mirror point of the fixed image I, in
 line with it, so that no error arises where fluid and image are not aligned (F. Bierbrauer, "No-Slip Boundary Conditions
-in Smoothed Particle Hydrodynamics", slides 4 and 6, second way). Values at V are first-order consistent: a moving
+in Smoothed Particle Hydrodynamics", slides 4 and 6, second way). At a curved wall it is the mirror point in the
+nearest point of the wall, whose velocity and acceleration a_W count; p_I = p_V + a_W . r_VI over the density, r_VI from
+I to V (a channel leaves a_W, which is along its walls, out). Values at V are first-order consistent: a moving
 least-squares fit of c0 + c1 x + c2 y, exact for linear fields on any arrangement (the slides say "interpolation"; an
 average would sit at the wrong depth next to the wall). Pressure and polymer stress are those at V.
 """
@@ -11,7 +13,8 @@ from typing import Literal
 
 from tisph.config.base import Model
 from tisph.runtime import real, scalar, ti
-from tisph.walls._dummies import DummyWalls
+from tisph.walls._dummies import Dummies, DummyWalls
+from tisph.walls._layers import LayerWalls
 
 RADIUS = 0.75
 """Radius of the fit over the cutoff: what lists that look inside are complete for (neighbours/verlet.py)."""
@@ -27,13 +30,13 @@ class Parameters(Model):
 
 
 @ti.data_oriented
-class Treatment(DummyWalls):
+class Reflections(Dummies):
     """Reflection of the velocity fitted at the mirror point."""
 
     looks_inside = True
 
-    def __init__(self, lists, kernel, liquid, parameters):
-        super().__init__(lists, kernel, liquid, parameters)
+    def __init__(self, lists, kernel, liquid, parameters, *layers):
+        super().__init__(lists, kernel, liquid, parameters, *layers)
         self.value = ti.func(kernel.value)
         self.support = kernel.SUPPORT
         self.radius = scalar(RADIUS * lists.cutoff)
@@ -54,8 +57,10 @@ class Treatment(DummyWalls):
                 pressure += share * self.particles.mid_pressure[buffer, j]
                 if ti.static(self.particles.carries_stress):
                     stress += share * self.particles.mid_stress[buffer, j]
-            wall = ti.Vector([self.wall_velocity(self.particles.mid_position[buffer, k].y), 0.0])
-            self.give(buffer, k, 2.0 * wall - velocity, pressure, stress)
+            if ti.static(self.accelerates):
+                across = self.lists.centre(buffer, k) - self.particles.mid_position[buffer, k]
+                pressure += self.acceleration_at(k).dot(across)
+            self.give(buffer, k, 2.0 * self.velocity_at(buffer, k) - velocity, pressure, stress)
         else:
             self.give_wall_values(buffer, k)
 
@@ -77,7 +82,16 @@ class Treatment(DummyWalls):
     def weighted_basis(self, buffer, k, j):
         """Return the weight of fluid particle ``j`` at the virtual point of image ``k``, and (1, x, y) around it."""
         apart = self.particles.mid_position[buffer, j] - self.lists.centre(buffer, k)
-        apart.x = self.domain.nearest(apart.x)
-        apart /= self.radius[None]
+        apart = self.domain.shortest(apart) / self.radius[None]
         weight = self.value(self.support * ti.sqrt(apart.dot(apart)))
         return weight, ti.Vector([1.0, apart.x, apart.y])
+
+
+@ti.data_oriented
+class Treatment(Reflections, DummyWalls):
+    """At the walls of a channel."""
+
+
+@ti.data_oriented
+class BodyTreatment(Reflections, LayerWalls):
+    """At the walls of bodies."""

@@ -3,14 +3,17 @@
 The steps are in ``_scheme.py``, the kernel that takes one in ``_stepper.py``.
 """
 
+import math
 from typing import Literal
 
 from pydantic import Field
 
+from tisph import families
 from tisph.config import lattice
 from tisph.config.base import Model
 from tisph.config.fields import member_name
 from tisph.equation_of_state import Tait
+from tisph.neighbours.verlet import reach
 from tisph.schemes import _rheologies
 from tisph.schemes._estimate import explicit
 from tisph.schemes.wcsph._scheme import Scheme
@@ -54,11 +57,24 @@ def _problems_around_bodies(config):
     if not hasattr(getattr(config, "walls", None), "treatment"):
         yield "scheme.type", f"wcsph has no walls as those of {config.scene}; take implicit"
     elif "walls" in config.members and config.walls.treatment.type not in AROUND_BODIES:
-        text = f"{config.walls.treatment.type} is for plane walls"
-        yield "walls.treatment.type", f"{text}; take {' or '.join(AROUND_BODIES)}"
+        text, (*others, last) = f"{config.walls.treatment.type} is for plane walls", AROUND_BODIES
+        yield "walls.treatment.type", f"{text}; take {', '.join(others)} or {last}"
     elif config.smallest_radius < config.spacing:
         text = f"must be at most {config.smallest_radius:g}, the smallest radius of a wall"
         yield lattice.resolution_key(config), f"the spacing, {config.spacing:g}, {text}, with scheme wcsph"
+    elif "walls" in config.members and config.walls.treatment.type == "comoving_image":
+        yield from _problems_of_images(config)
+
+
+def _problems_of_images(config):
+    kernel = families.load("kernels", config.discretisation.kernel)
+    deepest = reach(kernel.SUPPORT * config.discretisation.smoothing_ratio * config.spacing, config.spacing)
+    if config.smallest_radius <= deepest:
+        text = (
+            f"images {deepest:g} deep, as far as particles see, have no room in a radius of {config.smallest_radius:g}"
+        )
+        largest = math.floor(1e5 * config.smallest_radius * config.spacing / deepest) / 1e5
+        yield "walls.treatment.type", f"{text}; take a spacing below {largest:g}, virtual_image or adami"
 
 
 def orders(config):

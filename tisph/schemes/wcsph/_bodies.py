@@ -1,19 +1,22 @@
 """Bodies around the liquid of an explicit run, or in it: layers of wall particles that move as these do."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from tisph import families
 from tisph.geometry.box import box_around
 from tisph.periodic import PeriodicBox
 from tisph.runtime import view
+from tisph.schemes.wcsph._loads import Loads
 from tisph.schemes.wcsph._surroundings import AROUND_BODIES, OpenBox
-from tisph.walls._layers import layers_in
+from tisph.snapshot import Bodies
 
 STATE = "middle", "built", "compression"
-"""Attributes of ``Bodies`` that change while it runs."""
+"""Attributes of ``SolidBodies`` that change while it runs."""
 
 
-class Bodies(OpenBox):
+class SolidBodies(OpenBox):
     """Bodies of a scene; for the rest the box around them is periodic, though nothing is near its ends.
 
     The mean compression stays what it is at the start: density diffusion, a Laplacian of the pressure, lets some
@@ -25,14 +28,15 @@ class Bodies(OpenBox):
         self.scene, self.parameters = scene, config.walls.treatment
         name = self.parameters.type if self.parameters else AROUND_BODIES[0]
         self.treatment = families.load("walls", name).BodyTreatment
-        self.layers = layers_in(scene.bodies, scene.spacing, radius)
-        self.slots = len(self.layers.place), 0
+        self.layers = self.treatment.arrange(scene.bodies, scene.spacing, radius)
+        self.slots = self.layers.slots
         corners = scene.origin, np.add(scene.origin, scene.extent)
         self.box = box_around(corners, scene.spacing, scene.periodic, 2.0 * radius)
         self.origin, self.domain = self.box.origin, PeriodicBox(self.box.length, self.box.gap)
-        self.radii = [self.layers.radius(number) for number in range(len(scene.bodies))]
+        self.radii = [self.layers.radius(number, self.treatment.looks_inside) for number in range(len(scene.bodies))]
         self.middle = self.built = scene.start_time
         self.compression = 0.0
+        self.loads = Loads(scene)
 
     @property
     def drift(self):
@@ -45,6 +49,7 @@ class Bodies(OpenBox):
         """Make the ``walls`` that particles see, for the lists and the liquid of ``operators``; return them."""
         place = self.layers, self.scene.bodies, self.origin
         self.walls = self.treatment(operators.lists, kernel, operators.liquid, self.parameters, *place)
+        self.stretch = self.walls.stretch
         return self.walls
 
     def begin(self, momentum):
@@ -68,6 +73,11 @@ class Bodies(OpenBox):
     def mean_compression(self, now):
         """Return the mean of the compressions at the end of a step."""
         return float(view(self.walls.particles.compression)[now, : self.walls.particles.fluid].mean(dtype=float))
+
+    def described(self, snapshot):
+        """Return the ``snapshot`` with the bodies, and from the first step on what the liquid does to them."""
+        loads = self.loads.of(snapshot) if snapshot.step else None
+        return replace(snapshot, bodies=Bodies.at(snapshot.t, self.scene.bodies, loads))
 
     def state(self):
         """Return the numbers outside the fields that a resumed run needs."""

@@ -22,7 +22,7 @@ from tisph.schemes._time_step import effective_viscosity, time_step_limits
 from tisph.schemes.wcsph._shift import shift_speed
 from tisph.schemes.wcsph._stepper import Stepper
 from tisph.schemes.wcsph._surroundings import surroundings
-from tisph.snapshot import Bodies, Snapshot
+from tisph.snapshot import Snapshot
 
 CONTROL_INTERVAL = 50
 """Steps between two looks at speeds and accelerations for the time step."""
@@ -120,7 +120,8 @@ class Scheme:
     def proceed(self):
         """Evaluate the rates in the middle of the pending step, finish it, and predict the next middle."""
         drifts = (drift * drift for drift in self.surroundings.drift)
-        drift_squared = max(float(view(self.stepper.drift_squared)), *drifts)
+        of_liquid = float(view(self.stepper.drift_squared)) * self.surroundings.stretch**2
+        drift_squared = max(of_liquid, *drifts)
         if self.lists.outdated(drift_squared, self.middle - self.built):
             self.rebuild()
         if self.length > 0.0:
@@ -193,7 +194,7 @@ class Scheme:
         if stress is not None:
             parts = zip(("stress_xx", "stress_xy", "stress_yy"), stress.T, strict=True)
             stresses = {name: self.channel.density * values.astype(float) for name, values in parts}
-        return Snapshot(
+        snapshot = Snapshot(
             t=self.time,
             step=self.steps,
             x=x,
@@ -207,9 +208,9 @@ class Scheme:
                 density=self.channel.density,
                 sound_speed=self.sound_speed,
             ),
-            bodies=Bodies.at(self.time, self.channel.bodies) if self.channel.bodies else None,
             **stresses,
         )
+        return self.surroundings.described(snapshot)
 
     def momentum_balance(self):
         """Return the balance of momentum along x up to ``time``."""

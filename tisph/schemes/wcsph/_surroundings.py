@@ -1,7 +1,8 @@
 """What is around the liquid of an explicit run: the plane walls of a channel, bodies, or copies of the liquid itself.
 
 ``box`` says how many ``columns`` and ``rows`` of ``spacing`` the cells have to cover, from ``origin`` on; ``slots`` how
-many wall particles of their own and how much room for images there has to be (``tisph/particles.py``).
+many wall particles of their own and how much room for images there has to be (``tisph/particles.py``); ``stretch`` how
+much farther wall particles go than the liquid that they are images of.
 """
 
 from tisph import families
@@ -11,8 +12,8 @@ from tisph.schemes._momentum import MomentumBalance, WallForces
 from tisph.schemes.wcsph._impulse import ImpulsiveStart
 from tisph.walls._treatment import WallTreatment
 
-AROUND_BODIES = ("adami",)
-"""Wall treatments that there are at walls of any smooth shape; the first one where a config names none."""
+AROUND_BODIES = ("adami", "virtual_image", "comoving_image")
+"""Wall treatments that there are at walls of bodies; the first one where a config names none."""
 
 
 def surroundings(config, scene, radius):
@@ -20,9 +21,9 @@ def surroundings(config, scene, radius):
     if scene.walls:
         return PlaneWalls(config, scene, radius)
     if scene.bodies:
-        from tisph.schemes.wcsph._bodies import Bodies  # of no use to the others
+        from tisph.schemes.wcsph._bodies import SolidBodies  # of no use to the others
 
-        return Bodies(config, scene, radius)
+        return SolidBodies(config, scene, radius)
     return OpenBox(config, scene)
 
 
@@ -33,6 +34,7 @@ class PlaneWalls:
     """
 
     origin = (0.0, 0.0)
+    stretch = 1.0
 
     def __init__(self, config, channel, radius):
         self.channel, self.parameters = channel, config.walls.treatment
@@ -83,6 +85,10 @@ class PlaneWalls:
         """Return the balance of momentum along x up to ``time``, see ``MomentumBalance.report``."""
         return self.balance.report(self.channel, time, momentum)
 
+    def described(self, snapshot):
+        """Return the ``snapshot``, which says all of plane walls."""
+        return snapshot
+
     def state(self):
         """Return the numbers outside the fields that a resumed run needs."""
         return {"drift": self.drift, "built_velocity": self.built_velocity, "balance": vars(self.balance)}
@@ -100,6 +106,7 @@ class OpenBox:
     drift = (0.0,)
     origin = (0.0, 0.0)
     slots = (0, 0)
+    stretch = 1.0
 
     def __init__(self, config, scene):
         self.box = scene
@@ -130,6 +137,10 @@ class OpenBox:
     def momentum_balance(self, time, momentum):
         """Return the ``change`` of momentum along x [mass * velocity per length], which has no cause."""
         return {"change": self.particle_mass * (momentum - self.initial)}
+
+    def described(self, snapshot):
+        """Return the ``snapshot``: there is nothing but liquid."""
+        return snapshot
 
     def state(self):
         """Return the numbers outside the fields that a resumed run needs."""

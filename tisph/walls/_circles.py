@@ -1,0 +1,177 @@
+"""Walls made of images in circles: copies of the fluid particles near one, written together with them.
+
+The image of a particle is on the same ray. Beyond a circle in the liquid it is as far from the wall as the particle,
+d_I = d_F, and images are denser than the liquid; beyond one around it they take up as much room as the liquid does,
+r_I^2 = 2 R^2 - r_F^2: with d_I = d_F they would be too thin, and shifting, which evens densities out, would push liquid
+through the wall. (Within a circle in the liquid as much room does not do: particles leave through the gaps in rows.)
+With s = u_F - U_W its velocity relative to that of the wall point between them, the image goes on through the wall as
+s = d s_n + d^2/2 s_nn does,
+
+    u_I = U_W - (d_I/d_F) (1 + kappa d_I/2)/(1 - kappa d_F/2) (s - d_F^2 f/2) + d_I^2 f/2,
+    f = -U_W,tt,   s_nn = f - kappa s_n,   around the liquid d_I/d_F = (2 + kappa d_F)/(2 - kappa d_I),
+
+where kappa is the curvature, positive where the liquid is outside, and U_W,tt is taken along the wall. That is the
+flow without Laplacian at the wall, as the steady one around an axis is: without kappa second differences are off by
+kappa s_n there. Liquid that turns with the wall as a solid is continued exactly. p_I = p_F + a_W . r_FI over the
+density, a_W the acceleration of the wall point, r_FI from the image to the particle.
+
+Images are in cells of their own, in the order of their sources, so that image k is found without a search.
+"""
+
+import math
+from dataclasses import dataclass
+
+from tisph.runtime import integer, real, ti, view
+from tisph.walls._solids import SolidWalls
+
+ROOM = 1.5
+"""Room for images over the number of particles that lie within reach of the walls in an even arrangement."""
+
+
+@dataclass(frozen=True)
+class Images:
+    """``slots``: number of particles of their own, 0, and room for images."""
+
+    slots: tuple[int, int]
+
+    def radius(self, body, mirrored):
+        """No image goes around with a circle that turns."""
+        return 0.0
+
+
+@ti.data_oriented
+class CircleImages(SolidWalls):
+    """Mirror images in circles that stay where they are, turning or not; copies of the liquid."""
+
+    def __init__(self, lists, kernel, liquid, parameters, images, bodies, origin):
+        super().__init__(lists, kernel, liquid, parameters, bodies, origin)
+        self.radius, self.side = (ti.field(real(), shape=len(bodies)) for _ in range(2))
+        view(self.radius)[:] = [body.shape.radius for body in bodies]
+        view(self.side)[:] = [1.0 if body.shape.liquid == "outside" else -1.0 for body in bodies]
+        self.image = ti.field(ti.i32, shape=(self.particles.first_wall, len(bodies)))
+        self.images = integer(0)
+
+    @staticmethod
+    def arrange(bodies, spacing, reach):
+        """Return the ``Images`` in bodies, circles all of them, for particles that see as far as ``reach``."""
+        rings = sum(body.shape.length + 2 * math.pi * reach for body in bodies) * reach
+        return Images((0, math.ceil(ROOM * rings / spacing**2)))
+
+    @property
+    def stretch(self):
+        """How much farther images go than the particles that they mirror, at most, on the mean with these."""
+        farthest, reach = 1.0, self.lists.reach
+        for radius, side in zip(view(self.radius), view(self.side), strict=True):
+            if side < 0.0:
+                source = math.sqrt(max(2.0 * radius**2 - (radius + reach) ** 2, self.lists.spacing**2))
+                farthest = max(farthest, (radius + reach) / source)
+        return 0.5 * (1.0 + farthest)
+
+    def load(self, time):
+        """Find the circles at the start."""
+        self.place_bodies(time)
+
+    def present_images(self):
+        """Return the number of images in use."""
+        return int(view(self.images))
+
+    def overflow(self):
+        """Return the number of images if there was no room for them, else 0."""
+        needed = self.present_images()
+        return needed if needed > self.particles.slots - self.particles.first_wall else 0
+
+    @ti.kernel
+    def lay_out(self, now: ti.i32):
+        """Find the particles that have images, after a sort, and where these are; then their mid-step values."""
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            self.sort_images(now)
+        ti.loop_config(serialize=True)
+        for i in range(self.particles.fluid_number[None]):
+            velocity, pressure = self.particles.mid_velocity[now, i], self.particles.mid_pressure[now, i]
+            self.publish_images(now, i, self.particles.mid_position[now, i], velocity, pressure)
+
+    @ti.func
+    def sort_images(self, now):
+        """Give the images slots cell by cell, in the rows of cells of wall particles; those that find no room: none."""
+        rows, columns, fluid = self.cells.rows[None], self.cells.columns[None], self.particles.fluid_number[None]
+        for cell in range(rows * columns):
+            self.cells.cursor[cell] = 0
+        for i in range(fluid):
+            for body in range(ti.static(len(self.bodies))):
+                cell = self.cell_of(now, i, body)
+                self.image[i, body] = cell
+                if cell >= 0:
+                    self.cells.cursor[cell] += 1
+        slot = self.particles.first_wall
+        for cell in range(rows * columns):
+            row, column = rows + 1 + cell // columns, cell % columns
+            count = self.cells.cursor[cell]
+            self.cells.start[self.cells.place(row, column)] = slot
+            self.cells.cursor[cell] = slot
+            slot += count
+            self.cells.start[self.cells.place(row, column + 1)] = slot
+        self.images[None] = slot - self.particles.first_wall
+        for i in range(fluid):
+            for body in range(ti.static(len(self.bodies))):
+                cell = self.image[i, body]
+                if cell >= 0:
+                    slot = self.cells.cursor[cell]
+                    self.image[i, body] = ti.select(slot < self.particles.slots, slot, -1)
+                    self.cells.cursor[cell] = slot + 1
+
+    @ti.func
+    def cell_of(self, now, i, body):
+        """Return the cell of the image of particle ``i`` in a body, counted from the first; -1 where it has none."""
+        away = self.away(self.particles.mid_position[now, i], body)
+        image = self.mirrored(away, body)
+        beyond = image.dot(away) / away.norm() - self.radius[body]
+        cell = -1
+        if beyond * beyond < self.lists.reach_squared[None]:
+            place = self.domain.inside(self.centre[body] + image)
+            cell = (self.cells.row_of(place.y, 0) - 1) * self.cells.columns[None] + self.cells.column_of(place.x)
+        return cell
+
+    @ti.func
+    def away(self, position, body):
+        """Return the vector from the centre of a body to a place."""
+        return self.domain.shortest(position - self.centre[body])
+
+    @ti.func
+    def mirrored(self, away, body):
+        """Return the image of a place, both as vectors from the centre of a body."""
+        part = self.radius[body] / away.norm()
+        even = ti.sqrt(ti.max(2.0 * part * part - 1.0, 0.0))
+        return ti.select(self.side[body] > 0.0, 2.0 * part - 1.0, even) * away
+
+    @ti.func
+    def publish(self, buffer, i, position, velocity, pressure, stress):
+        """Write the mid-step values of fluid particle ``i`` and of its images."""
+        self.write(buffer, i, position, velocity, pressure, stress)
+        self.publish_images(buffer, i, position, velocity, pressure)
+
+    @ti.func
+    def publish_images(self, buffer, i, position, velocity, pressure):
+        """Write the mid-step values of the images of fluid particle ``i``."""
+        for body in range(ti.static(len(self.bodies))):
+            slot = self.image[i, body]
+            if slot >= 0:
+                away = self.away(position, body)
+                image = self.mirrored(away, body)
+                foot = self.radius[body] / away.norm() * away
+                pressed = pressure + self.acceleration_of(body, foot).dot(away - image)
+                continued = self.image_velocity(body, foot, away.norm(), image.norm(), velocity)
+                self.write(buffer, slot, self.centre[body] + image, continued, pressed, 0.0)
+
+    @ti.func
+    def image_velocity(self, body, foot, source, image, velocity):
+        """Return the velocity of an image beyond the wall point that is ``foot`` from the centre.
+
+        ``source`` and ``image``: how far from the centre the particle and its image are.
+        """
+        wall, radius = self.velocity_of(body, foot), self.radius[body]
+        along = wall - self.velocity[body]  # which is R^2 f
+        inside, beyond = source / radius - 1.0, 1.0 - image / radius  # kappa d_F, kappa d_I
+        share = ti.select(self.side[body] > 0.0, 1.0, (1.0 + 0.5 * inside) / (1.0 - 0.5 * beyond))
+        share *= (1.0 + 0.5 * beyond) / (1.0 - 0.5 * inside)
+        return wall - share * (velocity - wall - 0.5 * inside**2 * along) + 0.5 * beyond**2 * along

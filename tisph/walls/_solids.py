@@ -1,0 +1,56 @@
+"""Walls of bodies: where these are and how they move, for treatments of any kind."""
+
+import math
+
+from tisph.runtime import real, ti, view
+from tisph.walls._treatment import WallTreatment
+
+
+@ti.data_oriented
+class SolidWalls(WallTreatment):
+    """Walls of ``bodies`` in the periodic box around them, whose lowest corner is ``origin``.
+
+    The bodies are where ``place_bodies`` has put them last. A treatment says with ``arrange`` what wall particles
+    there are: how many ``slots`` they need, and how far from its centre those of a body go around with it, ``radius``.
+    ``stretch``: how much farther they go than the liquid that they are images of.
+    """
+
+    stretch = 1.0
+
+    def __init__(self, lists, kernel, liquid, parameters, bodies, origin):
+        super().__init__(lists, kernel, liquid, parameters)
+        self.bodies, self.origin = bodies, origin
+        vector = ti.types.vector(2, real())
+        # of each body: centre in the box, cosine and sine of its angle, and its motion
+        self.centre, self.turn, self.velocity, self.acceleration = (
+            ti.field(vector, shape=len(bodies)) for _ in range(4)
+        )
+        self.spin, self.spin_rate = (ti.field(real(), shape=len(bodies)) for _ in range(2))
+
+    def place_bodies(self, time):
+        """Put the bodies where they are at ``time``."""
+        for number, body in enumerate(self.bodies):
+            place, motion = body.at(time), body.motion
+            view(self.centre)[number] = place.centre - self.origin
+            view(self.turn)[number] = math.cos(place.angle), math.sin(place.angle)
+            view(self.velocity)[number] = motion.velocity(time)
+            view(self.acceleration)[number] = motion.acceleration(time)
+            view(self.spin)[number] = motion.turning.velocity(time)
+            view(self.spin_rate)[number] = motion.turning.acceleration(time)
+
+    @ti.func
+    def turned(self, body, vector):
+        """Return a vector of the frame of a body as seen from outside."""
+        turn = self.turn[body]
+        return ti.Vector([turn.x * vector.x - turn.y * vector.y, turn.y * vector.x + turn.x * vector.y])
+
+    @ti.func
+    def velocity_of(self, body, arm):
+        """Return the velocity of the point of a body that is an ``arm`` away from its centre."""
+        return self.velocity[body] + self.spin[body] * ti.Vector([-arm.y, arm.x])
+
+    @ti.func
+    def acceleration_of(self, body, arm):
+        """Return the acceleration of the point of a body that is an ``arm`` away from its centre."""
+        along = self.spin_rate[body] * ti.Vector([-arm.y, arm.x])
+        return self.acceleration[body] + along - self.spin[body] ** 2 * arm

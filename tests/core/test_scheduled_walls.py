@@ -112,6 +112,15 @@ def test_a_slow_ramp_shows_the_viscosity_and_a_third_of_the_inertia(case):
     assert channel.dynamic_viscosity * slope == pytest.approx(1.0 + 2.0 * 0.1 * 0.5 / 3.0, rel=1e-9)
 
 
+def test_a_stress_may_drive_the_other_wall(case):
+    plate = "walls.bottom={times: [0.0, 0.15], stresses: [0.5, 0.0]}"
+    settings, channel = case(plate, "walls.top={times: [0.0, 0.2], velocities: [0.0, 1.0]}")
+    found = ElasticRows(settings, channel, control(settings, channel, [settings.time.end]))
+    found.run_to(settings.time.end)
+    assert found.control.changes == [0.15, 0.2]
+    assert error(found, channel) < 3e-5  # measured: 6.4e-6
+
+
 def test_either_wall_may_be_the_one(case):
     one, other = rows_of(case, TRIANGLE)[0], rows_of(case, UPSIDE_DOWN)[0]
     assert np.abs(one.velocity - other.velocity[::-1]).max() < 1e-14

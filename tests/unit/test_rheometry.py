@@ -5,12 +5,22 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tisph import families
 from tisph.errors import ConfigError
-from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity
+from tisph.exact.circular_couette import CircularCouette, Rotation
+from tisph.exact.circular_start_up import CircularStartUp
+from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity, cylinder_impedance, impedance
+from tisph.exact.start_up import Polymer, Wall
 from tisph.scenes._motion import WallMotion
+from tisph.verification._cylinders import as_plane
 from tisph.verification.rheometry import _amplitudes, _oscillation, _slowest_pair, _window
 
 LIQUID = Spectrum(0.1, ((0.6, 1.0), (0.3, 0.1)))
+
+
+def plane(gap, wall):
+    """What is asked of a channel with a moving wall, of density 1."""
+    return SimpleNamespace(gap=gap, top=wall, impedance=lambda eta, frequency: impedance(eta, frequency, 1.0, gap))
 
 
 def test_a_slow_oscillation_shows_the_viscosity_and_a_fast_one_the_solvent():
@@ -23,7 +33,8 @@ def test_a_slow_oscillation_shows_the_viscosity_and_a_fast_one_the_solvent():
 def test_inertia_is_taken_off(frequency):
     measured = LIQUID.impedance(frequency, 1.0, 0.1)
     theory = LIQUID.complex_viscosity(1j * frequency)
-    assert corrected_viscosity(measured, frequency, 1.0, 0.1, 1.2 * theory) == pytest.approx(theory, rel=1e-10)
+    found = corrected_viscosity(measured, lambda eta: impedance(eta, frequency, 1.0, 0.1), 1.2 * theory)
+    assert found == pytest.approx(theory, rel=1e-10)
 
 
 def test_compliance_of_a_liquid_with_one_mode():
@@ -46,8 +57,7 @@ def test_moduli_are_found_in_a_history_with_a_start():
     complex_stress = LIQUID.impedance(frequency, 1.0, gap) * -0.01j / gap
     stress = (complex_stress * np.exp(1j * frequency * t)).real + 0.02 * np.exp(-t)
     table = {"t": t, "strain": wall.displacement(t) / gap, "wall_shear": stress, "wall_shear_exact": stress}
-    channel = SimpleNamespace(gap=gap, density=1.0, top=wall)
-    numbers = _oscillation(channel, LIQUID, wall, table).numbers
+    numbers = _oscillation(plane(gap, wall), LIQUID, wall, table).numbers
     for name in ("storage_modulus", "loss_modulus"):
         found, theory = (numbers[f"{name}_{kind}"] for kind in ("corrected_for_inertia", "linear_theory"))
         assert found == pytest.approx(theory, rel=1e-4)  # what the polynomial leaves of the start
@@ -61,7 +71,7 @@ def test_large_strains_are_not_blamed_on_inertia():
     stress = np.cos(t) + 0.2 * np.sin(t) + 0.1 * np.sin(3 * t)
     exact = 0.5 * stress
     table = {"t": t, "strain": wall.displacement(t) / gap, "wall_shear": stress, "wall_shear_exact": exact}
-    lines = _oscillation(SimpleNamespace(gap=gap, density=1.0, top=wall), LIQUID, wall, table).lines
+    lines = _oscillation(plane(gap, wall), LIQUID, wall, table).lines
     (off,) = (line for line in lines if "off its reference" in line)
     assert "+1.00e+00 of G', +1.00e+00 of G''" in off
     assert not any("inertia" in line for line in lines[5:])
@@ -82,3 +92,43 @@ def test_ringing_is_found_beside_what_dies_away():
 def test_less_than_two_periods_are_refused():
     with pytest.raises(ConfigError, match=r"the run has 1\.\d* periods"):
         _window(np.linspace(0.0, 10.0, 50), 1.0, 0.1)
+
+
+@pytest.mark.parametrize(("own", "other"), [(1.0, 2.0), (2.0, 1.0)], ids=["inner", "outer"])
+def test_cylinders_bear_the_torque_of_the_closed_form(own, other):
+    frequency, viscosity, density = 3.0, 0.5, 2.0
+    motions = [Rotation(0.0, 1.0, frequency) if radius == own else Rotation(0.0) for radius in (1.0, 2.0)]
+    flow = CircularCouette(1.0, 2.0, viscosity / density, *motions)
+    torque = flow.settled_torque(1.7, density=density)[0 if own == 1.0 else 1]
+    rate = 2 * other**2 / abs(own**2 - other**2)
+    factor = cylinder_impedance(viscosity, frequency, density, own, other)
+    expected = -2 * np.pi * own**2 * rate * (factor * -1j * np.exp(1j * frequency * 1.7)).real
+    assert torque == pytest.approx(expected, rel=1e-9)
+
+
+def test_cylinders_with_a_narrow_gap_are_planes():
+    both = cylinder_impedance(1.0, 1e4, 1.0, 1.0, 1.01), impedance(1.0, 1e4, 1.0, 0.01)
+    assert both[0] == pytest.approx(both[1], rel=0.02)  # twice the gap over the radius
+
+
+def test_a_cylinder_is_read_as_a_plane():
+    t, inner, outer = np.linspace(0.0, 20.0, 50), WallMotion(0.5), WallMotion(0.0)
+    annulus = SimpleNamespace(inner_radius=1.0, outer_radius=2.0, density=1.0, inner=inner, outer=outer)
+    torque = -4 * np.pi * 0.5 * LIQUID.growth(t) * 4 / 3  # 4 pi W eta a^2 b^2/(b^2 - a^2), as the viscosity grows
+    _, wall, table = as_plane(annulus, {"t": t, "torque_inner": torque, "torque_inner_exact": torque})
+    assert wall.cosine == pytest.approx(0.5 * 8 / 3)
+    assert table["wall_shear"] == pytest.approx(wall.cosine * LIQUID.growth(t))
+    with pytest.raises(ConfigError, match="one moving cylinder"):
+        as_plane(SimpleNamespace(**{**vars(annulus), "outer": inner}), {})
+
+
+def test_the_reference_between_cylinders_comes_to_the_impedance():
+    # Oldroyd-B, small amplitude; after 20 relaxation times, elements of a coarse grid
+    laws = families.load("rheology", "oldroyd_b").Parameters(relaxation_time=0.2, solvent_fraction=0.1).laws(1.0)
+    swings = WallMotion(0.0, 1e-3, 3.0)
+    flow = CircularStartUp(1.0, 2.0, Polymer(0.1, laws), swings, Wall(), finest=0.05, order=8)
+    t, density = np.array([6.0, 6.3, 6.6]), 2.0
+    viscosity = density * Spectrum(0.1, ((0.9, 0.2),)).complex_viscosity(3j)
+    stress = (cylinder_impedance(viscosity, 3.0, density, 1.0, 2.0) * 1e-3 * 8 / 3 * -1j * np.exp(3j * t)).real
+    torque = flow.torque(t, density=density)[0]
+    assert torque == pytest.approx(-2 * np.pi * stress, rel=1e-6)  # measured: 1e-7, what is left of the start

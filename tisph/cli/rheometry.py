@@ -1,4 +1,4 @@
-"""``tisph rheometry``: what a rheologist reads from a run in a channel."""
+"""``tisph rheometry``: what a rheologist reads from a run in a channel or between cylinders."""
 
 from pathlib import Path
 from typing import Annotated
@@ -13,7 +13,7 @@ PICTURE = "rheometry.png"
 def rheometry(
     run_dirs: Annotated[list[Path], typer.Argument(metavar="RUN_DIR...", help="Folders of finished runs.")],
 ) -> None:
-    """Read runs in a channel as a rheometer, beside theory.
+    """Read runs in a channel or between cylinders as a rheometer, beside theory.
 
     Viscosity growth, N1, creep compliance, recovery, ringing, relaxation modulus, flow curve, moduli G' and G'',
     harmonics: what the walls of the run do. The picture goes into the folder of the run, rheometry.png.
@@ -31,8 +31,8 @@ def rheometry(
     for run_dir in run_dirs:
         run = open_run(run_dir)
         config, history = run.config, run.history
-        if config.scene != "channel" or not config.parallel:
-            raise ConfigError(f"RUN_DIR {run_dir}: is no run in a channel without bodies")
+        if config.scene != "annulus" and (config.scene != "channel" or not config.parallel):
+            raise ConfigError(f"RUN_DIR {run_dir}: is no run in a channel without bodies, or between cylinders")
         channel = families.load("scenes", config.scene).Scene.from_config(config)
         reading = read(config, channel, {name: history[name] for name in history.dtype.names})
         typer.echo(f"{config.name}: {reading.title}")

@@ -1,8 +1,9 @@
-"""What a rheologist reads of a run in a channel: from the columns of its ``history.csv``, beside theory and reference.
+"""What a rheologist reads of a run: from the columns of its ``history.csv``, beside theory and reference.
 
 A reading has a ``title``, lines of text, and curves for a picture. "As read" is the usual evaluation of a rheometer:
 stress at the moving wall over the nominal shear rate (its speed over the gap), as if the shear rate were uniform and
-the liquid had no inertia. What that is off is the difference from the linear theory of the liquid.
+the liquid had no inertia. What that is off is the difference from the linear theory of the liquid. Between cylinders
+the torque gives the stress (``_cylinders.py``).
 """
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from tisph.errors import ConfigError
 from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity
 from tisph.geometry.schedule import Schedule
+from tisph.verification._cylinders import as_plane
 from tisph.verification._reading import Reading, over_time
 from tisph.verification._schedules import read_schedule
 from tisph.verification.wall_shear import integral
@@ -44,6 +46,10 @@ def read(config, channel, table):
 
     ConfigError where it is none of what a rheometer does.
     """
+    if config.scene == "annulus":
+        liquid = spectrum(config.fluid.rheology, channel)
+        plane, wall, table = as_plane(channel, table)
+        return (_oscillation if wall.oscillates else _start_up)(plane, liquid, wall, table)
     if channel.monitored is None or "strain" not in table:
         raise ConfigError("RUN_DIR: its history has no wall stress: it is of a Newtonian liquid, or has not ended")
     liquid = spectrum(config.fluid.rheology, channel)
@@ -67,7 +73,7 @@ def _as_if_upper(table, side):
 
 
 def _oscillation(channel, liquid, wall, table):
-    frequency, gap, density = wall.angular_frequency, channel.gap, channel.density
+    frequency, gap = wall.angular_frequency, channel.gap
     rate = np.hypot(wall.cosine, wall.sine) / gap
     t, first = _window(table["t"], frequency, liquid.longest_time)
     settled = np.exp(-t[0] / liquid.longest_time) < SETTLED if liquid.longest_time else True
@@ -76,7 +82,7 @@ def _oscillation(channel, liquid, wall, table):
     stress, exact = (_amplitudes(t, table[name][first:], frequency, degree) for name in _both("wall_shear"))
     as_read, reference = stress[1] / nominal, exact[1] / nominal
     theory = liquid.complex_viscosity(1j * frequency)
-    corrected = corrected_viscosity(as_read, frequency, density, gap, theory)
+    corrected = corrected_viscosity(as_read, lambda eta: channel.impedance(eta, frequency), theory)
     modulus = {
         "as read": 1j * frequency * as_read,
         "reference, as read": 1j * frequency * reference,

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from tisph.exact.linear_viscoelasticity import impedance
 from tisph.geometry.plate import Plate
 from tisph.geometry.schedule import Schedule
 from tisph.scenes._channel import driving, views
@@ -177,6 +178,10 @@ class Channel(Scene):
             return self
         bottom, top = (wall.seen_from(self.frame_velocity) for wall in (self.bottom, self.top))
         return replace(self, bottom=bottom, top=top)
+
+    def impedance(self, viscosity, angular_frequency):
+        """Stress at a wall that oscillates, over its speed over the gap, of a liquid of the complex ``viscosity``."""
+        return impedance(viscosity, angular_frequency, self.density, self.gap)
 
     def exact_velocity(self, y, t):
         """Exact velocity along x at heights ``y`` and times ``t`` (they broadcast), on the run's clock."""

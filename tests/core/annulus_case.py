@@ -22,10 +22,12 @@ VISCOSITY = 0.02
 def make(turning=(1.0, 0.0), centre=(0.0, 0.0), angle=0.0, acceleration=(0.0, 0.0), viscosity=VISCOSITY):
     """Return cylinders around ``centre``, and places (particles, 2) of particles between them, turned by ``angle``.
 
-    The particles are in disorder, always the same one; ``turning`` are the angular velocities from t = 0 on.
+    The particles are in disorder, always the same one; ``turning`` are the angular velocities from t = 0 on, numbers or
+    ``WallMotion``.
     """
+    turning = [way if isinstance(way, WallMotion) else WallMotion(way) for way in turning]
     shapes = Circle(INNER), Circle(OUTER, liquid="inside")
-    motions = [RigidMotion(turning=WallMotion(speed)) for speed in turning]
+    motions = [RigidMotion(turning=way) for way in turning]
     bodies = [Body(shape, centre, angle, motion) for shape, motion in zip(shapes, motions, strict=True)]
     spacing, corner = (OUTER - INNER) / ACROSS, (-OUTER, -OUTER)
     still = tuple(Body(shape) for shape in shapes)
@@ -39,7 +41,7 @@ def make(turning=(1.0, 0.0), centre=(0.0, 0.0), angle=0.0, acceleration=(0.0, 0.
         walls=Walls(bodies, spacing, box.origin),
         density=1.0,
         kinematic_viscosity=viscosity,
-        reference_velocity=max(1.0, *map(abs, turning)),
+        reference_velocity=max(1.0, *(way.largest_speed for way in turning)),
         acceleration=acceleration,
         **vars(box),
     )

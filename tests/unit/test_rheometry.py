@@ -77,6 +77,15 @@ def test_large_strains_are_not_blamed_on_inertia():
     assert not any("inertia" in line for line in lines[5:])
 
 
+@pytest.mark.parametrize(("periods", "unsure"), [(2, True), (4, False)])
+def test_one_period_with_the_start_in_it_is_called_unsure(periods, unsure):
+    wall = WallMotion(0.0, 0.01, 6.0)
+    t = np.linspace(0.0, periods * 2 * np.pi / 6.0, 201)
+    table = {"t": t, "strain": wall.displacement(t), "wall_shear": np.cos(6.0 * t), "wall_shear_exact": np.cos(6.0 * t)}
+    lines = _oscillation(plane(1.0, wall), LIQUID, wall, table).lines
+    assert any("unsure" in line for line in lines) == unsure
+
+
 def test_harmonics_do_not_mix():
     t = np.linspace(0.0, 4 * np.pi, 300)
     found = _amplitudes(t, np.cos(t) + 0.1 * np.sin(3 * t), 1.0, 0)

@@ -104,6 +104,8 @@ def _oscillation(channel, liquid, wall, table):
         }
     lines += [_off(words, *(modulus[name] for name in names)) for words, names in pairs.items()]
     lines.append(f"  third harmonic of the stress over the first: {third:.4g} (reference {third_exact:.4g})")
+    if degree and (t[-1] - t[0]) * frequency < 3.0 * np.pi:  # a polynomial is much like a single wave
+        lines.append(f"  unsure, of one period with the start in it: run four, or {FADED:g} relaxation times")
     numbers = {"angular_frequency": frequency, "third_harmonic": third}
     for name, value in modulus.items():
         key = name.replace(",", "").replace(" ", "_")

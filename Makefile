@@ -12,7 +12,9 @@ endif
 demo: .venv/run-ready
 	$(BIN)/python -m tisph run configs/couette.yaml --overwrite
 
-# Run the tests, without the ones that take minutes (those: $(BIN)/python -m pytest -m slow).
+# Run the tests, without the ones that take minutes (those: $(BIN)/python -m pytest -m slow). Many start programs, which
+# would compile all modules anew where Python is told to keep none.
+test: export PYTHONDONTWRITEBYTECODE =
 test: .venv/test-ready
 	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile
 

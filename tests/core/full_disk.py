@@ -20,7 +20,7 @@ from tisph.scenes.channel import Channel
 from tisph.snapshot import Snapshot
 
 TIMES = range(1, 6)
-LIMITS = range(0, 100_000, 997)
+LIMITS = range(0, 100_000, 1997)
 
 
 def write(observer, values, limit):

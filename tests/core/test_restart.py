@@ -79,8 +79,12 @@ SLOW = [
 
 @pytest.fixture
 def case(tmp_path, monkeypatch):
-    """Return a function that loads the small case with ``key.path=value`` overrides; no run of it draws pictures."""
+    """Return a function that loads the small case with ``key.path=value`` overrides.
+
+    No run of it draws pictures, and its history has a tenth of the lines, which cost as much as the steps of some.
+    """
     monkeypatch.setattr("tisph.simulation.drawing.begin_pictures", lambda *_: [])
+    monkeypatch.setattr("tisph.observers.history.RECORDS", 41)
     path = tmp_path / "case.yaml"
     path.write_text(CASE)
     return lambda *overrides: config.load(path, overrides)

@@ -47,9 +47,10 @@ def checks(quick):
 
 
 def run_here(config_path, folder):
-    """Run one config in this process, without pictures; return what ``run_config`` does."""
+    """Run one config in this process; return what ``run_config`` does, which needs no pictures and no history."""
     with pytest.MonkeyPatch.context() as monkeypatch:
         monkeypatch.setattr("tisph.simulation.drawing.begin_pictures", lambda *_: [])
+        monkeypatch.setattr("tisph.observers.history.RECORDS", 2)
         try:
             simulation.run(config.load(config_path), folder)
         except DivergedError as error:

@@ -8,6 +8,12 @@ With M = sum_j w phi phi^T, an operator e . c (the Laplacian: 2 (c_xx + c_yy)) i
 a_ij = w z . phi(r_ij) and M z = e: generalised moving least squares (as in S. J. Lind, P. K. Stansby, J. Comput. Phys.
 326 (2016) 290-311, and J. R. C. King, S. J. Lind, A. M. A. Nasar, J. Comput. Phys. 415 (2020) 109549, with a basis of
 Taylor monomials). The entries of M are the sums of w x^a y^b of degree 2 .. 2 order: 42 for order 4 instead of 105.
+Near a curved wall the vectors r are bent: with z = x + i y and the centre of curvature at z = -1/b, seen from the
+particle, they are log(1 + b z)/b, distances in the logarithm of the radius, and angles. A flow around a circle is
+smooth in these, and has powers of (distance over radius) in x and y. The map is analytic with the derivative 1 at the
+particle, so that slopes and Laplacian there are those in x and y; so is its Pade approximant, which is taken,
+z (6 + 3 b z)/(6 + 6 b z + b^2 z^2). Weights remain those of the distances.
+
 Three loops, each in the form that compiles to the fastest code:
 
 1. moments: the vectors and weights go to where the rows will be; all moments of a particle stay in local variables, and
@@ -53,15 +59,16 @@ class LeastSquaresRows:
     """Rows ``laplacian[i, k]``, ``along[i, k]`` (d/dx) and ``across[i, k]`` (d/dy) of the neighbours ``points`` lists.
 
     What lies beyond ``support`` weighs nothing; with ``varying`` it is that times the ``stretch`` of each particle, a
-    field. Where order 4 is singular, by a pivot below ``smallest_pivot``, order 2
-    takes over, where that is singular too the rows are zero: ``reduced`` and ``dropped`` count them.
-    ``diagonal[i]``: minus the sum of ``laplacian[i, k]``, what it gives particle i of its own value.
+    field; with ``curved`` vectors are bent by the ``bend`` of each, b as a vector, 0 for not at all. Where order 4 is
+    singular, by a pivot below ``smallest_pivot``, order 2 takes over, where that is singular too the rows are zero:
+    ``reduced`` and ``dropped`` count them. ``diagonal[i]``: minus the sum of ``laplacian[i, k]``, what
+    it gives particle i of its own value.
 
     What is to be compiled for one thread: ``serial``: everything, loops of assembly too; ``serial_light``: loops over
     the particles that apply a row or do less; ``serial_numbers``: those that only go over a few numbers of each.
     """
 
-    def __init__(self, points, support, order, smallest_pivot=SMALLEST_PIVOT, varying=False):
+    def __init__(self, points, support, order, smallest_pivot=SMALLEST_PIVOT, varying=False, curved=False):
         self.points, self.smallest_pivot = points, smallest_pivot
         self.serial = points.serial
         self.serial_light = self.serial or points.most <= FEW
@@ -91,6 +98,9 @@ class LeastSquaresRows:
         self.varying = varying
         if varying:
             self.stretch = ti.field(real(), points.most)
+        self.curved = curved
+        if curved:
+            self.bend = ti.field(ti.types.vector(2, real()), points.most)
         self.reduced, self.dropped = integer(0), integer(0)
 
     @ti.kernel
@@ -125,6 +135,8 @@ class LeastSquaresRows:
             inside = ti.cast(nearness > 0.0, self.laplacian.dtype)  # powers of a sentinel's vector would overflow
             squared = nearness * nearness
             self.laplacian[i, k] = squared * squared
+            if ti.static(self.curved):
+                apart = bent(apart, self.bend[i] / scale)
             self.along[i, k] = apart.x * inside
             self.across[i, k] = apart.y * inside
 
@@ -273,3 +285,14 @@ class LeastSquaresRows:
 def _entry(row, column):
     """Return where an entry of a lower triangle is stored."""
     return row * (row + 1) // 2 + column
+
+
+@ti.func
+def bent(vector, bend):
+    """Return a ``vector`` in polar coordinates around the point at -1/``bend``, both as complex numbers."""
+    x = ti.Vector([bend.x * vector.x - bend.y * vector.y, bend.x * vector.y + bend.y * vector.x])
+    squared = ti.Vector([x.x * x.x - x.y * x.y, 2.0 * x.x * x.y])
+    upper = ti.Vector([6.0 + 3.0 * x.x, 3.0 * x.y])
+    lower = ti.Vector([6.0, 0.0]) + 6.0 * x + squared
+    share = ti.Vector([upper.dot(lower), upper.y * lower.x - upper.x * lower.y]) / lower.dot(lower)
+    return ti.Vector([share.x * vector.x - share.y * vector.y, share.x * vector.y + share.y * vector.x])

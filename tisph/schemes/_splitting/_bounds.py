@@ -43,7 +43,9 @@ class Bounds:
         places = view(self.points.place)
         place, self.normal, self.velocity = self.walls.at(time)
         places[self.slots] = place % [self.flow.length, self.flow.gap]
-        planes, distances = self.walls.seen(places[: self.flow.particles], time)
+        planes, distances, bend = self.walls.seen(places[: self.flow.particles], time)
+        if self.walls.curved:
+            view(self.history.rows.bend)[: self.flow.particles] = bend
         view(self.shift.planes)[: self.flow.liquid] = planes[: self.flow.liquid]
         spacing = self.flow.spacing
         stretch = self.walls.stretch(distances, self.support)

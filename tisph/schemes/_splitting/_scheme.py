@@ -87,7 +87,8 @@ class Scheme:
         if bounded:
             reach = reach, reach + (SEEN * FARTHER + FARTHEST) * flow.spacing
         self.points = Points(flow, PeriodicBox(flow.length, flow.gap), reach, 0, serial)
-        self.rows = LeastSquaresRows(self.points, SUPPORT * flow.spacing, 4, SMALLEST_PIVOT, varying=bounded)
+        curved = bounded and flow.walls.curved
+        self.rows = LeastSquaresRows(self.points, SUPPORT * flow.spacing, 4, SMALLEST_PIVOT, bounded, curved)
         self.lattice = Lattice(self.points, flow)
         self.shift = Shift(self.points, flow.spacing, SEEN if bounded else 0)
         self.history = History(self.rows, self.shift)

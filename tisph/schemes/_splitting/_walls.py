@@ -22,6 +22,13 @@ Particles lie in layers along a straight wall: with 0.8 too few are within reach
 FARTHEST = 0.4
 """The same of the points on walls, beside that: liquid is on one side of them only."""
 
+BENT = 6.0
+"""Distance from a wall, in particle spacings, up to which operators go by its curvature."""
+
+LEAST_RADIUS, LEAST_INSIDE = 2.5, 7.0
+"""Distance from the centre of curvature, in particle spacings, from which on they do: with the body, or the liquid,
+around it. Particles see as far as 4.5 and more, and the other side of the centre is no continuation of this one."""
+
 SEEN = 2
 """Walls that a particle knows of: the nearest ones."""
 
@@ -39,6 +46,7 @@ class Walls:
         ends = np.cumsum([0, *(len(outline.length) for outline in self.outlines)])
         self.parts = [slice(first, last) for first, last in itertools.pairwise(ends)]
         self.count = len(self.length)
+        self.curved = any(0.0 < body.shape.smallest_radius < np.inf for body in bodies)
         self._kept = None, None
 
     def at(self, time):
@@ -105,18 +113,29 @@ class Walls:
         """Return the tangents to the nearest walls of each of the places (n, 2), as the nearest points see them.
 
         An array (n, SEEN, 3): normal, then offset, normal . x - offset being the distance, 1e30 of a wall that is not.
-        And the distances (n, SEEN) themselves, infinite there.
+        The distances (n, SEEN) themselves, infinite there. And the ``bend`` of the rows (n, 2), where walls are curved.
         """
         count = max(SEEN, len(self.bodies))
         planes, distances = np.zeros((len(place), count, 3)), np.full((len(place), count), np.inf)
         planes[:, len(self.bodies) :, 2] = -1e30
+        curvatures = np.zeros((len(place), count))
         places = place + self.origin
         for number, body in enumerate(self.bodies):
             foot = body.nearest(places, time)
             planes[:, number, :2], distances[:, number] = foot.normal, foot.distance
             planes[:, number, 2] = ((foot.point - self.origin) * foot.normal).sum(axis=1)
+            curvatures[:, number] = foot.curvature
         nearest = np.argsort(distances, axis=1, kind="stable")[:, :SEEN]
-        return np.take_along_axis(planes, nearest[..., None], 1), np.take_along_axis(distances, nearest, 1)
+        planes = np.take_along_axis(planes, nearest[..., None], 1)
+        distances, curvatures = (np.take_along_axis(values, nearest, 1) for values in (distances, curvatures))
+        return planes, distances, self._bend(planes[:, 0, :2], distances[:, 0], curvatures[:, 0])
+
+    def _bend(self, normal, distance, curvature):
+        """Return the conjugate inverse (n, 2) of the way from the centre of curvature, as ``rows.py`` has it."""
+        radius = 1.0 / np.where(curvature, curvature, 1e-30) + distance
+        least = self.spacing * np.where(curvature > 0.0, LEAST_RADIUS, LEAST_INSIDE)
+        bent = (curvature != 0.0) & (distance < BENT * self.spacing) & (radius * np.sign(curvature) > least)
+        return np.where(bent, 1.0 / radius, 0.0)[:, None] * normal * [1.0, -1.0]
 
     def stretch(self, distances, support):
         """Return the part by which operators with this ``support``, in spacings, reach farther at such distances."""

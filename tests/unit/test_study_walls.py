@@ -43,6 +43,12 @@ def runs(monkeypatch):
     return fake
 
 
+@pytest.fixture
+def unseen(monkeypatch):
+    """No picture is drawn: it takes a second, and others look at it."""
+    monkeypatch.setattr(walls, "plot_walls", lambda path, rows: None)
+
+
 def is_timed(config):
     return "timed" in config["name"]
 
@@ -61,6 +67,7 @@ def test_the_table_the_picture_and_the_numbers(runs, tmp_path, capsys):
         assert picture.size[0] > 1000
 
 
+@pytest.mark.usefixtures("unseen")
 def test_timed_runs_are_alone_and_others_two_at_a_time(runs, tmp_path, monkeypatch):
     alone = []
     start = FakeRuns.__call__
@@ -78,6 +85,7 @@ def test_timed_runs_are_alone_and_others_two_at_a_time(runs, tmp_path, monkeypat
     assert runs.most_at_once == 2
 
 
+@pytest.mark.usefixtures("unseen")
 def test_timed_runs_of_the_treatments_alternate(runs, tmp_path):
     walls.run(tmp_path)
     timed = [config for config in runs.configs[:RUNS_OF_A_FLOW] if is_timed(config)]
@@ -85,6 +93,7 @@ def test_timed_runs_of_the_treatments_alternate(runs, tmp_path):
     assert places == sorted(places)  # the first of all before the second of any
 
 
+@pytest.mark.usefixtures("unseen")
 def test_finished_runs_are_used_again(runs, tmp_path, capsys):
     walls.run(tmp_path)
     first = len(runs.configs)
@@ -95,6 +104,7 @@ def test_finished_runs_are_used_again(runs, tmp_path, capsys):
     assert capsys.readouterr().out == table
 
 
+@pytest.mark.usefixtures("unseen")
 def test_an_interrupted_comparison_goes_on_where_it_was(runs, tmp_path, monkeypatch, capsys):
     stop = RUNS_OF_A_FLOW - 3
     start, count = FakeRuns.__call__, itertools.count(1)
@@ -119,6 +129,7 @@ def test_an_interrupted_comparison_goes_on_where_it_was(runs, tmp_path, monkeypa
     assert len(runs.configs) - begun == 2 * RUNS_OF_A_FLOW - done
 
 
+@pytest.mark.usefixtures("unseen")
 def test_other_code_or_another_config_is_run_again(runs, tmp_path, monkeypatch):
     walls.run(tmp_path)
     first = len(runs.configs)
@@ -139,6 +150,7 @@ def test_a_run_that_diverged_is_kept_and_one_that_failed_is_not(runs, tmp_path):
         assert (keeper.kept("case", {}) is not None) is kept
 
 
+@pytest.mark.usefixtures("unseen")
 def test_a_treatment_that_stops_is_shown_and_not_recommended(runs, tmp_path, capsys):
     good = runs.summary
     name = "poiseuille-consistent_image-lattice-50"

@@ -25,11 +25,14 @@ def barycentric_weights(points):
     return 1 / gaps.prod(axis=1)
 
 
-def interpolation(points, x):
-    """Matrix (len(x), n) that takes values at ``points`` (n,) to those of their polynomial at ``x``."""
+def interpolation(points, x, weights=None):
+    """Matrix (len(x), n) that takes values at ``points`` (n,) to those of their polynomial at ``x``.
+
+    ``weights``: the ``barycentric_weights``, where they are known.
+    """
     distance = x[:, None] - points[None, :]
     hit = distance == 0
-    ratios = barycentric_weights(points) / np.where(hit, 1.0, distance)
+    ratios = (barycentric_weights(points) if weights is None else weights) / np.where(hit, 1.0, distance)
     matrix = ratios / ratios.sum(axis=1, keepdims=True)
     return np.where(hit.any(axis=1, keepdims=True), hit.astype(float), matrix)
 
@@ -66,6 +69,7 @@ class Elements:
         self._slopes = (self.matrix[:, :, None] * self.matrix[:, None, :]).reshape(order + 1, -1)
         self.node_places = np.append(self.y[:, :-1].ravel(), self.edges[-1])
         self.mass = self.joined(self.stretch * self.weights * self.arms**3)
+        self._places = np.empty(0), None, None
 
     def arm(self, y):
         """Distance of ``y`` from the axis; 1 between planes."""
@@ -103,9 +107,11 @@ class Elements:
 
     def interpolated(self, field, y):
         """Values (..., heights) at ``y`` (heights,) of a field (..., count, p + 1)."""
-        element = np.clip(np.searchsorted(self.edges, y, side="right") - 1, 0, self.count - 1)
-        local = (y - self.edges[element]) / self.stretch[element, 0] - 1
-        matrix = interpolation(self.points, local)
+        heights, element, matrix = self._places
+        if not np.array_equal(heights, y):
+            element = np.clip(np.searchsorted(self.edges, y, side="right") - 1, 0, self.count - 1)
+            matrix = interpolation(self.points, (y - self.edges[element]) / self.stretch[element, 0] - 1)
+            self._places = np.array(y), element, matrix  # many fields and times are asked for at the same heights
         return np.einsum("...hi,hi->...h", field[..., element, :], matrix)
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from tisph.errors import UnsolvedError
-from tisph.exact._elements import interpolation
+from tisph.exact._elements import barycentric_weights, interpolation
 
 ITERATIONS = 12
 LARGEST_GROWTH, LEAST_GROWTH = 2.0, 0.2
@@ -31,12 +31,14 @@ ROUNDING = 10.0
 class Method:
     """``points`` (stages,) of a step, on (0, 1], and the ``matrix`` of integrals from 0 to each of their polynomial.
 
-    ``nodes``: 0 and the points; ``last``: what takes increments at the points to their last Legendre coefficient.
+    ``nodes``: 0 and the points, with their barycentric ``weights``; ``last``: what takes increments at the points to
+    their last Legendre coefficient.
     """
 
     points: np.ndarray
     matrix: np.ndarray
     nodes: np.ndarray
+    weights: np.ndarray
     last: np.ndarray
 
 
@@ -54,7 +56,7 @@ def radau(stages):
     points = (x + 1) / 2
     nodes = np.concatenate([[0.0], points])
     last = np.linalg.inv(legendre.legvander(2 * nodes - 1, stages))[-1, 1:]
-    return Method(points, integrals @ np.linalg.inv(values[:, :stages]), nodes, last)
+    return Method(points, integrals @ np.linalg.inv(values[:, :stages]), nodes, barycentric_weights(nodes), last)
 
 
 class Solution:
@@ -79,7 +81,7 @@ class Solution:
             self._step()
         k = max(int(np.searchsorted(self.begins, root, side="right")) - 1, 0)
         local = np.array([(root - self.begins[k]) / self.lengths[k]])
-        return (interpolation(self.method.nodes, local) @ self.pieces[k])[0]
+        return (interpolation(self.method.nodes, local, self.method.weights) @ self.pieces[k])[0]
 
     def _step(self):
         if len(self.pieces) >= MOST_STEPS:

@@ -245,7 +245,7 @@ class StartUp:
 
     def polymer_stress(self, y, t):
         """Stress of all modes together, shape (3, ...): S_xx, S_xy and S_yy; N1 = S_xx - S_yy."""
-        return np.stack([self._by_time(lambda y, t, k=k: self._stress(y, t)[k], y, t) for k in range(3)])
+        return self._by_time(self._stress, y, t, (3,))
 
     def deviations(self, y, t):
         """C of each mode at heights ``y`` (heights,) and one time ``t``: list of arrays (components, heights)."""
@@ -290,13 +290,16 @@ class StartUp:
         v = self._at(time)[: self.elements.size]
         return self.elements.interpolated(self.liquid.flux(self.elements.shear_rate(v)), y)
 
-    def _by_time(self, profile, y, t):
-        """Values of ``profile(heights, time)``, called once for each different time; a scalar for scalar arguments."""
+    def _by_time(self, profile, y, t, parts=()):
+        """Values of ``profile(heights, time)``, called once for each different time; a scalar for scalar arguments.
+
+        ``parts``: the shape of the value at one height and time.
+        """
         heights, times = np.broadcast_arrays(np.asarray(y, dtype=float), np.asarray(t, dtype=float))
         if np.any(times < 0):
             raise ValueError("this flow starts at t = 0: it is defined for t >= 0 only")
-        result = np.empty(times.shape)
+        result = np.empty((*parts, *times.shape))
         for time in np.unique(times)[::-1]:
             here = times == time
-            result[here] = profile(heights[here], float(time))
+            result[..., here] = profile(heights[here], float(time))
         return result[()]

@@ -35,16 +35,16 @@ def errors(scheme):
 
 def test_the_order_in_the_spacing_is_that_of_the_rows(make):
     # from the smooth flow at t = 0.5, whose wave has crossed half of the gap
-    options = ("initial={state: exact, time: 0.5}", "time={end: 0.8, tolerance: 1.0e-8}", *DRIVEN)
+    options = ("initial={state: exact, time: 0.5}", "time={end: 0.6, tolerance: 1.0e-8}", *DRIVEN)
     found = [errors(make(f"discretisation.particles_across={across}", *options)) for across in (12, 24)]
     assert np.all(np.log2(found[0] / found[1]) > 3.5)
 
 
 @pytest.mark.parametrize("law", [pytest.param(OLDROYD, marks=pytest.mark.slow), GIESEKUS, CARREAU])
 def test_steps_are_of_third_order_in_velocity_and_stress(make, law):
-    # a driven start without a jump; the truth is that of much shorter steps on the same lattice
+    # a driven start without a jump; the truth is that of much shorter steps on the same lattice, to a 64th of the finer
     states = {}
-    for length in (0.1, 0.05, 0.00625):
+    for length in (0.1, 0.05, 0.0125):
         scheme = make(law, *DRIVEN, "time.end=0.8", "scheme.largest_strain=2.0")
         scheme.control.fixed = scheme.control.wish = length
         last = run(scheme)
@@ -148,7 +148,7 @@ def test_a_jump_is_the_limit_of_a_fast_ramp(tmp_path_factory):
     ramped.walls.first[...] = ramped.walls.third[...] = 0.0
     duration = 1e-3 * channel.spacing**2
     ramped.walls.walls = (channel.bottom, Ramp(duration))
-    flow, number = ramped.flow, 400
+    flow, number = ramped.flow, 200
     for step in range(number):
         flow, _ = stages.advance(flow, step * duration / number, duration / number, 1e-12)
         ramped.walls.conclude()

@@ -32,8 +32,11 @@ LONG = (
     "configs-fene_p_couette",
     "configs-step_strain",
     "configs-flow_curve",
+    "configs-creep_and_recovery",
+    "configs-two_mode_couette",
 )
-"""What takes longest to forecast. Others have walls that oscillate, plates that a stress drives, and such polymers."""
+"""What takes longest to forecast. Others have walls that oscillate (oscillating_wall_fast), plates that a stress drives
+(ringing_plate) and polymers with solved references (giesekus_couette, ptt_poiseuille)."""
 
 MOST_WITHOUT = 0.1
 """Of the runs that end: no estimate is for what the rows cannot know, not a way out."""

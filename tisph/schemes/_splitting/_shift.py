@@ -126,9 +126,11 @@ class Shift:
             plane, away = self.planes[j, wall], self.distance(j, wall)
             seen = away < self.near[None]
             if seen:
-                across = 2.0 * away * ti.Vector([plane.x, plane.y])
-                push += self.push(apart - across)
-                corner -= across
+                normal = ti.Vector([plane.x, plane.y])
+                push += self.push(apart - 2.0 * away * normal)
+                corner -= (
+                    2.0 * (away + normal.dot(corner - apart)) * normal
+                )  # where the walls face each other: far away
             both = both and seen
         if both:
             push += self.push(corner)

@@ -32,6 +32,12 @@ GIESEKUS = {
     }
 }
 
+SWINGING = {
+    "fluid": {"rheology": {"type": "oldroyd_b", "relaxation_time": 0.1, "solvent_fraction": 0.1}},
+    "walls": {"inner": {"angular_velocity": None, "amplitude": 1.0, "angular_frequency": 6.2832, "phase": "sin"}},
+}
+"""The inner cylinder swings, one period in ten relaxation times."""
+
 DRAG = CubicSpline(
     [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9],
     [132.3575, 130.36, 126.63, 123.19, 120.60, 118.84, 117.78, 117.32, 117.37, 117.79],
@@ -67,6 +73,7 @@ FULL = {
     "oldroyd_b_annulus_25": merged(START, at_times(SAMPLES)),
     "oldroyd_b_annulus_50": merged(START, across(50), at_times(SAMPLES)),
     "giesekus_annulus_50": merged(START, GIESEKUS, across(50), at_times(SAMPLES)),
+    "oldroyd_b_swinging_16": merged(START, SWINGING, across(16), at_times((0.5, 1.0))),
     "confined_cylinder": CONFINED,
 }
 
@@ -86,6 +93,11 @@ def criteria(quick):
         *_start("oldroyd_b_annulus_25"),
         *_start("oldroyd_b_annulus_50"),
         *_start("giesekus_annulus_50"),
+        *(
+            at_most("oldroyd_b_swinging_16", t_star, quantity, 1e-3)
+            for t_star in (0.5, 1.0)
+            for quantity in ("l2", "shear_stress_l2", "torque_inner off exact")
+        ),
         order("oldroyd_b_annulus 12/25/50", resolutions, 1.0, 3, "l2"),
         _drag("confined_cylinder"),
     ]

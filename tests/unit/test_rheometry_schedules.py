@@ -9,7 +9,7 @@ from tisph import families
 from tisph.exact.linear_viscoelasticity import Spectrum
 from tisph.exact.uniform_shear import UniformShear
 from tisph.geometry.schedule import Schedule
-from tisph.verification._schedules import _flow_curve, _middle, _step_strain
+from tisph.verification._schedules import _flow_curve, _middle, _step_strain, read_schedule
 
 LIQUID = Spectrum(0.1, ((0.9, 2.0),))
 TIMES = np.linspace(0.0, 6.0, 61)
@@ -56,9 +56,7 @@ def test_a_relaxation_modulus_is_read_from_a_ramp(times):
     law = uniform()
     stress, normal = law.response(rates(wall, 0.1), TIMES)
     table = {"t": TIMES, "wall_shear": 1.01 * stress, "wall_shear_exact": stress, "n1_mean": normal}
-    channel = SimpleNamespace(gap=0.1)
-    reading = _step_strain(channel, LIQUID, wall, table, law, rates(wall, 0.1))
-    numbers = reading.numbers
+    numbers = _step_strain(0.1, LIQUID, wall, table, (stress, normal)).numbers
     modulus = 0.9 / 2.0 * np.exp(-(6.0 - 0.1) / 2.0)
     # what is left of the ramp is of the second order, (0.2/2)^2/24 of the pulse
     assert numbers["modulus_at_the_end_reference"] == pytest.approx(modulus, rel=5e-4)
@@ -73,11 +71,28 @@ def test_a_flow_curve_tells_inertia_from_memory():
     gap, density = 0.1, 1.0
     wall = Schedule((0.0, 6.0), (0.0, 1.2))
     law = UniformShear(lambda rate: 2.0 * rate)
-    alone, _ = law.response(rates(wall, gap), TIMES)
+    alone, normal = law.response(rates(wall, gap), TIMES)
     inertia = density * 0.2 * gap / 3.0  # of a steady ramp: the third of the liquid follows the wall
     table = {"t": TIMES, "wall_shear": alone + inertia, "wall_shear_exact": alone + inertia}
-    reading = _flow_curve(SimpleNamespace(gap=gap), Spectrum(2.0), wall, table, law, rates(wall, gap))
-    assert reading.numbers["fastest_rate"] == pytest.approx(12.0)
-    assert reading.numbers["off_reference"] == 0.0
-    assert reading.numbers["off_by_inertia"] == pytest.approx(inertia / (2.0 * 1.2), rel=1e-9)  # at a tenth of it
-    assert reading.numbers["off_by_memory"] == pytest.approx(0.0, abs=1e-14)
+    numbers = _flow_curve(gap, law, wall, table, (alone, normal)).numbers
+    assert numbers["fastest_rate"] == pytest.approx(12.0)
+    assert numbers["off_reference"] == 0.0
+    assert numbers["off_by_inertia"] == pytest.approx(inertia / (2.0 * 1.2), rel=1e-9)  # at a tenth of it
+    assert numbers["off_by_memory"] == pytest.approx(0.0, abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("times", "velocities", "title"),
+    [
+        ((0.0, 0.1, 0.1), (1.0, 1.0, 0.0), "step strain"),
+        ((0.0, 4.0), (1.0, 0.0), "flow curve"),
+        ((0.0, 0.1), (1.0, 2.0), "flow curve"),
+        ((0.0, 0.1, 0.1, 0.2, 0.2), (1.0, 1.0, -1.0, -1.0, 0.0), "flow curve"),
+    ],
+    ids=["held", "not held for as long", "goes on", "there and back"],
+)
+def test_a_wall_that_rests_for_longer_than_it_moved_is_a_step_strain(times, velocities, title):
+    config = SimpleNamespace(fluid=SimpleNamespace(rheology=SimpleNamespace(carries_stress=False)))
+    channel = SimpleNamespace(gap=1.0, viscous_stress=lambda rate: 2.0 * rate)
+    table = {"t": TIMES, "wall_shear": TIMES, "wall_shear_exact": TIMES}
+    assert read_schedule(config, channel, LIQUID, Schedule(times, velocities), table).title == title

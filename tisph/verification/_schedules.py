@@ -16,6 +16,9 @@ SMALL = 0.01
 FASTEST = 0.1
 """Of the largest shear rate: from there on a flow curve is judged."""
 
+NOTHING = 1e-9
+"""Of the way at the largest speed: what counts for no strain."""
+
 POINTS = 41
 """Of the steady flow curve."""
 
@@ -23,13 +26,17 @@ POINTS = 41
 def read_schedule(config, channel, liquid, wall, table):
     """Return the ``Reading``: of a step strain where the ``wall`` rests for longer than it moved, else a flow curve.
 
-    ``liquid``: its ``Spectrum``; ``table``: columns of the history as of a moving upper wall.
+    ``liquid``: its ``Spectrum``; ``table``: columns of the history as of a moving upper wall. One that comes back to
+    where it was leaves no strain.
     """
-    held = wall.velocities[-1] == 0.0 and table["t"][-1] > 2.0 * wall.times[-1]
-    law = _uniform(config, channel)
+    law, end = _uniform(config, channel), wall.times[-1]
     pieces = [(begin, wall.during(begin)) for begin in (0.0, *wall.changes)]
     rates = [(begin, lambda t, ramp=ramp: ramp.velocity(t) / channel.gap) for begin, ramp in pieces]
-    return (_step_strain if held else _flow_curve)(channel, liquid, wall, table, law, rates)
+    alone = law.response(rates, table["t"])
+    strained = abs(wall.displacement(end)) > NOTHING * wall.largest_speed * end
+    if strained and wall.velocities[-1] == 0.0 and table["t"][-1] > 2.0 * end:
+        return _step_strain(channel.gap, liquid, wall, table, alone)
+    return _flow_curve(channel.gap, law, wall, table, alone)
 
 
 def _uniform(config, channel):
@@ -40,12 +47,12 @@ def _uniform(config, channel):
     return UniformShear(channel.viscous_stress)
 
 
-def _step_strain(channel, liquid, wall, table, law, rates):
+def _step_strain(gap, liquid, wall, table, alone):
+    """``alone``: shear stress and N1 without inertia at all times of the table."""
     end = wall.times[-1]
-    strain, middle = wall.displacement(end) / channel.gap, _middle(wall)
-    late = table["t"] > end
-    t = table["t"][late] - middle
-    alone, alone_normal = law.response(rates, table["t"][late])
+    strain, late = wall.displacement(end) / gap, table["t"] > end
+    t = table["t"][late] - _middle(wall)
+    alone, alone_normal = (values[late] for values in alone)
     found, known = (table[name][late] / strain for name in ("wall_shear", "wall_shear_exact"))
     alone, step = alone / strain, liquid.modulus(t)
     lines = [f"relaxation modulus G, t from the middle of the step on; strain {strain:.6g} in the time {end:.6g}"]
@@ -82,9 +89,10 @@ def _middle(wall):
     return float(wall.times[-1] - area / way[-1])
 
 
-def _flow_curve(channel, liquid, wall, table, law, rates):
-    t, rate = table["t"], wall.velocity(table["t"]) / channel.gap
-    alone, alone_normal = law.response(rates, t)
+def _flow_curve(gap, law, wall, table, alone):
+    """``law``: in uniform shear; else as ``_step_strain``."""
+    t, rate = table["t"], wall.velocity(table["t"]) / gap
+    alone, alone_normal = alone
     found, known = table["wall_shear"], table["wall_shear_exact"]
     fastest = float(np.abs(rate).max())
     judged = (np.abs(rate) >= FASTEST * fastest) & (t > 0.0)

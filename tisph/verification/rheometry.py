@@ -92,17 +92,7 @@ def _oscillation(channel, liquid, wall, table):
     lines = [f"angular frequency {frequency:.6g}, strain amplitude {rate / frequency:.4g}"]
     lines += [f"  {name:24} G' = {value.real:.6g}   G'' = {value.imag:.6g}" for name, value in modulus.items()]
     third, third_exact = (float(abs(each[3] / each[1])) for each in (stress, exact))
-    if third_exact < LINEAR:
-        pairs = {
-            "the usual evaluation errs by inertia": ("as read", "linear theory"),
-            "corrected, it is off the linear theory by": ("corrected for inertia", "linear theory"),
-        }
-    else:
-        pairs = {
-            "large strain: it takes off the linear theory": ("reference, as read", "linear theory"),
-            "the run is off its reference by": ("as read", "reference, as read"),
-        }
-    lines += [_off(words, *(modulus[name] for name in names)) for words, names in pairs.items()]
+    lines += _compared(modulus, third_exact < LINEAR)
     lines.append(f"  third harmonic of the stress over the first: {third:.4g} (reference {third_exact:.4g})")
     if degree and (t[-1] - t[0]) * frequency < 3.0 * np.pi:  # a polynomial is much like a single wave
         lines.append(f"  unsure, of one period with the start in it: run four, or {FADED:g} relaxation times")
@@ -117,6 +107,21 @@ def _oscillation(channel, liquid, wall, table):
         (axis, "reference", strain, table["wall_shear_exact"][first:], "-"),
     ]
     return Reading("oscillation", lines, numbers, curves)
+
+
+def _compared(modulus, linear):
+    """Lines of what each way to read a modulus is off another; ``linear``: whether the strain is small."""
+    if linear:
+        pairs = {
+            "the usual evaluation errs by inertia": ("as read", "linear theory"),
+            "corrected, it is off the linear theory by": ("corrected for inertia", "linear theory"),
+        }
+    else:
+        pairs = {
+            "large strain: it takes off the linear theory": ("reference, as read", "linear theory"),
+            "the run is off its reference by": ("as read", "reference, as read"),
+        }
+    return [_off(words, *(modulus[name] for name in names)) for words, names in pairs.items()]
 
 
 def _window(t, frequency, longest):

@@ -167,8 +167,8 @@ class Scheme:
     def solve(self, length):
         """Compute the velocities at the end of a step; return the estimated error over the reference velocity."""
         tolerance = SOLVER_TOLERANCE * self.control.tolerance
-        along = range(1 + self.transverse)
-        errors = [self.viscous.advance(component, self.time, length, tolerance) for component in along]
+        components = range(1 + self.transverse)
+        errors = [self.viscous.advance(component, self.time, length, tolerance) for component in components]
         return math.hypot(*errors) / self.channel.reference_velocity
 
     def require_positive(self):
@@ -277,8 +277,7 @@ class Scheme:
         """Take up the numbers of ``host_state``."""
         for name in HOST_STATE:
             setattr(self, name, state[name])
-        changes = self.control.changes  # there are more of them before a later end
-        vars(self.control).update({**state["control"], "changes": changes})
+        vars(self.control).update({**state["control"], "changes": self.control.changes})  # before a later end are more
         vars(self.momentum).update(state["momentum"])
         self.walls.enter(self.time)
         self.viscous.restore_host_state(state)

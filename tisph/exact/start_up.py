@@ -14,21 +14,20 @@ Between cylinders y = r - R1. Seen by who turns with the liquid, the flow is sim
 around the axis and y outwards, so that the laws are the same; u/r has the place of u, as ``_elements`` says.
 
 A wall whose velocity jumps at t = 0, or later, makes a layer sqrt(t) deep. Where a solvent of constant viscosity takes
-it, the solvent's own start (``_layer``) is left to a closed form, u = v + solvent's start, and v is smooth. Generalised
-Newtonian liquids, which remember nothing, start with the jump between the wall and the next point.
+it, its own start (``_layer``) is left to a closed form, u = v + that, and v is smooth. Liquids that remember nothing
+start with the jump between the wall and the next point.
 
-Numerics: polynomials of high order on elements that are finest at the walls (``_elements``), collocation in sqrt(t)
-(``_stiff``). Solved once, as far as it is asked for; no result depends on what was asked before.
+Numerics: polynomials on elements that are finest at the walls (``_elements``), collocation in sqrt(t) (``_stiff``).
+Solved once, as far as it is asked for; no result depends on what was asked before.
 
 Accuracy, relative to the largest value in the gap, measured against closed forms and against other orders: polymers
 with solvent fractions from 0.01 on: velocity, stress and N1 1e-8 from solvent_viscosity t/gap^2 = 1e-5 on, 1e-11 once
 the layers have crossed the gap; without memory: velocity 1e-6, stress 2e-6 from t* = 1e-3 on after a jump of a wall,
 and 1e-8 in developed flow, 1e-6 where a plug has edges of 1e-3 of the gap; stress 1e-6 at a rate of 0, 5e-5 there.
-Viscosities that differ by more than some 1e3 within the gap lose digits to rounding, and may end in an UnsolvedError.
-A polymer takes about a second of processor time, a liquid without memory less in a driven flow, and more after a jump
-of a wall: until the layer is as deep as an element is wide, steps are as short as it takes the front to pass from point
-to point. A liquid with a yield stress, whose viscosity is largest ahead of the front, does not get beyond that at large
-regularisation: UnsolvedError, after MOST_STEPS of ``_stiff``.
+Viscosities that differ by more than some 1e3 within the gap lose digits to rounding, and may end in an UnsolvedError. A
+polymer takes about a second of processor time, a liquid without memory less in a driven flow, and more after a jump of
+a wall: until the layer is as deep as an element is wide, steps are as short as it takes the front to pass from point to
+point. At large regularisation a liquid with a yield stress does not get beyond that: UnsolvedError.
 """
 
 from dataclasses import dataclass
@@ -207,12 +206,12 @@ class StartUp:
         driven = abs(flow.acceleration) * flow.gap**2 / liquid.total_viscosity
         self.begins = sorted({0.0, *(time for wall in walls for time in wall.changes)})
         self._jumps = [(0.0, *jumps), *((time, *(_jump(wall, time) for wall in walls)) for time in self.begins[1:])]
-        largest = np.abs([both for _, *both in self._jumps]).max()
-        self.speed = max(1e-200, driven / 12, largest, *([] if start is None else np.abs(start[self._ends])))
+        sizes = [*np.ravel([both for _, *both in self._jumps]), *([] if start is None else start[self._ends])]
+        self.speed = max(1e-200, driven / 12, *np.abs(sizes))
         self.layer = Layer(self.elements, self._jumps if liquid.laws else (), liquid.carried(1.0))
         self.equations = self._equations(0.0)
-        start = np.zeros(self.equations.size) if start is None else start
-        self._pieces = [self._solution(self.equations, start, jumps)]
+        begun = np.zeros(self.equations.size) if start is None else start
+        self._pieces = [self._solution(self.equations, begun, jumps)]
 
     def _equations(self, begin):
         """Equations of the time from ``begin`` on."""

@@ -164,7 +164,7 @@ structures = st.recursive(
 )
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.dictionaries(st.sampled_from(KEYS), structures, max_size=12))
 def test_random_structures(outcome, data):
     stream = io.StringIO()

@@ -181,7 +181,9 @@ def test_samples_say_how_steep_the_stress_is():
     scheme.polymer.states[:, 0] = 2.0 * place[:, 0]
     scheme.polymer.states[:, 1] = place[:, 1]
     scheme.polymer.slope()
-    assert scheme.polymer.steepest()[0] == pytest.approx(math.sqrt(6.0) * flow.spacing, rel=1e-9)
+    assert scheme.polymer.steepest()[0] == pytest.approx(
+        math.sqrt(6.0) * flow.spacing, rel=6e-5
+    )  # (reach/radius)^5/120
     scheme.polymer.begin()
     scheme.advance()
     assert scheme.snapshot().steepest[0] < 1e-9

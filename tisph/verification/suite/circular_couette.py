@@ -35,7 +35,7 @@ ELSEWHERE = {  # the same in millimetres and minutes
 }
 
 WIDE = _between(0.25, 1.25, (4.0, 0.0))
-"""Between the usual radii operators err less than steps, and no order in the spacing is to be seen; here it is."""
+"""Between the usual radii operators err less than steps at 12 across, and no order in the spacing is to be seen."""
 
 SWINGING = {"walls": {"inner": {"angular_velocity": None, "amplitude": 1.0, "angular_frequency": 0.25}}}
 """At 25 across the layer at the cylinder is sqrt(2 nu/w) = 10 spacings deep."""
@@ -98,6 +98,7 @@ def criteria(quick):
     return [
         *found,
         *(check for name in ERRORS if name != "annulus_25" for check in _steady(name)),
+        order("annulus 25/50", {"annulus_25": 25, "annulus_50": 50}, STEADY, 3.5, "l2"),
         same_bits("annulus_25_repeat", "annulus_25"),
         *(at_most("annulus_50_start", t_star, "l2", bound) for t_star, bound in STARTS.items()),
         *(at_most("annulus_50_start", t_star, "torque_inner off exact", 5e-4) for t_star in LATE),

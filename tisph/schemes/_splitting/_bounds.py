@@ -44,7 +44,7 @@ class Bounds:
         place, self.normal, self.velocity = self.walls.at(time)
         places[self.slots] = place % [self.flow.length, self.flow.gap]
         planes, distances, bend = self.walls.seen(places[: self.flow.particles], time)
-        if self.walls.curved:
+        if self.history.rows.curved:
             view(self.history.rows.bend)[: self.flow.particles] = bend
         view(self.shift.planes)[: self.flow.liquid] = planes[: self.flow.liquid]
         spacing = self.flow.spacing

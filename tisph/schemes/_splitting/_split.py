@@ -12,6 +12,8 @@ particles has spurious modes; so the divergence d of the velocities is not quite
 
 import math
 
+import numpy as np
+
 from tisph.least_squares.multilevel import MultilevelSolver
 from tisph.runtime import holding, real, scalar, ti, view
 from tisph.schemes._splitting._history import PRESSURES, VELOCITIES
@@ -19,8 +21,8 @@ from tisph.schemes._splitting._history import PRESSURES, VELOCITIES
 ROUGH = 1.0
 """Viscous number h nu/(g spacing^2) up to which the diagonal is preconditioner enough."""
 
-FIRST = 100.0
-"""By how much less exact the first of two turns may be: all that is left of it is a curl at walls."""
+FIRST = 1e-4, 1e-8
+"""Tolerances at which the first of two turns is exact enough: all that is left of it is a curl at walls."""
 
 
 @ti.data_oriented
@@ -61,12 +63,12 @@ class Split:
                 if turn == 1:
                     self.closure.spin(self.velocity.x)
                 self.bound(length, leading, viscosity)
-            loose = FIRST if turn < turns - 1 else 1.0
-            sound = self.pressure.solve(0.0, 1.0, loose * tolerances[0], rough=False) and sound
+            asked = tolerances if turn == turns - 1 else np.maximum(tolerances, FIRST)
+            sound = self.pressure.solve(0.0, 1.0, asked[0], rough=False) and sound
             self.push(length)
             diffusion = length * viscosity
             rough = diffusion <= ROUGH * leading * self.spacing**2
-            sound = self.velocity.solve(leading, diffusion, loose * tolerances[1], rough) and sound
+            sound = self.velocity.solve(leading, diffusion, asked[1], rough) and sound
             self.iterations[0] += self.pressure.iterations
             self.iterations[1] += self.velocity.iterations
         self.compare()

@@ -111,7 +111,7 @@ class Time(Model):
 class Video(Model):
     """Movie: frames a second, number of frames, size in pixels (even, as H.264 wants it), what colours show.
 
-    ``overlay`` of ``vectors`` are velocities as arrows on an even grid.
+    ``overlay`` of ``vectors`` are velocities as arrows on an even grid, ``streamlines`` lines of equal stream function.
     """
 
     fps: Annotated[int, Field(ge=1, le=120)] = 30
@@ -120,7 +120,7 @@ class Video(Model):
     height: FrameHeight = 640
     renderer: Literal["raster"] = "raster"
     color_by: str = "speed"
-    overlay: Literal["none", "vectors"] = "none"
+    overlay: Literal["none", "vectors", "streamlines"] = "none"
 
 
 class Output(Model):

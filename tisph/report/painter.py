@@ -11,12 +11,14 @@ from tisph.report.quantities import quantity
 from tisph.report.raster import Discs, blend, dense_line
 from tisph.report.solids import Solids
 from tisph.report.stage import draw_background
+from tisph.report.streamlines import Streamlines
 from tisph.report.text import paint_text
 from tisph.report.vectors import Vectors
 from tisph.snapshot import Snapshot
 
 _SMALLEST_DIAMETER = 1.5  # pixels: below it discs would fade away
 _CURVE_POINTS = 600  # about two a pixel row at the usual size
+_OVERLAYS = {"vectors": Vectors, "streamlines": Streamlines}
 
 
 class FramePainter:
@@ -51,7 +53,8 @@ class FramePainter:
         inside = panel.height - 2, panel.width - 2  # the axes' lines are on the border
         self._discs = Discs(self.disc_radius, (self.layout.box.height, self.layout.box.width))
         self._solids = Solids(scene, self.layout) if scene.bodies else None
-        self._vectors = Vectors(scene, self.layout) if video.overlay == "vectors" else None
+        overlay = _OVERLAYS.get(video.overlay)
+        self._overlay = overlay(scene, self.layout) if overlay else None
         self._dots, self._line = Discs(3.0 * scale, inside), Discs(max(0.5, 0.9 * scale), inside)
 
     @property
@@ -83,8 +86,8 @@ class FramePainter:
         for rows, coverage, mean in self._discs.means(points, share, periodic=periodic):
             entry = (256.0 * coverage + np.minimum(255.0 * mean + 0.5, 255.0)).astype(np.intp)
             panel[rows] = np.take(self._table, entry, axis=0)
-        if self._vectors:
-            self._vectors.paint(panel, snapshot)
+        if self._overlay:
+            self._overlay.paint(panel, snapshot)
         if self._solids:
             self._solids.paint(panel, snapshot.bodies)
 

@@ -37,17 +37,26 @@ class Vectors:
         places = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
         if not (np.isfinite(velocity).all() and np.isfinite(places).all()):
             return  # a run that went wrong still gets its picture
-        tree, _ = periodic_tree(self._scene, places)
-        distance, nearest = tree.query(self._places, min(_NEAR, len(places)))
-        weight = 1.0 / (distance + 1e-3 * self._scene.spacing) ** 2
-        mean = np.einsum("ij,ijk->ik", weight, velocity[nearest]) / weight.sum(axis=1)[:, None]
+        mean, nearest = mean_velocity(self._scene, places, velocity, self._places)
         arrows = mean / self._scene.reference_velocity * [1.0, -1.0]  # rows count downwards
         size = np.linalg.norm(arrows, axis=1)
-        shown = (distance[:, 0] < _BESIDE * self._scene.spacing) & (size > _SHORTEST)
+        shown = (nearest < _BESIDE * self._scene.spacing) & (size > _SHORTEST)
         arrows, size = arrows[shown], size[shown]
         arrows *= np.minimum(1.0, _LONGEST / size)[:, None]
         corners = self._feet[shown, None] + self._pitch * _outlines(arrows)
         blend(panel, filled((corners[:, :, 0], corners[:, :, 1]), panel.shape[:2]), style.rgb(style.TEXT))
+
+
+def mean_velocity(scene, places, velocity, points):
+    """Return the mean of ``velocity`` (n, 2) at the nearest of ``places`` (n, 2) around ``points`` (m, 2).
+
+    And the distance (m,) of the very nearest. The nearer, the more one counts.
+    """
+    tree, _ = periodic_tree(scene, places)
+    distance, nearest = tree.query(points, min(_NEAR, len(places)))
+    weight = 1.0 / (distance + 1e-3 * scene.spacing) ** 2
+    mean = np.einsum("ij,ijk->ik", weight, velocity[nearest]) / weight.sum(axis=1)[:, None]
+    return mean, distance[:, 0]
 
 
 def _outlines(arrows: np.ndarray) -> np.ndarray:

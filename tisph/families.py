@@ -5,9 +5,11 @@ so that a run loads (and compiles) nothing but what its config names.
 """
 
 import ast
+import functools
 import importlib
 import importlib.util
 import pkgutil
+import sys
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -37,8 +39,10 @@ def modules(family: str) -> list[str]:
 
 def load(family: str, name: str) -> ModuleType:
     """Import one member (this may import Taichi); KeyError where ``names(family)`` does not have it."""
-    _member_file(family, name)
-    return importlib.import_module(f"{FAMILIES[family]}.{name}")
+    module = f"{FAMILIES[family]}.{name}"
+    if module not in sys.modules or name.startswith("_"):
+        _member_file(family, name)
+    return importlib.import_module(module)
 
 
 def summary(family: str, name: str) -> str:
@@ -59,7 +63,12 @@ def constant(family: str, name: str, attribute: str) -> Any:
 
 
 def _syntax_tree(family: str, name: str) -> ast.Module:
-    return ast.parse(_member_file(family, name).read_text(encoding="utf-8"))
+    return _parsed(_member_file(family, name).read_text(encoding="utf-8"))
+
+
+@functools.cache
+def _parsed(text: str) -> ast.Module:
+    return ast.parse(text)
 
 
 def _member_file(family: str, name: str) -> Path:

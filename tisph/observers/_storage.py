@@ -5,7 +5,6 @@ import math
 import os
 import shutil
 import time
-from dataclasses import fields as fields_of
 from dataclasses import replace
 
 import h5py
@@ -88,7 +87,7 @@ class Storage:
         """Write ``snapshot`` as the group ``name`` of the open ``file``."""
         group = file.create_group(name)
         write_snapshot(group, snapshot)
-        for part in (group, group.get(BODIES, {})):
+        for part in (group, group.get(BODIES, {})) if self.units else ():
             for name in part:
                 unit = self.units.get(name.removesuffix(EXACT))
                 if unit:
@@ -129,7 +128,8 @@ def write_snapshot(group, snapshot):
     if snapshot.bodies is not None:
         bodies = group.create_group(BODIES)
         for name, values in vars(snapshot.bodies).items():
-            bodies.create_dataset(name, data=values)
+            if values is not None:
+                bodies.create_dataset(name, data=values)
 
 
 def read_snapshots(path, fields=FIELDS):
@@ -143,5 +143,5 @@ def read_snapshots(path, fields=FIELDS):
             stored |= {name: group[name][...] for name in STRESSES if name in group}
             if BODIES in group:
                 bodies = group[BODIES]
-                stored[BODIES] = Bodies(**{field.name: bodies[field.name][...] for field in fields_of(Bodies)})
+                stored[BODIES] = Bodies(**{name: values[...] for name, values in bodies.items()})
             yield Snapshot(t=float(group.attrs["t"]), step=int(group.attrs["step"]), **stored)

@@ -8,9 +8,9 @@ from tisph.observers._storage import Storage, read_snapshots
 FIELDS = ("x", "y", "u", "v", "stress_xy")
 """What every movie may show; the stress is there only with polymer."""
 
-DELAY = 1.0
+DELAY = 5.0
 """Seconds of the clock after which a frame is in its file at the latest, if the next one comes: writing one at a time
-takes longer than many a simulation."""
+takes longer than many a simulation, and what is written before the end is written twice, once into each file."""
 
 
 class Frames:

@@ -14,7 +14,8 @@ class Bodies:
 
     ``centre`` and ``velocity`` (n, 2), ``angle`` [radians] and ``angular_velocity`` (n,), counterclockwise; ``force``
     (n, 2) and ``torque`` (n,) around the centre, of which ``pressure_force`` and ``pressure_torque`` are the
-    pressure's: NaN before the first step, and of a scheme that does not know them.
+    pressure's: NaN before the first step, and of a scheme that does not know them. ``normal_stress`` (n,): first normal
+    stress difference of a polymer, along the wall less across it, mean over the wall; None without one.
     """
 
     centre: np.ndarray
@@ -25,9 +26,10 @@ class Bodies:
     torque: np.ndarray
     pressure_force: np.ndarray
     pressure_torque: np.ndarray
+    normal_stress: np.ndarray | None = None
 
     @classmethod
-    def at(cls, time, bodies, loads=None):
+    def at(cls, time, bodies, loads=None, normal_stress=None):
         """Of ``bodies``, ``geometry.body.Body`` each, which move as they say; ``loads`` (2, n, 3) are on them.
 
         Those are force along x, along y and torque, of all and of the pressure; None where they are not known.
@@ -44,6 +46,7 @@ class Bodies:
             torque=loads[0, :, 2],
             pressure_force=loads[1, :, :2],
             pressure_torque=loads[1, :, 2],
+            normal_stress=normal_stress,
         )
 
 

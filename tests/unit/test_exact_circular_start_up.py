@@ -12,8 +12,12 @@ from tisph.exact._annulus_modes import modes, shear_rates, velocities
 from tisph.exact.circular_couette import CircularCouette, Rotation
 from tisph.exact.circular_start_up import CircularStartUp
 from tisph.exact.start_up import Flow, Polymer, StartUp, Wall
+from tisph.geometry.schedule import Schedule
 
 R = np.linspace(1.0, 2.0, 41)
+PANELS = (0.0, 0.1), (0.1, 0.3), (0.3, 1.0)
+"""Parts of an interval, finer where starts are steeper."""
+
 INSIDE = np.array([1.05, 1.2, 1.5, 1.9])
 ACCURACY = 1e-8
 """That the module promises, relative to the largest value in the gap."""
@@ -51,6 +55,29 @@ def test_without_polymer_it_is_newtonian_flow():
         assert apart(np.array(found.torque(t, density=3.0)), np.array(expected.torque(t, density=3.0))) < 1e-11
     pressure = expected.pressure(r, 0.1, density=3.0)
     assert apart(found.pressure(r, 0.1, density=3.0), pressure) < 1e-11
+
+
+@pytest.mark.parametrize("times", [(0.0, 0.2, 0.2), (0.0, 0.1, 0.2)], ids=["pulse", "triangle"])
+def test_cylinders_with_velocities_at_times_sum_up_starts(times):
+    """Newtonian flow is linear in what its walls do: starts at each jump, and their integrals from each kink on."""
+    wall = Schedule(times, (1.0, 1.0, 0.0) if times[1] == 0.2 else (0.0, 1.0, 0.0))
+    found = CircularStartUp(1.0, 2.0, Polymer(0.7, ()), wall, Wall())
+    unit = CircularCouette(1.0, 2.0, 0.7, Rotation(1.0), Rotation(0.0))
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    panels = [(0.5 * (low + high + (high - low) * nodes), 0.5 * (high - low) * weights) for low, high in PANELS]
+    places, weights = np.concatenate(panels, axis=1)
+
+    def expected(of, t):
+        parts = [(t - begin, jump, bend) for begin, jump, bend in wall.kinks if t > begin]
+        total = sum(jump * of(since) for since, jump, _ in parts if jump)
+        for since, _, bend in parts:  # in the root of the time, of which a start is smooth
+            terms = zip(places, weights, strict=True) if bend else ()
+            total = total + bend * sum(2.0 * since * w * q * of(since * q * q) for q, w in terms)
+        return total
+
+    assert apart(found.velocity(INSIDE, 0.25), expected(lambda t: unit.velocity(INSIDE, t), 0.25)) < ACCURACY
+    torque = expected(lambda t: np.array(unit.torque(t, density=3.0)), 0.25)
+    assert apart(np.array(found.torque(0.25, density=3.0)), torque) < ACCURACY
 
 
 def oldroyd_modes(r, t, fraction, relaxation_time, count=2000):

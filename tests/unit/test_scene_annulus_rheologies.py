@@ -107,6 +107,19 @@ def test_measures_of_exact_fields_and_of_wrong_ones(annulus):
         assert np.allclose(found, expected, atol=1e-9 * np.abs(expected).max())
 
 
+def test_history_has_the_normal_stress_at_both_cylinders(annulus):
+    monitored, times = annulus.monitored, np.array([0.0, 0.3, TIME])
+    assert monitored.columns == ["n1_inner", "n1_outer"]
+    exact = monitored.final(times, None)
+    assert exact.shape == (3, 2)
+    for place, column in zip((1.0, 2.0), exact.T, strict=True):
+        stress = [annulus.exact(name, CENTRE[0], CENTRE[1] - place, times) for name in STRESSES]
+        assert column == pytest.approx(stress[0] - stress[2], rel=1e-12)  # below the axis x is around it
+    before = SimpleNamespace(bodies=SimpleNamespace(normal_stress=None))
+    assert np.isnan(monitored.measure(before)).all()
+    assert make_annulus().monitored is None
+
+
 def test_a_start_from_rest_has_no_stress(annulus):
     x, y = annulus.jittered(0, 0.2)
     fields = annulus.initial(x, y)

@@ -79,6 +79,15 @@ def test_steps_grow_by_half_at_most_and_land_on_every_target():
     assert met == [0.33, 1.0, 1.5]
 
 
+def test_steps_end_where_walls_jump_whatever_the_targets():
+    control = StepControl(0.0, [1.0], tolerance=None, changes=(0.4, 3.0))
+    assert control.targets == [0.4, 1.0]
+    control.begin(10.0)
+    assert control.length(0.0) == pytest.approx(0.4 / 2)  # 0.2 is what is wished for: two steps
+    assert control.aim([2.0, 4.0], 1.0)  # what cut steps was no end of the run
+    assert control.targets == [2.0, 3.0, 4.0]
+
+
 def test_a_step_with_too_large_an_error_is_taken_again_and_shorter():
     control = StepControl(0.0, [10.0], tolerance=1e-3)
     control.begin(1.0)

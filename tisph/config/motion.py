@@ -2,9 +2,9 @@
 
 from typing import Annotated, Any, ClassVar
 
-from pydantic import AfterValidator, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
-from tisph.config.base import Model, Signed, refusal, refusals
+from tisph.config.base import LARGEST, Model, Signed, refusal, refusals
 
 
 def _not_zero(value: float) -> float:
@@ -15,6 +15,14 @@ def _not_zero(value: float) -> float:
 
 Amplitude = Annotated[Signed, AfterValidator(_not_zero)]
 """The type of an amplitude."""
+
+
+MOST_TIMES = 1000
+Times = Annotated[
+    tuple[Annotated[float, Field(ge=0, le=LARGEST)], ...], Field(strict=False, min_length=1, max_length=MOST_TIMES)
+]
+Values = Annotated[tuple[Signed, ...], Field(strict=False, min_length=1, max_length=MOST_TIMES)]
+"""The type of what a wall is given at each of the times."""
 
 
 class WallMotion(Model):
@@ -68,3 +76,22 @@ class WallMotion(Model):
     def speed_before(self) -> float | None:
         """What it was before t = 0, if that was something else."""
         return getattr(self, f"{self.speed_key}_before")
+
+
+def check_as_many(wall: WallMotion, key: str) -> None:
+    """Raise ValidationError where ``times`` are not as many as the values that the ``wall`` has under a ``key``."""
+    values = getattr(wall, key)
+    if values is not None and len(wall.times or ()) != len(values):
+        text = f"must be as many times, ascending from 0 on, as there are {key}, {len(values)}"
+        raise refusals([(("times",), text, wall.times)])
+
+
+def check_schedule(wall: WallMotion, key: str) -> None:
+    """Raise ValidationError where the velocities under a ``key`` at their times say nothing, or two things."""
+    times, velocities = wall.times, getattr(wall, key)
+    counts = [times.count(time) for time in times]
+    if list(times) != sorted(times) or counts[0] > 1 or max(counts) > 2:
+        text = "must ascend from 0 on; two equal ones, where the velocity jumps, come after the first"
+        raise refusals([(("times",), text, times)])
+    if not any(velocities):
+        raise refusals([((key,), f"must not all be 0: for a wall at rest give {wall.speed_key}: 0", velocities)])

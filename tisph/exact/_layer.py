@@ -6,8 +6,11 @@ angular velocity w = u/r, obeys
     dq/dt = nu (d2q/dr2 - 3/(4 r^2) q)
 
 the plane equation but for its last term. The layer takes q from the plane flow between the same walls, and leaves
--3/(4 r^2) nu w, its drift, to the equation of the rest.
+-3/(4 r^2) nu w, its drift, to the equation of the rest. And walls on the clock that begins with a later jump.
 """
+
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -66,3 +69,30 @@ class Layer:
         nodes = self.elements.node_places
         scale = -0.75 * self.viscosity * self.elements.arm(nodes) ** -3
         return scale * self.velocity(nodes, self.begin + times[:, None])
+
+
+def jump(wall, time):
+    """By how much the velocity of a wall that has changes jumps at one of them."""
+    return 0.0 if wall.driven else float(wall.during(time).velocity(time) - wall.velocity(time))
+
+
+@dataclass(frozen=True)
+class LaterWall:
+    """A ``wall`` on a clock that starts at ``begin``."""
+
+    wall: Any
+    begin: float
+
+    @property
+    def driven(self):
+        return self.wall.driven
+
+    @property
+    def mass_per_area(self):
+        return self.wall.mass_per_area
+
+    def acceleration(self, t):
+        return self.wall.acceleration(self.begin + t)
+
+    def stress(self, t):
+        return self.wall.stress(self.begin + t)

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.polynomial import Chebyshev, chebyshev
+from numpy.polynomial import chebyshev
 
 DEGREE = 16
 """Of the polynomial that h is: for angles up to a right one its coefficients end below 1e-9 of the largest."""
@@ -41,8 +41,8 @@ class SlidingCorner:
     share: float = 1.0
 
     @cached_property
-    def _coefficients(self):
-        """a, b, c, d: no flow through the walls, the speed at theta = 0 and rest at the other wall."""
+    def slow_numbers(self):
+        """a, b, c, d (4,) of f: no flow through the walls, the speed at theta = 0 and rest at the other wall."""
         sine, cosine, angle = np.sin(self.angle), np.cos(self.angle), self.angle
         conditions = [
             [1.0, 0.0, 0.0, 0.0],
@@ -54,7 +54,7 @@ class SlidingCorner:
 
     def _slow(self, theta):
         """f and its first three derivatives at ``theta`` (n,)."""
-        a, b, c, d = self._coefficients
+        a, b, c, d = self.slow_numbers
         sine, cosine = np.sin(theta), np.cos(theta)
         waves = c * cosine + d * sine, d * cosine - c * sine
         f = a * cosine + b * sine + theta * waves[0]
@@ -63,8 +63,8 @@ class SlidingCorner:
 
     @cached_property
     def _inertial(self):
-        """h and its first three derivatives, polynomials of theta, and e, by collocation."""
-        domain, size = [0.0, self.angle], 2.0 / self.angle
+        """h and its first three derivatives, series of Chebyshev's in 2 theta/angle - 1, and e, by collocation."""
+        size = 2.0 / self.angle
         node = chebyshev.chebpts1(DEGREE - 3)
         basis = [chebyshev.chebder(np.eye(DEGREE + 1), k) * size**k for k in range(5)]
         at = lambda place, k: chebyshev.chebvander(place, DEGREE - k) @ basis[k]  # noqa: E731
@@ -72,19 +72,14 @@ class SlidingCorner:
         push = -first * (f + second) - f * (first + third)
         ends = np.array([-1.0, 1.0])
         rows = np.concatenate([at(node, 4) + 4.0 * at(node, 2), at(ends, 0), at(ends, 1)])
-        h = self.share * Chebyshev(np.linalg.solve(rows, np.concatenate([push, np.zeros(4)])), domain)
-        log = 4.0 * h.deriv()(0.0) + h.deriv(3)(0.0)  # + f (f + f''), but f is 0 at theta = 0
-        return [h, *(h.deriv(k) for k in (1, 2, 3))], float(log)
-
-    @property
-    def slow_numbers(self):
-        """The numbers a, b, c, d (4,) of f."""
-        return self._coefficients
+        h = self.share * np.linalg.solve(rows, np.concatenate([push, np.zeros(4)]))
+        log = (4.0 * at(ends[:1], 1) + at(ends[:1], 3)) @ h  # + f (f + f''), but f is 0 at theta = 0
+        return [part @ h for part in basis[:4]], float(log[0])
 
     @cached_property
     def inertial_numbers(self):
         """Coefficients (``DEGREE`` + 1, 4) of h and its derivatives in 2 theta/angle - 1, highest power first."""
-        powers = [chebyshev.cheb2poly(part.coef) for part in self._inertial[0]]
+        powers = [chebyshev.cheb2poly(part) for part in self._inertial[0]]
         return np.stack([np.pad(part, (0, DEGREE + 1 - len(part))) for part in powers], axis=1)[::-1]
 
     def _polar(self, points):
@@ -163,7 +158,7 @@ class SlidingCorner:
 
     def pressure(self, points):
         """Pressure over the density (n,) at ``points`` (n, 2); infinite in the corner."""
-        _, _, c, d = self._coefficients
+        _, _, c, d = self.slow_numbers
         radius, theta, *_ = self._polar(points)
         with np.errstate(divide="ignore", invalid="ignore"):
             slow = 2.0 * self.kinematic_viscosity * (c * np.cos(theta) + d * np.sin(theta)) / radius

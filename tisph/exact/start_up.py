@@ -36,7 +36,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tisph.exact._elements import Elements, graded_edges
-from tisph.exact._layer import Layer
+from tisph.exact._layer import LaterWall, Layer, jump
 from tisph.exact._sheared import Equations
 from tisph.exact._stiff import Solution
 
@@ -53,9 +53,12 @@ again changes all by less than STEADY of the largest value; else the time is dou
 class Polymer:
     """Kinematic viscosity of the solvent (> 0, else ValueError) and ``laws`` of the polymer's modes, over density.
 
+    Without any it is a Newtonian liquid.
+
     ``tolerance`` of a step in time and its ``stages``: with 7 there are twice as many steps, in 1.5 times the time.
     """
 
+    layered: ClassVar[bool] = True
     tolerance: ClassVar[float] = 1e-9
     stages: ClassVar[int] = 9
 
@@ -69,7 +72,7 @@ class Polymer:
     @property
     def longest_time(self):
         """The longest relaxation time."""
-        return max(law.relaxation_time for law in self.laws)
+        return max((law.relaxation_time for law in self.laws), default=0.0)
 
     @property
     def total_viscosity(self):
@@ -89,9 +92,11 @@ class Viscous:
     """Generalised Newtonian: ``law.viscosity(shear_rate_squared)``, kinematic; ``total_viscosity``, typical of it.
 
     ``tolerance`` of a step in time: at a jump the front passes point by point, and 1e-10 takes twice the time, while
-    the elements leave 5e-8. More ``stages`` make steps longer, but Newton's method slower.
+    the elements leave 5e-8. More ``stages`` make steps longer, but Newton's method slower. ``layered``: whether a jump
+    of a wall is left to a closed form.
     """
 
+    layered: ClassVar[bool] = False
     tolerance: ClassVar[float] = 1e-8
     stages: ClassVar[int] = 5
 
@@ -149,39 +154,12 @@ class Flow:
 
 def _edges(liquid, flows, finest):
     """Edges over the gap. Liquids without memory have plugs, and kinks where the rate is 0: mid-gap, by symmetry."""
-    if liquid.laws:
+    if liquid.layered:
         return graded_edges(1.0, finest, WIDEST)
     if any(flow.bottom != flow.top for flow in flows):
         return graded_edges(1.0, finest, WIDEST / 2)
     half = graded_edges(0.5, finest, WIDEST / 2)
     return np.concatenate([half[:-1], 1 - half[::-1]])
-
-
-def _jump(wall, time):
-    """By how much the velocity of a wall that has changes jumps at one of them."""
-    return 0.0 if wall.driven else float(wall.during(time).velocity(time) - wall.velocity(time))
-
-
-@dataclass(frozen=True)
-class _Later:
-    """A ``wall`` on a clock that starts at ``begin``."""
-
-    wall: Any
-    begin: float
-
-    @property
-    def driven(self):
-        return self.wall.driven
-
-    @property
-    def mass_per_area(self):
-        return self.wall.mass_per_area
-
-    def acceleration(self, t):
-        return self.wall.acceleration(self.begin + t)
-
-    def stress(self, t):
-        return self.wall.stress(self.begin + t)
 
 
 class StartUp:
@@ -205,10 +183,10 @@ class StartUp:
             jumps = [new - old for new, old in zip(jumps, start[self._ends], strict=True)]
         driven = abs(flow.acceleration) * flow.gap**2 / liquid.total_viscosity
         self.begins = sorted({0.0, *(time for wall in walls for time in wall.changes)})
-        self._jumps = [(0.0, *jumps), *((time, *(_jump(wall, time) for wall in walls)) for time in self.begins[1:])]
+        self._jumps = [(0.0, *jumps), *((time, *(jump(wall, time) for wall in walls)) for time in self.begins[1:])]
         sizes = [*np.ravel([both for _, *both in self._jumps]), *([] if start is None else start[self._ends])]
         self.speed = max(1e-200, driven / 12, *np.abs(sizes))
-        self.layer = Layer(self.elements, self._jumps if liquid.laws else (), liquid.carried(1.0))
+        self.layer = Layer(self.elements, self._jumps if liquid.layered else (), liquid.carried(1.0))
         self.equations = self._equations(0.0)
         begun = np.zeros(self.equations.size) if start is None else start
         self._pieces = [self._solution(self.equations, begun, jumps)]
@@ -216,12 +194,12 @@ class StartUp:
     def _equations(self, begin):
         """Equations of the time from ``begin`` on."""
         flow = self.flow
-        walls = [_Later(wall.during(begin), begin) for wall in (flow.bottom, flow.top)]
+        walls = [LaterWall(wall.during(begin), begin) for wall in (flow.bottom, flow.top)]
         return Equations(self.elements, self.liquid, walls, flow.acceleration, self.layer.later(begin), self.speed)
 
     def _solution(self, equations, start, jumps):
         first = 1e-3 * self.flow.gap / np.sqrt(self.liquid.total_viscosity)
-        if not self.liquid.laws:
+        if not self.liquid.layered:
             start[self._ends] += jumps
         return Solution(equations, start, first, self.liquid.tolerance, self.liquid.stages)
 
@@ -283,7 +261,7 @@ class StartUp:
         return sum((np.stack(stress[:3]) for stress in whole), np.zeros((3, len(y))))
 
     def _whole_stress(self, y, time):
-        if self.liquid.laws:
+        if self.liquid.layered:
             return self.liquid.flux(self._shear_rate(y, time)) + self._stress(y, time)[1]
         # smoother than the shear rate where the viscosity changes much, as in a plug
         v = self._at(time)[: self.elements.size]

@@ -23,8 +23,9 @@ from tisph.config.base import Model, Positive, refusal
 def _share(value: float) -> float:
     if not 0 < value <= 1:
         raise refusal(
-            "must be greater than 0 and at most 1: at 0 (upper-convected Maxwell) the velocity has no viscous term, "
-            "and the momentum equation at the walls divides by the solvent's viscosity"
+            "must be greater than 0 and at most 1: at 0 (upper-convected Maxwell) what starts at a wall is a front "
+            "without thickness, and the momentum equation there divides by the solvent's viscosity; take 0.01 or less, "
+            "docs/rheologies.md says what such a liquid differs by"
         )
     return value
 

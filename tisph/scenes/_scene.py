@@ -43,6 +43,9 @@ class Scene:
     corners = ()
     """``exact.sliding_corner.SlidingCorner`` of each corner at which the velocities of two walls differ."""
 
+    changes = ()
+    """Times after the start at which the velocity of a body, or its acceleration, jumps."""
+
     initial_deviations = None
     """Function of places, the C of the modes of a polymer there when the run starts; None where it starts from rest."""
 

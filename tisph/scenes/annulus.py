@@ -1,4 +1,5 @@
-"""Circular Couette flow: liquid between two cylinders, either of which turns, steadily, from a jump on, or to and fro.
+"""Circular Couette flow: liquid between two cylinders, either of which turns: steadily, from a jump on, to and fro,
+or as velocities at some times say.
 
 Particles fill the annulus evenly, the first layer half a spacing from the walls. Motion starts, or changes, at t = 0.
 The run's clock starts at ``start_time``: at the initial time of the config for the state ``exact``, else at 0. The
@@ -10,12 +11,12 @@ import math
 from collections.abc import Iterator
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from tisph.config import schema
-from tisph.config.base import Model, Positive, Problem, Signed
+from tisph.config.base import Model, Positive, Problem, Signed, refusals
 from tisph.config.fields import Member
-from tisph.config.motion import Amplitude, WallMotion
+from tisph.config.motion import Amplitude, Times, Values, WallMotion, check_as_many, check_schedule
 from tisph.scenes._annulus.scene import Annulus
 from tisph.scenes._initial import Initial, liquid_problems, start_problems
 
@@ -36,21 +37,41 @@ class Geometry(Model):
 
 
 class Cylinder(WallMotion):
-    """Angular velocity of a cylinder from t = 0 on, counterclockwise: constant, or oscillating.
+    """Angular velocity of a cylinder from t = 0 on, counterclockwise: constant, or oscillating, or given at times.
 
     ``angular_velocity`` [radians/time], with ``angular_velocity_before`` for one that turned otherwise before t = 0; or
-    ``amplitude`` [radians/time] * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t.
+    ``amplitude`` [radians/time] * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t; or
+    ``angular_velocities`` at ``times``, linear in between and constant before and after; where two times are equal it
+    jumps.
     """
 
     speed_key = "angular_velocity"
-    exclusive_keys = ("angular_velocity", "amplitude")
-    unset_keys = ("angular_velocity_before", "angular_frequency", "phase")
+    other_keys = ("angular_velocities",)
+    exclusive_keys = ("angular_velocity", "amplitude", "angular_velocities")
+    unset_keys = ("angular_velocity_before", "angular_frequency", "phase", "times")
 
     angular_velocity: Signed | None = None
     angular_velocity_before: Signed | None = None
     amplitude: Amplitude | None = None
     angular_frequency: Positive | None = None
     phase: Literal["cos", "sin"] | None = None
+    times: Times | None = None
+    angular_velocities: Values | None = None
+
+    @model_validator(mode="after")
+    def _check_schedule(self) -> "Cylinder":
+        given, found = self.angular_velocities is not None, []
+        for key in ("angular_velocity_before", "angular_frequency", "phase") if given else ("times",):
+            if getattr(self, key) is not None:
+                found.append(
+                    ((key,), f"is {'not' if given else 'only'} for a wall with angular_velocities at times", key)
+                )
+        if found:
+            raise refusals(found)
+        if given:
+            check_as_many(self, "angular_velocities")
+            check_schedule(self, "angular_velocities")
+        return self
 
 
 class Walls(Model):
@@ -115,9 +136,12 @@ class Config(schema.Config):
             yield "geometry.outer_radius", f"must be greater than geometry.inner_radius {inner:g}"
         walls = self.walls.inner, self.walls.outer
         speeds = {speed for wall in walls for speed in (wall.speed, wall.speed_before)} - {None}
-        if speeds <= {0.0} and not any(wall.amplitude for wall in walls):
+        if speeds <= {0.0} and not any(wall.amplitude or wall.angular_velocities for wall in walls):
             yield "walls", "nothing moves: give walls.inner or walls.outer an angular_velocity other than 0"
         yield from start_problems(self, ("inner", "outer"))
+        scheduled = [name for name in ("inner", "outer") if getattr(self.walls, name).angular_velocities]
+        if scheduled and self.initial.state != "rest":
+            yield "initial.state", f"must be rest where a wall has velocities at times (walls.{scheduled[0]})"
 
 
 def _rheology(config: Config) -> Iterator[Problem]:

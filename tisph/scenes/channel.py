@@ -17,7 +17,7 @@ from pydantic import Field, model_validator
 from tisph.config import lattice, schema
 from tisph.config.base import LARGEST, Model, Positive, Problem, Signed, refusals
 from tisph.config.fields import Bodies, Member, number_or
-from tisph.config.motion import Amplitude, WallMotion
+from tisph.config.motion import Amplitude, Times, Values, WallMotion, check_as_many, check_schedule
 from tisph.scenes._channel.scene import Channel
 from tisph.scenes._initial import Initial, start_problems
 
@@ -27,13 +27,6 @@ WallTreatment = Member("walls", usual="consistent_image")
 
 STRESS_KEYS = ("shear_stress", "stress_amplitude", "stresses")
 """Of a wall, one of which says that a stress drives it."""
-
-MOST_TIMES = 1000
-Times = Annotated[
-    tuple[Annotated[float, Field(ge=0, le=LARGEST)], ...], Field(strict=False, min_length=1, max_length=MOST_TIMES)
-]
-Values = Annotated[tuple[Signed, ...], Field(strict=False, min_length=1, max_length=MOST_TIMES)]
-"""The type of what a wall is given at each of the times."""
 
 
 class Geometry(Model):
@@ -88,28 +81,15 @@ class Wall(WallMotion):
         found = [(key, text) for key, text in _alien_keys(self) if getattr(self, key) is not None]
         if self.stress_amplitude is not None and self.angular_frequency is None:
             raise refusals([(("angular_frequency",), "is missing: a stress with an amplitude oscillates", {})])
-        for name in ("stresses", "velocities"):
-            values = getattr(self, name)
-            if values is not None and len(self.times or ()) != len(values):
-                text = f"must be as many times, ascending from 0 on, as there are {name}, {len(values)}"
-                raise refusals([(("times",), text, self.times)])
+        for key in ("stresses", "velocities"):
+            check_as_many(self, key)
         if self.velocities is not None:
-            _check_schedule(self.times, self.velocities)
+            check_schedule(self, "velocities")
         elif self.times and any(late <= early for early, late in pairwise((-1e-300, *self.times))):
             raise refusals([(("times",), "must ascend from 0 on", self.times)])
         if found:
             raise refusals([((key,), text, getattr(self, key)) for key, text in found])
         return self
-
-
-def _check_schedule(times: tuple[float, ...], velocities: tuple[float, ...]) -> None:
-    """Raise ValidationError where velocities at these times say nothing, or two things."""
-    counts = [times.count(time) for time in times]
-    if list(times) != sorted(times) or counts[0] > 1 or max(counts) > 2:
-        text = "must ascend from 0 on; two equal ones, where the velocity jumps, come after the first"
-        raise refusals([(("times",), text, times)])
-    if not any(velocities):
-        raise refusals([(("velocities",), "must not all be 0: for a wall at rest give velocity: 0", velocities)])
 
 
 def _alien_keys(wall: Wall) -> Iterator[tuple[str, str]]:
@@ -258,15 +238,16 @@ def _motion(config: Config) -> Iterator[Problem]:
 
 
 def _driven(config: Config) -> Iterator[Problem]:
-    """What speaks against a wall that is driven by a stress."""
-    sides = [side for side in ("bottom", "top") if getattr(config.walls, side).driven]
+    """What speaks against walls that a stress drives, or with velocities at times."""
+    sides, scheduled = (
+        [side for side in ("bottom", "top") if getattr(getattr(config.walls, side), key)]
+        for key in ("driven", "velocities")
+    )
     if len(sides) > 1:
         yield "walls.top", "must have a velocity where a stress drives the bottom wall: nothing else holds the liquid"
-    if sides and config.initial.state != "rest":
-        yield "initial.state", f"must be rest where a stress drives a wall (walls.{sides[0]})"
-    scheduled = [side for side in ("bottom", "top") if getattr(config.walls, side).velocities]
-    if scheduled and config.initial.state != "rest":
-        yield "initial.state", f"must be rest where a wall has velocities at times (walls.{scheduled[0]})"
+    for which, text in ((sides, "a stress drives a wall"), (scheduled, "a wall has velocities at times")):
+        if which and config.initial.state != "rest":
+            yield "initial.state", f"must be rest where {text} (walls.{which[0]})"
     if sides and config.walls.treatment.type != "consistent_image":
         text = f"must be consistent_image where a stress drives a wall (walls.{sides[0]})"
         yield "walls.treatment.type", f"{text}: only its images take a stress"

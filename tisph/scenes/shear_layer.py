@@ -4,7 +4,8 @@ With the period L, the thickness d of the layers and the perturbation e, the run
 
     u = U tanh((y - L/4)/d) below y = L/2, U tanh((3L/4 - y)/d) above it,    v = e U sin(2 pi x/L).
 
-The layers wrap up into a vortex each, and strain what lies between. No solution is known.
+The layers wrap up into a vortex each, and strain what lies between. No solution is known. A liquid with polymer starts
+without stress.
 
 Source: J. B. Bell, P. Colella and H. M. Glaz, J. Comput. Phys. 85 (1989) 257-283, section 5; D. L. Brown and M. L.
 Minion, J. Comput. Phys. 122 (1995) 165-183 (thick layers: L/30 at a Reynolds number of 1e4; thin ones: L/100).
@@ -20,7 +21,10 @@ from pydantic import Field
 from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem
 from tisph.scenes import _turning
+from tisph.scenes._initial import liquid_problems
+from tisph.scenes._motion import Polymer
 from tisph.scenes._scene import Scene as AnyScene
+from tisph.snapshot import STRESSES
 
 THICKEST = 1 / 24
 """Thickness of a layer over the period above which the streams have a kink: tanh' = 1e-5 of the largest between."""
@@ -75,9 +79,7 @@ class Config(schema.Config):
         if self.initial.thickness > largest:
             text = f"must be at most {largest:.6g}, 1/24 of the side"
             yield "initial.thickness", f"{text}: streams must be even between the layers"
-        if self.fluid.rheology.type != "newtonian":
-            text = f"must be newtonian: of {self.fluid.rheology.type} the roll-up of shear layers is not served yet"
-            yield "fluid.rheology.type", text
+        yield from liquid_problems(self, "of {} the roll-up of shear layers is not served")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,6 +96,7 @@ class Scene(AnyScene):
     columns: int
     rows: int
     units: Any
+    rheology: Any = None
 
     flow_numbers = ("kinetic_energy", "dissipation")
 
@@ -111,7 +114,13 @@ class Scene(AnyScene):
             columns=config.columns,
             rows=config.rows,
             units=config.units,
+            rheology=config.fluid.polymer,
         )
+
+    @property
+    def polymer(self):
+        """The numbers of the polymer by which times are told, None without."""
+        return Polymer.of(self.rheology)
 
     @property
     def extent(self):
@@ -141,17 +150,19 @@ class Scene(AnyScene):
         """Velocities when the run starts."""
         from_layer = np.where(y <= 0.5 * self.length, y - 0.25 * self.length, 0.75 * self.length - y)
         u = self.speed * np.tanh(from_layer / self.thickness)
-        return {"u": u, "v": self.perturbation * self.speed * np.sin(2 * np.pi * x / self.length)}
+        stress = dict.fromkeys(STRESSES, np.zeros(np.shape(x))) if self.rheology else {}
+        return {"u": u, "v": self.perturbation * self.speed * np.sin(2 * np.pi * x / self.length), **stress}
 
     def measures(self, snapshot, followed):
         """Numbers of a snapshot: means over the particles, and those of ``_turning.measures``.
 
-        ``kinetic_energy`` and ``dissipation`` per mass; ``mean_u``, ``mean_v``: the velocity of all liquid, 0 at first.
+        ``kinetic_energy`` and ``dissipation``, that of the solvent, per mass; ``mean_u``, ``mean_v``: the velocity of
+        all liquid, 0 at first.
         """
         square, others = _turning.measures(self, snapshot)
         return {
             "kinetic_energy": _turning.kinetic_energy(snapshot),
-            "dissipation": self.kinematic_viscosity * square,
+            "dissipation": self.solvent_viscosity * square,
             "mean_u": np.mean(snapshot.u),
             "mean_v": np.mean(snapshot.v),
             **others,
@@ -164,6 +175,7 @@ class Scene(AnyScene):
     def facts(self):
         """Numbers of the flow."""
         length, time = self.units.length, self.units.time
+        elastic = [("Weissenberg number", f"{self.weissenberg:.4g}  (relaxation time * U / L)")] if self.polymer else []
         spacings = f"{self.thickness / self.spacing:.3g} spacings"
         return [
             ("Reynolds number", f"{self.reynolds:.6g}  (U L / nu)"),
@@ -171,6 +183,7 @@ class Scene(AnyScene):
             ("kinematic viscosity nu", f"{self.kinematic_viscosity:.6g} {length}^2/{time}"),
             ("side L", f"{self.length:.6g} {length}"),
             ("thickness of a layer", f"{self.thickness:.6g} {length}, {spacings}"),
+            *elastic,
         ]
 
     def profiles(self):

@@ -65,7 +65,7 @@ class Config(schema.Config):
         """What the scene has against the config."""
         if self.fluid.rheology.type != "newtonian":
             text = f"must be newtonian: of {self.fluid.rheology.type} the decay of these vortices is not known"
-            yield "fluid.rheology.type", text
+            yield "fluid.rheology.type", f"{text}; shear_layer has liquids with polymer in a periodic box"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,16 +15,21 @@ SERVED = {
     "wcsph": ["newtonian", "oldroyd_b"],
 }
 
+DRIVEN = [("bottom", "driven"), ("top", "driven")]
+"""Walls that a stress may drive, and the property that says so."""
+
+SCHEDULED = [(side, "velocities") for side in ("bottom", "top")]
+SCHEDULED += [(side, "angular_velocities") for side in ("inner", "outer")]
+"""Walls that may have velocities at times, and the key of these."""
+
 
 def problems(config, scheme):
     """Yield dotted key and text where ``scheme`` cannot serve the rheology of the config, or what drives a wall."""
     walls = getattr(config, "walls", None)
-    driven = [side for side in ("bottom", "top") if getattr(getattr(walls, side, None), "driven", False)]
-    if driven and scheme != "implicit":
-        yield "scheme.type", f"{scheme} has no wall that a stress drives (walls.{driven[0]}); take implicit"
-    scheduled = [side for side in ("bottom", "top") if getattr(getattr(walls, side, None), "velocities", None)]
-    if scheduled and scheme != "implicit":
-        yield "scheme.type", f"{scheme} has no wall with velocities at times (walls.{scheduled[0]}); take implicit"
+    for keys, kind in ((DRIVEN, "that a stress drives"), (SCHEDULED, "with velocities at times")):
+        found = [side for side, key in keys if getattr(getattr(walls, side, None), key, None)]
+        if found and scheme != "implicit":
+            yield "scheme.type", f"{scheme} has no wall {kind} (walls.{found[0]}); take implicit"
     name = config.fluid.rheology.type
     if name in SERVED[scheme]:
         return

@@ -39,7 +39,10 @@ class NewtonianFlow:
 
 
 class SolvedFlow:
-    """Of a liquid with polymer, from rest, or on from the steady flow of what the cylinders did before; solved once."""
+    """From rest, or on from the steady flow of what the cylinders did before; solved once.
+
+    Of a liquid with polymer, or of any between cylinders with velocities at times.
+    """
 
     def __init__(self, annulus):
         walls = annulus.inner, annulus.outer
@@ -75,7 +78,8 @@ class SolvedFlow:
 
 @lru_cache(maxsize=8)
 def _solved(rheology, kinematic_viscosity, inner_radius, outer_radius, inner, outer, before):
-    liquid = Polymer(rheology.solvent_fraction * kinematic_viscosity, rheology.laws(kinematic_viscosity))
+    share, laws = (rheology.solvent_fraction, rheology.laws(kinematic_viscosity)) if rheology else (1.0, ())
+    liquid = Polymer(share * kinematic_viscosity, laws)
     moved = any(wall.speed for wall in before)
     return CircularStartUp(inner_radius, outer_radius, liquid, inner, outer, before if moved else None)
 

@@ -10,6 +10,7 @@ import numpy as np
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, WallMotion
+from tisph.geometry.schedule import Schedule
 from tisph.scenes import _turning
 from tisph.scenes._annulus import views
 from tisph.scenes._annulus.flow import NewtonianFlow, SolvedFlow, cartesian, polar
@@ -29,8 +30,8 @@ class Annulus(Filled):
     inner_radius: float
     outer_radius: float
     centre: tuple[float, float]
-    inner: WallMotion
-    outer: WallMotion
+    inner: WallMotion | Schedule
+    outer: WallMotion | Schedule
     density: float
     kinematic_viscosity: float
     spacing: float
@@ -46,7 +47,7 @@ class Annulus(Filled):
     @classmethod
     def from_config(cls, config):
         """The scene that a validated config describes."""
-        inner, outer = (WallMotion.from_config(wall) for wall in (config.walls.inner, config.walls.outer))
+        inner, outer = (_turning_of(wall) for wall in (config.walls.inner, config.walls.outer))
         return cls(
             inner_radius=config.geometry.inner_radius,
             outer_radius=config.geometry.outer_radius,
@@ -90,6 +91,11 @@ class Annulus(Filled):
         return tuple(Body(shape, self.centre, motion=way) for shape, way in zip(shapes, motions, strict=True))
 
     @property
+    def changes(self):
+        """Times above 0 at which the angular velocity of a cylinder, or its slope, jumps."""
+        return tuple(sorted({*self.inner.changes, *self.outer.changes}))
+
+    @property
     def reference_length(self):
         """The gap."""
         return self.gap
@@ -112,11 +118,12 @@ class Annulus(Filled):
 
     def thinnest_layer(self, t):
         """Depth of the thinnest layer at time ``t`` and where it is: that of a wall that started, or oscillates."""
-        viscosity = self.kinematic_viscosity * (self.polymer.spreading_share(t) if self.polymer else 1.0)
         layers = []
         for name, wall in (("inner", self.inner), ("outer", self.outer)):
-            if self.before(wall) != wall.velocity(0.0) and not self.settled:
-                layers.append((math.sqrt(viscosity * t), f"the layer at the {name} cylinder"))
+            if (self.before(wall) != wall.velocity(0.0) and not self.settled) or wall.changes:
+                since = t - max((change for change in wall.changes if change < t), default=0.0)
+                viscosity = self.kinematic_viscosity * (self.polymer.spreading_share(since) if self.polymer else 1.0)
+                layers.append((math.sqrt(viscosity * since), f"the layer at the {name} cylinder"))
             if wall.oscillates:
                 depth = 0.5 * wall.penetration_depth(self.kinematic_viscosity)
                 layers.append((depth, f"the layer at the oscillating {name} cylinder"))
@@ -137,7 +144,7 @@ class Annulus(Filled):
 
     @property
     def _flow(self):
-        return SolvedFlow(self) if self.polymer else NewtonianFlow(self)
+        return SolvedFlow(self) if self.polymer or self.changes else NewtonianFlow(self)
 
     def radii(self, x, y):
         """Distance of places from the axis."""
@@ -207,6 +214,17 @@ class Annulus(Filled):
         """Torques of the liquid on the inner and the outer cylinder, per length of the axis."""
         return self._flow.torques(t)
 
+    @property
+    def monitored(self):
+        """First normal stress difference of a polymer at both cylinders, ``n1_inner`` and ``n1_outer``."""
+        return views.monitored(self) if self.polymer else None
+
+    def exact_normal_stress(self, t):
+        """Exact N1 (2, times) of the polymer at the inner and the outer cylinder."""
+        radii = np.array([[self.inner_radius], [self.outer_radius]])
+        around, _, along = self._flow.polymer_stress(radii, np.asarray(t))
+        return around - along
+
     def measures(self, snapshot, followed):
         """Error of the pressure, torques on the cylinders with their references, and those of ``_turning.measures``.
 
@@ -254,3 +272,10 @@ class Annulus(Filled):
     def shown(self, name, end):
         """Speed, vorticity, pressure or shear stress of the polymer, as colours and over the radius."""
         return views.shown(self, name, end)
+
+
+def _turning_of(wall):
+    """The motion of a cylinder of a config."""
+    if wall.angular_velocities:
+        return Schedule(wall.times, wall.angular_velocities)
+    return WallMotion.from_config(wall)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from tisph.scenes import _turning
-from tisph.scenes._views import Followed, Profile, Radius, Shown
+from tisph.scenes._views import Followed, Monitored, Profile, Radius, Shown
 
 MINUS = "\N{MINUS SIGN}"
 
@@ -48,6 +48,22 @@ def followed(annulus):
         measure=lambda snapshot: snapshot.bodies.torque,
         exact=lambda times: np.stack(annulus.exact_torques(np.asarray(times)), axis=1),
         angular_frequency=max(annulus.inner.angular_frequency, annulus.outer.angular_frequency),
+    )
+
+
+def monitored(annulus):
+    """N1 of the polymer at the inner and the outer cylinder, with its reference."""
+    columns = ["n1_inner", "n1_outer"]
+
+    def measure(snapshot):
+        found = snapshot.bodies.normal_stress
+        return np.full(2, np.nan) if found is None else found
+
+    return Monitored(
+        columns=columns,
+        measure=measure,
+        final_columns=[f"{name}_exact" for name in columns],
+        final=lambda times, values: annulus.exact_normal_stress(times).T,
     )
 
 

@@ -44,6 +44,7 @@ def _flow(scene):
         "start_time": scene.start_time,
         "rheology": scene.rheology,
         "initial_deviations": scene.initial_deviations,
+        "changes": scene.changes,
     }
     if not scene.bodies:
         return PeriodicFlow(columns=scene.columns, rows=scene.rows, spacing=scene.spacing, **liquid)
@@ -79,7 +80,9 @@ def estimates(config, scene):
     begin = np.log(1 / FIRST) / np.log(LARGEST_FACTOR) - 1 / (
         1 - 1 / LARGEST_FACTOR
     )  # steps that grow, less their time
-    counts = [max(1, round(begin + np.interp(t, times, gone))) for t in [*config.time.samples, config.time.end]]
+    ends = [*config.time.samples, config.time.end]
+    begun = [1 + sum(change < t for change in scene.changes) for t in ends]
+    counts = [max(1, round(n * begin + np.interp(t, times, gone))) for n, t in zip(begun, ends, strict=True)]
     cost = COST * (BETWEEN_WALLS if scene.bodies else 1.0) * (WITH_POLYMER if scene.rheology else 1.0)
     return {
         "mach": 0.0,

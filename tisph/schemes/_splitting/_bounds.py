@@ -1,5 +1,7 @@
 """What a step has to know of the walls: where they are at its end, how fast, and what was so before."""
 
+import math
+
 import numpy as np
 
 from tisph.neighbours.points import used
@@ -16,17 +18,17 @@ KEPT = 2
 STRAIGHT = 1e-12
 """Part of its speed below which a wall does not move into the liquid."""
 
-KEPT_LISTS = ("twists", "loads")
+KEPT_LISTS = ("twists", "loads", "normals")
 
 LOADS = 3
-"""Times at which forces and torques are kept, to be known within a step."""
+"""Times at which forces, torques and normal stresses are kept, to be known within a step."""
 
 
 class Bounds:
     """Sets the points on the walls of a ``BoundedFlow`` and what particles know of walls.
 
     ``twists`` (points,), of the curl of the vorticity, and ``loads`` (2, bodies, 3), force and torque of all and of the
-    pressure, are newest first.
+    pressure, are newest first; so are ``normals`` (bodies,), N1 of a polymer.
     """
 
     def __init__(self, flow, history, shift, support, skin):
@@ -35,7 +37,7 @@ class Bounds:
         self.closure = Closure(history.rows, flow.walls, flow.spacing)
         self.slots = slice(flow.liquid, flow.particles)
         self.corners = Corners(flow.corners, flow.origin, history) if flow.corners else None
-        self.twists, self.loads = [], []
+        self.twists, self.loads, self.normals = [], [], []
         self.normal = self.velocity = None
 
     def place(self, time):
@@ -43,9 +45,9 @@ class Bounds:
         places = view(self.points.place)
         place, self.normal, self.velocity = self.walls.at(time)
         places[self.slots] = place % [self.flow.length, self.flow.gap]
-        planes, distances, bend = self.walls.seen(places[: self.flow.particles], time)
+        planes, distances, curvatures = self.walls.seen(places[: self.flow.particles], time)
         if self.history.rows.curved:
-            view(self.history.rows.bend)[: self.flow.particles] = bend
+            view(self.history.rows.bend)[: self.flow.particles] = self.walls.bend(planes, distances, curvatures)
         view(self.shift.planes)[: self.flow.liquid] = planes[: self.flow.liquid]
         spacing = self.flow.spacing
         stretch = self.walls.stretch(distances, self.support)
@@ -80,6 +82,11 @@ class Bounds:
             weights = lambda part: times.at((1.0 - part) * length, VELOCITIES)  # noqa: E731
             place = self.corners.paths.find(weights, length)
             view(self.points.place)[: self.flow.liquid] = place % [self.flow.length, self.flow.gap]
+
+    def jump(self, time):
+        """Let the points have the velocities of the walls after ``time``, at which these jump."""
+        self.velocity = self.walls.at(math.nextafter(time, math.inf))[2]  # at the very time they have the old ones
+        self.rests[self.slots, 0] = self.velocity
 
     def find_fastest(self):
         """Take up the largest velocity relative to the mean, of which those carried are a part."""
@@ -125,7 +132,10 @@ class Bounds:
         shear = across[:, 0] + along[:, 1]
         stress = self.flow.solvent_viscosity * np.stack([2.0 * along[:, 0], shear, 2.0 * across[:, 1]])
         if polymer:
-            stress += polymer.wall_stress()
+            extra = polymer.wall_stress()
+            stress += extra
+            normals = self.flow.density * self.walls.means(_along_less_across(extra, normal))
+            self.normals = [normals, *self.normals][:LOADS]
         viscous = np.stack([(stress[:2] * normal.T).sum(axis=0), (stress[1:] * normal.T).sum(axis=0)], axis=1)
         tractions = np.stack([viscous, -carried[:, 2 * VELOCITIES, None] * normal])
         if self.corners:
@@ -137,8 +147,11 @@ class Bounds:
     def bodies(self, time, times, age):
         """Return the ``Bodies`` at ``time``, ``age`` before the end of the last step, from which ``times`` count."""
         weights = times.at(age, min(LOADS, len(self.loads)))
-        loads = sum(weight * load for weight, load in zip(weights, self.loads, strict=False))
-        return Bodies.at(time, self.walls.bodies, loads)
+        loads, normals = (
+            sum(weight * each for weight, each in zip(weights, kept, strict=False)) if kept else None
+            for kept in (self.loads, self.normals)
+        )
+        return Bodies.at(time, self.walls.bodies, loads, normals)
 
     def drive(self, split, times):
         """Give the velocities of the walls at the end of a step to its solvers, and the curl expected there."""
@@ -153,3 +166,9 @@ class Bounds:
         """Keep the curl of the vorticity of the ``velocity`` at the end of a step, a field."""
         self.closure.spin(velocity)
         self.twists = [self.closure.twists.copy(), *self.twists][:KEPT]
+
+
+def _along_less_across(stress, normal):
+    """Return N1 (count,) of a ``stress`` (3, count) at walls with a ``normal`` (count, 2)."""
+    (xx, xy, yy), (x, y) = stress, normal.T
+    return (yy - xx) * (x**2 - y**2) - 4.0 * xy * x * y

@@ -44,14 +44,21 @@ class StepControl:
     """Proposes lengths: ``wish`` is the next one; ``targets`` are met exactly, ``led_to`` was the last to cut a step.
 
     ``tolerance``: of the error of a step, over the present velocity; None where the Courant number alone decides.
+    ``changes``: times at which what drives the flow jumps; up to the last target they are targets as well.
     """
 
-    def __init__(self, start, targets, tolerance):
-        self.targets = [target for target in targets if target > start]
+    def __init__(self, start, targets, tolerance, changes=()):
+        self.changes = list(changes)
+        self.targets = self.ahead(targets, start)
         self.led_to = None
         self.wish = math.inf
         self.tolerance = tolerance
         self.refused = None
+
+    def ahead(self, targets, time):
+        """Return the times after ``time`` that steps end on."""
+        changes = [change for change in self.changes if change < max(targets)]
+        return sorted(target for target in {*targets, *changes} if target > time)
 
     @property
     def finished(self):
@@ -59,7 +66,7 @@ class StepControl:
         return not self.targets
 
     def begin(self, longest):
-        """Choose the first step where the Courant number allows the ``longest``."""
+        """Choose the first step, or the first one after a change, where the Courant number allows the ``longest``."""
         self.wish = FIRST * longest
 
     def length(self, time):
@@ -104,5 +111,5 @@ class StepControl:
 
     def aim(self, targets, time):
         """Go on from ``time`` to other targets; return whether only those have cut steps so far."""
-        self.targets = [target for target in targets if target > time]
-        return self.led_to is None or self.led_to in targets
+        self.targets = self.ahead(targets, time)
+        return self.led_to is None or self.led_to in {*targets, *self.changes}

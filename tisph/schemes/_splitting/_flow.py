@@ -14,6 +14,7 @@ class _Flow(Box):
     those (``exact/sliding_corner.py``) where the velocities of two of them differ. ``kinematic_viscosity`` is the total
     one, of solvent and polymer; ``rheology``: parameters of the liquid where it has a polymer, else None, and
     ``initial_deviations`` of the conformation tensors of its modes at places x, y, None where it starts from rest.
+    ``changes``: times at which the velocity of a wall, or its acceleration, jumps.
     """
 
     density: float
@@ -25,6 +26,7 @@ class _Flow(Box):
     corners: tuple = ()
     rheology: object = None
     initial_deviations: object = None
+    changes: tuple[float, ...] = ()
 
     @property
     def solvent_viscosity(self):

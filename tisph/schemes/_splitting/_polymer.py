@@ -80,7 +80,8 @@ class Polymer:
         leading, back = times.backwards()
         self.time, self.duration = time, length / leading
         states, elapsed = self.states.astype(float), (times.unit * times.ages)[:ORDER]
-        states[..., self.liquid :] = self.walls.carried(states[..., self.liquid :], elapsed, self.time)
+        if self.walls:
+            states[..., self.liquid :] = self.walls.carried(states[..., self.liquid :], elapsed, self.time)
         self.known = np.einsum("a,acn->cn", back[:ORDER], states) / leading
         self.found, self.slopes = states[0], [None for _ in self.modes.laws]
         self.viscosity = sum(
@@ -106,8 +107,9 @@ class Polymer:
         self.measure(velocity)
         gradient = self.gradients = view(self.gradient)[: self.points.fluid].T.astype(float)
         gradient[[0, 3]] -= 0.5 * (gradient[0] + gradient[3])  # what divergence there is, is an error
-        points = gradient[:, self.liquid :]
-        points[...] = self.walls.gradients(points.reshape(2, 2, -1), self.time).reshape(4, -1)
+        if self.walls:
+            points = gradient[:, self.liquid :]
+            points[...] = self.walls.gradients(points.reshape(2, 2, -1), self.time).reshape(4, -1)
         for mode, (law, part) in enumerate(self.modes):
             way = lambda p, law=law: rate(law, p, gradient)  # noqa: E731
             known, guess = self.known[part], self.found[part]

@@ -58,19 +58,8 @@ TIDYING = 100
 """Steps after which particles that have become neighbours are brought near one another in memory, too. Once a flow has
 mixed 1e5 of them a step takes 1.7 times as long without."""
 
-HOST_STATE = (
-    "time",
-    "steps",
-    "rejected",
-    "shortest",
-    "longest",
-    "reduced",
-    "dropped",
-    "lengths",
-    "iterations",
-    "initial_momentum",
-    "steepest",
-)
+HOST_STATE = "time", "steps", "rejected", "shortest", "longest", "reduced", "dropped"
+HOST_STATE += "lengths", "iterations", "initial_momentum", "steepest"
 """Attributes of a Scheme that change while it runs."""
 
 
@@ -100,8 +89,9 @@ class Scheme:
         closure = self.bounds.closure if bounded else None
         self.polymer = Polymer(self.history, flow) if flow.rheology else None
         self.split = Split(self.history, self.lattice, flow, closure, self.polymer)
-        self.control = StepControl(flow.start_time, targets, tolerance)
-        self.viscous = viscous_step(flow.spacing, flow.kinematic_viscosity, flow.rheology) if bounded else math.inf
+        self.control = StepControl(flow.start_time, targets, tolerance, flow.changes)
+        limited = bounded or flow.rheology
+        self.viscous = viscous_step(flow.spacing, flow.kinematic_viscosity, flow.rheology) if limited else math.inf
         least = ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
         self.residuals = max(PRESSURE_RESIDUAL, least), max(VELOCITY_RESIDUAL, least)
         self.reset()
@@ -156,6 +146,8 @@ class Scheme:
 
     def advance(self):
         """Take one step, in as many attempts as its error asks for; raise DivergedError where none succeeds."""
+        if self.time in self.flow.changes:
+            self.begin_again()
         for _ in range(MOST_ATTEMPTS):
             length = self.control.length(self.time)
             error, order = self.attempt(length)
@@ -163,6 +155,12 @@ class Scheme:
                 break
             self.rejected += 1
         self.conclude(length)
+
+    def begin_again(self):
+        """Forget what was before: no polynomial in time goes on where walls jump, and steps begin as those of a run."""
+        self.lengths = []
+        self.bounds.jump(self.time)
+        self.control.begin(self.longest_step)
 
     def attempt(self, length):
         """Compute the velocities at the end of a step; return their estimated error, and of which order it is."""

@@ -53,7 +53,7 @@ class Split:
         ``leading`` is g, ``kept`` k g, ``tolerances`` those of the pressure and of the velocities.
         """
         sound, self.iterations = True, [0.0, 0.0]
-        turns = 2 if self.bounded else 1
+        turns = 2 if self.bounded or self.polymer else 1
         for turn in range(turns):
             if self.polymer:
                 self.polymer.act(self.velocity.x, self.known, length)

@@ -102,6 +102,10 @@ class Walls:
             result[:, number, 2] = (arm[:, 0] * part[..., 1] - arm[:, 1] * part[..., 0]).sum(axis=1)
         return result
 
+    def means(self, values):
+        """Return the means (bodies,) along each wall of ``values`` (count,) at the points."""
+        return np.array([np.average(values[part], weights=self.length[part]) for part in self.parts])
+
     def _placed(self, time):
         """Return the points by body at ``time``; those of the last time are kept, which are asked for twice a step."""
         if self._kept[0] != time:
@@ -113,7 +117,7 @@ class Walls:
         """Return the tangents to the nearest walls of each of the places (n, 2), as the nearest points see them.
 
         An array (n, SEEN, 3): normal, then offset, normal . x - offset being the distance, 1e30 of a wall that is not.
-        The distances (n, SEEN) themselves, infinite there. And the ``bend`` of the rows (n, 2), where walls are curved.
+        The distances (n, SEEN) themselves, infinite there. And the curvatures (n, SEEN) of the walls.
         """
         count = max(SEEN, len(self.bodies))
         planes, distances = np.zeros((len(place), count, 3)), np.full((len(place), count), np.inf)
@@ -127,11 +131,11 @@ class Walls:
             curvatures[:, number] = foot.curvature
         nearest = np.argsort(distances, axis=1, kind="stable")[:, :SEEN]
         planes = np.take_along_axis(planes, nearest[..., None], 1)
-        distances, curvatures = (np.take_along_axis(values, nearest, 1) for values in (distances, curvatures))
-        return planes, distances, self._bend(planes[:, 0, :2], distances[:, 0], curvatures[:, 0])
+        return planes, *(np.take_along_axis(values, nearest, 1) for values in (distances, curvatures))
 
-    def _bend(self, normal, distance, curvature):
-        """Return the conjugate inverse (n, 2) of the way from the centre of curvature, as ``rows.py`` has it."""
+    def bend(self, planes, distances, curvatures):
+        """Return the ``bend`` of rows (n, 2), conjugate inverse of the way from the centre, where this is ``seen``."""
+        normal, distance, curvature = planes[:, 0, :2], distances[:, 0], curvatures[:, 0]
         radius = 1.0 / np.where(curvature, curvature, 1e-30) + distance
         least = self.spacing * np.where(curvature > 0.0, LEAST_RADIUS, LEAST_INSIDE)
         bent = (curvature != 0.0) & (distance < BENT * self.spacing) & (radius * np.sign(curvature) > least)

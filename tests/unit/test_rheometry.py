@@ -13,9 +13,11 @@ from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity, cy
 from tisph.exact.start_up import Polymer, Wall
 from tisph.scenes._motion import WallMotion
 from tisph.verification._cylinders import as_plane
-from tisph.verification.rheometry import _amplitudes, _oscillation, _slowest_pair, _window
+from tisph.verification.rheometry import _amplitudes, _oscillation, _slowest_pair, _start_up, _window
 
 LIQUID = Spectrum(0.1, ((0.6, 1.0), (0.3, 0.1)))
+NORMALS = {"inner": 1.01, "inner_exact": 1.0, "outer": 7.0, "outer_exact": 7.0}
+"""N1 at cylinders of which the inner one moves, over what theory has there."""
 
 
 def plane(gap, wall):
@@ -122,11 +124,21 @@ def test_cylinders_with_a_narrow_gap_are_planes():
 
 def test_a_cylinder_is_read_as_a_plane():
     t, inner, outer = np.linspace(0.0, 20.0, 50), WallMotion(0.5), WallMotion(0.0)
-    annulus = SimpleNamespace(inner_radius=1.0, outer_radius=2.0, density=1.0, inner=inner, outer=outer)
+    viscosities = {"dynamic_viscosity": 1.0, "solvent_viscosity": 0.1}
+    walls = {"inner_radius": 1.0, "outer_radius": 2.0, "inner": inner, "outer": outer}
+    annulus = SimpleNamespace(density=1.0, **walls, **viscosities)
     torque = -4 * np.pi * 0.5 * LIQUID.growth(t) * 4 / 3  # 4 pi W eta a^2 b^2/(b^2 - a^2), as the viscosity grows
     _, wall, table = as_plane(annulus, {"t": t, "torque_inner": torque, "torque_inner_exact": torque})
     assert wall.cosine == pytest.approx(0.5 * 8 / 3)
     assert table["wall_shear"] == pytest.approx(wall.cosine * LIQUID.growth(t))
+    normal = {f"n1_{name}": factor * wall.cosine**2 * LIQUID.normal_growth(t) for name, factor in NORMALS.items()}
+    _, wall, table = as_plane(annulus, {"t": t, "torque_inner": torque, "torque_inner_exact": torque, **normal})
+    reading = _start_up(SimpleNamespace(gap=1.0), LIQUID, wall, table)
+    known = LIQUID.normal_growth(20.0)
+    assert reading.numbers["normal_stress_coefficient_at_the_end"] == pytest.approx(1.01 * known)
+    assert reading.numbers["normal_stress_coefficient_at_the_end_reference"] == pytest.approx(known)
+    assert any(f"(reference {known:.6g})" in line for line in reading.lines)
+    assert [curve[1] for curve in reading.curves[3:5]] == ["run, at the wall that moves", "reference"]
     with pytest.raises(ConfigError, match="one moving cylinder"):
         as_plane(SimpleNamespace(**{**vars(annulus), "outer": inner}), {})
 

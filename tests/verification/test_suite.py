@@ -25,18 +25,20 @@ LONG = (
     "regular_lid_slow 16/25",
     "shear_held",
     "oldroyd_b_annulus_12",
+    "annulus, ratio 0.2, 12/25",
     "exponential_ptt_poiseuille",
     "fene_p_couette",
     "two_modes_poiseuille",
 )
 """Quick rows that take longest. The order of the explicit scheme is that of poiseuille, with the same operators and
 walls, and lattice bounds the error at 50 across of the wall that moves. The vortex of 50 across has the same bounds in
-tests/core/test_splitting.py, its order too, and taylor_green_25 is a row of it. Convergence at walls of any shape is
-that of annulus 12/25; the steady flow under a regular lid and the sharp lid are in tests/core/test_cavity.py; a coarser
-cylinder is held in shear in tests/core/test_bodies_in_flow.py, to the same stress of the walls; between the same
-cylinders a Giesekus liquid starts in tests/core/test_polymer_where_it_turns.py. What the two laws say in kernels is
-compared with NumPy in tests/core/test_laws_in_kernels.py, that with the literature in tests/unit/test_laws.py; how a
-law is stepped is in other rows here, and two modes in tests/core/test_polymer_steps.py, to the same bound."""
+tests/core/test_splitting.py, its order too, and taylor_green_25 is a row of it. What walls of any shape cost 12 and 25
+across is in tests/core/test_curved_walls.py and annulus_25; the steady flow under a regular lid and the sharp lid are
+in tests/core/test_cavity.py; a coarser cylinder is held in shear in tests/core/test_bodies_in_flow.py, to the same
+stress of the walls; between the same cylinders a Giesekus liquid starts in tests/core/test_polymer_where_it_turns.py.
+What the two laws say in kernels is compared with NumPy in tests/core/test_laws_in_kernels.py, that with the literature
+in tests/unit/test_laws.py; how a law is stepped is in other rows here, and two modes in
+tests/core/test_polymer_steps.py, to the same bound."""
 
 
 def checks(quick):

@@ -58,6 +58,7 @@ def lattice_viscosity():
 
 
 @pytest.mark.verification
+@pytest.mark.slow  # below it does what the program does, step by step
 def test_the_loop_converges_to_start_up_couette_flow(program, tmp_path):
     part, end, errors = lattice_viscosity(), 2.7, []
     assert part == pytest.approx(0.963, abs=1e-3)  # why the exact solution below is that of a thinner liquid

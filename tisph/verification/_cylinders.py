@@ -31,8 +31,12 @@ def as_plane(annulus, table):
     plane = SimpleNamespace(
         gap=1.0,
         density=annulus.density,
+        dynamic_viscosity=annulus.dynamic_viscosity,
+        solvent_viscosity=annulus.solvent_viscosity,
+        viscous_stress=lambda rate: annulus.dynamic_viscosity * rate,
         top=wall,
         impedance=lambda viscosity, frequency: cylinder_impedance(viscosity, frequency, annulus.density, own, other),
     )
     shears = {f"wall_shear{name}": values for name, values in columns.items()}
-    return plane, wall, {"t": table["t"], "strain": wall.displacement(table["t"]), **shears}
+    normals = {f"n1{end}": table[f"n1_{moving[0]}{end}"] for end in ("", "_exact") if f"n1_{moving[0]}{end}" in table}
+    return plane, wall, {"t": table["t"], "strain": wall.displacement(table["t"]), **shears, **normals}

@@ -21,6 +21,24 @@ class Reading:
     curves: list[tuple] = field(default_factory=list)
 
 
+NORMALS = (
+    ("n1_mean", "run, mean of the gap", "."),
+    ("n1", "run, at the wall that moves", "."),
+    ("n1_exact", "reference", "-"),
+)
+"""Column, name and style of an N1: of a channel the mean of the gap, between cylinders at the one that moves."""
+
+
+def normal_stress(table):
+    """N1 of the run; None without a polymer."""
+    return table.get("n1", table.get("n1_mean"))
+
+
+def normal_curves(table, axis, abscissae, rows, scale=1.0):
+    """Curves of each N1 over a ``scale``, in the ``rows`` of the ``table``."""
+    return [(axis, words, abscissae, table[name][rows] / scale, kind) for name, words, kind in NORMALS if name in table]
+
+
 def over_time(t, columns):
     """Lines of a table of ``columns`` by name at some of the times, more of them at first."""
     return at_rows(t, columns, np.unique(np.geomspace(1, len(t), SHOWN).astype(int)) - 1)

@@ -8,7 +8,7 @@ the linear theory of a step, or from steady shear, is the strain, or a ramp too 
 import numpy as np
 
 from tisph.exact.uniform_shear import UniformShear
-from tisph.verification._reading import SHOWN, Reading, at_rows, over_time
+from tisph.verification._reading import SHOWN, Reading, at_rows, normal_curves, normal_stress, over_time
 
 SMALL = 0.01
 """What inertia may take off a modulus where it counts as gone."""
@@ -71,12 +71,13 @@ def _step_strain(gap, liquid, wall, table, alone):
         (axis, "reference", t, known, "-"),
         (axis, "linear theory of a step, without inertia", t, step, "--"),
     ]
-    if "n1_mean" in table:
-        ratio = table["n1_mean"][late] / table["wall_shear"][late]
+    normal = normal_stress(table)
+    if normal is not None:
+        ratio = normal[late] / table["wall_shear"][late]
         lines.append(f"  N1 over the shear stress at the end: {ratio[-1]:.6g} (Lodge and Meissner: the strain)")
         numbers["normal_over_shear_stress_at_the_end"] = float(ratio[-1])
         axis = "time from the middle of the step", "N1 over the square of the strain"
-        curves.append((axis, "run, mean of the gap", t, table["n1_mean"][late] / strain**2, "."))
+        curves += normal_curves(table, axis, t, late, strain**2)
         curves.append((axis, "without inertia", t, alone_normal / strain**2, "-"))
     return Reading("step strain", lines, numbers, curves)
 
@@ -123,9 +124,9 @@ def _flow_curve(gap, law, wall, table, alone):
         (axis, "reference", rate, known, "-"),
         (axis, "steady shear", curve, settled[:, 0], "--"),
     ]
-    if "n1_mean" in table:
+    if normal_stress(table) is not None:
         axis = "shear rate", "N1"
-        curves.append((axis, "run, mean of the gap", rate, table["n1_mean"], "."))
+        curves += normal_curves(table, axis, rate, slice(None))
         curves.append((axis, "without inertia", rate, alone_normal, "-"))
         curves.append((axis, "steady shear", curve, settled[:, 1], "--"))
     return Reading("flow curve", lines, numbers, curves)

@@ -12,7 +12,7 @@ from tisph.errors import ConfigError
 from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity
 from tisph.geometry.schedule import Schedule
 from tisph.verification._cylinders import as_plane
-from tisph.verification._reading import Reading, over_time
+from tisph.verification._reading import Reading, normal_curves, normal_stress, over_time
 from tisph.verification._schedules import read_schedule
 from tisph.verification.wall_shear import integral
 
@@ -49,7 +49,7 @@ def read(config, channel, table):
     if config.scene == "annulus":
         liquid = spectrum(config.fluid.rheology, channel)
         plane, wall, table = as_plane(channel, table)
-        return (_oscillation if wall.oscillates else _start_up)(plane, liquid, wall, table)
+        return _by_velocity(config, plane, liquid, wall, table)
     if channel.monitored is None or "strain" not in table:
         raise ConfigError("RUN_DIR: its history has no wall stress: it is of a Newtonian liquid, or has not ended")
     liquid = spectrum(config.fluid.rheology, channel)
@@ -60,6 +60,11 @@ def read(config, channel, table):
         raise ConfigError("RUN_DIR: a rheometer has one moving wall, a wall at rest and no drive")
     wall = getattr(channel, moving[0])
     table = _as_if_upper(table, moving[0])
+    return _by_velocity(config, channel, liquid, wall, table)
+
+
+def _by_velocity(config, channel, liquid, wall, table):
+    """The reading of a ``wall`` with a velocity."""
     if isinstance(wall, Schedule):
         return read_schedule(config, channel, liquid, wall, table)
     return _oscillation(channel, liquid, wall, table) if wall.oscillates else _start_up(channel, liquid, wall, table)
@@ -174,12 +179,16 @@ def _start_up(channel, liquid, wall, table):
         (axis, "reference", t, exact, "-"),
         (axis, "linear theory without inertia", t, theory, "--"),
     ]
-    if "n1_mean" in table:
-        normal = table["n1_mean"][1:] / steady**2
-        lines.append(f"  N1 over the square of the rate at the end: {normal[-1]:.6g}")
-        numbers["normal_stress_coefficient_at_the_end"] = float(normal[-1])
+    normal = normal_stress(table)
+    if normal is not None:
+        line, name = "  N1 over the square of the rate at the end:", "normal_stress_coefficient_at_the_end"
+        numbers[name] = float(normal[-1] / steady**2)
+        lines.append(f"{line} {numbers[name]:.6g}")
+        if "n1_exact" in table:
+            numbers[f"{name}_reference"] = float(table["n1_exact"][-1] / steady**2)
+            lines[-1] += f" (reference {numbers[f'{name}_reference']:.6g})"
         axis = "time", "N1 over the square of the rate"
-        curves.append((axis, "run, mean of the gap", t, normal, "."))
+        curves += normal_curves(table, axis, t, slice(1, None), steady**2)
         if rate:
             curves.append((axis, "upper-convected modes, without inertia", t, liquid.normal_growth(t), "--"))
     return Reading("start-up" if rate else "cessation", lines, numbers, curves)

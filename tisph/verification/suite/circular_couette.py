@@ -43,7 +43,7 @@ SWINGING = {"walls": {"inner": {"angular_velocity": None, "amplitude": 1.0, "ang
 STEADY = 0.03
 """t* of the samples of steady flows, in which the inner cylinder goes 1.5 gaps."""
 
-LATE = (0.027, 0.2)
+LATE = (0.027, 0.2, 1.0)
 
 FULL = {
     "annulus_12_wide": (ANNULUS, across(12), WIDE, (STEADY,)),
@@ -80,7 +80,7 @@ ERRORS = {
 }
 """Largest L2 of the velocity and error of both torques of steady flows, by run."""
 
-STARTS = {0.027: 5e-5, 0.2: 2e-5}
+STARTS = {0.027: 5e-5, 0.2: 2e-5, 1.0: 1e-5}
 """Largest L2 at 50 across after the inner cylinder has begun to turn, by t*."""
 
 

@@ -16,7 +16,7 @@ demo: .venv/run-ready
 # would compile all modules anew where Python is told to keep none.
 test: export PYTHONDONTWRITEBYTECODE =
 test: .venv/test-ready
-	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile
+	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 
 # Make the pictures and movies that README.md shows.
 media: .venv/run-ready

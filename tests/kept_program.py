@@ -9,6 +9,7 @@ Scheme: Taichi itself finds whether it has it, as in the cache. Runs in processe
 
 import os
 
+import shared_kernels
 from taichi.lang.impl import get_runtime
 
 from tisph import runtime
@@ -49,6 +50,7 @@ class Kept:
         kept = self.program is not None and self.program is get_runtime().prog and get_runtime().materialized
         if not kept or asked != self.asked or self.program.get_snode_tree_size() > MOST_TREES:
             start(precision, threads)
+            shared_kernels.known.clear()
             self.program, self.asked, self.first = get_runtime().prog, asked, Made()
         for kernel in get_runtime().kernels:
             kernel.compiled_kernels = {}
@@ -103,12 +105,14 @@ def forget():
 def install():
     """Put this in the place of Taichi's own."""
     runtime.start, runtime.stop = kept.start, lambda: None
+    shared_kernels.install()
     ti.field = lambda dtype, shape: kept.field(scalar_field, dtype, shape)
     ti.Vector.field = lambda n, dtype, shape: kept.field(vector_field, n, dtype, shape)
 
 
 def uninstall():
     """Take it back, and write the compiled kernels to the cache."""
+    shared_kernels.uninstall()
     runtime.start, runtime.stop = start, stop
     ti.field, ti.Vector.field = scalar_field, vector_field
     stop()

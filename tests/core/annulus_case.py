@@ -22,10 +22,10 @@ VISCOSITY = 0.02
 def make(turning=(1.0, 0.0), centre=(0.0, 0.0), angle=0.0, acceleration=(0.0, 0.0), viscosity=VISCOSITY):
     """Return cylinders around ``centre``, and places (particles, 2) of particles between them, turned by ``angle``.
 
-    The particles are in disorder, always the same one; ``turning`` are the angular velocities from t = 0 on, numbers or
-    ``WallMotion``.
+    The particles are in disorder, always the same one; ``turning`` are the angular velocities from t = 0 on, numbers,
+    ``WallMotion`` or ``Schedule``.
     """
-    turning = [way if isinstance(way, WallMotion) else WallMotion(way) for way in turning]
+    turning = [WallMotion(way) if isinstance(way, int | float) else way for way in turning]
     shapes = Circle(INNER), Circle(OUTER, liquid="inside")
     motions = [RigidMotion(turning=way) for way in turning]
     bodies = [Body(shape, centre, angle, motion) for shape, motion in zip(shapes, motions, strict=True)]
@@ -43,6 +43,7 @@ def make(turning=(1.0, 0.0), centre=(0.0, 0.0), angle=0.0, acceleration=(0.0, 0.
         kinematic_viscosity=viscosity,
         reference_velocity=max(1.0, *(way.largest_speed for way in turning)),
         acceleration=acceleration,
+        changes=tuple(sorted({time for way in turning for time in way.changes})),
         **vars(box),
     )
     return flow, places

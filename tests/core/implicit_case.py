@@ -2,6 +2,12 @@
 
 import numpy as np
 
+from tisph import config, schemes
+from tisph.scenes.channel import Channel
+from tisph.schemes._forecast.elastic_rows import ElasticRows
+from tisph.schemes._forecast.implicit_rows import Rows
+from tisph.schemes.implicit._scheme import control
+
 IMPLICIT = ("scheme={type: implicit}", "time.tolerance=1.0e-5")
 
 SLOW = 1e-6
@@ -20,3 +26,18 @@ def exact_error(scheme):
     last = run(scheme)
     exact = scheme.channel.exact_velocity(last.y, last.t)
     return np.linalg.norm(last.u - exact) / np.linalg.norm(exact)
+
+
+def channel_of(folder, text, overrides):
+    """The config in ``text`` with ``overrides``, its scheme resolved, and its channel."""
+    (folder / "case.yaml").write_text(text)
+    settings = schemes.resolve(config.load(folder / "case.yaml", overrides))[0]
+    return settings, Channel.from_config(settings)
+
+
+def rows(settings, channel):
+    """The rows of the lattice at the end."""
+    kind = ElasticRows if channel.polymer or channel.driven_side is not None else Rows
+    found = kind(settings, channel, control(settings, channel, sorted({*settings.time.samples, settings.time.end})))
+    found.run_to(settings.time.end)
+    return found

@@ -86,6 +86,7 @@ def test_one_and_two_threads_give_the_same_bits(start, one, monkeypatch):
     assert np.abs(one["force"]).max() > 0.0 < one["t"]
 
 
+@pytest.mark.slow  # that of the box without walls is in test_splitting.py
 def test_single_precision_gives_the_same_flow(start, monkeypatch):
     """It has plain rows near curved walls, and so has double precision here.
 

@@ -31,6 +31,8 @@ SPACING = 1 / 12
 SIDES = "inner", "outer"
 COMOVING = "walls.treatment={type: comoving_image}"
 TREATMENTS = "adami", "virtual_image", "comoving_image"
+LAYERED_AND_IMAGES = [pytest.param("adami", marks=pytest.mark.slow), "virtual_image", "comoving_image"]
+"""Virtual images lie in the layers of ``adami``, and look inside beside."""
 SETTLED = {"virtual_image": (1.1e-3, 0.03), "comoving_image": (9e-4, 0.012)}
 """Largest error of the velocity 16 across after half a radian, and of the torques from 8 across on.
 
@@ -87,7 +89,7 @@ def missing_pairs(scheme, rows, columns):
     return np.count_nonzero(near & ~listed[:, columns] & (rows[:, None] != columns))
 
 
-@pytest.mark.parametrize("name", TREATMENTS)
+@pytest.mark.parametrize("name", LAYERED_AND_IMAGES)
 def test_no_pair_is_missing_while_cylinders_turn(make, name):
     # the outer cylinder is four times as fast as any liquid: its particles wear the lists out, not those of the liquid;
     # images, which do not turn, do when they go farther than what they mirror
@@ -215,13 +217,13 @@ def test_liquid_that_turns_as_a_solid_is_pressed_outwards(make):
 
 
 @pytest.mark.other_program
-@pytest.mark.parametrize("name", TREATMENTS)
+@pytest.mark.parametrize("name", LAYERED_AND_IMAGES)
 def test_one_and_two_threads_give_the_same_bits(make, name):
     treatment = f"walls.treatment.type={name}"
     check_threads(*(state(make(treatment, f"runtime.threads={threads}", steps=40)) for threads in (1, 2)))
 
 
-@pytest.mark.parametrize("name", TREATMENTS)
+@pytest.mark.parametrize("name", LAYERED_AND_IMAGES)
 def test_a_run_goes_on_from_any_step(make, tmp_path, name):
     treatment = f"walls.treatment.type={name}"
     check_resuming(lambda **how: make(treatment, **how), tmp_path, stops=(11, 14), steps=40)  # either buffer

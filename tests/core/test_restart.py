@@ -74,6 +74,7 @@ SLOW = [
     "viscoelastic",  # all that it knows goes on from any step, below
     "viscoelastic implicit",  # as several modes
     "annulus",  # as a channel with a body
+    "creep and recovery",  # a plate with a mass has more to remember, a scheduled wall what is to change
 ]
 
 

@@ -147,7 +147,7 @@ def test_the_resolved_config_reproduces_the_run(run, finished, tmp_path):
     "choice",
     [
         pytest.param("walls.treatment.type=comoving_image", marks=pytest.mark.slow),  # images are those of implicit
-        "walls.treatment.type=adami",
+        pytest.param("walls.treatment.type=adami", marks=pytest.mark.slow),
         "scheme={type: implicit}",
     ],
 )

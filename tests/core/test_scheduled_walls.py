@@ -2,13 +2,11 @@
 
 import numpy as np
 import pytest
-from implicit_case import run
+from implicit_case import channel_of, rows, run
 
-from tisph import config, families, runtime, schemes
+from tisph import families, runtime
 from tisph.exact import oldroyd_b
-from tisph.scenes.channel import Channel
 from tisph.schemes._forecast.elastic_rows import ElasticRows
-from tisph.schemes._forecast.implicit_rows import Rows
 from tisph.schemes.implicit._scheme import control
 from tisph.schemes.implicit._walls import WallSeries
 from tisph.simulation.run import start_values
@@ -33,21 +31,7 @@ UPSIDE_DOWN = "walls={bottom: {times: [0.0, 0.1, 0.2], velocities: [0.0, 1.0, 0.
 def case(tmp_path):
     """Return a function that gives a config and its channel of overrides."""
 
-    def build(*overrides):
-        path = tmp_path / "case.yaml"
-        path.write_text(CASE)
-        settings = schemes.resolve(config.load(path, overrides))[0]
-        return settings, Channel.from_config(settings)
-
-    return build
-
-
-def rows(settings, channel):
-    """The rows of the lattice at the end."""
-    kind = ElasticRows if channel.polymer else Rows
-    found = kind(settings, channel, control(settings, channel, [settings.time.end]))
-    found.run_to(settings.time.end)
-    return found
+    return lambda *overrides: channel_of(tmp_path, CASE, overrides)
 
 
 def error(found, channel):

@@ -35,7 +35,7 @@ def use(scheme):
 @pytest.mark.parametrize(
     "scene",
     [
-        ("walls.treatment.type=consistent_image", POLYMER),
+        pytest.param(("walls.treatment.type=consistent_image", POLYMER), marks=pytest.mark.slow),
         pytest.param(("walls.treatment.type=adami", "scheme.operators=standard"), marks=pytest.mark.slow),
         (IMPLICIT, "initial.jitter=0.2"),
         pytest.param((IMPLICIT, POLYMER), marks=pytest.mark.slow),

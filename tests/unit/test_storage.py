@@ -26,7 +26,8 @@ def make_snapshot(t):
     """Three particles and two bodies, with numbers that single precision cannot hold."""
     bodies = {name: t + np.full((2, 2), 0.1) for name in ("centre", "velocity", "force", "pressure_force")}
     turns = {name: t + np.full(2, 0.3) for name in ("angle", "angular_velocity", "torque", "pressure_torque")}
-    return Snapshot(t, 1, *np.full((6, 3), t), bodies=Bodies(**bodies, **turns))
+    normal = t + np.full(2, 0.7) if t else None  # as of a polymer, which one snapshot has and the other not
+    return Snapshot(t, 1, *np.full((6, 3), t), bodies=Bodies(**bodies, **turns, normal_stress=normal))
 
 
 def assert_same_bodies(found, expected):

@@ -27,7 +27,7 @@ from tisph.snapshot import Snapshot
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="sends signals")
 
-KILLS = 12
+KILLS = 8
 
 
 @pytest.fixture

@@ -29,6 +29,8 @@ MOVIES = {
     "oldroyd_b_poiseuille": 0.3,  # at the overshoot
     "taylor_green": 0.5,
     "circular_couette": 0.1,  # the outer cylinder begins to feel it
+    "cavity": 19.0,
+    "cylinder_in_channel": 9.0,
 }
 """Configs, and the t* of each preview: the first frame after it."""
 

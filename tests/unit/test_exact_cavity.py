@@ -15,7 +15,7 @@ def test_tables_of_two_sources_agree():
     lines = {(line.source, line.component): line for line in cavity.centre_lines(1000)}
     assert len(lines) == 4
     for component in ("u", "v"):
-        one, other = lines["Marchi2009", component], lines["BotellaPeyret1998", component]
+        one, other = lines["Marchi et al. 2009", component], lines["Botella and Peyret 1998", component]
         _, here, there = np.intersect1d(one.coordinate, other.coordinate, return_indices=True)
         assert len(here) == 2  # 1/16 and 1/2
         assert np.abs(one.value[here] - other.value[there]).max() < 1e-5
@@ -23,15 +23,15 @@ def test_tables_of_two_sources_agree():
     assert set(bounds) == {"u_min", "v_min", "v_max", "psi_min"}
     for (_, component), line in lines.items():
         assert line.value.min() >= bounds[f"{component}_min"] - 1e-6
-    assert lines["BotellaPeyret1998", "v"].value.max() == pytest.approx(bounds["v_max"], abs=1e-4)
+    assert lines["Botella and Peyret 1998", "v"].value.max() == pytest.approx(bounds["v_max"], abs=1e-4)
 
 
 @pytest.mark.parametrize("reynolds", [100, 400])
 def test_tables_lie_within_their_extremes(reynolds):
     bounds, lines = cavity.extremes(reynolds), cavity.centre_lines(reynolds)
     assert [(line.source, line.component, len(line.value)) for line in lines] == [
-        ("Marchi2009", "u", 15),
-        ("Marchi2009", "v", 15),
+        ("Marchi et al. 2009", "u", 15),
+        ("Marchi et al. 2009", "v", 15),
     ]
     for line in lines:
         least = line.value.min()

@@ -123,7 +123,8 @@ def cavity_error(particles, found, arguments):
         path.write_text(json.dumps(described), encoding="utf-8")  # JSON is YAML
         settings = config.load(path)
     scene = families.load("scenes", settings.scene).Scene.from_config(settings)
-    u, v = scene.lines(SimpleNamespace(**dict(zip("xyuv", particles, strict=True))), np.linspace(0.0, 1.0, 401))
+    seen = SimpleNamespace(**dict(zip("xyuv", particles, strict=True)), t=found["time"])
+    u, v = scene.lines(seen, np.linspace(0.0, 1.0, 401))
     return cases.extremes({"u_extreme": u.min(), "v_min": v.min(), "v_max": v.max()})
 
 

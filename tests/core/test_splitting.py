@@ -7,6 +7,7 @@ import pytest
 from vortex_case import arrangement, errors, make, run
 
 from tisph import runtime
+from tisph.errors import DivergedError
 from tisph.least_squares import rows
 from tisph.neighbours.points import used
 from tisph.runtime import ti, view
@@ -69,6 +70,12 @@ def test_a_coarse_tolerance_makes_fewer_steps_and_larger_errors():
     (small, many), (large, few) = found
     assert few < 0.3 * many
     assert large > 2 * small
+
+
+def test_a_flow_that_runs_away_is_stopped_by_name(monkeypatch):
+    monkeypatch.setattr(_scheme, "RUNAWAY", 0.5)
+    with pytest.raises(DivergedError, match=r"u, v: above 0\.5 times the reference velocity at step 1"):
+        make(12).advance()
 
 
 def test_snapshots_within_a_step_lie_on_the_exact_solution_too():

@@ -8,7 +8,7 @@ import pytest
 from tisph.cli.check import estimates
 from tisph.config import load
 from tisph.schemes._splitting import BETWEEN_WALLS, COST, OVERHEAD
-from tisph.schemes._splitting._control import LARGEST_FACTOR, StepControl
+from tisph.schemes._splitting._control import LARGEST_FACTOR, SHARE, StepControl
 from tisph.schemes._splitting._series import Times
 
 STEPS = [0.3, 0.25, 0.2, 0.28]
@@ -71,7 +71,7 @@ def test_steps_grow_by_half_at_most_and_land_on_every_target():
         length = control.length(time)
         assert length <= LARGEST_FACTOR * before * (1 + 1e-12)
         assert length <= 0.1 * (1 + 1e-12)
-        assert control.accepts(0.0, 3, length)
+        assert control.accepts(0.0, 3, length, 0.0)
         time, before, left = control.end(time, length), length, len(control.targets)
         control.step_taken(time, 0.1)
         if len(control.targets) < left:
@@ -92,10 +92,19 @@ def test_a_step_with_too_large_an_error_is_taken_again_and_shorter():
     control = StepControl(0.0, [10.0], tolerance=1e-3)
     control.begin(1.0)
     length = control.length(0.0)
-    assert not control.accepts(1.6e-2, 3, length)
+    assert not control.accepts(1.6e-2, 3, length, 0.0)
     assert control.length(0.0) == pytest.approx(0.9 * 0.5 * length, rel=1e-12)
     control.tolerance = None
-    assert control.accepts(1e3, 3, length)
+    assert control.accepts(1e3, 3, length, 0.0)
+
+
+def test_the_error_of_a_step_is_held_to_no_less_than_a_part_of_what_the_spacing_leaves():
+    control = StepControl(0.0, [10.0], tolerance=1e-6)
+    control.begin(1.0)
+    length = control.length(0.0)
+    assert control.accepts(1e-3, 3, length, 1e-3 / SHARE)
+    assert control.length(0.0) == pytest.approx(0.9 * length, rel=0.1)  # steps of one length up to the target
+    assert not control.accepts(1e-3, 3, length, 0.0)
 
 
 FLOWS = {

@@ -143,6 +143,11 @@ class History:
             used(field)[:liquid] = used(field)[order]
 
     @property
+    def divergence_scale(self):
+        """Root mean square of the divergence of the newest velocities."""
+        return math.sqrt(float(view(self.divergence_squared)) / int(view(self.points.liquid)))
+
+    @property
     def residual(self):
         """Divergence over the gradient of the newest velocities, both as root mean squares: 0 where all are equal."""
         gradient = float(view(self.gradient_squared))

@@ -12,7 +12,7 @@ from tisph.periodic import PeriodicBox
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes._room import clustered
 from tisph.schemes._splitting._bounds import Bounds
-from tisph.schemes._splitting._control import StepControl, viscous_step
+from tisph.schemes._splitting._control import RUNAWAY, StepControl, viscous_step
 from tisph.schemes._splitting._history import PRESSURES, VELOCITIES, History
 from tisph.schemes._splitting._output import carried_in_order, state
 from tisph.schemes._splitting._polymer import Polymer
@@ -58,8 +58,8 @@ TIDYING = 100
 """Steps after which particles that have become neighbours are brought near one another in memory, too. Once a flow has
 mixed 1e5 of them a step takes 1.7 times as long without."""
 
-HOST_STATE = "time", "steps", "rejected", "shortest", "longest", "reduced", "dropped"
-HOST_STATE += "lengths", "iterations", "initial_momentum", "steepest"
+HOST_STATE = "time", "steps", "rejected", "shortest", "longest", "reduced", "dropped", "lengths", "iterations"
+HOST_STATE += "initial_momentum", "steepest"
 """Attributes of a Scheme that change while it runs."""
 
 
@@ -145,13 +145,14 @@ class Scheme:
         return self.control.finished
 
     def advance(self):
-        """Take one step, in as many attempts as its error asks for; raise DivergedError where none succeeds."""
+        """Take one step, in as many attempts as its error asks for; raise DivergedError where none has an end."""
         if self.time in self.flow.changes:
             self.begin_again()
+        unresolved = self.history.divergence_scale * self.flow.spacing / self.speed
         for _ in range(MOST_ATTEMPTS):
             length = self.control.length(self.time)
             error, order = self.attempt(length)
-            if self.control.accepts(error / self.speed, order, length):
+            if self.control.accepts(error / self.speed, order, length, unresolved):
                 break
             self.rejected += 1
         self.conclude(length)
@@ -226,6 +227,9 @@ class Scheme:
             self.polymer.settle()
         if self.bounds:
             self.bounds.find_fastest()
+        if self.speed > RUNAWAY * self.flow.reference_velocity:
+            text = f"{RUNAWAY:g} times the reference velocity at step {self.steps + 1}, t = {self.time:.6g}"
+            raise DivergedError(f"u, v: above {text}: the flow needs a smaller spacing")
         if (self.steps + 1) % TIDYING == 0:
             self.history.tidy([self.polymer.tensors] if self.polymer else [])
         self.time = self.control.end(self.time, length)

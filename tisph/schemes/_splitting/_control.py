@@ -14,10 +14,10 @@ REJECTED = 1.5
 SOON = 6
 """Steps before a target that share what is left of the time to it."""
 
-SHARE = 0.05
+SHARE = 0.02
 """Of what the spacing leaves of the velocities, down to which the error of a step is held, and no further: velocities
-of particles vary on their way as errors in space do, and steps that follow that are many and no better. With 0.1 the
-error under a regular lid, 16 across, grows by a sixth."""
+of particles vary on their way as errors in space do, and steps that follow that are many and no better. With 0.05 the
+error under a regular lid, 25 across, grows by a tenth."""
 
 RUNAWAY = 1e3
 """Largest velocity over the reference velocity. Bodies that close a gap press some tens of times theirs out of it."""

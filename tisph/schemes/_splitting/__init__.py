@@ -1,5 +1,7 @@
 """The implicit scheme where the flow turns: pressure, motion and viscosity of third order in a periodic box."""
 
+import math
+
 import numpy as np
 
 from tisph.geometry.box import box_around
@@ -24,9 +26,6 @@ MARGIN = 0.2
 
 LEAST_MARGIN, LEAST_BOX = 3.0, 18.0
 """The same, and sides of the box with it, in spacings: half of how far operators reach, and three times that."""
-
-MOMENTS = 61
-"""Times at which the speed of the reference flow is looked at."""
 
 
 def scheme(config, scene, targets, serial):
@@ -68,27 +67,23 @@ def _steps(config):
 
 
 def estimates(config, scene):
-    """Return what ``tisph check`` says of a run: steps by their longest, no estimate of the errors."""
-    courant = _steps(config)[1]
-    times = np.linspace(scene.start_time, config.time.end, MOMENTS)
-    rates, limit = _speeds(scene, times) / (courant * scene.spacing), "cfl"
-    slowest = viscous_step(scene.spacing, scene.kinematic_viscosity, scene.rheology)
-    viscous = 1.0 / slowest if scene.bodies else 0.0
-    if viscous > rates.min():
-        rates, limit = np.maximum(rates, viscous), "viscous"
-    gone = np.concatenate([[0.0], np.cumsum(0.5 * (rates[1:] + rates[:-1]) * np.diff(times))])
-    begin = np.log(1 / FIRST) / np.log(LARGEST_FACTOR) - 1 / (
-        1 - 1 / LARGEST_FACTOR
-    )  # steps that grow, less their time
+    """Return what ``tisph check`` says of a run: steps by the reference, or by their longest; no estimate of errors."""
+    from tisph.schemes._splitting._forecast import Walk
+
+    tolerance, courant = _steps(config)
+    viscous = viscous_step(scene.spacing, scene.kinematic_viscosity, scene.rheology) if scene.bodies else math.inf
     ends = [*config.time.samples, config.time.end]
-    begun = [1 + sum(change < t for change in scene.changes) for t in ends]
-    counts = [max(1, round(n * begin + np.interp(t, times, gone))) for n, t in zip(begun, ends, strict=True)]
+    if "u" in scene.fields:
+        walk = Walk(scene, sorted(set(ends)), tolerance, courant, viscous)
+        counts, longest, bounded = [walk.run_to(t) for t in ends], walk.longest, walk.bounded
+    else:
+        (counts, longest), bounded = _longest_steps(scene, ends, courant, viscous), True
     cost = COST * (BETWEEN_WALLS if scene.bodies else 1.0) * (WITH_POLYMER if scene.rheology else 1.0)
     return {
         "mach": 0.0,
         "sound_speed": None,
-        "time_step": float(1 / rates.min()),
-        "binding_limit": limit,
+        "time_step": longest,
+        "binding_limit": ("viscous" if longest >= 0.99 * viscous else "cfl") if bounded else "accuracy",
         "steps": counts[-1],
         "run_time": counts[-1] * (OVERHEAD + scene.particles * cost),
         "lost": False,
@@ -96,13 +91,17 @@ def estimates(config, scene):
     }
 
 
-def _speeds(scene, times):
-    """Speed at each of the ``times`` that counts for the steps; without a reference that at the start."""
-    if scene.bodies:
-        return np.full(len(times), scene.peak_velocity)
-    x, y = scene.lattice()
-    initial = scene.initial(x, y)
-    fastest = np.full(len(times), np.hypot(initial["u"], initial["v"]).max())
-    if "u" in scene.fields:
-        fastest = np.array([np.hypot(scene.exact("u", x, y, t), scene.exact("v", x, y, t)).max() for t in times])
-    return np.maximum(fastest, SMALLEST_SPEED * scene.reference_velocity)
+def _longest_steps(scene, ends, courant, viscous):
+    """Steps up to each of the times ``ends``, and the longest of them, where the speed is that of the start."""
+    speed = scene.peak_velocity
+    if not scene.bodies:
+        initial = scene.initial(*scene.lattice())
+        speed = np.hypot(initial["u"], initial["v"]).max()
+    speed = max(speed, SMALLEST_SPEED * scene.reference_velocity)
+    longest = min(courant * scene.spacing / speed, viscous)
+    # steps that grow, less their time
+    begin = np.log(1 / FIRST) / np.log(LARGEST_FACTOR) - 1 / (1 - 1 / LARGEST_FACTOR)
+    begun = [1 + sum(change < t for change in scene.changes) for t in ends]
+    return [
+        max(1, round(n * begin + (t - scene.start_time) / longest)) for n, t in zip(begun, ends, strict=True)
+    ], longest

@@ -1,0 +1,89 @@
+"""Steps of a run before it runs: their control, with the velocities of the reference at some places of the liquid."""
+
+import math
+
+import numpy as np
+
+from tisph.schemes._splitting._control import StepControl
+from tisph.schemes._splitting._history import VELOCITIES
+from tisph.schemes._splitting._scheme import MOST_ATTEMPTS, SMALLEST_SPEED
+from tisph.schemes._splitting._series import Times
+
+SOME = 400
+"""Places in the box that are looked at, about, evenly spread."""
+
+MOST_STEPS = 1000
+"""Steps that are taken; later ones are taken to be as long as the last of them."""
+
+
+class Walk:
+    """Takes the steps of a run of a ``scene`` with a reference; ``longest`` is the longest one.
+
+    ``bounded``: whether it was as long as Courant or viscous number allow.
+
+    ``tolerance`` and ``courant`` are those of the ``Scheme``, ``viscous`` is its other bound of a step.
+    """
+
+    def __init__(self, scene, targets, tolerance, courant, viscous):
+        self.scene, self.courant, self.viscous = scene, courant, viscous
+        self.time, self.steps, self.longest, self.bounded = scene.start_time, 0, 0.0, True
+        self.places = _places(scene)
+        self.lengths, self.velocities = [], [self._velocities(self.places, self.time)]
+        self.control = StepControl(self.time, targets, tolerance, scene.changes)
+        self.control.begin(self.longest_step)
+
+    @property
+    def speed(self):
+        """As of the ``Scheme``."""
+        newest = self.velocities[0]
+        fastest = np.linalg.norm(newest - newest.mean(axis=0), axis=1).max()
+        return max(fastest, SMALLEST_SPEED * self.scene.reference_velocity)
+
+    @property
+    def longest_step(self):
+        """As of the ``Scheme``."""
+        return min(self.courant * self.scene.spacing / self.speed, self.viscous)
+
+    def run_to(self, target):
+        """Return the steps to the time ``target``, one of those that the control meets; after many only count them."""
+        while self.time < target and self.steps < MOST_STEPS:
+            self._advance()
+        if self.time < target:
+            self.steps += math.ceil((target - self.time) / self.lengths[0])
+            self.time = target
+        return self.steps
+
+    def _advance(self):
+        if self.time in self.scene.changes:
+            self.lengths, self.velocities = [], self.velocities[:1]
+            self.control.begin(self.longest_step)
+        for _ in range(MOST_ATTEMPTS):
+            length = self.control.length(self.time)
+            times = Times([length, *self.lengths], length)
+            places = self.places + self._summed(times.path())
+            velocities = self._velocities(places, self.time + length)
+            away = velocities - self._summed(times.ahead(VELOCITIES))
+            error, order = times.error(math.sqrt(np.mean(np.sum(away**2, axis=1))), times.backwards()[0], self.speed)
+            if self.control.accepts(error / self.speed, order, length):
+                break
+        if length > self.longest:
+            self.longest, self.bounded = length, length >= 0.99 * self.longest_step
+        self.places, self.time = places, self.control.end(self.time, length)
+        self.velocities = [velocities, *self.velocities][:VELOCITIES]
+        self.lengths = [length, *self.lengths][: VELOCITIES - 1]
+        self.steps += 1
+        self.control.step_taken(self.time, self.longest_step)
+
+    def _velocities(self, places, time):
+        return np.stack([self.scene.exact(name, *places.T, time) for name in ("u", "v")], axis=-1)
+
+    def _summed(self, weights):
+        return sum(weight * each for weight, each in zip(weights, self.velocities, strict=False))
+
+
+def _places(scene):
+    """Return places (n, 2) of liquid, no nearer to walls than particles are."""
+    pitch = math.sqrt(math.prod(scene.extent) / SOME)
+    axes = [pitch * (np.arange(round(side / pitch)) + 0.5) for side in scene.extent]
+    places = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2) + scene.origin
+    return places[scene.distance(places, scene.start_time) >= 0.5 * scene.spacing] if scene.bodies else places

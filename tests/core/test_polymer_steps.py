@@ -254,16 +254,15 @@ def test_velocities_across_the_channel_die_away_by_the_solvent(make):
     assert 0.95e-3 < np.abs(ends[0]).max() < 0.999e-3
 
 
-@pytest.mark.parametrize("elasticity", [1e-3, 0.1])
-def test_an_impulse_moves_no_liquid_faster_than_the_wall(tmp_path_factory, elasticity):
+@pytest.mark.parametrize(("elasticity", "bound"), [(1e-3, 2e-5), (0.1, 2e-3)])
+def test_an_impulse_moves_no_liquid_faster_than_the_wall(tmp_path_factory, elasticity, bound):
     # its series says 4.1 times as fast at 1e-3, and steps of 1e-8 of the viscous time followed at Re = 100
     liquid = f"fluid.rheology={{type: oldroyd_b, relaxation_time: {elasticity}, solvent_fraction: 0.1}}"
     speed = 0.1 / elasticity
     found = rows(tmp_path_factory, liquid, f"walls.top.velocity={speed}", "discretisation.particles_across=25")
-    assert (np.abs(found.velocity).max() > 0.0) == (elasticity == 0.1)
-    assert np.abs(found.velocity).max() < speed
+    assert 0.0 < np.abs(found.velocity).max() < speed
     found.run_to(0.1)
     assert not found.beyond
     exact = found.channel.exact_velocity(found.heights, 0.1)
-    # Wi = 0.1; measured: 2.5e-4 and 1.2e-3
-    assert np.linalg.norm(found.velocity - exact) < 2e-3 * np.linalg.norm(exact)
+    # Wi = 0.1; measured: 7.7e-6, without any impulse 2.5e-4, and 1.2e-3
+    assert np.linalg.norm(found.velocity - exact) < bound * np.linalg.norm(exact)

@@ -69,7 +69,7 @@ def test_profile_panel_shows_the_stress_of_particles_and_the_exact_one(painter):
 
 def test_error_of_the_stress_is_named(painter):
     channel = painter.scene
-    snapshot = make_snapshot(channel, 5.0)
+    snapshot = make_snapshot(channel, 10.0)
     label = field_error_label(channel, "stress_xy", "Sxy")
     assert label(replace(snapshot, stress_xy=1.02 * snapshot.stress_xy)) == f"L2 error of Sxy 2.0{TIMES}10⁻²"
     assert label(make_snapshot(channel, 0.0)) == "unresolved: 0.0 spacings"

@@ -8,7 +8,7 @@ import typer
 
 from tisph.cli.options import ConfigFile, Overrides
 from tisph.errors import ConfigError
-from tisph.schemes._limits import DISORDERED_OF_ORDER_2, RESOLVED
+from tisph.schemes._limits import DISORDERED_OF_ORDER_2, RESOLVED, STIFF
 from tisph.verification.resolution import resolution
 
 HIGHEST_MACH = 0.1
@@ -24,10 +24,6 @@ HIGHEST_TURNING_CELL_REYNOLDS = 10.0
 
 HIGHEST_SOLVENT_CELL_REYNOLDS = 10.0
 """The same where there is polymer, by the viscosity of the solvent: a disordered run failed at 20."""
-
-HIGHEST_STIFFNESS = 4.0
-"""Modulus of the polymer over density times (spacing over solvent viscosity) squared, up to which disordered runs with
-the implicit scheme stood a wall that jumps: at 3.5 the errors were those of the lattice, at 35 the run was stopped."""
 
 LARGE_ERROR = 0.1
 """Estimated error at the last sample above which there is a warning."""
@@ -176,7 +172,8 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
     order_2 = config.scheme.type == "implicit" and config.scheme.operators.order == 2
     if order_2 and config.initial.jitter and numbers["cell_reynolds"] > DISORDERED_OF_ORDER_2:
         yield f"above a cell Reynolds number of {DISORDERED_OF_ORDER_2:g} order 2 may fail in disorder: take order 4"
-    yield from _stiff(config, channel)
+    if not numbers["sound_speed"]:
+        yield from _stiff(config, channel)
     if numbers["sound_speed"] and channel.polymer and channel.polymer.solvent_fraction < LEAST_SOLVENT_FRACTION:
         yield (
             f"fluid.rheology.solvent_fraction is below {LEAST_SOLVENT_FRACTION:g}; the solvent's viscosity is what "
@@ -186,16 +183,16 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
 
 def _stiff(config: Any, channel: Any) -> Iterator[str]:
     """What a jump of a wall meets where polymer relaxes before the solvent's layer is a spacing deep."""
-    measured = config.scheme.type == "implicit" and channel.parallel
-    if not measured or not channel.polymer or not any(channel.wall_jumps):
+    if not channel.parallel or not channel.polymer or not any(channel.wall_jumps):
         return
-    modulus = sum(law.modulus for law in config.fluid.rheology.laws(channel.kinematic_viscosity))
-    stiffness = modulus * (channel.spacing / channel.solvent_viscosity) ** 2
-    if stiffness > HIGHEST_STIFFNESS:
-        enough = math.ceil(config.particles_across * math.sqrt(stiffness / HIGHEST_STIFFNESS))
+    from tisph.schemes._forecast.beyond import stiffness
+
+    number = stiffness(config, channel)
+    if number > STIFF:
+        enough = math.ceil(config.particles_across * math.sqrt(number / STIFF))
         yield (
-            f"the polymer relaxes before the solvent's layer at a wall that jumps is a spacing deep; give {enough} "
-            "particles across or more: errors are large, and disordered particles may break up"
+            "the polymer answers a wall that jumps before the solvent's layer is a spacing deep; what disorder makes "
+            f"of that lasts until the layer is many spacings deep: give {enough} particles across or more, or wait"
         )
 
 

@@ -7,6 +7,9 @@ from tisph.geometry.motion import WallMotion
 
 __all__ = ["Polymer", "WallMotion"]
 
+FAINT = 0.015
+"""Part of a jump that counts no more: as much may velocities of a resolved sample err (verification/resolution.py)."""
+
 
 @dataclass(frozen=True)
 class Polymer:
@@ -24,6 +27,7 @@ class Polymer:
         """Share of the total viscosity by which what starts at t = 0 has spread at time ``t``.
 
         At first there is the front of a shear wave, of which exp(-t/(2 relaxation_time)) is left (Maxwell's liquid: the
-        damped wave equation u_tt + u_t/relaxation_time = modulus u_yy), and which the solvent alone spreads.
+        damped wave equation u_tt + u_t/relaxation_time = modulus u_yy), and which the solvent alone spreads: until less
+        than ``FAINT`` is left.
         """
-        return 1.0 - (1.0 - self.solvent_fraction) * math.exp(-0.5 * t / self.relaxation_time)
+        return self.solvent_fraction if math.exp(-0.5 * t / self.relaxation_time) >= FAINT else 1.0

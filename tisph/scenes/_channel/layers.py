@@ -22,7 +22,7 @@ def thinnest_layer(channel, t):
         since = t - max((change for _, wall in _walls(channel) for change in wall.changes if change < t), default=0.0)
         share = channel.polymer.spreading_share(since) if channel.polymer else 1.0
         depth = math.sqrt(share * channel.kinematic_viscosity * since)
-        in_the_liquid = channel.elastic_speed * since > depth
+        in_the_liquid = share < 1.0 and channel.elastic_speed * since > depth
         layers.append((depth, "the front of the shear wave" if in_the_liquid else place))
     for name, wall in _walls(channel):
         if wall.oscillates:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tisph.schemes._limits import DISORDERED_OF_ORDER_2, LOST, MIXED, RESOLVED, STIFFEST
+from tisph.schemes._limits import DISORDERED_OF_ORDER_2, LOST, MIXED, RESOLVED, STIFF, STIFFEST
 from tisph.schemes._time_step import AUTO_CFL
 
 ROUNDING = {"f32": 2.0**-25, "f64": 2.0**-54}
@@ -60,6 +60,14 @@ def cell_reynolds(channel):
     return channel.reference_velocity * channel.spacing / channel.kinematic_viscosity
 
 
+def stiffness(config, channel):
+    """Return what ``STIFF`` is about: above 1 polymer answers a jump before the solvent's layer is a spacing deep."""
+    if not channel.polymer:
+        return 0.0
+    modulus = sum(law.modulus for law in config.fluid.rheology.laws(channel.kinematic_viscosity))
+    return modulus * (channel.spacing / channel.solvent_viscosity) ** 2
+
+
 def _starts(channel):
     return any(channel.wall_jumps) or channel.bottom.oscillates or channel.top.oscillates
 
@@ -98,13 +106,17 @@ def _spread(channel, age):
 
 
 def _stirred(config, channel):
-    """Error that disorder leaves of the start; rounding makes as much of it in the end where it is not damped."""
+    """Error that disorder leaves of the start; rounding makes as much of it in the end where it is not damped.
+
+    All of it, too, where polymer answers a jump before the layer has derivatives.
+    """
     number, jitter = cell_reynolds(channel), config.initial.jitter
     if config.discretisation.precision == "f32" and number > MIXED:
         jitter = max(jitter, LARGEST_JITTER)
     jump = max(abs(one) for one in channel.wall_jumps) / channel.reference_velocity
     size = jitter * max(STIRRED * jump, STIRRED_BY_DRIVE) * (channel.spacing / channel.gap) ** 2
-    return size * (AT_REST + 1.0 / (1.0 + (SLIDING / number) ** 3))
+    early = (number / SLIDING) ** 3 + ((stiffness(config, channel) / STIFF) ** 3 if jump else 0.0)
+    return size * (AT_REST + early / (1.0 + early))
 
 
 def _memory(channel):

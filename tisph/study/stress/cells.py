@@ -92,7 +92,7 @@ class Cell:
 
     @property
     def has_polymer(self):
-        """Whether the liquid is an Oldroyd-B liquid."""
+        """Whether the liquid is an Oldroyd-B liquid in a channel."""
         return self.flow.startswith("oldroyd")
 
     @property

@@ -22,6 +22,12 @@ PREDICTABLE = 5.0
 their size grow by a factor e in 2, there is nothing to damp them, and the exact flow is one that no run can stay on."""
 
 
+SLOW_TO_FAST = (0.1, 1.0, 10.0)
+"""Weissenberg numbers by gap and wall between cylinders."""
+
+MOBILITY = 0.2
+"""Of Giesekus liquids."""
+
 FAR = (0.01, 10.0, 100.0)
 """Weissenberg numbers that the implicit scheme alone is tried at."""
 
@@ -37,6 +43,7 @@ class Flow:
     ``peak``: bound of the speed in reference velocities, see ``Scene.peak_velocity``. A flow that ``turns`` is in a
     doubly periodic square; one with ``walls`` of any shape is told whole by ``change``; all others are in a channel.
     ``largest``: error of a stable run between such walls, 12 particles across; ``refused``: whether none is allowed.
+    ``memory``: whether the liquid has polymer where the flow is no channel's.
     """
 
     change: Callable
@@ -46,6 +53,7 @@ class Flow:
     walls: bool = False
     largest: float = 0.0
     refused: bool = False
+    memory: bool = False
 
     def unit_time(self, reynolds):
         """Return the time t* = 1 in lengths over reference velocity: in a channel the viscous time."""
@@ -83,6 +91,29 @@ def _polymer(weissenberg):
 
 def _polymers(*weissenbergs):
     return {f"oldroyd{weissenberg:g}": Flow(_polymer(weissenberg)) for weissenberg in weissenbergs}
+
+
+def _with_polymer(flow, weissenberg, law="oldroyd_b"):
+    """A ``flow`` from rest, or from its vortices, of a liquid with polymer."""
+    rheology = {"type": law, "relaxation_time": weissenberg, "solvent_fraction": SOLVENT_FRACTION}
+    if law == "giesekus":
+        rheology["mobility"] = MOBILITY
+    return lambda nu: merged(flow(nu), {"fluid": {"rheology": rheology}})
+
+
+def _started(flow):
+    """Return a ``flow`` from rest."""
+    return lambda nu: merged(flow(nu), {"initial": {"state": "rest"}})
+
+
+def _cylinders_with_polymer():
+    return {
+        f"annulus_{law}{weissenberg:g}": Flow(
+            _with_polymer(_started(_annulus(0.5)), weissenberg, law), walls=True, largest=1e-3, memory=True
+        )
+        for law in ("oldroyd_b", "giesekus")
+        for weissenberg in SLOW_TO_FAST
+    }
 
 
 def _vortices(nu):
@@ -133,9 +164,12 @@ FLOWS = {
     "annulus0.9": Flow(_annulus(0.9), walls=True, largest=1e-3),
     "regular_lid": Flow(_cavity("regular"), walls=True, largest=0.03),
     "sharp_lid": Flow(_cavity("sharp"), "centre_line_error", walls=True, largest=0.02),
+    **_cylinders_with_polymer(),
+    "lid_oldroyd_b0.1": Flow(_with_polymer(_cavity("regular"), 0.1), None, walls=True, memory=True),
+    "layer_oldroyd_b1": Flow(_with_polymer(_layers, 1.0), None, peak=1.25, turns=True, memory=True),
     "cylinder1.5": Flow(_cylinder(1.5), "unbalanced", walls=True, refused=True),
     "cylinder2": Flow(_cylinder(2.0), "unbalanced", walls=True, largest=0.02),
     "cylinder5": Flow(_cylinder(5.0), "unbalanced", walls=True, largest=0.02),
 }
-"""The number behind oldroyd is Wi, that behind annulus the ratio of the radii, that behind cylinder the gap in spacings
-if there are ``ACROSS``."""
+"""The number behind oldroyd, oldroyd_b and giesekus is Wi, that behind annulus the ratio of the radii, that behind
+cylinder the gap in spacings if there are ``ACROSS``."""

@@ -1,40 +1,32 @@
 """Which cells there are: the full sub-matrices that matter, and a covering set of all axes."""
 
-from dataclasses import dataclass
 from functools import cache
-from itertools import product
 
 from tisph.equation_of_state import SCALE_RATIO
-from tisph.schemes.implicit._walls import OBEY_MOMENTUM
+from tisph.study.stress import crossing
 from tisph.study.stress.cells import SCHEMES, Cell
 from tisph.study.stress.covering import covering_set
+from tisph.study.stress.crossing import TURNING
 from tisph.study.stress.flows import FAR, FLOWS, digits
+from tisph.study.stress.grids import BOTH, SubMatrix, exists, grid
 
 REYNOLDS = (0.0125, 1.0, 50.0, 500.0, 1000.0, 10000.0)
 JITTERS = (0.0, 0.1, 0.3)
 TREATMENTS = ("consistent_image", "comoving_image", "virtual_image", "fixed_image", "adami")
 STEPS = (1.0, 1.5, 2.0, 3.0, 4.0)
 SOUNDS = (5.0, SCALE_RATIO, 40.0)
-COURANTS = (1 / 6, 1.0, 10 / 3)
-"""Steps between walls of any shape: Courant numbers 0.05, the default and 1."""
-
-BOTH = ("explicit", "implicit 4")
-
 FLOW_THROUGHS = 200
 """Lengths of the channel that something at the reference velocity goes in a long run."""
-
-LEAST_COLUMNS = 10
-"""Particles along the channel that the neighbour search of the explicit scheme needs."""
-
-TURNING = tuple(name for name, flow in FLOWS.items() if flow.turns)
-"""Flows that turn, in a periodic square."""
 
 POLYMERS = tuple(name for name in FLOWS if Cell(flow=name).has_polymer)
 EXPLICIT_POLYMERS = tuple(name for name in POLYMERS if Cell(flow=name).weissenberg not in FAR)
 
-ELASTICITIES = (0.1, 1.0, 1e3)
-"""At 1e-2 and below, 16 across, polymer answers a jump before its layer is a spacing deep: steps after it are so short
-that neither the run nor its forecast gets on (docs/implicit.md, limits)."""
+ELASTICITIES = (1e-3, 1e-2, 0.1, 1.0, 1e3)
+"""At 1e-2 and below, 16 across, polymer answers a jump before the layer of the solvent is a spacing deep
+(docs/implicit.md, limits)."""
+
+LARGEST_REYNOLDS = 1000.0
+"""Of these: steps, which go with the strain, are about as many as the Reynolds number, and a cell has not that long."""
 
 WAVES = 3
 """Times that an elastic wave crosses the gap: it takes sqrt(E) viscous times, E the elasticity number."""
@@ -54,16 +46,6 @@ AXES = {
 """Values of every axis of the covering set, of channels; where it is free to choose it takes the first."""
 
 
-@dataclass(frozen=True)
-class SubMatrix:
-    """Cells under a title, and the axes along which the columns and rows of their map go; none for a list by axis."""
-
-    title: str
-    cells: tuple[Cell, ...]
-    columns: tuple[str, ...] = ()
-    rows: tuple[str, ...] = ()
-
-
 def sub_matrices(quick=False, only=None):
     """All sub-matrices, or a few short cells of every kind, in a fixed order; cells may be in several of them.
 
@@ -80,24 +62,6 @@ def sub_matrices(quick=False, only=None):
 def cells(chosen):
     """Every cell of sub-matrices once, each after the calm cell that it is compared with."""
     return list(dict.fromkeys(each for part in chosen for cell in part.cells for each in (cell.calm, cell)))
-
-
-def grid(**values):
-    """All cells that there are with one of the values of every named axis, the last axis varying fastest."""
-    rows = [dict(zip(values, chosen, strict=True)) for chosen in product(*values.values())]
-    return tuple(Cell(**row) for row in rows if exists(row))
-
-
-def exists(values):
-    """Whether a config can have these values of axes together, of which some may be missing."""
-    across, aspect = values.get("across"), values.get("aspect")
-    if across and aspect and (across * aspect % 1 or across * aspect < LEAST_COLUMNS):
-        return False
-    if values.get("scheme", "explicit") == "explicit":
-        return True
-    return (
-        values.get("sound", SCALE_RATIO) == SCALE_RATIO and values.get("treatment", "consistent_image") in OBEY_MOMENTUM
-    )
 
 
 def covered(values):
@@ -130,9 +94,10 @@ def _full():
         SubMatrix("long runs", _long_runs(), ("flow", "reynolds", "t_star"), rows),
         SubMatrix("covering set", tuple(Cell(**row) for row in covering_set(AXES, covered))),
         *_polymer(),
-        *_turning(),
-        *_walls(),
-        _refused(),
+        *crossing.turning(),
+        *crossing.walls(),
+        crossing.memory(),
+        crossing.refused(),
     ]
 
 
@@ -144,6 +109,7 @@ def _polymer():
     coarse = grid(**slow, **rough, across=(8, 12, 16, 50), **implicit)
     steps = grid(**slow, **rough, across=[16], step=(1.0, 4.0), scheme=list(SCHEMES)[1:])
     waves = tuple(_wave(flow, elasticity) for elasticity in ELASTICITIES for flow in POLYMERS)
+    waves = tuple(cell for cell in waves if cell.reynolds <= LARGEST_REYNOLDS)
     return [
         SubMatrix(f"{title} Wi x elasticity", waves, ("flow",), ("elasticity",)),
         SubMatrix(f"{title} solvent x jitter", little, ("solvent",), ("flow", "jitter")),
@@ -156,93 +122,6 @@ def _wave(flow, elasticity):
     """Return the cell of a flow in which waves cross the gap ``WAVES`` times."""
     reynolds = digits(Cell(flow=flow).weissenberg / elasticity)
     return Cell(flow, reynolds, 0.3, 16, "implicit 4", t_star=max(1.0, round(WAVES * elasticity**0.5)))
-
-
-def _turning():
-    """Two turns of the vortices or a layer that has rolled up, and twenty.
-
-    At a Reynolds number of 10000 layers are thinner than a spacing, and an implicit run takes minutes: there is one.
-    """
-    vortices, layers = TURNING
-    short, long, implicit = {"t_star": [2.0]}, {"t_star": [20.0]}, {"scheme": ["implicit 4"]}
-    middle, disorder, rows = (100.0, 1000.0), {"jitter": [0.3]}, ("flow", "scheme")
-    every = {"jitter": (0.0, 0.3), "scheme": BOTH, **short}
-    fast = {"reynolds": [10000.0]}
-    return [
-        SubMatrix(
-            "flow that turns: Re x jitter x scheme",
-            grid(flow=TURNING, reynolds=(1.0, *middle), **every)
-            + grid(flow=[vortices], **fast, **every)
-            + grid(flow=[layers], **fast, jitter=every["jitter"], **short)
-            + grid(flow=[layers], **fast, **short, **implicit),
-            ("reynolds",),
-            (*rows, "jitter"),
-        ),
-        SubMatrix(
-            "flow that turns: Re x resolution",
-            grid(flow=[vortices], reynolds=middle, across=(12, 25, 50), **disorder, **short, **implicit)
-            + grid(flow=[layers], reynolds=middle, across=(25, 50), **disorder, **short, **implicit),
-            ("reynolds",),
-            (*rows, "across"),
-        ),
-        SubMatrix(
-            "flow that turns: steps",
-            grid(flow=TURNING, reynolds=middle, step=(0.25, 1.0, 2.0, 3.0), **disorder, **short, **implicit),
-            ("step",),
-            (*rows, "reynolds"),
-        ),
-        SubMatrix(
-            "flow that turns: long runs",
-            grid(flow=TURNING, reynolds=middle, scheme=BOTH, **disorder, **long)
-            + grid(flow=[vortices], **fast, **disorder, **long, **implicit)
-            + grid(flow=[vortices], reynolds=(*middle, *fast["reynolds"]), **long, **implicit),
-            ("reynolds", "t_star"),
-            (*rows, "jitter"),
-        ),
-    ]
-
-
-def _walls():
-    """Three lengths over speed between cylinders, twenty in cavities, two around bodies, which at Re = 1 get steady."""
-    annuli, lids, bodies = ("annulus0.2", "annulus0.5"), ("regular_lid", "sharp_lid"), ("cylinder2", "cylinder5")
-    rough = {"jitter": [0.3], "scheme": ["implicit 4"]}
-    few, more, short = {"across": [12]}, {"across": [16]}, {"t_star": [3.0]}
-    slow, middle, fast = ({"reynolds": [reynolds]} for reynolds in (1.0, 100.0, 1000.0))
-    re, rows = ("reynolds",), ("flow", "across", "jitter")
-    even = {"jitter": [0.0], "scheme": ["implicit 4"]}
-    return [
-        SubMatrix(
-            "walls: radius ratio x Re",
-            grid(flow=annuli, reynolds=(1.0, 100.0), **few, **rough, **short)
-            + grid(flow=annuli[1:], **fast, **few, **rough, **short)
-            + grid(flow=annuli[1:], **middle, **more, **rough, **short)
-            + grid(flow=annuli[1:], **middle, **few, **even, **short)
-            + grid(flow=["annulus0.9"], **middle, **few, **rough, t_star=[1.0]),
-            re,
-            rows,
-        ),
-        SubMatrix(
-            "walls: cavities",
-            grid(flow=lids, **slow, **few, **rough, t_star=[2.0])
-            + grid(flow=lids, **middle, **few, **rough, t_star=[20.0])
-            + grid(flow=lids, **fast, **few, **rough, t_star=[20.0]),
-            re,
-            rows,
-        ),
-        SubMatrix(
-            "walls: gap at a body",
-            grid(flow=("cylinder1.5", *bodies), reynolds=(1.0, 100.0), **more, **rough, t_star=[2.0]),
-            re,
-            rows,
-        ),
-        SubMatrix(
-            "walls: steps",
-            grid(flow=("annulus0.5", "sharp_lid"), **middle, **few, step=COURANTS, **rough, **short)
-            + grid(flow=bodies[:1], **middle, **more, step=COURANTS, **rough, t_star=[2.0]),
-            ("step",),
-            ("flow",),
-        ),
-    ]
 
 
 def _long_runs():
@@ -289,10 +168,5 @@ def _quick():
             re,
             ("flow",),
         ),
-        _refused(),
+        crossing.refused(),
     ]
-
-
-def _refused():
-    """What cannot be had: order 2 where the flow turns."""
-    return SubMatrix("refused", grid(flow=TURNING, scheme=["implicit 2"]), ("scheme",), ("flow",))

@@ -6,6 +6,7 @@ width 4 and period 16; what drives the liquid was chosen for a Weissenberg numbe
 channel, of about 0.25. All particles start up to a fifth of a spacing off an even arrangement.
 """
 
+import csv
 import math
 
 from scipy.interpolate import CubicSpline
@@ -37,6 +38,14 @@ SWINGING = {
     "walls": {"inner": {"angular_velocity": None, "amplitude": 1.0, "angular_frequency": 6.2832, "phase": "sin"}},
 }
 """The inner cylinder swings, one period in ten relaxation times."""
+
+STRAINED = {
+    "walls": {"inner": {"angular_velocity": None, "times": [0.0, 0.2, 0.2], "angular_velocities": [1.0, 1.0, 0.0]}},
+}
+"""The inner cylinder turns for a fifth of a relaxation time and stops: step strain."""
+
+STRAINED_BOUNDS = {"rms": 1e-3, "shear_stress_l2": 6e-3, "normal_stress_l2": 6e-3, "torque_inner off exact": 6e-3}
+"""At 16 across; of stress and torque those at 25, 1e-3, for a spacing 25/16 as large, with the fourth power."""
 
 DRAG = CubicSpline(
     [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9],
@@ -74,6 +83,7 @@ FULL = {
     "oldroyd_b_annulus_50": merged(START, across(50), at_times(SAMPLES)),
     "giesekus_annulus_50": merged(START, GIESEKUS, across(50), at_times(SAMPLES)),
     "oldroyd_b_swinging_16": merged(START, SWINGING, across(16), at_times((0.5, 1.0))),
+    "oldroyd_b_step_strain_16": merged(START, STRAINED, across(16), at_times(SAMPLES)),
     "confined_cylinder": CONFINED,
 }
 
@@ -98,6 +108,12 @@ def criteria(quick):
             for t_star in (0.5, 1.0)
             for quantity in ("l2", "shear_stress_l2", "torque_inner off exact")
         ),
+        *(
+            at_most("oldroyd_b_step_strain_16", t_star, quantity, bound)
+            for t_star in SAMPLES
+            for quantity, bound in STRAINED_BOUNDS.items()
+        ),
+        _normal_stress("oldroyd_b_step_strain_16"),
         order("oldroyd_b_annulus 12/25/50", resolutions, 1.0, 3, "l2"),
         _drag("confined_cylinder"),
     ]
@@ -117,6 +133,20 @@ def _start(name):
 
 def _torques(name, t_star, bound):
     return [at_most(name, t_star, f"torque_{side} off exact", bound) for side in ("inner", "outer")]
+
+
+def _normal_stress(name):
+    """N1 at the inner cylinder at all times of the history at which the flow is resolved, over the largest."""
+
+    def off(result):
+        with open(result.folder / "history.csv", encoding="utf-8") as file:
+            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+        pairs = [(float(row["n1_inner"]), float(row["n1_inner_exact"])) for row in rows if int(row["resolved"])]
+        return max(abs(found - exact) for found, exact in pairs) / max(exact for _, exact in pairs)
+
+    bound = STRAINED_BOUNDS["normal_stress_l2"]
+    quantity = "N1 at the inner cylinder off the largest"
+    return Criterion(name, quantity, f"<= {bound:g}", (name,), off, lambda value: value <= bound)
 
 
 def _drag(name):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from tisph.exact import cavity
 from tisph.verification import flows
-from tisph.verification.suite import bodies, circular_couette
+from tisph.verification.suite import bodies, circular_couette, turning_polymers
 from tisph.verification.suite.cavity import SHARP
 from tisph.verification.suite.turning import TAYLOR_GREEN
 
@@ -94,6 +94,12 @@ WALL_WAYS = {
 }
 QUICK_WALL_WAYS = {"implicit 4, fast": (auto("fast"), (10, 12)), "implicit 4, balanced": (auto("balanced"), (12, 16))}
 
+CYLINDER_WAYS = {
+    "implicit 4, fast": (auto("fast"), (10, 12, 16)),
+    "implicit 4, balanced": (auto("balanced"), (12, 16, 25)),
+}
+"""Of a liquid with polymer, which the explicit scheme does not serve between cylinders."""
+
 BODY_WAYS = {
     "implicit 4, fast": (auto("fast"), (12, 16, 20)),
     "implicit 4, balanced": (auto("balanced"), (12, 20, 40)),
@@ -112,6 +118,11 @@ def l2(sample):
 def memory(sample):
     """The largest of the relative L2 errors of the velocity, the shear stress and the normal stress difference."""
     return max(sample[name] for name in ("l2", "shear_stress_l2", "normal_stress_l2"))
+
+
+def torque(sample):
+    """The larger one of the relative errors of the velocity (L2) and the torque on the inner cylinder."""
+    return max(sample["l2"], abs(sample["torque_inner"] / sample["torque_inner_exact"] - 1.0))
 
 
 def extremes(sample):
@@ -198,6 +209,14 @@ FLOWS = {
         group="oldroyd_b",
         error=memory,
         own=True,
+    ),
+    "oldroyd_b_cylinders": Flow(
+        "Oldroyd-B, cylinders, t = 1: u, torque",
+        ended(flows.merged(turning_polymers.START, SERIAL), 1.0),
+        CYLINDER_WAYS,
+        {},
+        group="oldroyd_b",
+        error=torque,
     ),
     "taylor_green_2": Flow(
         "Taylor-Green vortex, Re = 100, t = 2",

@@ -64,7 +64,7 @@ class Walk:
             velocities = self._velocities(places, self.time + length)
             away = velocities - self._summed(times.ahead(VELOCITIES))
             error, order = times.error(math.sqrt(np.mean(np.sum(away**2, axis=1))), times.backwards()[0], self.speed)
-            if self.control.accepts(error / self.speed, order, length):
+            if self.control.accepts(error / self.speed, order, length, unresolved=0.0):
                 break
         if length > self.longest:
             self.longest, self.bounded = length, length >= 0.99 * self.longest_step

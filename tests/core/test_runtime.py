@@ -6,7 +6,7 @@ import time
 import pytest
 
 from tisph import runtime
-from tisph.runtime import ti
+from tisph.runtime import ti, unrolled
 
 
 def test_serial_and_parallel_kernels_are_cached_apart():
@@ -134,3 +134,37 @@ def test_an_object_has_the_kernels_of_its_class_and_of_those_above():
     assert one.total[None] == 2 * (3.0 - 2.0)
     assert one.half == 2.0
     assert "__getattribute__" not in vars(Counter)  # all else is looked up as Python does
+
+
+@ti.data_oriented
+class Turns:
+    """Counts the turns of loops: outermost, inside, and inside ``unrolled``."""
+
+    def __init__(self, serial):
+        self.serial = serial
+        self.outer, self.inner, self.longer = (runtime.integer(0) for _ in range(3))
+
+    @ti.kernel
+    def count(self, number: ti.i32):
+        ti.loop_config(serialize=self.serial)
+        for _ in range(number):
+            ti.atomic_add(self.outer[None], 1)
+        ti.loop_config(serialize=self.serial)
+        for _ in range(1):
+            for turn in range(number):
+                self.inner[None] += 1
+            for turn in unrolled(number):
+                self.longer[None] += 1
+
+
+@pytest.mark.parametrize("serial", [True, False])
+@pytest.mark.parametrize("never", [0, 1])
+def test_loops_turn_once_at_a_time_by_a_number_that_llvm_does_not_know(serial, never):
+    # were it told that the number is 0 it would make eight turns one again; loops of several threads cannot end early
+    runtime.start("f64", 1)
+    turns = Turns(serial)
+    runtime.view(ti.lang.impl.get_runtime().never)[()] = never
+    turns.count(20)
+    once = 1 if never else 20
+    found = [int(runtime.view(number)) for number in (turns.outer, turns.inner, turns.longer)]
+    assert found == [once if serial else 20, once, 20]

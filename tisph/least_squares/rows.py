@@ -27,7 +27,7 @@ import numpy as np
 
 from tisph.least_squares.elimination import horner, moment_chains, moment_indices, moment_of_entries, powers, units
 from tisph.neighbours.points import LANES
-from tisph.runtime import holding, integer, real, scalar, threads, ti, view
+from tisph.runtime import holding, integer, real, scalar, threads, ti, unrolled, view
 
 SUPPORT = {2: 1.9, 4: 2.9}
 """Radius in particle spacings by order. About 10 and 27 neighbours: 0.1 less, and sheared disorder becomes singular."""
@@ -144,7 +144,7 @@ class LeastSquaresRows:
     def sum_moments(self, i):
         """Sum the moments of particle ``i``."""
         total = ti.Vector(self.zeros)
-        for k in range(self.points.count[i]):
+        for k in unrolled(self.points.count[i]):
             x, y, weighted = self.along[i, k], self.across[i, k], self.laplacian[i, k]
             for chain in ti.static(self.chains):
                 product = weighted
@@ -153,7 +153,7 @@ class LeastSquaresRows:
                         total[index] += product
                     product *= y
                 weighted *= x
-        for index in range(ti.static(len(self.zeros))):
+        for index in unrolled(ti.static(len(self.zeros))):
             self.moments[i // BLOCK, index][i % BLOCK] = total[index]
 
     @ti.func
@@ -228,16 +228,16 @@ class LeastSquaresRows:
     def evaluate(self, i):
         """Turn the vectors and weights of particle ``i`` into its rows."""
         known = ti.Matrix(self.no_coefficients)  # local, or they would be read again for every neighbour
-        for operator in range(3):
-            for unknown in range(ti.static(self.unknowns)):
+        for operator in unrolled(3):
+            for unknown in unrolled(ti.static(self.unknowns)):
                 known[operator, unknown] = self.coefficients[i // BLOCK, operator, unknown][i % BLOCK]
         if ti.static(self.varying):
             per_stretch = 1.0 / self.stretch[i]
-            for unknown in range(ti.static(self.unknowns)):
+            for unknown in unrolled(ti.static(self.unknowns)):
                 known[LAPLACIAN, unknown] *= per_stretch * per_stretch
                 known[ALONG, unknown] *= per_stretch
                 known[ACROSS, unknown] *= per_stretch
-        for k in range(self.points.count[i]):
+        for k in unrolled(self.points.count[i]):
             x, y, weight = self.along[i, k], self.across[i, k], self.laplacian[i, k]
             self.laplacian[i, k] = weight * self.polynomial(known, LAPLACIAN, x, y)
             self.along[i, k] = weight * self.polynomial(known, ALONG, x, y)

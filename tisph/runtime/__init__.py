@@ -76,14 +76,16 @@ def _frames_in_short():
 with _frames_in_short():
     import taichi as ti  # it reads the environment while it is imported
 
-    from tisph.runtime import _fields, _launching, _reading
+    from tisph.runtime import _fields, _launching, _loops, _reading
 
 from tisph.config.memory import room  # noqa: E402 (what follows imports Taichi)
 from tisph.runtime._fields import holding, integer, real, scalar, view  # noqa: E402
+from tisph.runtime._loops import unrolled  # noqa: E402
 from tisph.runtime._reading import compile_seconds  # noqa: E402
 
 _fields.install()
 _launching.install()
+_loops.install()
 _reading.install()
 
 __all__ = [
@@ -98,6 +100,7 @@ __all__ = [
     "stop",
     "threads",
     "ti",
+    "unrolled",
     "view",
 ]
 
@@ -132,6 +135,7 @@ def start(precision, threads):
             fast_math=False,
             log_level=ti.ERROR,
         )
+    _loops.forbid_longer_turns()
     _share_processors(sorted(_thread_ids() - others), threads)
 
 

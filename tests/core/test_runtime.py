@@ -151,9 +151,9 @@ class Turns:
             ti.atomic_add(self.outer[None], 1)
         ti.loop_config(serialize=self.serial)
         for _ in range(1):
-            for turn in range(number):
+            for _first in range(number):
                 self.inner[None] += 1
-            for turn in unrolled(number):
+            for _second in unrolled(number):
                 self.longer[None] += 1
 
 

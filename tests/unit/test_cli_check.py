@@ -1,6 +1,7 @@
 """``tisph check`` of all flows: numbers of drive, oscillation and polymer, limits of the time step, warnings."""
 
 import math
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
@@ -154,6 +155,19 @@ def test_polymer_of_a_flow_without_a_jump_has_no_layer_to_relax_before(checked):
     liquid = POLYMER % (1.0, "solvent_fraction: 0.009")
     lines = checked(liquid, "scheme={type: implicit}", AT_REST, DRIVE, "time.end=0.1")
     assert not starting(lines, "warning: the polymer answers")
+
+
+CONFIGS = Path(__file__).resolve().parents[2] / "configs"
+
+
+@pytest.mark.parametrize(("name", "known"), [("taylor_green", True), ("cavity_regular", False)])
+def test_steps_of_a_flow_that_is_not_known_beforehand_are_called_a_guess(name, known):
+    output = CliRunner().invoke(cli.app, ["check", str(CONFIGS / f"{name}.yaml")]).output
+    lines = [line.strip() for line in output.splitlines()]
+    assert [line.endswith("a guess: the flow is not known beforehand") for line in starting(lines, "steps")] == [
+        not known
+    ]
+    assert all(("steps" in line) == known for line in starting(lines, "at t ="))
 
 
 def test_polymer_stress_is_counted_in_the_memory(case):

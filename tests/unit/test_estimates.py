@@ -7,7 +7,6 @@ docs/stability.md prints, to one digit, of cells at the end of their runs, with 
 import functools
 import json
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from fake_runs import FakeRuns, make_result
@@ -15,6 +14,7 @@ from fake_runs import FakeRuns, make_result
 from tisph.cli.check import estimates, forecast
 from tisph.config import load
 from tisph.errors import ConfigError
+from tisph.schemes._forecast import Forecast
 from tisph.study import estimates as study
 from tisph.study import processes
 from tisph.study.store import config_text
@@ -111,8 +111,8 @@ def sample(rms=1e-3, step=10, resolved=True):
     return {"t": 1.0, "step": step, "rms": rms, "resolved": resolved}
 
 
-def forecast_of(rms=1e-3, steps=10, at_most=False):
-    return SimpleNamespace(t=1.0, steps=steps, l2=rms, rms=rms, at_most=at_most)
+def forecast_of(rms=1e-3, **others):
+    return Forecast(**{"t": 1.0, "steps": 10, "l2": rms, "rms": rms, **others})
 
 
 @pytest.mark.parametrize(
@@ -131,6 +131,7 @@ def forecast_of(rms=1e-3, steps=10, at_most=False):
         ({}, {"step": 6}, "FAIL"),
         ({"rms": None}, {"rms": 1.0}, "no estimate"),
         ({"rms": None}, {"step": 100}, "FAIL"),
+        ({"rms": None, "known": False}, {"step": 100}, "no estimate"),
     ],
 )
 def test_verdicts(one, found, verdict):
@@ -147,6 +148,9 @@ def test_a_run_without_a_reference_has_no_error_to_compare():
     verdict, cells = study._line(case, {"status": "done", "samples": [sample(rms=None)]})
     assert verdict == "no estimate"
     assert cells == ("rolls", "1", "-", "-", "-", "10", "10", "1", "no estimate")
+    case = study.Case("lid", {}, (forecast_of(rms=None, known=False),))
+    verdict, cells = study._line(case, {"status": "done", "samples": [sample(rms=None, step=100)]})
+    assert cells == ("lid", "1", "-", "-", "-", "-", "100", "-", "no estimate")
 
 
 def test_the_table_names_the_worst_sample_and_fails_with_it(monkeypatch, tmp_path, capsys):
@@ -169,7 +173,7 @@ def test_the_table_names_the_worst_sample_and_fails_with_it(monkeypatch, tmp_pat
 
         return FakeRuns(summary)
 
-    samples = [forecast_of(), SimpleNamespace(t=2.0, steps=20, l2=1e-3, rms=1e-3, at_most=False)]
+    samples = [forecast_of(), forecast_of(t=2.0, steps=20)]
     for factor, passed in ((2.0, True), (10.0, False)):
         monkeypatch.setattr(processes, "start", outcome(factor))
         tell = lambda config: ({"samples": samples, "steps": 20, "particles": 100}, [])  # noqa: E731

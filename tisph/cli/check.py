@@ -110,6 +110,8 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
     length, time = config.units.length, config.units.time
     largest = "" if numbers["sound_speed"] else "at most "
     step = f"{largest}{numbers['time_step']:.4g} {time}, set by the {numbers['binding_limit']} limit"
+    last = numbers["samples"][-1]
+    guessed = "" if last.known else "; a guess: the flow is not known beforehand"
     number = (
         f"{config.rows} across, {config.columns} along" if any(config.periodic) else f"{config.particles_across} across"
     )
@@ -122,7 +124,7 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
         ("particle spacing", spacing),
         ("fluid particles", str(numbers["particles"])),
         ("time step", step),
-        ("steps", f"{numbers['steps']} from t = {config.start_time:g} to {config.time.end:g} {time}"),
+        ("steps", f"{numbers['steps']} from t = {config.start_time:g} to {config.time.end:g} {time}{guessed}"),
         ("memory", f"about {format_bytes(numbers['memory'])}"),
         ("run time", f"about {_duration(numbers['run_time'])} (estimate, without compiling and video)"),
     ]
@@ -134,7 +136,8 @@ def _sample_lines(channel: Any, samples: Sequence[Any]) -> Iterator[tuple[str, s
     for sample in samples:
         resolved, reason = resolution(channel, sample.t)
         state = "resolved" if resolved else f"not resolved: {reason}"
-        text = f"{state}{', ' if resolved else '; '}{sample.steps} steps, {_error_text(sample)}"
+        steps = f"{sample.steps} steps, " if sample.known else ""
+        text = f"{state}{', ' if resolved else '; '}{steps}{_error_text(sample)}"
         yield f"at t = {sample.t:g} {channel.units.time}", text
 
 

@@ -39,6 +39,7 @@ class Forecast:
 
     ``l2`` and ``rms``, see ``verification/metrics.py``, are None where the model cannot tell, ``l2`` also where the
     liquid rests, or nearly so. ``at_most``: they are what may add up and may as well cancel: the run may err less.
+    ``known``: the steps are an estimate; else no more than a guess, from the speed that the config gives.
     """
 
     t: float
@@ -46,6 +47,7 @@ class Forecast:
     l2: float | None
     rms: float | None
     at_most: bool = False
+    known: bool = True
 
 
 @dataclass(frozen=True)

@@ -67,13 +67,14 @@ def _steps(config):
 
 
 def estimates(config, scene):
-    """Return what ``tisph check`` says of a run: steps by the reference, or by their longest; no estimate of errors."""
+    """Return what ``tisph check`` says of a run: steps by the reference, or a guess; no estimate of errors."""
     from tisph.schemes._splitting._forecast import Walk
 
     tolerance, courant = _steps(config)
     viscous = viscous_step(scene.spacing, scene.kinematic_viscosity, scene.rheology) if scene.bodies else math.inf
     ends = [*config.time.samples, config.time.end]
-    if "u" in scene.fields:
+    known = "u" in scene.fields
+    if known:
         walk = Walk(scene, sorted(set(ends)), tolerance, courant, viscous)
         counts, longest, bounded = [walk.run_to(t) for t in ends], walk.longest, walk.bounded
     else:
@@ -87,7 +88,9 @@ def estimates(config, scene):
         "steps": counts[-1],
         "run_time": counts[-1] * (OVERHEAD + scene.particles * cost),
         "lost": False,
-        "samples": [Forecast(t, count, None, None) for t, count in zip(config.time.samples, counts, strict=False)],
+        "samples": [
+            Forecast(t, count, None, None, known=known) for t, count in zip(config.time.samples, counts, strict=False)
+        ],
     }
 
 

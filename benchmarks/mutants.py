@@ -31,6 +31,7 @@ NOT_COPIED = (".git", ".venv", "media", "__pycache__", "runs", "mutants")
 UNIT, CORE = "tests/unit/test_", "tests/core/test_"
 EXPLICIT = [CORE + name for name in ("operators", "wall*", "stress", "impulse")]
 IMPLICIT = [CORE + name for name in ("implicit_modes", "implicit_accuracy", "implicit_symmetry", "implicit", "shift")]
+TURNS = [CORE + name for name in ("splitting", "curved_walls", "cavity", "polymer_steps", "polymer_where_it_turns")]
 TESTS = {
     "exact": [UNIT + "exact_*", UNIT + "scene_flows"],
     "exact/couette": [UNIT + "exact_couette", UNIT + "scene_flows"],
@@ -38,13 +39,24 @@ TESTS = {
     "exact/poi": [UNIT + "exact_poi*", UNIT + "scene_flows"],
     "exact/_c": [UNIT + "exact_c*", UNIT + "exact_*", UNIT + "scene_flows"],
     "exact/_oldroyd": [UNIT + "exact_oldroyd*", UNIT + "scene_flows"],
-    "verification": [UNIT + "metrics*", UNIT + "study_walls"],
-    "least_squares": [CORE + "least_squares", *IMPLICIT],
+    "exact/linear": [UNIT + "rheometry*", UNIT + "exact_*", UNIT + "scene_flows"],
+    "exact/sliding": [UNIT + "exact_sliding_corner", UNIT + "exact_cavity"],
+    "verification": [UNIT + "metrics*", UNIT + "study_walls", UNIT + "verification*", UNIT + "extrapolation"],
+    "verification/rheometry": [UNIT + "rheometry*", CORE + "scheduled_*"],
+    "verification/wall_shear": [UNIT + "metrics_wall_shear", UNIT + "metrics*"],
+    "verification/mean": [UNIT + "metrics*", UNIT + "verification*", CORE + "bodies_in_flow", CORE + "curved_walls"],
+    "least_squares": [CORE + "least_squares", CORE + "multilevel", *IMPLICIT],
     "schemes": [UNIT + "scheme*", UNIT + "plan", *EXPLICIT],
+    "schemes/wcsph": [UNIT + "scheme*", UNIT + "plan", CORE + "explicit_*", *EXPLICIT],
     "schemes/_forecast": [UNIT + "error_estimate", CORE + "forecast_rows", UNIT + "cli_check", UNIT + "estimates"],
     "schemes/_estimate": [UNIT + "plan", UNIT + "cli_check", UNIT + "stress_cells", UNIT + "estimates"],
+    "schemes/_splitting": [UNIT + "splitting_steps", UNIT + "logarithm", UNIT + "layers", *TURNS],
     "schemes/implicit": [UNIT + "esdirk", UNIT + "step_control", *IMPLICIT, CORE + "implicit_limits"],
-    "rheology": [CORE + "stress"],
+    "schemes/implicit/_plate": [CORE + "plates", CORE + "scheduled_walls", UNIT + "exact_plates"],
+    "schemes/implicit/_heavy": [CORE + "plates", CORE + "scheduled_walls"],
+    "schemes/implicit/_driven": [CORE + "plates", CORE + "scheduled_walls"],
+    "schemes/implicit/_elastic": [CORE + "forecast_rows", CORE + "stress", CORE + "polymer_*", UNIT + "estimates"],
+    "rheology": [UNIT + "laws", UNIT + "config_rheologies", CORE + "laws_in_kernels", CORE + "stress"],
     "operators": [CORE + "weights", *EXPLICIT],
     "walls": [CORE + "walls", CORE + "wall_t*", CORE + "impulse", CORE + "stress", CORE + "implicit_symmetry"],
     "walls/consistent": [CORE + "wall_t*", CORE + "stress", CORE + "implicit_symmetry", CORE + "implicit_accuracy"],

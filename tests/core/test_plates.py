@@ -1,10 +1,13 @@
 """Walls that a stress drives, scheme implicit: against the reference, on rows and on particles in disorder."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from implicit_case import channel_of, rows, run
 
 from tisph import families, runtime
+from tisph.schemes.implicit._plate import Plate
 from tisph.simulation.run import start_values
 
 CASE = """
@@ -84,3 +87,13 @@ def test_either_wall_may_be_the_one(case):
     flipped = "walls={bottom: {shear_stress: 1.0, mass_per_area: 2.0}, top: {velocity: 0.0}}"
     one, other = rows(*case(HEAVY)), rows(*case(flipped))
     assert apart(one.velocity, other.velocity[::-1]) < 1e-12
+
+
+@pytest.mark.parametrize("towards", [1.0, -1.0])
+def test_the_velocity_of_a_plate_is_what_its_shear_rate_and_bend_leave_of_that_around(towards):
+    # u = U + s (u_y d + u_yyy d^3 / 6) at the distance d, s towards the liquid: exact for any weights
+    distance = np.array([0.1, 0.25, 0.4, 0.7])
+    velocity = 2.0 + towards * (0.3 * distance - 1.7 * distance**3 / 6.0)
+    fit = np.array([3, 1, 0, 2]), distance[[3, 1, 0, 2]], np.array([0.4, 0.3, 0.2, 0.1])
+    found = Plate.at_wall(SimpleNamespace(towards=towards), fit, velocity, 0.3, -1.7)
+    assert found == pytest.approx(2.0, rel=1e-14)

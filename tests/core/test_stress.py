@@ -39,6 +39,12 @@ def test_rates_are_exact_for_linear_velocity_and_stress(make):
         assert np.allclose(found, expected, atol=1e-9)
 
 
+def test_a_liquid_without_stress_has_the_time_step_that_it_begins_with(make):
+    # stresses add to the speed of elastic waves, from that which the config gives: here there are none yet
+    scheme = make(OLDROYD, "fluid.rheology.relaxation_time=0.001")
+    assert scheme.time_step_limit() == pytest.approx(scheme.limit, rel=1e-12)
+
+
 def test_the_walls_see_the_slope_of_a_parabolic_profile(make):
     # u - u_W = a d + b d^2 is fitted exactly, whatever the arrangement
     scheme = make(LINEAR_EOS, OLDROYD, WALLS, "walls.top.velocity=0.5", jitter=0.3)

@@ -52,6 +52,7 @@ TESTS = {
     "schemes/_estimate": [UNIT + "plan", UNIT + "cli_check", UNIT + "stress_cells", UNIT + "estimates"],
     "schemes/_splitting": [UNIT + "splitting_steps", UNIT + "logarithm", UNIT + "layers", *TURNS],
     "schemes/implicit": [UNIT + "esdirk", UNIT + "step_control", *IMPLICIT, CORE + "implicit_limits"],
+    "schemes/implicit/__init__": [UNIT + "config_*", UNIT + "scheme*", CORE + "implicit_limits"],
     "schemes/implicit/_plate": [CORE + "plates", CORE + "scheduled_walls", UNIT + "exact_plates"],
     "schemes/implicit/_heavy": [CORE + "plates", CORE + "scheduled_walls"],
     "schemes/implicit/_driven": [CORE + "plates", CORE + "scheduled_walls"],

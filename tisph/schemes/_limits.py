@@ -18,7 +18,6 @@ STIFFEST = 3.0
 DISORDERED_OF_ORDER_2 = 1.0
 """Cell Reynolds number above which disordered runs of order 2 of the implicit scheme err as they will, or stop."""
 
-
 STIFF = 4.0
 """Modulus of the polymer over density times (spacing over solvent viscosity) squared, up to which disordered particles
 of the implicit scheme err as a lattice does where a wall jumps: at 3.5 they did, at 14 they erred eight times more."""

@@ -61,7 +61,7 @@ def cell_reynolds(channel):
 
 
 def stiffness(config, channel):
-    """Return what ``STIFF`` is about: above 1 polymer answers a jump before the solvent's layer is a spacing deep."""
+    """Return what ``STIFF`` is about: how fast polymer answers a jump, the solvent's layer being a spacing deep."""
     if not channel.polymer:
         return 0.0
     modulus = sum(law.modulus for law in config.fluid.rheology.laws(channel.kinematic_viscosity))

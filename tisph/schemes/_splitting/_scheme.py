@@ -145,7 +145,7 @@ class Scheme:
         return self.control.finished
 
     def advance(self):
-        """Take one step, in as many attempts as its error asks for; raise DivergedError where none is solved."""
+        """Take one step, in as many attempts as its error asks for; raise DivergedError where it runs away."""
         if self.time in self.flow.changes:
             self.begin_again()
         unresolved = self.history.divergence_scale * self.flow.spacing / self.speed

@@ -15,6 +15,7 @@ JITTERS = (0.0, 0.1, 0.3)
 TREATMENTS = ("consistent_image", "comoving_image", "virtual_image", "fixed_image", "adami")
 STEPS = (1.0, 1.5, 2.0, 3.0, 4.0)
 SOUNDS = (5.0, SCALE_RATIO, 40.0)
+
 FLOW_THROUGHS = 200
 """Lengths of the channel that something at the reference velocity goes in a long run."""
 

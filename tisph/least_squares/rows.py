@@ -265,7 +265,7 @@ class LeastSquaresRows:
         """Return sum_j rows[i, j] (values[j] - values[i]); the sentinel's value must be finite."""
         own = values[i]
         total = 0.0 * own
-        for group in range(self.points.count[i] // LANES):
+        for group in unrolled(self.points.count[i] // LANES):
             for lane in ti.static(range(LANES)):
                 k = group * LANES + lane
                 total += rows[i, k] * (values[self.points.table[i, k]] - own)

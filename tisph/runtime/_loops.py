@@ -1,9 +1,9 @@
 """Loops that LLVM leaves as they are written.
 
 Where it can tell how often a loop turns, LLVM makes eight turns one, with another loop for what is left: half of the
-machine code of the kernels here (on AMD Zen), which each process waits for, and few loops gain by it. So a loop of a kernel may also end early, by a number in memory that is never
-anything but 0, and turns once at a time. Where longer turns are faster, by measurement, or keep a local vector out of
-memory, it is written ``for k in unrolled(n)``.
+machine code of the kernels here (on AMD Zen), which each process waits for, and few loops gain by it. So a loop of a
+kernel may also end early, by a number in memory that is never anything but 0, and turns once at a time. Where longer
+turns are faster, by measurement, or keep a local vector out of memory, it is written ``for k in unrolled(n)``.
 """
 
 import ast

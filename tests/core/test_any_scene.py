@@ -14,6 +14,7 @@ from tisph import config, families, simulation
 from tisph.cli import check
 from tisph.folder import Folder
 from tisph.observers.history import read_history
+from tisph.schemes._forecast import Forecast
 from tisph.snapshot import Snapshot
 
 CASE = """
@@ -72,7 +73,7 @@ class Carried:
 
 
 def estimates(settings, scene):
-    sample = SimpleNamespace(t=0.2, steps=STEPS, l2=None, rms=None, at_most=False)
+    sample = Forecast(t=0.2, steps=STEPS, l2=None, rms=None)
     numbers = {"mach": 0.0, "sound_speed": None, "time_step": 0.02, "binding_limit": "cfl"}
     return {**numbers, "steps": STEPS, "run_time": 1.0, "lost": False, "samples": [sample]}
 

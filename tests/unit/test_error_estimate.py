@@ -120,6 +120,20 @@ def test_what_is_left_after_a_long_time_solves_the_equations(case, treatment):
     assert rate == pytest.approx(expected, abs=1e-8 * np.abs(rows._source(time)).max())
 
 
+@pytest.mark.parametrize("length", [0.1, 1000.0])
+def test_a_residual_does_to_the_slowest_mode_what_its_system_leaves_of_it(case, length):
+    """The flow being that mode, its right side is as much larger than the mode as an error is smaller than a residual.
+
+    Errors of a mode that falls faster come from a right side that is larger by its part of the Laplacian.
+    """
+    rows = rows_of(case, IMPLICIT, COARSE)
+    rows.last, alone = length, rows.control.tolerance * implicit_rows.RESIDUALS
+    for mode in (0, 7):
+        rows.amplitudes = 3.0 * np.eye(25)[mode]
+        left = 1.0 - implicit_rows.GAMMA * length * rows.rates[[0, mode]]
+        assert rows.residual == pytest.approx(alone * left[1] / left[0], rel=1e-14)
+
+
 def test_whole_periods_are_left_out_of_a_long_run(case):
     """The flow of a wall that oscillates is the same after each; steps go on as before."""
     wall = "walls.top={amplitude: 0.5, angular_frequency: 1.0, phase: sin}"

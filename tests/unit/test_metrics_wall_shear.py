@@ -86,6 +86,20 @@ def test_solvent_and_polymer_add_up():
     assert wall_shear(channel, snapshot) == pytest.approx([solvent + 0.3, solvent + 0.9], abs=1e-12)
 
 
+def test_of_a_profile_that_no_fit_has_the_nearest_one_counts_by_its_weights():
+    """(1 - f)^2 (1 + 2 f) at the part f of five spacings: what is left is orthogonal to all powers with that weight."""
+    channel, random = make_channel(polymer=Polymer(1.0, 0.25)), np.random.default_rng(0)
+    snapshot = snapshot_of(channel, lambda y: random.uniform(size=y.size), lambda y: random.uniform(size=y.size))
+    part = snapshot.y[snapshot.y < 5 / 12] / (5 / 12)
+    weight, found = (1 - part) ** 2 * (1 + 2 * part), []
+    for powers, values in (([1, 2, 3, 4], snapshot.u), ([0, 1, 2], snapshot.stress_xy)):
+        basis = part[:, None] ** np.array(powers)
+        moments = basis.T @ (weight[:, None] * basis)
+        found.append(np.linalg.solve(moments, basis.T @ (weight * values[snapshot.y < 5 / 12]))[0])
+    expected = 2.0 * 0.01 * 0.25 * found[0] / (5 / 12) + found[1]
+    assert wall_shear(channel, snapshot)[0] == pytest.approx(expected, rel=1e-9)  # normal equations: condition 1e6
+
+
 def shear_errors(name, t_star, jitter, folder):
     errors = []
     for rows in (25, 50, 100):

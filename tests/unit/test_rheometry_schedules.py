@@ -40,6 +40,12 @@ def test_steady_shear_of_a_giesekus_liquid_balances():
     assert np.abs(law.laws[0].sheared(tuple(state), 5.0)).max() < 1e-8 * np.abs(state).max()
 
 
+def normal_curve(reading, name="without inertia"):
+    """Ordinates of the curve of N1 with this name."""
+    (found,) = (curve[3] for curve in reading.curves if curve[0][1].startswith("N1") and curve[1] == name)
+    return found
+
+
 def test_stress_jumps_with_the_rate_and_memory_does_not():
     wall = Schedule((0.0, 1.0, 1.0), (0.3, 0.3, 0.0))
     found, _ = uniform().response(rates(wall, 0.1), np.array([0.5, 1.0, 1.0 + 1e-9, 3.0]))
@@ -56,13 +62,15 @@ def test_a_relaxation_modulus_is_read_from_a_ramp(times):
     law = uniform()
     stress, normal = law.response(rates(wall, 0.1), TIMES)
     table = {"t": TIMES, "wall_shear": 1.01 * stress, "wall_shear_exact": stress, "n1_mean": normal}
-    numbers = _step_strain(0.1, LIQUID, wall, table, (stress, normal)).numbers
+    reading, late = _step_strain(0.1, LIQUID, wall, table, (stress, normal)), TIMES > 0.2
+    numbers = reading.numbers
     modulus = 0.9 / 2.0 * np.exp(-(6.0 - 0.1) / 2.0)
     # what is left of the ramp is of the second order, (0.2/2)^2/24 of the pulse
     assert numbers["modulus_at_the_end_reference"] == pytest.approx(modulus, rel=5e-4)
     assert numbers["modulus_at_the_end_linear"] == pytest.approx(modulus, rel=1e-12)
     assert numbers["modulus_at_the_end"] == pytest.approx(1.01 * numbers["modulus_at_the_end_reference"], rel=1e-12)
     assert numbers["inertia_gone_at"] == pytest.approx(0.2, abs=1e-9)  # from the first time after the step, less 0.1
+    assert normal_curve(reading) == pytest.approx(normal[late] / strain**2)
     # Lodge and Meissner: N1 is strain times shear stress after a sudden strain, to the first order in its duration
     assert numbers["normal_over_shear_stress_at_the_end"] == pytest.approx(strain / 1.01, rel=0.05)
 
@@ -79,6 +87,17 @@ def test_a_flow_curve_tells_inertia_from_memory():
     assert numbers["off_reference"] == 0.0
     assert numbers["off_by_inertia"] == pytest.approx(inertia / (2.0 * 1.2), rel=1e-9)  # at a tenth of it
     assert numbers["off_by_memory"] == pytest.approx(0.0, abs=1e-14)
+
+
+def test_a_flow_curve_of_a_liquid_with_memory_shows_its_normal_stress():
+    wall, law = Schedule((0.0, 6.0), (0.0, 1.2)), uniform()
+    stress, normal = law.response(rates(wall, 0.1), TIMES)
+    table = {"t": TIMES, "wall_shear": stress, "wall_shear_exact": stress, "n1_mean": 1.01 * normal}
+    reading = _flow_curve(0.1, law, wall, table, (stress, normal))
+    assert normal_curve(reading, "run, mean of the gap") == pytest.approx(1.01 * normal)
+    assert normal_curve(reading) == pytest.approx(normal)
+    curve = np.linspace(0.0, 12.0, 41)
+    assert normal_curve(reading, "steady shear") == pytest.approx(2.0 * 0.9 * 2.0 * curve**2)
 
 
 @pytest.mark.parametrize(

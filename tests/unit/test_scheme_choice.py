@@ -35,6 +35,21 @@ def test_accuracy_tightens_the_steps(resolved):
     assert strains == sorted(strains, reverse=True)
 
 
+@pytest.mark.parametrize(
+    ("liquid", "accuracy", "steps"),
+    [  # as docs/implicit.md says them
+        ((), "fast", "tolerance 0.0003 and strain 1.5"),
+        ((), "balanced", "tolerance 3e-05 and strain 0.7"),
+        ((), "high", "tolerance 3e-07 and strain 0.5"),
+        ((POLYMER,), "fast", "tolerance 0.0001 and strain 1.5"),
+        ((POLYMER,), "balanced", "tolerance 1e-05 and strain 0.7"),
+        ((POLYMER,), "high", "tolerance 3e-07 and strain 0.5"),
+    ],
+)
+def test_the_steps_are_those_of_the_documentation(resolved, liquid, accuracy, steps):
+    assert resolved(*liquid, f"scheme={{type: auto, accuracy: {accuracy}}}")[1].endswith(f"accuracy, {steps} a step")
+
+
 def test_a_liquid_with_memory_gets_the_implicit_one_with_steps_of_its_own(resolved):
     config, reason = resolved(POLYMER)
     assert reason.startswith("implicit, order 4: balanced accuracy")

@@ -7,6 +7,7 @@ from implicit_case import channel_of, rows, run
 from tisph import families, runtime
 from tisph.exact import oldroyd_b
 from tisph.schemes._forecast.elastic_rows import ElasticRows
+from tisph.schemes.implicit._elastic_stages import Flow
 from tisph.schemes.implicit._scheme import control
 from tisph.schemes.implicit._walls import WallSeries
 from tisph.simulation.run import start_values
@@ -74,6 +75,24 @@ def test_stress_is_kicked_with_the_velocity(case):
         since_start, since_stop = (profile(found.heights, t, **numbers) for t in (0.3, 0.1))
         wrong = np.linalg.norm(mine - (since_start - since_stop))
         assert wrong < 1e-2 * np.linalg.norm(since_start)  # of 12 rows a layer after the stop; measured: 2.7e-3, 6.4e-3
+
+
+def test_the_error_of_a_step_is_what_its_last_stage_makes_of_the_defects(case):
+    # Oldroyd-B: shear stress and velocity of a stage are linear in what it starts from
+    found, channel = rows_of(case, OLDROYD_B)
+    stages, flow, implicit, random = found.stages, found.flow, 0.02, np.random.default_rng(0)
+    defects = random.normal(size=12), np.zeros_like(flow.state)
+    defects[1][1] = random.normal(size=12)
+    ends = []
+    for share in (0.0, 1.0):
+        known, known_state = (
+            value + share * defect for value, defect in zip((flow.velocity, flow.state), defects, strict=True)
+        )
+        ends.append(stages.solved(known, known_state, known, known_state, found.time, implicit, 1e-12)[0])
+    (velocity, state, rate, stress, slope), (velocity_2, _, _, stress_2, _) = ends
+    stated = stages.error(Flow(velocity, state, rate), implicit, slope, *defects)
+    differences = np.stack([velocity_2 - velocity, (stress_2 - stress) * channel.gap / channel.kinematic_viscosity])
+    assert stated == pytest.approx(np.sqrt(np.mean(differences**2, axis=1).sum()), rel=1e-6)
 
 
 def test_a_small_step_strain_shows_the_relaxation_modulus(case):

@@ -7,7 +7,7 @@ from implicit_case import IMPLICIT, SLOW, run
 from tisph.least_squares import rows
 from tisph.least_squares.lattice import WalledLattice
 from tisph.neighbours.points import used
-from tisph.runtime import view
+from tisph.runtime import real, ti, view
 from tisph.schemes.implicit import _solver
 from tisph.simulation import checkpoint
 
@@ -89,6 +89,45 @@ def test_the_inverse_is_symmetric_and_vanishes_at_the_walls(lattice):
         images.append(on_nodes(lattice, nodes).copy())
     assert np.vdot(first, images[1]) == pytest.approx(np.vdot(second, images[0]), rel=1e-12)
     assert not images[0][0].any()
+
+
+@ti.data_oriented
+class Carried:
+    """``lattice`` from particles to nodes and back: what nodes get of ``given``, and particles of ``nodes``."""
+
+    def __init__(self, lattice, nodes):
+        self.lattice, self.nodes, self.points = lattice, nodes, lattice.points
+        self.given, self.found = (ti.Vector.field(1, real(), shape=self.points.most) for _ in range(2))
+
+    @ti.kernel
+    def up(self):
+        for node in range(self.lattice.rows[None] * self.lattice.columns[None]):
+            self.nodes[node] = self.lattice.deposit(self.given, node)
+
+    @ti.kernel
+    def down(self):
+        for i in range(self.points.fluid):
+            self.found[i] = self.lattice.interpolate(self.nodes, i)
+
+
+def test_particles_get_from_the_nodes_by_the_weights_by_which_they_gave(lattice):
+    lattice, nodes, _ = lattice
+    lattice.sort()
+    carried, fluid = Carried(lattice, nodes), lattice.points.fluid
+    random = np.random.default_rng(0)
+    given, values = random.normal(size=fluid), random.normal(size=lattice.shape)
+    view(carried.given)[:fluid, 0] = given
+    carried.up()
+    gained = on_nodes(lattice, nodes).copy()
+    on_nodes(lattice, nodes)[...] = values
+    carried.down()
+    # as many nodes as particles here, so that no share is taken
+    assert np.vdot(values, gained) == pytest.approx(np.vdot(view(carried.found)[:fluid, 0], given), rel=1e-12)
+    # bilinear: waves as long as the box, at the places of the particles
+    on_nodes(lattice, nodes)[...] = np.cos(2 * np.pi * np.arange(lattice.shape[1]) / lattice.shape[1])
+    carried.down()
+    expected = np.cos(2 * np.pi * view(lattice.points.place)[:fluid, 0])
+    assert np.abs(view(carried.found)[:fluid, 0] - expected).max() < 0.125 * (2 * np.pi / 12) ** 2  # f'' dx^2 / 8
 
 
 # --- the systems

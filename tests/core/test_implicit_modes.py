@@ -11,6 +11,8 @@ import pytest
 from implicit_case import IMPLICIT, SLOW
 from scipy.optimize import brentq
 
+from tisph.neighbours.points import used
+from tisph.runtime import view
 from tisph.schemes.implicit._control import SAFETY
 from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, WEIGHTS
 
@@ -26,6 +28,18 @@ STEP = 0.05
 def make(make):
     """``make`` for scheme implicit with accurately solved systems."""
     return functools.partial(make, *IMPLICIT)
+
+
+def test_virtual_ghosts_continue_the_lattice(make):
+    scheme = make("walls.treatment.type=virtual_image")
+    places = np.concatenate([used(scheme.motion.position), scheme.ghosts.part(view(scheme.points.place))])
+    x, y = ROWS * places.T - 0.5
+    layers = len(places) // ROWS
+    assert layers > ROWS
+    expected = np.arange(layers)[:, None] - (layers - ROWS) // 2, np.arange(ROWS)
+    order = np.lexsort([np.round(x, 6), np.round(y, 6)])
+    for found, exact in zip((y, x), np.broadcast_arrays(*expected), strict=True):
+        assert np.abs(found[order] - exact.ravel()).max() < 1e-12
 
 
 def one_step(make, *overrides, velocity=None):

@@ -110,6 +110,8 @@ def test_between_cylinders_what_a_liquid_with_polymer_cannot_do_is_named(change,
         ("power_law", "index=0.2", "must be at least 0.3"),
         ("carreau_yasuda", "fraction_at_infinity=1.1", "must be at most 1"),
         ("herschel_bulkley", "regularisation=0", "must be greater than 0"),
+        ("herschel_bulkley", "index=0.29", "must be at least 0.3"),
+        ("herschel_bulkley", "index=1.51", "must be at most 1.5"),
         ("fene_p", "maximum_extension=3", "must be greater than 3"),
         ("fene_p", "relaxation_time=0", "must be greater than 0"),
     ],
@@ -118,6 +120,13 @@ def test_ranges(case, name, change, expected):
     text = refusal(case, f"fluid.rheology={RHEOLOGIES[name]}", f"fluid.rheology.{change}")
     assert f"fluid.rheology.{change.partition('=')[0]}" in text
     assert expected in text
+
+
+@pytest.mark.parametrize("index", [0.3, 1.5])
+@pytest.mark.parametrize("name", ["power_law", "herschel_bulkley"])
+def test_ends_of_a_range_are_in_it(case, name, index):
+    config = case(f"fluid.rheology={RHEOLOGIES[name]}", f"fluid.rheology.index={index}")
+    assert config.fluid.rheology.index == index
 
 
 def parameters(name, **numbers):

@@ -72,6 +72,14 @@ def test_images_continue_a_straight_line(case):
         assert wall * 0.7 - shares @ (0.7 + 0.2 * depths) == pytest.approx(0.7 - 0.2 * depths[:3], rel=1e-12)
 
 
+def test_images_continue_a_polymer_stress_by_its_slope_at_the_wall(case):
+    polymer = "fluid.rheology={type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.3}"
+    rows = rows_of(case, EXPLICIT, COARSE, polymer, "walls.treatment.type=consistent_image")
+    state = np.concatenate([np.zeros(25), 0.2 + 0.3 * rows.heights, [0.3, 0.3]])
+    heights = rows._extend(rows.heights, -rows.depths, 1.0 + rows.depths)
+    assert rows._extended_fields()[1] @ state == pytest.approx(0.2 + 0.3 * heights, rel=1e-12)
+
+
 WALLS = ("comoving_image", "consistent_image", "fixed_image", "virtual_image")
 
 

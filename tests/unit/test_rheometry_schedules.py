@@ -105,10 +105,11 @@ def test_a_flow_curve_of_a_liquid_with_memory_shows_its_normal_stress():
     [
         ((0.0, 0.1, 0.1), (1.0, 1.0, 0.0), "step strain"),
         ((0.0, 4.0), (1.0, 0.0), "flow curve"),
+        ((0.0, 0.5, 4.0), (0.0, 1.0, 0.0), "flow curve"),
         ((0.0, 0.1), (1.0, 2.0), "flow curve"),
         ((0.0, 0.1, 0.1, 0.2, 0.2), (1.0, 1.0, -1.0, -1.0, 0.0), "flow curve"),
     ],
-    ids=["held", "not held for as long", "goes on", "there and back"],
+    ids=["held", "not held for as long", "slows down for long", "goes on", "there and back"],
 )
 def test_a_wall_that_rests_for_longer_than_it_moved_is_a_step_strain(times, velocities, title):
     config = SimpleNamespace(fluid=SimpleNamespace(rheology=SimpleNamespace(carries_stress=False)))

@@ -156,6 +156,13 @@ class Turns:
             for _second in unrolled(number):
                 self.longer[None] += 1
 
+    @ti.kernel
+    def count_in_static_loop(self, number: ti.i32):
+        for _ in ti.static(range(2)):
+            ti.loop_config(serialize=self.serial)
+            for _turn in range(number):
+                ti.atomic_add(self.outer[None], 1)
+
 
 @pytest.mark.parametrize("serial", [True, False])
 @pytest.mark.parametrize("never", [0, 1])
@@ -168,3 +175,12 @@ def test_loops_turn_once_at_a_time_by_a_number_that_llvm_does_not_know(serial, n
     once = 1 if never else 20
     found = [int(runtime.view(number)) for number in (turns.outer, turns.inner, turns.longer)]
     assert found == [once if serial else 20, once, 20]
+
+
+@pytest.mark.parametrize("serial", [True, False])
+def test_a_loop_in_a_static_one_alone_is_an_outermost_one(serial):
+    runtime.start("f64", 1)
+    turns = Turns(serial)
+    runtime.view(ti.lang.impl.get_runtime().never)[()] = 1
+    turns.count_in_static_loop(20)
+    assert int(runtime.view(turns.outer)) == 2 * (1 if serial else 20)

@@ -42,26 +42,31 @@ def _parallelize_noted(threads):
 
 
 def _build_for_that_may_end(context, node):
-    """Translate a loop; one that is shared among threads cannot end early, those inside it can."""
+    """Translate a loop; one that is shared among threads cannot end early, those inside it can.
+
+    A static one is no loop of the kernel: what is in it comes once after the other, at the level that it is at.
+    """
     global _depth, _serial
+    if ASTTransformer.get_decorator(context, node.iter) == "static":
+        return _build_for(context, node)
     never = getattr(get_runtime(), "never", None)
     can_end, _serial = never is not None and (_depth > 0 or _serial), False
     _depth += 1
     try:
         if isinstance(node.iter, ast.Call) and isinstance(node.iter.func, ast.Name):
             if node.iter.func.id == "unrolled":
-                node = _kept(node, node.body, "range")
+                node = _over_range(node, node.body)
             elif node.iter.func.id == "range" and can_end:
-                node = _kept(node, [*node.body, _Leave()], "range")
+                node = _over_range(node, [*node.body, _Leave()])
         return _build_for(context, node)
     finally:
         _depth -= 1
 
 
-def _kept(node, body, name):
-    """Return a loop over what ``name`` stands for, with another body; made once for each loop."""
+def _over_range(node, body):
+    """Return the loop as one over a ``range``, with this ``body``; made once for each loop."""
     if not hasattr(node, "kept"):
-        call = ast.copy_location(ast.Call(ast.Name(name, ast.Load()), node.iter.args, []), node.iter)
+        call = ast.copy_location(ast.Call(ast.Name("range", ast.Load()), node.iter.args, []), node.iter)
         node.kept = ast.copy_location(ast.For(node.target, call, body, node.orelse), node)
     return node.kept
 

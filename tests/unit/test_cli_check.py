@@ -12,6 +12,7 @@ from tisph.config import load
 from tisph.equation_of_state import Tait, sound_speed
 from tisph.schemes._time_step import time_step_limits
 
+CONFIGS = Path(__file__).resolve().parents[2] / "configs"
 CONFIG = """\
 scene: channel
 units: {length: cm, mass: g, time: s}
@@ -155,9 +156,6 @@ def test_polymer_of_a_flow_without_a_jump_has_no_layer_to_relax_before(checked):
     liquid = POLYMER % (1.0, "solvent_fraction: 0.009")
     lines = checked(liquid, "scheme={type: implicit}", AT_REST, DRIVE, "time.end=0.1")
     assert not starting(lines, "warning: the polymer answers")
-
-
-CONFIGS = Path(__file__).resolve().parents[2] / "configs"
 
 
 @pytest.mark.parametrize(("name", "known"), [("taylor_green", True), ("cavity_regular", False)])

@@ -110,8 +110,7 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
     length, time = config.units.length, config.units.time
     largest = "" if numbers["sound_speed"] else "at most "
     step = f"{largest}{numbers['time_step']:.4g} {time}, set by the {numbers['binding_limit']} limit"
-    last = numbers["samples"][-1]
-    guessed = "" if last.known else "; a guess: the flow is not known beforehand"
+    guessed = "" if numbers["samples"][-1].known else "; a guess: the flow is not known beforehand"
     number = (
         f"{config.rows} across, {config.columns} along" if any(config.periodic) else f"{config.particles_across} across"
     )

@@ -26,6 +26,9 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 FOLDERS = ["exact", "least_squares", "operators", "rheology", "schemes", "verification", "walls"]
 
+MEMORY = 6 << 30
+"""Bytes a test run may use; the tests need a sixth of it."""
+
 NOT_COPIED = (".git", ".venv", "media", "__pycache__", "runs", "mutants")
 
 UNIT, CORE = "tests/unit/test_", "tests/core/test_"
@@ -134,15 +137,19 @@ def mutated(source, begin, end, text):
 
 
 def outcome_of(tree, tests, seconds):
-    """Run tests in a copy until one fails, for so much processor time: "survives", "noticed" or "timeout".
+    """Run tests in a copy until one fails, for so much processor time and MEMORY: "survives", "noticed" or "timeout".
 
     All copies have one home, so one cache of compiled kernels.
     """
-    home = {"HOME": str(tree.parents[1] / "home"), "PYTHONDONTWRITEBYTECODE": "1"}
+    home = {"HOME": str(tree.parents[1] / "home"), "PYTHONDONTWRITEBYTECODE": ""}
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
-    limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))  # noqa: E731
     environment = {**os.environ, "PYTHONPATH": str(tree), **home}
-    ended = subprocess.run(command, cwd=tree, env=environment, capture_output=True, preexec_fn=limit, text=True)
+
+    def limits():
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
+        resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, MEMORY))
+
+    ended = subprocess.run(command, cwd=tree, env=environment, capture_output=True, preexec_fn=limits, text=True)
     last = next((line for line in ended.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))), "")
     if ended.returncode < 0:
         return "timeout", last

@@ -49,7 +49,8 @@ def test_movie_shows_the_frames_in_the_order_they_were_drawn(film):
 
 def test_movie_keeps_the_colours_that_were_drawn(tmp_path):
     colours = np.array([[68, 1, 84], [33, 145, 140], [253, 231, 37], [209, 54, 47], [255, 255, 255]], np.uint8)
-    frame = np.repeat(np.repeat(colours[None], 64, axis=0), 64, axis=1)
+    with_idle_bytes = np.column_stack([colours, [0, 50, 100, 200, 255]]).astype(np.uint8)
+    frame = np.repeat(np.repeat(with_idle_bytes[None], 64, axis=0), 64, axis=1)
     encoder = Encoder(tmp_path / "movie.mp4", frame.shape[1], frame.shape[0], 30)
     for _ in range(3):
         encoder.write(frame)
@@ -122,7 +123,7 @@ def test_missing_ffmpeg_is_one_clear_message(tmp_path, monkeypatch):
 
 def test_movie_that_cannot_be_written_says_why(tmp_path):
     encoder = Encoder(tmp_path / "no_such_folder" / "movie.mp4", 320, 240, 30)
-    frame = np.zeros((240, 320, 3), dtype=np.uint8)
+    frame = np.zeros((240, 320, 4), dtype=np.uint8)
 
     def write_all():
         for _ in range(50):
@@ -148,6 +149,6 @@ def test_error_of_the_run_is_not_hidden_by_a_broken_movie(tmp_path):
 
 def test_frames_of_the_wrong_shape_are_refused(tmp_path):
     encoder = Encoder(tmp_path / "movie.mp4", 320, 240, 30)
-    with pytest.raises(ValueError, match=r"expected uint8 \(240, 320, 3\)"):
-        encoder.write(np.zeros((320, 240, 3), dtype=np.uint8))
+    with pytest.raises(ValueError, match=r"expected uint8 \(240, 320, 4\)"):
+        encoder.write(np.zeros((320, 240, 4), dtype=np.uint8))
     encoder.close()

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tisph.report.raster import LEVELS, PLACES, STRIPS, Discs, blend, dense_line, filled
+from tisph.report.raster import LEVELS, PLACES, SHARES, STRIPS, VALUE_BITS, Discs, Shades, blend, dense_line, filled
 
 SHAPE = (40, 60)
 
@@ -14,15 +14,14 @@ def points(column, row):
 
 PLACE = 0.5 / PLACES  # pixels: a disc stands at most this far from where it should, along each direction
 LEVEL = 0.5 / LEVELS  # of coverage, to the nearest
-SHARE = 0.5 / 4095  # of value, likewise
+SHARE = 0.5 / SHARES  # of value, likewise
 
 
 def paint(place, value, radius, shape=SHAPE, *, periodic=(False, False)):
     """Coverage (0 to 1) and mean value in every pixel."""
-    coverage, mean = np.zeros(shape), np.zeros(shape)
-    for rows, *found in Discs(radius, shape).means(place, value, periodic=periodic):
-        coverage[rows], mean[rows] = found
-    return coverage / LEVELS, mean
+    total, full = Discs(radius, shape).sums(place, value, periodic=periodic)
+    coverage, values = np.divmod(total, 1 << VALUE_BITS)
+    return np.minimum(coverage / full, 1.0), values / (SHARES * np.maximum(coverage, 1))
 
 
 def cover(place, radius, shape):
@@ -128,6 +127,36 @@ def test_more_discs_in_one_pixel_than_anyone_draws_stay_within_the_scale():
     coverage, value = paint(place, np.full(20_000, 0.5), 3.0)
     assert coverage.max() == 1.0
     assert 0.0 <= value.min() <= value.max() <= 1.1  # of no use, and harmless
+
+
+def shown(count, value):
+    """RGB of a panel with ``count`` equal discs on each other, in colours from black to white by way of red."""
+    ramp = np.minimum(np.outer(np.linspace(0.0, 1.0, 256), [2.0, 1.0, 0.5]), 1.0)
+    place = points([20.3] * count + [30.0], [15.6] * count + [20.0])
+    total, full = Discs(6.0, SHAPE).sums(place, np.array([value] * count + [0.9]), periodic=(False, False))
+    panel = np.zeros((*SHAPE, 4), dtype=np.uint8)
+    Shades(ramp).fill(panel, total, full)
+    return panel[:, :, :3].astype(float), total, full
+
+
+def test_shades_are_what_mixing_with_white_makes():
+    found, total, full = shown(1, 0.3)
+    coverage, values = np.divmod(total, 1 << VALUE_BITS)
+    cover, mean = np.minimum(coverage / full, 1.0)[..., None], values / (SHARES * np.maximum(coverage, 1))
+    exact = 255.0 * (1.0 - cover + cover * np.minimum(mean[..., None] * [2.0, 1.0, 0.5], 1.0))
+    # A step of 1/LEVELS in coverage times value, one of 1/255 in colour (both up to twice: the slope of red), a byte.
+    assert np.abs(found - exact).max() <= 2.0 * (0.5 + 0.5) + 0.5
+
+
+@pytest.mark.parametrize("count", [5, 40])
+def test_many_discs_on_each_other_keep_their_colour_and_their_neighbour_its_own(count):
+    once, _, _ = shown(1, 0.3)
+    often, _, full = shown(count, 0.3)
+    assert full < LEVELS
+    for column, row in ((20, 15), (31, 21)):
+        assert (
+            np.abs(often[row, column] - once[row, column]).max() <= 2.0 * 255.0 * 0.5 / full + 3.0
+        )  # as above, coarser
 
 
 STRIP = 0.5 / STRIPS  # of a pixel row: an upper or lower edge is at most this far from where it should be

@@ -24,6 +24,8 @@ _QUALITY = (
     *("-x264-params", "cabac=0:bframes=0:subme=0:rc-lookahead=0:mbtree=0:weightp=0"),
 )
 
+_PIPE = 2**20  # bytes: a frame goes through in a few turns of both processes, not in fifty
+
 
 class Encoder:
     """Writes frames to ``path`` as they come; ``close`` makes the file playable, also after an interruption.
@@ -33,7 +35,7 @@ class Encoder:
     """
 
     def __init__(self, path: Path, width: int, height: int, frames_per_second: float):
-        self._shape = (height, width, 3)
+        self._shape = (height, width, 4)
         self._messages = tempfile.TemporaryFile()  # noqa: SIM115 (it lives as long as the process)
         try:
             self._process = subprocess.Popen(
@@ -46,10 +48,11 @@ class Encoder:
         except (OSError, RuntimeError) as error:  # imageio-ffmpeg raises RuntimeError if it has no ffmpeg
             self._messages.close()
             raise TisphError(f"{path}: ffmpeg could not be started, so there is no movie: {error}") from error
+        _widen(self._process.stdin)
         self._path = path
 
     def write(self, frame: np.ndarray) -> None:
-        """Encode one frame, uint8 of shape (height, width, 3)."""
+        """Encode one frame, uint8 of shape (height, width, 4): RGB and a byte that means nothing."""
         if frame.shape != self._shape or frame.dtype != np.uint8:
             raise ValueError(f"frame is {frame.dtype} {frame.shape}, expected uint8 {self._shape}")
         try:
@@ -82,8 +85,16 @@ def _command(path: Path, width: int, height: int, frames_per_second: float) -> l
     """Return the ffmpeg call."""
     return [
         get_ffmpeg_exe(), "-y", "-loglevel", "error",
-        "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(frames_per_second),
+        "-f", "rawvideo", "-pix_fmt", "rgb0", "-s", f"{width}x{height}", "-r", str(frames_per_second),
         "-i", "pipe:0",
         "-an", "-vf", _COLOURS, "-c:v", "libx264", *_QUALITY, "-threads", "1",
         "-movflags", "+faststart", f"file:{path}",
     ]  # fmt: skip
+
+
+def _widen(pipe) -> None:
+    """Let more wait in ``pipe``, where its size can be chosen and the user's pipes together leave room for it."""
+    with contextlib.suppress(ImportError, AttributeError, OSError):
+        from fcntl import F_SETPIPE_SZ, fcntl
+
+        fcntl(pipe, F_SETPIPE_SZ, _PIPE)

@@ -34,13 +34,14 @@ class Movie:
 
     def save_frame(self, path: Path | str, snapshot: Snapshot) -> None:
         """Write the picture of ``snapshot`` as PNG."""
-        Image.fromarray(self._painter.paint(snapshot)).save(path, format="PNG", optimize=True)
+        Image.fromarray(self.frame(snapshot)).save(path, format="PNG", optimize=True)
 
     def add(self, snapshot: Snapshot) -> None:
         """Append the picture of ``snapshot`` to the movie."""
         if self._encoder is None:
             self._encoder = Encoder(self.path, self._video.width, self._video.height, self._video.fps)
-        self._encoder.write(self._painter.paint(snapshot))
+        self._painter.paint(snapshot)
+        self._encoder.write(self._painter.frame)
 
     def close(self) -> None:
         """Finish the file. May be called again, and does nothing then."""

@@ -8,7 +8,7 @@ from tisph.report.error_label import field_error_label, velocity_error_label
 from tisph.report.labels import time_label
 from tisph.report.layout import arrange, box_of
 from tisph.report.quantities import quantity
-from tisph.report.raster import Discs, blend, dense_line
+from tisph.report.raster import Discs, Shades, blend, dense_line
 from tisph.report.solids import Solids
 from tisph.report.stage import draw_background
 from tisph.report.streamlines import Streamlines
@@ -26,7 +26,8 @@ class FramePainter:
 
     ``scene`` is a ``tisph.scenes._scene.Scene``, ``video`` the config's ``output.video`` (width, height, color_by,
     overlay), ``title`` the name of the run. All axes and colours fit what the exact solution does until ``end``, the
-    time at which the run ends.
+    time at which the run ends. ``frame`` is the last one with an idle byte after each RGB, (height, width, 4): what
+    can be filled and encoded the quickest.
     """
 
     def __init__(self, scene, video, title: str, end: float):
@@ -36,15 +37,16 @@ class FramePainter:
         self.quantity = quantity(video.color_by, scene, end)
         labels = wall_labels(scene, self.layout)
         self._background = draw_background(scene, self.layout, self.quantity, title)
-        DriveLabel(scene, self.layout).paint(self._background)
+        picture = self._background[:, :, :3]
+        DriveLabel(scene, self.layout).paint(picture)
         for label in labels:
             if not label.changes:
-                label.paint(self._background, scene.start_time)
+                label.paint(picture, scene.start_time)
         self._changing_labels = [label for label in labels if label.changes]
         self._changing_boxes = [self.layout.profile, self.layout.time_label, self.layout.error_label]
         self._changing_boxes += [box for label in self._changing_labels for box in label.boxes]
-        self._frame = self._background.copy()
-        self._table = _colour_table(self.quantity.colour_map)
+        self.frame = self._background.copy()
+        self._shades = Shades(style.colours(256, colour_map=self.quantity.colour_map))
         self._time_label = time_label(scene.time_scale, scene.units.time, scene.time_formula)
         error = self.quantity.error
         self._error_label = field_error_label(scene, *error) if error else velocity_error_label(scene)
@@ -63,36 +65,36 @@ class FramePainter:
         return max(_SMALLEST_DIAMETER, self.scene.spacing * self.layout.pixels_per_length) / 2.0
 
     def paint(self, snapshot: Snapshot) -> np.ndarray:
-        """Return the picture of ``snapshot``, in an array that the next call reuses (a new one costs 3 ms)."""
-        frame = self._frame
+        """Return the picture of ``snapshot``, which the next call paints over (a new array costs 3 ms)."""
+        frame, picture = self.frame, self.frame[:, :, :3]
         for box in self._changing_boxes:
             frame[box.slices] = self._background[box.slices]
-        self._paint_box(frame, snapshot)
-        self._paint_profile(frame, snapshot)
+        self._shades.fill(frame[self.layout.box.slices], *self._sums(snapshot))
+        self._paint_over(picture[self.layout.box.slices], snapshot)
+        self._paint_profile(picture, snapshot)
         for label in self._changing_labels:
-            label.paint(frame, snapshot.t)
+            label.paint(picture, snapshot.t)
         time, error = self._time_label(snapshot.t), self._error_label(snapshot)
-        paint_text(frame, self.layout.time_label, time, self.layout.pixels(18), "left")
-        paint_text(frame, self.layout.error_label, error, self.layout.pixels(14), "right")
-        return frame
+        paint_text(picture, self.layout.time_label, time, self.layout.pixels(18), "left")
+        paint_text(picture, self.layout.error_label, error, self.layout.pixels(14), "right")
+        return picture
 
-    def _paint_box(self, frame: np.ndarray, snapshot: Snapshot) -> None:
+    def _sums(self, snapshot: Snapshot) -> tuple[np.ndarray, int]:
         points = self.layout.places(snapshot.x, snapshot.y)
         lowest, highest = self.quantity.colour_range
         share = (self.quantity.of_discs(snapshot) - lowest) / (highest - lowest)
         share = np.clip(np.nan_to_num(share, nan=1.0), 0.0, 1.0)  # a run that went wrong still gets its picture
-        panel = frame[self.layout.box.slices]
         periodic = self.layout.shown_length == self.scene.extent[0] and self.scene.periodic[0], self.scene.periodic[1]
-        for rows, coverage, mean in self._discs.means(points, share, periodic=periodic):
-            entry = (256.0 * coverage + np.minimum(255.0 * mean + 0.5, 255.0)).astype(np.intp)
-            panel[rows] = np.take(self._table, entry, axis=0)
+        return self._discs.sums(points, share, periodic=periodic)
+
+    def _paint_over(self, panel: np.ndarray, snapshot: Snapshot) -> None:
         if self._overlay:
             self._overlay.paint(panel, snapshot)
         if self._solids:
             self._solids.paint(panel, snapshot.bodies)
 
-    def _paint_profile(self, frame: np.ndarray, snapshot: Snapshot) -> None:
-        panel = frame[self.layout.profile.slices][1:-1, 1:-1]
+    def _paint_profile(self, picture: np.ndarray, snapshot: Snapshot) -> None:
+        panel = picture[self.layout.profile.slices][1:-1, 1:-1]
         profile = self.quantity.profile
         near = profile.line.near(snapshot)
         dots = self._profile_pixels(profile.of(snapshot)[near], profile.line.of(snapshot)[near])
@@ -109,10 +111,3 @@ class FramePainter:
         column = (values - lowest) / (highest - lowest) * rect.width - 1.0
         column = np.clip(column, -rect.width, 2 * rect.width)  # an exact curve may go to infinity
         return column, (1.0 - (along - first) / (last - first)) * rect.height - 1.0
-
-
-def _colour_table(colour_map: str) -> np.ndarray:
-    """Return RGB for every coverage (of white) and value, shape (65536, 3): a look-up instead of blending."""
-    coverage = np.linspace(0.0, 1.0, 256)[:, None, None]
-    table = 255.0 * (1.0 - coverage * (1.0 - style.colours(256, colour_map=colour_map)[None, :, :]))
-    return (table + 0.5).astype(np.uint8).reshape(-1, 3)

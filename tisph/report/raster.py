@@ -8,6 +8,7 @@ A disc is drawn at the nearest of 16 x 16 places in its pixel, and coverages are
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 
@@ -17,9 +18,12 @@ Part = tuple[slice, np.ndarray, np.ndarray]
 PLACES = 16  # of a disc in a pixel, along each direction
 LEVELS = 255  # of coverage
 STRIPS = 16  # of a pixel row, each of which an area covers up to where its outline crosses the middle of it
-_SHARES = 4095  # levels of the value under a disc
-_SHIFT = 2.0**32  # coverages and values are added up in one number: multiples of this, and the rest, all whole numbers
-_CHUNK = 32768  # pixels touched at a time: work arrays that stay in the cache, about four times faster
+SHARES = 4095  # levels of the value under a disc
+VALUE_BITS = 22  # coverages and values times coverage are added up in one number: above and below this bit
+_SUM_BITS = 32  # of that number, or less: room for four discs on each other
+_SHADE_BITS = 20  # of them, the highest: what a shade is looked up by
+_COARSEST = 7  # times that coverages may be halved
+_CHUNK = 65536  # pixels touched at a time: work arrays that stay in the cache, about three times faster
 _BAND = 32  # pixel rows at a time, likewise
 
 
@@ -38,40 +42,44 @@ class Discs:
         touched = coverage.any(axis=0)
         step = np.arange(self._side)
         self._offsets = (step[:, None] * self._margined[1] + step[None, :]).ravel()[touched]
-        self._stamps = coverage[:, touched]
+        self._stamps = coverage[:, touched].astype(np.int64)
         self._count = max(1, _CHUNK // len(self._offsets))
 
-    def means(
-        self, points: Points, value: np.ndarray, *, periodic: tuple[bool, bool]
-    ) -> Iterator[tuple[slice, np.ndarray, np.ndarray]]:
-        """Yield, for some rows of the panel at a time, coverage (0 to 255) and mean ``value`` (0 to 1), float64.
+    def sums(self, points: Points, value: np.ndarray, *, periodic: tuple[bool, bool]) -> tuple[np.ndarray, int]:
+        """Return a whole number for every pixel of the panel, and the ``full`` coverage of one that a disc covers.
 
-        Where discs meet, coverages add up to at most 255 and the value is the mean weighted by coverage, so the
-        picture does not depend on which disc is drawn last. What leaves the panel at one side enters at the
-        other where it is ``periodic``, along columns and along rows; else it is cut off.
+        The number is the sum of coverages, times 2^VALUE_BITS, plus that of coverages times values in SHARES. Its mean
+        value does not depend on which disc is drawn last. Full coverage is LEVELS; where more discs meet than there
+        is room for, all coverages of the picture are coarser, and many hundreds are cut off. What leaves the panel at
+        one side enters at the other where it is ``periodic``, along columns and along rows; else it is cut off.
         """
         kept = self._touching(points)
-        weight = np.rint(_SHARES * value[kept]) + _SHIFT
-        flat = np.zeros(self._margined[0] * self._margined[1])
-        for part, index, coverage in self._pixels((points[0][kept], points[1][kept])):
+        kept, weight = (points[0][kept], points[1][kept]), np.rint(SHARES * value[kept]).astype(np.int64)
+        weight += 1 << VALUE_BITS
+        total = self._added(kept, weight, self._stamps, periodic)
+        coarser = min(int(total.max() >> _SUM_BITS).bit_length(), _COARSEST)
+        if coarser:
+            total = self._added(kept, weight, (self._stamps + (1 << coarser - 1)) >> coarser, periodic)
+            np.minimum(total, (1 << _SUM_BITS) - 1, out=total)
+        return total, (LEVELS + (1 << coarser >> 1)) >> coarser
+
+    def _added(self, points: Points, weight: np.ndarray, stamps: np.ndarray, periodic: tuple[bool, bool]) -> np.ndarray:
+        """Return the sum of ``stamps`` times ``weight`` in every pixel of the panel, int64."""
+        flat = np.zeros(self._margined[0] * self._margined[1], dtype=np.int64)
+        for part, index, coverage in self._pixels(points, stamps):
             coverage *= weight[part, None]
             np.add.at(flat, index.ravel(), coverage.ravel())
         panel = flat.reshape(self._margined)
         for along, wide, wraps in zip((panel, panel.T), reversed(self.panel), periodic, strict=True):
             if wraps:
                 _wrap_margins(along, self._side, wide)
-        total = self._inner(flat)
-        for top in range(0, self.panel[0], _BAND):
-            rows = slice(top, min(top + _BAND, self.panel[0]))
-            coverage = np.floor(total[rows] * (1.0 / _SHIFT))
-            mean = (total[rows] - _SHIFT * coverage) / np.maximum(_SHARES * coverage, 1.0)
-            yield rows, np.minimum(coverage, LEVELS), mean
+        return self._inner(flat)
 
     def cover(self, points: Points) -> np.ndarray:
         """Return the largest coverage (0 to 255) by any disc in every pixel, uint8: for dots of a single colour."""
         kept = self._touching(points)
         flat = np.zeros(self._margined[0] * self._margined[1], dtype=np.uint8)
-        for _, index, coverage in self._pixels((points[0][kept], points[1][kept]), once=True):
+        for _, index, coverage in self._pixels((points[0][kept], points[1][kept]), self._stamps, once=True):
             np.maximum.at(flat, index.ravel(), coverage.astype(np.uint8).ravel())
         return self._inner(flat)
 
@@ -80,7 +88,7 @@ class Discs:
         (column, row), reach, (rows, columns) = points, self._reach, self.panel
         return (column > -reach) & (column < columns + reach) & (row > -reach) & (row < rows + reach)
 
-    def _pixels(self, points: Points, once: bool = False) -> Iterator[Part]:
+    def _pixels(self, points: Points, stamps: np.ndarray, once: bool = False) -> Iterator[Part]:
         """Yield, for a slice of the discs at a time, flat pixel indices and coverages (discs, pixels of a disc).
 
         With ``once`` discs at the same place count as one.
@@ -93,12 +101,38 @@ class Discs:
             corner, place = np.divmod(np.unique(corner * PLACES**2 + place), PLACES**2)
         for start in range(0, len(corner), self._count):
             part = slice(start, start + self._count)
-            yield part, corner[part, None] + self._offsets, np.take(self._stamps, place[part], axis=0)
+            yield part, corner[part, None] + self._offsets, np.take(stamps, place[part], axis=0)
 
     def _inner(self, flat: np.ndarray) -> np.ndarray:
         """Return the panel without its margin, as a view."""
         cut = slice(self._side, -self._side)
         return flat.reshape(self._margined)[cut, cut]
+
+
+class Shades:
+    """What pixels with discs of ``colours``, RGB (values, 3) from 0 to 1, on white look like."""
+
+    def __init__(self, colours: np.ndarray):
+        self._colours = np.asarray(colours)
+        self._table = lru_cache(maxsize=2)(self._of_sums)
+
+    def fill(self, panel: np.ndarray, total: np.ndarray, full: int) -> None:
+        """Write the colours of ``Discs.sums`` into ``panel`` (rows, columns, 4): a look-up instead of blending."""
+        table, pixels = self._table(full), panel.view(np.uint32)[:, :, 0]
+        for top in range(0, len(panel), _BAND):
+            rows = slice(top, top + _BAND)
+            pixels[rows] = np.take(table, total[rows] >> (_SUM_BITS - _SHADE_BITS))
+
+    def _of_sums(self, full: int) -> np.ndarray:
+        """Return RGB and an idle byte for the highest bits of sums, all four as one number, (2^_SHADE_BITS,)."""
+        bits = VALUE_BITS - (_SUM_BITS - _SHADE_BITS)
+        coverage, value = np.divmod(np.arange(1 << _SHADE_BITS), 1 << bits)
+        mean = (value + 0.5) * 2.0 ** (VALUE_BITS - bits) / (SHARES * np.maximum(coverage, 1))
+        entry = np.rint(np.minimum(mean, 1.0) * (len(self._colours) - 1)).astype(np.intp)
+        white = 1.0 - np.minimum(coverage / full, 1.0)[:, None]
+        table = np.full((len(entry), 4), 255, dtype=np.uint8)
+        table[:, :3] = np.rint(255.0 * (white + (1.0 - white) * self._colours[entry]))
+        return table.view(np.uint32)[:, 0]
 
 
 def _wrap_margins(padded: np.ndarray, margin: int, width: int) -> None:

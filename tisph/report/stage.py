@@ -17,14 +17,14 @@ _PIXELS_PER_INCH = 72  # then matplotlib's points are pixels, and every size bel
 
 
 def draw_background(scene, layout: Layout, quantity: Quantity, title: str) -> np.ndarray:
-    """Return the frame without particles and without labels on walls, uint8 of shape (height, width, 3).
+    """Return the frame without particles and without labels on walls, uint8 of shape (height, width, 4).
 
     ``quantity`` is what colours the particles and fills the profile panel.
     """
     with style.plot_style():
         figure = build_figure(scene, layout, quantity, title)
         figure.canvas.draw()
-        return np.ascontiguousarray(np.asarray(figure.canvas.buffer_rgba())[:, :, :3])
+        return np.asarray(figure.canvas.buffer_rgba()).copy()
 
 
 def build_figure(scene, layout: Layout, quantity: Quantity, title: str) -> Figure:

@@ -132,8 +132,9 @@ def test_momentum_balance_with_the_total_stress_on_the_walls(liquid, before, tim
     step = 1e-3 * time
     later, earlier = (weights @ oldroyd_b.velocity((points + 1) / 2, time + h, **arguments) / 2 for h in (step, -step))
     walls = np.array([0.0, 1.0])
-    stress = liquid.solvent_viscosity * oldroyd_b.shear_rate(walls, time, **arguments)
-    stress += oldroyd_b.shear_stress(walls, time, **arguments)
+    stress = oldroyd_b.total_shear_stress(walls, time, **arguments)
+    solvent = liquid.solvent_viscosity * oldroyd_b.shear_rate(walls, time, **arguments)
+    assert stress == pytest.approx(solvent + oldroyd_b.shear_stress(walls, time, **arguments), rel=1e-14)
     # the central difference of sqrt(t) is off by 1/8 (step/t)^2 = 1e-7 of it, of an oscillation at 5/time by 4e-6
     scale = 3.0 + np.abs(stress).sum()
     assert (later - earlier) / (2 * step) == pytest.approx(stress[1] - stress[0] + 3.0, abs=4e-6 * scale)

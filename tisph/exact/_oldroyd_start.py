@@ -122,8 +122,9 @@ def early(problem, eta, time):
     k = np.sqrt(s / (fraction + polymer))
     # sinh(k eta)/sinh(k) = (Q - e P)/(1 - e^2) with P = exp(-k eta), Q = exp(-k (1 - eta)), e = exp(-k), and
     # 1 - cosh(k (eta - 1/2))/cosh(k/2) = (1 - P)(1 - Q)/(1 + e). With p = P - 1, q = Q - 1 and e - 1 nothing
-    # overflows where k is large, and nothing is lost to cancellation where it is small.
-    p, q, less = np.expm1(-np.outer(k, eta)), np.expm1(-np.outer(k, 1 - eta)), np.expm1(-k)
+    # overflows where k is large, and nothing is lost to cancellation where it is small; elsewhere exp takes less time.
+    less_one = np.expm1 if np.abs(k).min() < 1.0 else lambda exponent: np.exp(exponent) - 1.0
+    p, q, less = less_one(-np.outer(k, eta)), less_one(-np.outer(k, 1 - eta)), np.expm1(-k)
     e = 1 + less
     top, bottom = (weight * speed / s / (-less * (2 + less)) for speed in (flow.top, flow.bottom))
     drive = weight * flow.drive / s**2 / (2 + less)

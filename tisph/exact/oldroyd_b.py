@@ -85,6 +85,17 @@ def shear_stress(y, t, *, liquid, flow, before=None):
     return scale * _by_time(lambda eta, time: profiles(problem, eta, time)[2], y, t, liquid, flow)
 
 
+def total_shear_stress(y, t, *, liquid, flow, before=None):
+    """Shear stress of solvent and polymer; arguments as ``velocity``. Infinite at t = 0 on a wall that jumps."""
+    problem = _problem(liquid, flow, before)
+
+    def total(eta, time):
+        _, slope, polymer = profiles(problem, eta, time)
+        return problem.solvent_fraction * slope + polymer
+
+    return _total_viscosity(liquid) / flow.gap * _by_time(total, y, t, liquid, flow)
+
+
 def normal_stress(y, t, *, liquid, flow, before=None):
     """Polymer normal stress S_xx, which is the first normal stress difference; arguments as ``velocity``."""
     problem = _problem(liquid, flow, before)

@@ -96,8 +96,7 @@ class OldroydFlow:
 
     def shear_stress(self, y, t):
         """Shear stress of solvent and polymer; infinite at the moment in which a wall jumps, on that wall."""
-        solvent = self._liquid.solvent_viscosity * oldroyd_b.shear_rate(y, t, **self._numbers)
-        return solvent + self.polymer_shear_stress(y, t)
+        return oldroyd_b.total_shear_stress(y, t, **self._numbers)
 
     def polymer_stress(self, y, t):
         """Polymer stresses (S_xx, S_xy)."""

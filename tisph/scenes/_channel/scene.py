@@ -192,7 +192,8 @@ class Channel(Scene):
 
         Infinite at t = 0 on a wall whose velocity jumps then.
         """
-        return tuple(self._flow.shear_stress(wall, t) for wall in (0.0, self.gap))
+        walls = np.reshape([0.0, self.gap], (2, *[1] * np.ndim(t)))  # at once: what costs is a time, not a height
+        return tuple(self._flow.shear_stress(walls, t))
 
     def viscous_stress(self, shear_rate):
         """Shear stress of the solvent at a ``shear_rate``, or of a liquid whose viscosity depends on it."""

@@ -36,7 +36,7 @@ class Made:
 class Kept:
     """The program that runs, as ``asked``; ``first`` is before all its fields, ``last`` what was handed out last.
 
-    ``starts`` counts what was taken for a start: what was built before the last one has lost its fields to others.
+    ``starts`` counts what was taken for a start, and the end of all: what was built before has lost its fields.
     """
 
     def __init__(self):
@@ -115,4 +115,5 @@ def uninstall():
     shared_kernels.uninstall()
     runtime.start, runtime.stop = start, stop
     ti.field, ti.Vector.field = scalar_field, vector_field
+    kept.starts += 1
     stop()

@@ -33,6 +33,23 @@ def test_a_wind_changes_nothing():
     assert np.abs(windy[4] - still[4]).max() < 1e-5
 
 
+def test_iterations_of_a_step_are_those_of_its_systems(monkeypatch):
+    scheme, counted = make(24), {"pressure": [], "velocity": []}
+    for name, counts in counted.items():
+        solver = getattr(scheme.split, name)
+
+        def solve(*numbers, solver=solver, whole=solver.solve, counts=counts, **more):
+            sound = whole(*numbers, **more)
+            counts.append(solver.iterations)
+            return sound
+
+        monkeypatch.setattr(solver, "solve", solve)
+    scheme.advance()
+    assert scheme.rejected == 0
+    assert scheme.iterations == [sum(counts) for counts in counted.values()]
+    assert min(scheme.iterations) > 0
+
+
 def test_uniform_motion_stays_uniform():
     scheme = make(24)
     velocity = np.tile([0.3, -0.7], (576, 1))

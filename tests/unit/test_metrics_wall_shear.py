@@ -9,7 +9,7 @@ from tisph.scenes.channel import Channel
 from tisph.snapshot import Snapshot
 from tisph.study.store import config_text
 from tisph.verification import flows
-from tisph.verification.wall_shear import wall_shear, wall_shear_error
+from tisph.verification.wall_shear import wall_shear, wall_shear_error, wall_velocity
 
 FLOWS = {name: flow for name, flow in vars(flows).items() if isinstance(flow, flows.Flow)}
 
@@ -65,6 +65,14 @@ def test_quartic_profiles_have_their_slopes(walls):
     # viscosity 0.02 * slope; rounding 1e-16 times the condition number of the four columns, some 1e3
     expected = [0.02 * slope for slope in slopes]
     assert wall_shear(channel, snapshot_of(channel, profile)) == pytest.approx(expected, abs=1e-13)
+
+
+def test_the_velocity_of_a_wall_that_a_stress_drives_is_that_of_the_particles_next_to_it():
+    channel = make_channel()
+    snapshot = snapshot_of(channel, lambda y: 0.3 + y * (1.0 + y * (-2.0 + y * (1.5 - 0.4 * y))))
+    # rounding times the condition number of the five columns, some 1e4
+    found = [wall_velocity(channel, side, snapshot) for side in (0, 1)]
+    assert found == pytest.approx([0.3, 0.3 + 1.0 - 2.0 + 1.5 - 0.4], abs=1e-12)
 
 
 def test_the_slip_is_relative_to_the_wall_at_that_time():

@@ -98,6 +98,23 @@ def test_a_flow_curve_of_a_liquid_with_memory_shows_its_normal_stress():
     assert normal_curve(reading) == pytest.approx(normal)
     curve = np.linspace(0.0, 12.0, 41)
     assert normal_curve(reading, "steady shear") == pytest.approx(2.0 * 0.9 * 2.0 * curve**2)
+    (steady,) = (drawn[3] for drawn in reading.curves if drawn[0][1].startswith("shear") and drawn[1] == "steady shear")
+    assert steady == pytest.approx((0.1 + 0.9) * curve)
+
+
+def test_the_law_alone_is_asked_for_what_the_wall_does_from_the_start_across_the_gap():
+    member = families.load("rheology", "oldroyd_b").Parameters(relaxation_time=2.0, solvent_fraction=0.1)
+    config = SimpleNamespace(fluid=SimpleNamespace(rheology=member))
+    channel = SimpleNamespace(gap=0.1, density=1.0, solvent_viscosity=0.1, dynamic_viscosity=1.0)
+    wall = Schedule((0.0, 0.2, 0.2), (0.3, 0.3, 0.0))
+    stress, _ = uniform().response(rates(wall, 0.1), TIMES)
+    reading = read_schedule(
+        config, channel, LIQUID, wall, {"t": TIMES, "wall_shear": stress, "wall_shear_exact": stress}
+    )
+    grown = 0.9 * 3.0 * -np.expm1(-0.1)  # of the rate 3 in the time 0.2
+    modulus = grown * np.exp(-(6.0 - 0.2) / 2.0) / 0.6
+    assert reading.numbers["modulus_at_the_end_without_inertia"] == pytest.approx(modulus, rel=1e-8)
+    assert "  inertia makes less than 1% from t = 0.2 on" in reading.lines
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,11 @@
 """Flow that turns, with a pressure: accuracy, symmetries, small steps, output between steps, and the same bits."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from vortex_case import arrangement, errors, make, run
+from vortex_case import VISCOSITY, arrangement, errors, exact, flow, make, run
 
 from tisph import runtime
 from tisph.errors import DivergedError
@@ -48,6 +49,25 @@ def test_iterations_of_a_step_are_those_of_its_systems(monkeypatch):
     assert scheme.rejected == 0
     assert scheme.iterations == [sum(counts) for counts in counted.values()]
     assert min(scheme.iterations) > 0
+
+
+def test_a_flow_in_other_units_has_the_same_bits():
+    found = []
+    for length, time, density in ((1.0, 1.0, 1.0), (2.0**-8, 2.0**-4, 2.0**6)):  # as in test_units.py
+        runtime.start("f64", 1)
+        units = {"spacing": length / 24, "density": density, "reference_velocity": length / time}
+        box = replace(flow(24, 1), kinematic_viscosity=VISCOSITY * length**2 / time, **units)
+        scheme, position = _scheme.Scheme(box, [time], True), arrangement(24, 0.2)
+        scheme.start(position * length, np.stack(exact(*position.T, 0.0, VISCOSITY)[:2], 1) * length / time)
+        for _ in range(8):
+            scheme.advance()
+        last = scheme.snapshot()
+        speeds = [part * time / length for part in (last.u, last.v)]
+        pressure = last.pressure / density * (time / length) ** 2
+        found.append(np.stack([last.x / length, last.y / length, *speeds, pressure]))
+        found.append(last.t / time)
+    assert found[1] == found[3]
+    assert np.array_equal(found[0], found[2])
 
 
 def test_uniform_motion_stays_uniform():

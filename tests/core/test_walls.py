@@ -1,8 +1,12 @@
 """Wall treatments: where wall particles stand and what they carry."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from rates import slots_in_use
+
+from tisph import families
 
 
 def middle(scheme):
@@ -28,6 +32,14 @@ def test_every_particle_near_a_wall_has_its_mirror_image(make):
             expected = [2 * speed - velocities[i, 0], -velocities[i, 1]]
             assert np.allclose(image_velocities[k], expected, atol=1e-14)
             assert image_pressures[k] == pressures[i]
+
+
+@pytest.mark.parametrize("rows", [25, 100])
+def test_there_is_room_for_the_images_of_both_walls(rows):
+    lattice = SimpleNamespace(rows=rows, columns=2 * rows, spacing=1 / rows)
+    of_a_cell = rows / int(rows / 3.9)
+    _, images = families.load("walls", "comoving_image").Treatment.wall_slots(lattice, 3.9 / rows)
+    assert 2 * of_a_cell * lattice.columns <= images <= 2 * rows * lattice.columns
 
 
 def test_images_follow_their_particles_between_two_builds(make):

@@ -185,3 +185,19 @@ def test_a_diverged_run_fails_its_checks_and_says_why(fake_process, small_suite,
     output = capsys.readouterr().out
     assert "nan" in output
     assert "jitter_0.2 did not finish: diverged: velocity of particle 7" in output
+
+
+def test_the_resistance_of_an_array_is_all_that_drives_its_cell():
+    """Once the drag holds the drive on the liquid, the body and the falling pressure take up that on the whole cell."""
+    (criterion,) = (one for one in suite.criteria(False) if one.runs == ("array_0.05",))
+    config = suite.runs(False)["array_0.05"]
+    (body,), drive = config["bodies"], config["drive"]["acceleration"]
+    cell, viscosity = (
+        config["geometry"]["length"] * config["geometry"]["height"],
+        config["fluid"]["kinematic_viscosity"],
+    )
+    drag = config["fluid"]["density"] * drive * (cell - math.pi * body["radius"] ** 2)
+    sample = {"t": config["time"]["end"], "drag": drag, "superficial_velocity": 0.5}
+    result = Result(Path(), {"status": "done", "samples": [sample]})
+    expected = drive * cell / (viscosity * 0.5)
+    assert criterion.judge(result).value == pytest.approx(abs(expected / suite.bodies.RESISTANCES[0.05] - 1), rel=1e-12)

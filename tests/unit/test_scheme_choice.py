@@ -1,11 +1,15 @@
 """Scheme auto: what it takes, and why; what check says of the implicit scheme."""
 
+from pathlib import Path
+
 import pytest
 from typer.testing import CliRunner
 
 from tisph import cli, schemes
+from tisph.config import load
 from tisph.errors import ConfigError
 
+VORTEX = Path(__file__).parents[2] / "configs" / "taylor_green.yaml"
 POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.5}"
 
 
@@ -48,6 +52,19 @@ def test_accuracy_tightens_the_steps(resolved):
 )
 def test_the_steps_are_those_of_the_documentation(resolved, liquid, accuracy, steps):
     assert resolved(*liquid, f"scheme={{type: auto, accuracy: {accuracy}}}")[1].endswith(f"accuracy, {steps} a step")
+
+
+@pytest.mark.parametrize(
+    ("accuracy", "steps"),
+    [  # as docs/implicit.md says them
+        ("fast", "tolerance 2e-05 and Courant number 0.6"),
+        ("balanced", "tolerance 2e-06 and Courant number 0.3"),
+        ("high", "tolerance 3e-07 and Courant number 0.15"),
+    ],
+)
+def test_the_steps_of_flows_that_turn_are_those_of_the_documentation(accuracy, steps):
+    _, reason = schemes.resolve(load(VORTEX, (f"scheme={{type: auto, accuracy: {accuracy}}}",)))
+    assert reason.endswith(f"accuracy, {steps} a step")
 
 
 def test_a_liquid_with_memory_gets_the_implicit_one_with_steps_of_its_own(resolved):

@@ -34,7 +34,8 @@ NOT_COPIED = (".git", ".venv", "media", "__pycache__", "runs", "mutants")
 UNIT, CORE = "tests/unit/test_", "tests/core/test_"
 EXPLICIT = [CORE + name for name in ("operators", "wall*", "stress", "impulse")]
 IMPLICIT = [CORE + name for name in ("implicit_modes", "implicit_accuracy", "implicit_symmetry", "implicit", "shift")]
-TURNS = [CORE + name for name in ("splitting", "curved_walls", "cavity", "polymer_steps", "polymer_where_it_turns")]
+TURNS = [CORE + name for name in ("splitting", "curved_walls", "bodies_in_flow", "cavity")]
+TURNS += [CORE + name for name in ("polymer_steps", "polymer_where_it_turns")]
 TESTS = {
     "exact": [UNIT + "exact_*", UNIT + "scene_flows"],
     "exact/couette": [UNIT + "exact_couette", UNIT + "scene_flows"],
@@ -54,9 +55,14 @@ TESTS = {
     "verification/wall_shear": [UNIT + "metrics_wall_shear", UNIT + "metrics*"],
     "verification/mean": [UNIT + "metrics*", UNIT + "verification*", CORE + "bodies_in_flow", CORE + "curved_walls"],
     "least_squares": [CORE + "least_squares", CORE + "multilevel", CORE + "viscous_solver", *IMPLICIT],
+    "least_squares/rows": [CORE + "least_squares", CORE + "curved_walls", *IMPLICIT],
     "least_squares/lattice": [CORE + "multilevel", CORE + "viscous_solver"],
     "least_squares/multilevel": [CORE + "multilevel", CORE + "viscous_solver", CORE + "splitting"],
     "schemes": [UNIT + "scheme*", UNIT + "plan", *EXPLICIT],
+    "schemes/auto": [UNIT + "scheme*", UNIT + "plan", UNIT + "config_*"],
+    "schemes/wcsph/_loads": [UNIT + "loads", CORE + "explicit_bodies"],
+    "schemes/_splitting/_forecast": [CORE + "scheduled_cylinders", UNIT + "splitting_steps", UNIT + "estimates"],
+    "schemes/implicit/_motion": [CORE + "points", *IMPLICIT],
     "schemes/wcsph": [UNIT + "scheme*", UNIT + "plan", CORE + "explicit_*", *EXPLICIT],
     "schemes/_forecast": [UNIT + "error_estimate", CORE + "forecast_rows", UNIT + "cli_check", UNIT + "estimates"],
     "schemes/_estimate": [UNIT + "plan", UNIT + "cli_check", UNIT + "stress_cells", UNIT + "estimates"],
@@ -159,10 +165,10 @@ def outcome_of(tree, tests, seconds):
 def judge(mutant, trees, seconds):
     """Apply a change to a free copy, run the tests, and take it back."""
     path, begin, end, text = mutant
-    source = path.read_text(encoding="utf-8")
-    changed = mutated(source, begin, end, text)
     tree = trees.get()
     copy = tree / path.relative_to(ROOT)
+    source = copy.read_text(encoding="utf-8")  # whatever has become of the original since
+    changed = mutated(source, begin, end, text)
     try:
         copy.write_text(changed, encoding="utf-8")
         outcome, by = outcome_of(tree, tests_of(path), seconds)

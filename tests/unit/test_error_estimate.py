@@ -207,6 +207,14 @@ def test_no_estimate_where_the_model_cannot_tell(last, overrides):
     assert sample.steps > 0
 
 
+@pytest.mark.parametrize(("reynolds", "t", "lost"), [(60.6, 0.1, True), (59.4, 0.1, False), (60.6, 1.0, False)])
+def test_the_profile_is_lost_where_rows_mix_more_than_the_layer_holds(case, reynolds, t, lost):
+    """Cell Reynolds numbers around RESOLVED; the layer is a seventh of a spacing, or half of one, so a LOST of it."""
+    config = case(EXPLICIT, COARSE, f"fluid.kinematic_viscosity={0.5 * 0.04 / reynolds}", f"time={{end: {t}}}")
+    channel = families.load("scenes", config.scene).Scene.from_config(config)
+    assert beyond.lost(config, channel) == lost
+
+
 @pytest.mark.parametrize(
     ("scheme", "cost", "overhead"), [(EXPLICIT, EXPLICIT_COST, 0.0), (IMPLICIT, IMPLICIT_COST, IMPLICIT_OVERHEAD)]
 )

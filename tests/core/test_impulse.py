@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 
+from tisph.runtime import view
+from tisph.schemes.wcsph._impulse import ImpulsiveStart
+
 CONSISTENT = "walls.treatment.type=consistent_image"
 
 
@@ -20,6 +23,14 @@ def test_only_rows_at_the_wall_that_jumps_are_set_in_motion(make):
     assert np.ptp(rows, axis=1).max() < 1e-13
     assert np.abs(rows[:9]).max() < 1e-15  # out of reach of the upper wall's images
     assert 0.2 * 0.5 < rows[11, 0] < 0.3 * 0.5  # 1/4 with three points across, a little else with a wider kernel
+
+
+def test_displacements_leave_nothing_but_velocities(make):
+    scheme = make(CONSISTENT, jitter=0.2)
+    particles = scheme.particles
+    ImpulsiveStart(scheme.stepper).apply(scheme.now, (0.0, 0.5))
+    for field in (particles.mid_pressure, particles.mid_compression):
+        assert not view(field)[scheme.now].any()
 
 
 @pytest.mark.parametrize(

@@ -89,6 +89,20 @@ def test_either_wall_may_be_the_one(case):
     assert apart(one.velocity, other.velocity[::-1]) < 1e-12
 
 
+def test_the_shear_rate_of_a_liquid_that_thins_changes_with_the_stress_on_it(case):
+    thins = "fluid.rheology={type: power_law, index: 0.5, reference_rate: 1.0, least_rate: 1e-3}"
+    plate = rows(*case(thins, "time.end=0.1")).walls.plate
+    moment = SimpleNamespace(stress=lambda t: 1.0 + 2.0 * t)
+    plate.wall = SimpleNamespace(during=lambda t: moment, stress_rate=lambda t: 2.0)
+    plate.jump(0.5, np.zeros(0))
+    rate, step = plate.rate, 1e-5
+    # stresses are over the density: half the root of the rate is 2 there, and grows by 2 in a unit of time
+    assert (rate, plate.change) == pytest.approx((16.0, 32.0), rel=1e-5)
+    plate.drive = moment.stress(0.5 + step)
+    plate.balance(rate)
+    assert (plate.now - rate) / step == pytest.approx(32.0, rel=1e-4)
+
+
 @pytest.mark.parametrize("towards", [1.0, -1.0])
 def test_the_velocity_of_a_plate_is_what_its_shear_rate_and_bend_leave_of_that_around(towards):
     # u = U + s (u_y d + u_yyy d^3 / 6) at the distance d, s towards the liquid: exact for any weights

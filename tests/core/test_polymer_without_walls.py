@@ -8,6 +8,7 @@ from scipy.linalg import expm
 from tisph import config, families, runtime, schemes
 from tisph.errors import ConfigError
 from tisph.rheology import oldroyd_b
+from tisph.runtime import view
 from tisph.schemes._splitting._flow import PeriodicFlow
 from tisph.schemes._splitting._scheme import Scheme
 from tisph.simulation.start import start_values
@@ -53,6 +54,24 @@ def test_weak_vortices_decay_and_turn_back_as_linear_theory_says():
     coarse, fine = (np.array(errors(weak_vortices(number))) for number in (16, 24))
     assert np.all(fine < [8e-5, 1.8e-4])  # measured: 4.0e-5, 8.8e-5
     assert np.all(np.log(coarse / fine) / np.log(1.5) > 3.0)  # measured: 3.8, 4.0
+
+
+def test_a_divergence_stretches_no_polymer():
+    runtime.start("f64", 1)
+    liquid = {"density": 1.0, "kinematic_viscosity": VISCOSITY, "rheology": LIQUID}
+    flow = PeriodicFlow(columns=12, rows=12, spacing=1 / 12, reference_velocity=1.0, **liquid)
+    scheme, places = Scheme(flow, [END], True), case.arrangement(12, 0.2)
+    scheme.start(places, np.stack(case.exact(*places.T, 0.0, VISCOSITY)[:2], axis=1))
+    scheme.advance()
+    polymer, found = scheme.split.polymer, []
+    gradients = np.random.default_rng(0).normal(size=(4, 144))
+    gradients[3] = -gradients[0]
+    for divergence in (0.0, 0.7):
+        shown = (gradients + 0.5 * divergence * np.array([[1.0], [0.0], [0.0], [1.0]])).T
+        polymer.measure = lambda velocity, shown=shown: view(polymer.gradient)[:144].__setitem__(..., shown)
+        polymer.find(None)
+        found.append(polymer.found.copy())
+    assert found[1] == pytest.approx(found[0], abs=1e-12 * np.abs(found[0]).max())
 
 
 CASE = """

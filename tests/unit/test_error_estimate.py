@@ -83,6 +83,13 @@ def test_images_continue_a_polymer_stress_by_its_slope_at_the_wall(case):
 WALLS = ("comoving_image", "consistent_image", "fixed_image", "virtual_image")
 
 
+def test_a_polymer_stress_that_a_drive_has_developed_falls_by_its_part_of_the_drive_at_both_walls(case):
+    polymer = "fluid.rheology={type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.4}"
+    rows = rows_of(case, EXPLICIT, COARSE, polymer, "drive.acceleration=0.3", "initial.state=developed")
+    # polymer viscosity u_yy = -0.6 of the drive: differences of a parabola's slope, but for rounding over a short way
+    assert rows._wall_slopes() == pytest.approx([-0.6 * 0.3] * 2, rel=1e-6)
+
+
 def test_linear_flow_solves_its_equations():
     """x' = a x + b cos(w t) + c from 0 for an even state, and an odd one that only decays; one row at each wall."""
     a, b, c, w, t = -0.7, 0.3, 0.2, 1.9, 1.3

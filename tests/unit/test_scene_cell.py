@@ -165,4 +165,5 @@ def test_steady_is_what_does_not_change_for_a_tenth_of_the_run():
     # exp(-20 t) = 1e-3 at 0.345
     assert steady_since(times, values, [1.0, 1.0]) == pytest.approx(0.35)
     assert steady_since(times, np.stack([times, times], axis=1), [1.0, 1.0]) is None
+    assert steady_since(times, 1e3 * values, [1e3, 1e3]) == pytest.approx(0.35)  # a thousandth of their size counts
     assert steady_since(times, np.where(times[:, None] > 0, values[:, :1], np.nan), [1.0]) == pytest.approx(0.35)

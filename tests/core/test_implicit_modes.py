@@ -30,6 +30,26 @@ def make(make):
     return functools.partial(make, *IMPLICIT)
 
 
+def test_virtual_ghosts_take_the_weighted_fit_at_their_mirror_points(make):
+    """Weights (1 - r^2)^2 of the distance r over the reach, and a parabola: what is left is orthogonal to its terms."""
+    scheme = make("scheme.type=implicit", "walls.treatment.type=virtual_image", jitter=0.3)
+    scheme.assemble(0.0)
+    ghosts, points = scheme.ghosts, scheme.points
+    values = np.random.default_rng(0).uniform(size=points.slots + 1)
+    place, reach = view(points.place), float(view(ghosts.radius))
+    for k in (0, 7, 20):
+        count = int(view(points.count)[points.most + k])
+        near = view(points.table)[points.most + k, :count]
+        apart = place[near] - view(points.mirror)[k]
+        apart[:, 0] -= np.round(apart[:, 0] / scheme.channel.length) * scheme.channel.length
+        x, y = apart.T / reach
+        weight = np.maximum(0.0, 1.0 - x**2 - y**2) ** 2
+        basis = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], 1)
+        moments = basis.T @ (weight[:, None] * basis)
+        expected = np.linalg.solve(moments, basis.T @ (weight * values[near]))[0]
+        assert view(ghosts.share)[k, :count] @ values[near] == pytest.approx(expected, abs=1e-10)
+
+
 def test_virtual_ghosts_continue_the_lattice(make):
     scheme = make("walls.treatment.type=virtual_image")
     places = np.concatenate([used(scheme.motion.position), scheme.ghosts.part(view(scheme.points.place))])

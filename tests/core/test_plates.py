@@ -89,6 +89,14 @@ def test_either_wall_may_be_the_one(case):
     assert apart(one.velocity, other.velocity[::-1]) < 1e-12
 
 
+def test_images_in_a_plate_go_by_its_curvature_and_those_in_the_other_wall_by_their_slope_alone(case):
+    walls = rows(*case("time.end=0.1")).walls
+    plate, other = walls.plate.side, 1 - walls.plate.side
+    assert walls.third[plate, 1] != 0.0
+    assert walls.of_states(plate, 1) == (walls.first[plate, 1], walls.third[plate, 1])
+    assert walls.of_states(other, 1) == (walls.first[other, 1], 0.0)
+
+
 def test_the_shear_rate_of_a_liquid_that_thins_changes_with_the_stress_on_it(case):
     thins = "fluid.rheology={type: power_law, index: 0.5, reference_rate: 1.0, least_rate: 1e-3}"
     plate = rows(*case(thins, "time.end=0.1")).walls.plate

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, TIMES, WEIGHTS
+from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, TIMES, WEIGHTS, guesses
 
 A, B, C, EMBEDDED_B = (np.array(numbers) for numbers in (STAGES, WEIGHTS, TIMES, EMBEDDED))
 
@@ -76,3 +76,12 @@ def test_growth_follows_the_exponential_to_third_order():
     errors = [abs(growth(z) - np.exp(z)) for z in (-0.1, -0.05)]
     # the error of a step is of order z^4: a ratio of 16, less what the next term takes at z = 0.1
     assert errors[0] / errors[1] == pytest.approx(16, rel=0.1)
+
+
+def test_a_stage_is_guessed_from_the_polynomial_of_the_rates_before_it():
+    weights = guesses()
+    assert not np.triu(weights).any()
+    for stage in range(1, 4):
+        for power in range(stage):
+            way = C[stage] ** (power + 1) / (power + 1)
+            assert weights[stage, :stage] @ C[:stage] ** power == pytest.approx(way, rel=1e-12)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tisph.exact.sliding_corner import SlidingCorner
+from tisph.schemes._splitting._corners import Corners
 
 NU, SPEED = 0.01, 1.3
 WAYS = np.eye(2)
@@ -63,3 +64,17 @@ def test_the_second_part_carries_the_inertia_of_the_first():
     assert defect(slow, 1e-4) == pytest.approx(10 * defect(slow, 1e-3), rel=1e-9)
     assert defect(whole, 1e-4) == pytest.approx(defect(whole, 1e-3), rel=0.01)  # r U/nu = 0.13 is the next term
     assert defect(whole, 1e-4) < 1e-3 * defect(slow, 1e-4)
+
+
+def test_a_wall_feels_the_pressure_of_all_corners_along_its_normal():
+    corners = object.__new__(Corners)  # without the paths of particles
+    corners.corners, corners.origin = [corner(), corner(speed=-0.4)], np.array([0.0, 0.5])
+    place, normal = np.array([[0.3, 0.5], [0.0, 0.1]]), np.array([[0.0, -1.0], [1.0, 0.0]])
+    viscous, pressed = corners.traction(place, normal, NU)
+    pressure, gradient = (
+        sum(getattr(flow, name)(place + corners.origin) for flow in corners.corners)
+        for name in ("pressure", "gradient")
+    )
+    assert pressed == pytest.approx(-pressure[:, None] * normal)
+    strain = gradient + gradient.transpose(0, 2, 1)
+    assert viscous == pytest.approx(NU * np.stack([-strain[0, 1], strain[1, 0]]))

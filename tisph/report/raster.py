@@ -125,14 +125,16 @@ class Shades:
 
     def _of_sums(self, full: int) -> np.ndarray:
         """Return RGB and an idle byte for the highest bits of sums, all four as one number, (2^_SHADE_BITS,)."""
+        cover = np.linspace(0.0, 1.0, full + 1)[:, None, None]
+        mixed = np.full((full + 1, len(self._colours), 4), 255, dtype=np.uint8)
+        mixed[:, :, :3] = np.rint(255.0 * (1.0 - cover * (1.0 - self._colours)))
         bits = VALUE_BITS - (_SUM_BITS - _SHADE_BITS)
-        coverage, value = np.divmod(np.arange(1 << _SHADE_BITS), 1 << bits)
-        mean = (value + 0.5) * 2.0 ** (VALUE_BITS - bits) / (SHARES * np.maximum(coverage, 1))
-        entry = np.rint(np.minimum(mean, 1.0) * (len(self._colours) - 1)).astype(np.intp)
-        white = 1.0 - np.minimum(coverage / full, 1.0)[:, None]
-        table = np.full((len(entry), 4), 255, dtype=np.uint8)
-        table[:, :3] = np.rint(255.0 * (white + (1.0 - white) * self._colours[entry]))
-        return table.view(np.uint32)[:, 0]
+        coverage = np.arange(1 << _SHADE_BITS - bits)
+        most = np.float32(len(self._colours) - 1)
+        scale = most * np.float32(2.0 ** (VALUE_BITS - bits) / SHARES) / np.maximum(coverage, 1).astype(np.float32)
+        entry = np.minimum(np.outer(scale, np.arange(1 << bits, dtype=np.float32) + np.float32(0.5)), most)
+        entry = np.rint(entry).astype(np.intp) + len(self._colours) * np.minimum(coverage, full)[:, None]
+        return np.take(mixed.view(np.uint32).ravel(), entry.ravel())
 
 
 def _wrap_margins(padded: np.ndarray, margin: int, width: int) -> None:

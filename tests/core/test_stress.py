@@ -79,6 +79,18 @@ def test_stress_at_the_walls_of_a_driven_flow_bends_as_its_own_law_says(make):
     assert np.allclose(slopes, expected, rtol=1e-3)
 
 
+def test_points_on_the_walls_begin_with_the_stress_of_the_liquid_there_and_know_their_cells(make):
+    scheme = make(OLDROYD, WALLS, "drive.acceleration=0.3", "initial.state=developed")
+    track, channel, columns = scheme.walls.track, scheme.channel, int(view(scheme.lists.cells.columns))
+    xx, xy = channel.initial_polymer_stress(np.array([0.0, channel.gap]))
+    count = int(view(track.count))
+    for field in (track.stress, track.mid_stress):
+        found = view(field)[:, :count]
+        assert found == pytest.approx(np.stack([xx, xy, 0.0 * xx], 1)[:, None].repeat(count, 1), rel=1e-9)
+    expected = (np.arange(count) + 0.5) * channel.spacing / channel.length * columns
+    assert np.array_equal(view(track.column)[:, :count], np.tile(expected.astype(int), (2, 1)))
+
+
 def test_walls_are_periodic_and_linear_between_their_points(make):
     scheme = make(OLDROYD, WALLS, "drive.acceleration=0.02", jitter=0.2)
     for _ in range(3):  # the upper wall is on its way

@@ -11,9 +11,10 @@ from tisph.exact.circular_couette import CircularCouette, Rotation
 from tisph.exact.circular_start_up import CircularStartUp
 from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity, cylinder_impedance, impedance
 from tisph.exact.start_up import Polymer, Wall
+from tisph.geometry.plate import Plate
 from tisph.scenes._motion import WallMotion
 from tisph.verification._cylinders import as_plane
-from tisph.verification.rheometry import _amplitudes, _oscillation, _slowest_pair, _start_up, _window
+from tisph.verification.rheometry import _amplitudes, _creep, _oscillation, _slowest_pair, _start_up, _window
 
 LIQUID = Spectrum(0.1, ((0.6, 1.0), (0.3, 0.1)))
 NORMALS = {"inner": 1.01, "inner_exact": 1.0, "outer": 7.0, "outer_exact": 7.0}
@@ -92,6 +93,20 @@ def test_harmonics_do_not_mix():
     t = np.linspace(0.0, 4 * np.pi, 300)
     found = _amplitudes(t, np.cos(t) + 0.1 * np.sin(3 * t), 1.0, 0)
     assert [found[1], found[3], found[5]] == pytest.approx([1.0, -0.1j, 0.0], abs=1e-12)
+
+
+@pytest.mark.parametrize(("side", "sign"), [(0, -1.0), (1, 1.0)], ids=["bottom", "top"])
+def test_the_compliance_is_the_strain_over_the_stress_on_either_wall(side, sign):
+    plate, t = Plate(1.5), np.linspace(0.0, 4.0, 801)
+    liquid, name = Spectrum(0.1, ((0.9, 2.0),)), ("bottom", "top")[side]
+    strain = 1.5 * liquid.compliance(np.maximum(t, 1e-9))
+    rate = 1.5 * (1.0 + 9.0 * np.exp(-t / 0.2))  # of Jeffreys' compliance
+    channel = SimpleNamespace(driven_side=side, gap=0.1, **{name: plate})
+    table = {"t": t, "strain": sign * 1.01 * strain, f"wall_velocity_{name}_exact": 0.1 * rate}
+    numbers = _creep(channel, liquid, table).numbers
+    assert numbers["compliance_at_the_end"] == pytest.approx(1.01 * liquid.compliance(4.0), rel=1e-9)
+    # a rate with a memory of 0.2, summed in steps of 0.005
+    assert numbers["compliance_at_the_end_reference"] == pytest.approx(liquid.compliance(4.0), rel=1e-3)
 
 
 def test_ringing_is_found_beside_what_dies_away():

@@ -3,6 +3,7 @@
 import math
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from tisph.scenes._cell.scene import Cell
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Snapshot
 from tisph.verification.mean_velocity import cell_mean
-from tisph.verification.steady import steady_since
+from tisph.verification.steady import steadiness, steady_since
 
 LIQUID = "fluid: {density: 2.0, kinematic_viscosity: 0.5}\ntime: {end: 1.0}\n"
 LATTICE = f"""
@@ -167,3 +168,15 @@ def test_steady_is_what_does_not_change_for_a_tenth_of_the_run():
     assert steady_since(times, np.stack([times, times], axis=1), [1.0, 1.0]) is None
     assert steady_since(times, 1e3 * values, [1e3, 1e3]) == pytest.approx(0.35)  # a thousandth of their size counts
     assert steady_since(times, np.where(times[:, None] > 0, values[:, :1], np.nan), [1.0]) == pytest.approx(0.35)
+
+
+def test_a_flow_is_steady_once_its_kinetic_energy_has_not_changed_in_the_last_five_moments():
+    scene = SimpleNamespace(reference_length=1.0, reference_velocity=2.0, viscous_time=10.0, start_time=0.0)  # 0.5 each
+    times = np.linspace(0.0, 10.0, 201)
+    energies = np.where(times <= 6.0, 3.0, 3.0 + (times - 6.0))[:, None]
+    found = steadiness(scene, 6.0, (None, None, (times, energies)))
+    assert found == {"energy_change": pytest.approx(0.0, abs=1e-12), "steady": True, "steady_reason": None}
+    found = steadiness(scene, 10.0, (None, None, (times, energies)))  # by 0.5 in a moment, of 5.75 in the mean
+    assert not found["steady"]
+    assert found["energy_change"] == pytest.approx(0.5 / 5.75, rel=1e-9)
+    assert not steadiness(scene, 2.0, (None, None, (times, energies)))["steady"]

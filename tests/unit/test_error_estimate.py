@@ -205,6 +205,7 @@ def test_disorder_costs_at_high_reynolds_numbers_only(last):
     [
         (EXPLICIT, "fluid.kinematic_viscosity=7e-5", "time.end=200"),  # cell Reynolds number 143: rows mix
         (EXPLICIT, DISORDER, "time.cfl=0.8"),
+        (EXPLICIT, DISORDER, COARSE, "fluid.kinematic_viscosity=6.4e-4"),  # 31: rows are shuffled
         ("scheme={type: implicit, operators: {order: 2}}", "fluid.kinematic_viscosity=5e-3", DISORDER),
     ],
 )
@@ -212,6 +213,12 @@ def test_no_estimate_where_the_model_cannot_tell(last, overrides):
     sample = last(*overrides)
     assert (sample.l2, sample.rms) == (None, None)
     assert sample.steps > 0
+
+
+def test_disorder_of_the_explicit_scheme_has_an_estimate_where_viscosity_keeps_up(last):
+    viscosity = "fluid.kinematic_viscosity=6.9e-4"  # cell Reynolds number 29
+    lattice, disordered = (last(EXPLICIT, COARSE, viscosity, *more).rms for more in ((), (DISORDER,)))
+    assert disordered == pytest.approx(lattice, rel=1e-3)  # rows of a lattice slide, those of a disorder do not
 
 
 @pytest.mark.parametrize(("reynolds", "t", "lost"), [(60.6, 0.1, True), (59.4, 0.1, False), (60.6, 1.0, False)])

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tisph.schemes._limits import DISORDERED_OF_ORDER_2, LOST, MIXED, RESOLVED, STIFF, STIFFEST
+from tisph.schemes._limits import DISORDERED_OF_ORDER_2, LOST, MIXED, RESOLVED, SHUFFLED, STIFF, STIFFEST
 from tisph.schemes._time_step import AUTO_CFL
 
 ROUNDING = {"f32": 2.0**-25, "f64": 2.0**-54}
@@ -75,7 +75,8 @@ def _starts(channel):
 def explicit(config, channel, rate):
     """Return the ``Noise`` of scheme ``wcsph``, which takes ``rate`` steps in the unit of time, or None."""
     number = config.time.cfl
-    if config.initial.jitter > 0 and number != "auto" and number > STIFFEST * AUTO_CFL:
+    stiff = number != "auto" and number > STIFFEST * AUTO_CFL
+    if config.initial.jitter > 0 and (stiff or cell_reynolds(channel) > SHUFFLED):
         return None
     return Noise(error=_rounding(config, rate * _memory(channel)))
 

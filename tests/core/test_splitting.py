@@ -55,9 +55,9 @@ def test_a_flow_in_other_units_has_the_same_bits():
     found = []
     for length, time, density in ((1.0, 1.0, 1.0), (2.0**-8, 2.0**-4, 2.0**6)):  # as in test_units.py
         runtime.start("f64", 1)
-        units = {"spacing": length / 24, "density": density, "reference_velocity": length / time}
-        box = replace(flow(24, 1), kinematic_viscosity=VISCOSITY * length**2 / time, **units)
-        scheme, position = _scheme.Scheme(box, [time], True), arrangement(24, 0.2)
+        units = {"spacing": length / 12, "density": density, "reference_velocity": length / time}
+        box = replace(flow(12, 1), kinematic_viscosity=VISCOSITY * length**2 / time, **units)
+        scheme, position = _scheme.Scheme(box, [time], True), arrangement(12, 0.3)
         scheme.start(position * length, np.stack(exact(*position.T, 0.0, VISCOSITY)[:2], 1) * length / time)
         for _ in range(8):
             scheme.advance()

@@ -6,7 +6,7 @@ the liquid of the explicit scheme: the error is no longer that of rows then. In 
 across, Re = 1000), and many times as large at 200 and 400."""
 
 RESOLVED = 60.0
-"""The same up to which disordered runs of the stability matrix vary little in density."""
+"""The same up to which disordered runs of the stability matrix vary little in density, and above which they mix."""
 
 LOST = 4.0
 """Cell Reynolds number over ``RESOLVED``, over the depth of the layer at a wall in spacings, from which on the profile
@@ -14,10 +14,6 @@ is lost: half of it, where the error of rows is multiplied by the square of the 
 
 STIFFEST = 3.0
 """Steps over the default, from which on disorder grows in them: some runs of the stability matrix are stopped then."""
-
-SHUFFLED = 30.0
-"""Cell Reynolds number above which disordered runs of the explicit scheme err as they will: up to 20 as rows of the
-lattice do, within a factor of 3; at 40 up to four times less, and at 125 eleven times as much."""
 
 DISORDERED_OF_ORDER_2 = 1.0
 """Cell Reynolds number above which disordered runs of order 2 of the implicit scheme err as they will, or stop."""

@@ -63,7 +63,7 @@ def explicit(config, channel, longest):
     """Return the ``Forecast`` of every sample of scheme ``wcsph`` with steps of at most ``longest``."""
     channel = channel.in_own_frame()
     forecasts, steps, before = [], 0, channel.start_time
-    rows = None if not channel.parallel or beyond.mixes(channel) else _explicit_rows(config, channel)
+    rows = None if not channel.parallel or beyond.mixes(config, channel) else _explicit_rows(config, channel)
     for time in config.time.samples:
         if time > before:
             steps += steps_between(before, time, longest)
@@ -140,5 +140,5 @@ def _forecast(channel, heights, time, steps, velocity, noise, finer=1.0):
     possible = math.hypot(noise.residual / scale / TYPICAL if scale else 0.0, noise.stirred, DIGITS if own else 0.0)
     rms = math.hypot(sure, possible)
     # disorder has either sign: a few times as much as is usual may take away two thirds of the rest
-    cancels = possible > sure or TYPICAL * noise.stirred > 2.0 / 3.0 * sure
+    cancels = noise.shuffled or possible > sure or TYPICAL * noise.stirred > 2.0 / 3.0 * sure
     return Forecast(time, steps, rms * scale if scale and scale < RESTS else None, rms, cancels)

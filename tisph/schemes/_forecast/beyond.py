@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tisph.schemes._limits import DISORDERED_OF_ORDER_2, LOST, MIXED, RESOLVED, SHUFFLED, STIFF, STIFFEST
+from tisph.schemes._limits import DISORDERED_OF_ORDER_2, LOST, MIXED, RESOLVED, STIFF, STIFFEST
 from tisph.schemes._time_step import AUTO_CFL
 
 ROUNDING = {"f32": 2.0**-25, "f64": 2.0**-54}
@@ -34,16 +34,20 @@ LARGEST_JITTER = 0.3
 @dataclass(frozen=True)
 class Noise:
     """Errors that rows do not have, as root mean squares: ``error`` over the reference velocity, and what there may be
-    and may as well not: ``stirred`` over the reference velocity, ``residual`` over the velocities at most."""
+    and may as well not: ``stirred`` over the reference velocity, ``residual`` over the velocities at most.
+
+    ``shuffled``: whether particles have left the rows, which err more than they do.
+    """
 
     error: float = 0.0
     stirred: float = 0.0
     residual: float = 0.0
+    shuffled: bool = False
 
 
-def mixes(channel):
+def mixes(config, channel):
     """Tell whether the explicit scheme mixes the liquid next to a wall that starts or oscillates."""
-    return _starts(channel) and cell_reynolds(channel) > MIXED
+    return _starts(channel) and cell_reynolds(channel) > (RESOLVED if config.initial.jitter > 0 else MIXED)
 
 
 def lost(config, channel):
@@ -74,11 +78,11 @@ def _starts(channel):
 
 def explicit(config, channel, rate):
     """Return the ``Noise`` of scheme ``wcsph``, which takes ``rate`` steps in the unit of time, or None."""
-    number = config.time.cfl
-    stiff = number != "auto" and number > STIFFEST * AUTO_CFL
-    if config.initial.jitter > 0 and (stiff or cell_reynolds(channel) > SHUFFLED):
+    number, disordered = config.time.cfl, config.initial.jitter > 0
+    if disordered and number != "auto" and number > STIFFEST * AUTO_CFL:
         return None
-    return Noise(error=_rounding(config, rate * _memory(channel)))
+    shuffled = disordered and cell_reynolds(channel) > SLIDING
+    return Noise(error=_rounding(config, rate * _memory(channel)), shuffled=shuffled)
 
 
 def implicit(config, channel, residual, counts):

@@ -32,7 +32,7 @@ MEMORY = 6 << 30
 NOT_COPIED = (".git", ".venv", "media", "__pycache__", "runs", "mutants")
 
 UNIT, CORE = "tests/unit/test_", "tests/core/test_"
-EXPLICIT = [CORE + name for name in ("operators", "wall*", "stress", "impulse")]
+EXPLICIT = [CORE + name for name in ("operators", "wall*", "stress", "impulse", "units")]
 IMPLICIT = [CORE + name for name in ("implicit_modes", "implicit_accuracy", "implicit_symmetry", "implicit", "shift")]
 TURNS = [CORE + name for name in ("splitting", "curved_walls", "bodies_in_flow", "cavity")]
 TURNS += [CORE + name for name in ("polymer_steps", "polymer_where_it_turns")]

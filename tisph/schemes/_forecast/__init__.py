@@ -136,9 +136,9 @@ def _forecast(channel, heights, time, steps, velocity, noise, finer=1.0):
     exact = channel.exact_velocity(heights, time)
     scale = relative_error(channel, _Rows(time, exact + channel.reference_velocity, {"u": exact}))  # L2 over rms
     own = rms_error(channel, _Rows(time, velocity, {"u": exact})) * finer
-    sure = math.hypot(own, noise.error)
-    possible = math.hypot(noise.residual / scale / TYPICAL if scale else 0.0, noise.stirred, DIGITS if own else 0.0)
-    rms = math.hypot(sure, possible)
+    residual = noise.residual / scale / TYPICAL if scale else 0.0
+    possible = math.hypot(residual, noise.rounding, noise.stirred, DIGITS if own else 0.0)
+    rms = math.hypot(own, possible)
     # disorder has either sign: a few times as much as is usual may take away two thirds of the rest
-    cancels = noise.shuffled or possible > sure or TYPICAL * noise.stirred > 2.0 / 3.0 * sure
+    cancels = noise.shuffled or possible > own or TYPICAL * noise.stirred > 2.0 / 3.0 * own
     return Forecast(time, steps, rms * scale if scale and scale < RESTS else None, rms, cancels)

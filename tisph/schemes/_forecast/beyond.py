@@ -33,13 +33,13 @@ LARGEST_JITTER = 0.3
 
 @dataclass(frozen=True)
 class Noise:
-    """Errors that rows do not have, as root mean squares: ``error`` over the reference velocity, and what there may be
-    and may as well not: ``stirred`` over the reference velocity, ``residual`` over the velocities at most.
+    """Errors that rows do not have and that may cancel, as root mean squares: ``rounding`` and ``stirred`` over the
+    reference velocity, ``residual`` over the velocities at most.
 
     ``shuffled``: whether particles have left the rows, which err more than they do.
     """
 
-    error: float = 0.0
+    rounding: float = 0.0
     stirred: float = 0.0
     residual: float = 0.0
     shuffled: bool = False
@@ -82,7 +82,7 @@ def explicit(config, channel, rate):
     if disordered and number != "auto" and number > STIFFEST * AUTO_CFL:
         return None
     shuffled = disordered and cell_reynolds(channel) > SLIDING
-    return Noise(error=_rounding(config, rate * _memory(channel)), shuffled=shuffled)
+    return Noise(rounding=_rounding(config, rate * _memory(channel)), shuffled=shuffled)
 
 
 def implicit(config, channel, residual, counts):

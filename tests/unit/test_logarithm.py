@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import expm, expm_frechet
 
 from tisph import families
-from tisph.schemes._pointwise import SMALL, matrix
+from tisph.schemes._pointwise import SMALL, eliminate, matrix
 from tisph.schemes._splitting._logarithm import deviation, logarithm, rate
 
 LAWS = {
@@ -65,3 +65,10 @@ def test_logarithm_and_deviation_undo_each_other():
     found = logarithm(np.array(deviation(states)))
     conditions = np.exp(2.0 * np.hypot(0.5 * (states[0] - states[2]), states[1]))  # of A, whose rounding log A has
     assert np.all(np.abs(found - states) < 1e-14 * conditions)
+
+
+def test_small_systems_are_solved_side_by_side():
+    matrices, right = np.random.default_rng(3).uniform(size=(5, 3, 3)) + 2.0 * np.eye(3), np.ones((5, 3))
+    found = eliminate(matrices.transpose(1, 2, 0), right.T)
+    expected = np.linalg.solve(matrices, right[..., None])[..., 0].T
+    assert found == pytest.approx(expected, rel=1e-12)

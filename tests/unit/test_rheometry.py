@@ -95,6 +95,17 @@ def test_harmonics_do_not_mix():
     assert [found[1], found[3], found[5]] == pytest.approx([1.0, -0.1j, 0.0], abs=1e-12)
 
 
+def test_stress_after_cessation_is_over_the_rate_before():
+    t, steady = np.linspace(0.0, 3.0, 31), 0.5 / 0.1
+    wall = WallMotion(0.0, before=0.5)
+    table = {"t": t, "wall_shear": 1.01 * steady * (LIQUID.viscosity - LIQUID.growth(t))}
+    table["wall_shear_exact"] = table["wall_shear"] / 1.01
+    numbers = _start_up(SimpleNamespace(gap=0.1), LIQUID, wall, table).numbers
+    left = LIQUID.viscosity - LIQUID.growth(3.0)
+    assert numbers["viscosity_at_the_end"] == pytest.approx(1.01 * left)
+    assert numbers["viscosity_at_the_end_reference"] == pytest.approx(left)
+
+
 @pytest.mark.parametrize(("side", "sign"), [(0, -1.0), (1, 1.0)], ids=["bottom", "top"])
 def test_the_compliance_is_the_strain_over_the_stress_on_either_wall(side, sign):
     plate, t = Plate(1.5), np.linspace(0.0, 4.0, 801)

@@ -151,6 +151,9 @@ def test_units_drop_out():
         scaled = function(length * HEIGHTS, 0.6 * second, liquid=liquid, flow=flow, before=before) / scale
         unit = function(HEIGHTS, 0.6, liquid=THIN, flow=BOTH, before=unit_before)
         assert largest_difference(scaled, unit) <= ACCURACY
+    for function, scale in zip(DEVELOPED, (speed, 1 / second, stress, stress), strict=True):
+        scaled = function(length * HEIGHTS, liquid=liquid, flow=flow) / scale
+        assert largest_difference(scaled, function(HEIGHTS, liquid=THIN, flow=BOTH)) <= ACCURACY
 
 
 @pytest.mark.parametrize(

@@ -180,3 +180,8 @@ def test_a_flow_is_steady_once_its_kinetic_energy_has_not_changed_in_the_last_fi
     assert not found["steady"]
     assert found["energy_change"] == pytest.approx(0.5 / 5.75, rel=1e-9)
     assert not steadiness(scene, 2.0, (None, None, (times, energies)))["steady"]
+    three, seen = slice(None, None, 20), (None, None)  # 6, 7 and 8 are in the five moments before 8
+    assert steadiness(scene, 8.0, (*seen, (times[three], energies[three])))["energy_change"] > 0.0
+    two = slice(None, None, 40)
+    found = steadiness(scene, 8.0, (*seen, (times[two], energies[two])))
+    assert found["steady_reason"] == "the history has too few times"

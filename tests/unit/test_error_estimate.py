@@ -19,8 +19,9 @@ from tisph.schemes._forecast.stencils import kernel_sums, least_squares, sliding
 from tisph.schemes.implicit._scheme import control
 
 EXPLICIT, IMPLICIT = "scheme={type: wcsph}", "scheme={type: implicit}"
-COARSE = "discretisation.particles_across=25"
+COARSE, FEW = (f"discretisation.particles_across={number}" for number in (25, 10))
 DISORDER = "initial.jitter=0.3"
+OLDROYD_B = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.1}"
 """The flow of the case: gap 1, wall speed 0.5, nu = 0.01, 50 across, one sample at the end, t = 2."""
 
 
@@ -253,11 +254,53 @@ def test_steps_and_cost_of_a_run_are_those_up_to_its_last_sample(case, scheme, c
 
 def test_what_disorder_leaves_is_that_of_a_dipole_at_the_wall(case):
     """sum k^2 exp(-2 (k pi)^2 t*), from t* = (spacing/gap)^2 on."""
-    channel = families.load("scenes", "channel").Scene.from_config(case(COARSE))
+    config = case(COARSE)
+    channel = families.load("scenes", "channel").Scene.from_config(config)
     waves = np.arange(1.0, 1000.0)
     for t_star, effective in ((0.0, 0.04**2), (1e-3, 0.04**2), (0.01, 0.01), (0.3, 0.3)):
         expected = np.sum(waves**2 * np.exp(-2 * (waves * np.pi) ** 2 * effective))
-        assert beyond._spread(channel, 100.0 * t_star) ** 2 == pytest.approx(expected, rel=1e-6)  # exp(-20) is left out
+        assert beyond._spread(config, channel, 100.0 * t_star) ** 2 == pytest.approx(
+            expected, rel=1e-6
+        )  # exp(-20) is left out
+
+
+@pytest.mark.parametrize("time", [0.003, 0.1, 2.0])
+def test_what_is_left_of_a_wave_solves_its_equation_in_a_liquid_with_memory(case, time):
+    """relaxation_time u'' + (1 + relaxation_time nu_s q^2) u' + nu q^2 u = 0, from u = 1 and u' = -nu_s q^2."""
+    config = case(COARSE, "fluid.kinematic_viscosity=0.2", OLDROYD_B)
+    channel = families.load("scenes", "channel").Scene.from_config(config)
+    waves = np.array([1.0, 3.0, 20.0])  # the first two oscillate
+    left = beyond._left(config, channel, waves, time)
+    for wave, found in zip(waves, left, strict=True):
+        square = (wave * math.pi / channel.gap) ** 2
+        first, second = np.roots([0.5, 1.0 + 0.5 * channel.solvent_viscosity * square, 0.2 * square])
+        start = -channel.solvent_viscosity * square
+        share = (start - second) / (first - second)
+        expected = share * np.exp(first * time) + (1.0 - share) * np.exp(second * time)
+        assert found == pytest.approx(expected.real, rel=1e-9)
+
+
+def test_disorder_makes_as_much_of_normal_stresses_as_their_size_over_the_shear_stress(last):
+    """sqrt(1 + (0.3 Wi)^2) times the error of the rows; at Wi = 5 that may as well cancel, at 0.5 it hardly can."""
+    for speed, at_most in ((1.0, False), (10.0, True)):
+        flow = (
+            IMPLICIT,
+            FEW,
+            OLDROYD_B,
+            "fluid.kinematic_viscosity=1.0",
+            f"walls.top.velocity={speed}",
+            "time={end: 0.5}",
+        )
+        lattice, disordered = last(*flow), last(*flow, DISORDER)
+        assert disordered.rms == pytest.approx(lattice.rms * math.hypot(1.0, 0.3 * 0.5 * speed), rel=1e-2)
+        assert disordered.at_most == at_most
+
+
+@pytest.mark.parametrize(("viscosity", "known"), [(0.0205, True), (0.0195, False)])  # 9.8, 10.3
+def test_disordered_polymer_breaks_up_where_the_solvent_has_little_viscosity(case, viscosity, known):
+    flow = case(IMPLICIT, COARSE, OLDROYD_B, f"fluid.kinematic_viscosity={viscosity}", DISORDER)
+    sample = estimates(flow)["samples"][-1]
+    assert (sample.known, sample.rms is not None) == (known, known)
 
 
 def test_disorder_leaves_more_where_rows_slide(case):

@@ -8,7 +8,7 @@ import typer
 
 from tisph.cli.options import ConfigFile, Overrides
 from tisph.errors import ConfigError
-from tisph.schemes._limits import DISORDERED_OF_ORDER_2, RESOLVED, STIFF
+from tisph.schemes._limits import DISORDERED_OF_ORDER_2, DISORDERED_SOLVENT, RESOLVED, STIFF
 from tisph.verification.resolution import resolution
 
 HIGHEST_MACH = 0.1
@@ -21,9 +21,6 @@ the explicit one they vary in density at 125 and lose the start of the flow at 4
 
 HIGHEST_TURNING_CELL_REYNOLDS = 10.0
 """The same of the explicit scheme where the flow turns: at 40 vortices have lost a fifth of U after twenty turns."""
-
-HIGHEST_SOLVENT_CELL_REYNOLDS = 10.0
-"""The same where there is polymer, by the viscosity of the solvent: a disordered run failed at 20."""
 
 LARGE_ERROR = 0.1
 """Estimated error at the last sample above which there is a warning."""
@@ -110,7 +107,7 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
     length, time = config.units.length, config.units.time
     largest = "" if numbers["sound_speed"] else "at most "
     step = f"{largest}{numbers['time_step']:.4g} {time}, set by the {numbers['binding_limit']} limit"
-    guessed = "" if numbers["samples"][-1].known else "; a guess: the flow is not known beforehand"
+    guessed = "" if numbers["samples"][-1].known else "; a guess: how the particles will flow is not known beforehand"
     number = (
         f"{config.rows} across, {config.columns} along" if any(config.periodic) else f"{config.particles_across} across"
     )
@@ -164,7 +161,7 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
     if numbers["sound_speed"] and not channel.parallel:
         highest = HIGHEST_TURNING_CELL_REYNOLDS
     if channel.polymer:
-        highest = HIGHEST_SOLVENT_CELL_REYNOLDS
+        highest = DISORDERED_SOLVENT
     if numbers["cell_reynolds"] > highest:
         enough = math.ceil(config.particles_across * numbers["cell_reynolds"] / highest)
         yield (

@@ -18,6 +18,10 @@ STIFFEST = 3.0
 DISORDERED_OF_ORDER_2 = 1.0
 """Cell Reynolds number above which disordered runs of order 2 of the implicit scheme err as they will, or stop."""
 
+DISORDERED_SOLVENT = 10.0
+"""Cell Reynolds number by the viscosity of the solvent, where there is polymer, up to which disordered runs are stable:
+one failed at 20, and above it they take more steps and err more than rows do, or stop."""
+
 STIFF = 4.0
 """Modulus of the polymer over density times (spacing over solvent viscosity) squared, up to which disordered particles
 of the implicit scheme err as a lattice does where a wall jumps: at 3.5 they did, at 14 they erred eight times more."""

@@ -110,7 +110,8 @@ def implicit(config, channel, control):
         noise = None if rows.beyond else beyond.implicit(config, channel, rows.residual, counts)
         forecasts.append(_forecast(channel, rows.heights, time, rows.steps, rows.velocity, noise))
     rows.run_to(config.time.end)
-    return forecasts, rows
+    known = not beyond.breaks_up(config, channel)
+    return [replace(each, known=known) for each in forecasts], rows
 
 
 def _coarse(channel, most):
@@ -137,7 +138,7 @@ def _forecast(channel, heights, time, steps, velocity, noise, finer=1.0):
     scale = relative_error(channel, _Rows(time, exact + channel.reference_velocity, {"u": exact}))  # L2 over rms
     own = rms_error(channel, _Rows(time, velocity, {"u": exact})) * finer
     residual = noise.residual / scale / TYPICAL if scale else 0.0
-    possible = math.hypot(residual, noise.rounding, noise.stirred, DIGITS if own else 0.0)
+    possible = math.hypot(residual, noise.rounding, noise.stirred, noise.normal * own, DIGITS if own else 0.0)
     rms = math.hypot(own, possible)
     # disorder has either sign: a few times as much as is usual may take away two thirds of the rest
     cancels = noise.shuffled or possible > own or TYPICAL * noise.stirred > 2.0 / 3.0 * own

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tisph.schemes._limits import DISORDERED_OF_ORDER_2, LOST, MIXED, RESOLVED, STIFF, STIFFEST
+from tisph.schemes._limits import DISORDERED_OF_ORDER_2, DISORDERED_SOLVENT, LOST, MIXED, RESOLVED, STIFF, STIFFEST
 from tisph.schemes._time_step import AUTO_CFL
 
 ROUNDING = {"f32": 2.0**-25, "f64": 2.0**-54}
@@ -36,13 +36,15 @@ class Noise:
     """Errors that rows do not have and that may cancel, as root mean squares: ``rounding`` and ``stirred`` over the
     reference velocity, ``residual`` over the velocities at most.
 
-    ``shuffled``: whether particles have left the rows, which err more than they do.
+    ``shuffled``: whether particles have left the rows, which err more than they do. ``normal``: what disorder makes of
+    the normal stresses of polymer, over the errors of the rows.
     """
 
     rounding: float = 0.0
     stirred: float = 0.0
     residual: float = 0.0
     shuffled: bool = False
+    normal: float = 0.0
 
 
 def mixes(config, channel):
@@ -86,28 +88,62 @@ def explicit(config, channel, rate):
 
 
 def implicit(config, channel, residual, counts):
-    """Return the ``Noise`` of scheme ``implicit``; ``counts``: (time, steps) up to now, ascending. None for order 2.
+    """Return the ``Noise`` of scheme ``implicit``; ``counts``: (time, steps) up to now, ascending.
 
+    None for disorder that it does not keep: of order 2, and with polymer where the solvent has little viscosity.
     ``residual``: of the linear systems, in all they do to the end of a step, over the velocities. The residuals of all
     steps that the flow remembers may have the same sense.
     """
     disordered = config.initial.jitter > 0
     if disordered and config.scheme.operators.order == 2 and cell_reynolds(channel) > DISORDERED_OF_ORDER_2:
         return None
+    if breaks_up(config, channel):
+        return None
     times, steps = zip(*counts, strict=True)
     remembered = steps[-1] - float(np.interp(times[-1] - _memory(channel), times, steps))
-    stirred = _stirred(config, channel) * _spread(channel, times[-1] - channel.start_time)
-    return Noise(_rounding(config, remembered), stirred, residual * (1.0 + remembered))
+    stirred = _stirred(config, channel)
+    stirred *= _spread(config, channel, times[-1] - channel.start_time) if stirred else 0.0
+    # rows have the same normal stress everywhere; those of particles differ by its error, Wi times that of the shear
+    normal = config.initial.jitter * channel.weissenberg
+    return Noise(_rounding(config, remembered), stirred, residual * (1.0 + remembered), normal=normal)
 
 
-def _spread(channel, age):
+def breaks_up(config, channel):
+    """Tell whether disordered particles of the implicit scheme may leave the flow that rows have."""
+    solvent = channel.reference_velocity * channel.spacing / channel.solvent_viscosity
+    return bool(channel.polymer) and config.initial.jitter > 0 and solvent > DISORDERED_SOLVENT
+
+
+def _spread(config, channel, age):
     """Root mean square of a dipole of momentum at a wall, from when it is a spacing deep, over that of one wave.
 
-    Its waves k have amplitudes k exp(-(k pi)^2 t*), as the slope of the layer that an impulse makes.
+    Its waves k start with amplitudes k, as the slope of the layer that an impulse makes; the rows have no more than one
+    each.
     """
-    exponent = 2.0 * math.pi**2 * max(age / channel.viscous_time, (channel.spacing / channel.gap) ** 2)
-    waves = np.arange(1.0, 2.0 + math.sqrt(20.0 / exponent))
-    return math.sqrt(float(np.sum(waves**2 * np.exp(-exponent * waves**2))))
+    waves = np.arange(1.0, channel.rows + 1.0)
+    left = _left(config, channel, waves, max(age, channel.spacing**2 / channel.kinematic_viscosity))
+    return math.sqrt(float(np.sum((waves * left) ** 2)))
+
+
+def _left(config, channel, waves, age):
+    """Return what is left of ``waves`` sin(k pi y/gap) of the velocity after ``age`` in a liquid at rest.
+
+    exp(-(k pi)^2 t*), or with polymer the first component of the linear map of velocity and stresses: stresses that the
+    wave has made while it was there drive it on for as long as they last.
+    """
+    numbers = math.pi / channel.gap * waves
+    if not channel.polymer:
+        return np.exp(-channel.kinematic_viscosity * numbers**2 * age)
+    from scipy.linalg import expm
+
+    laws = config.fluid.rheology.laws(channel.kinematic_viscosity)
+    rates = np.zeros((len(waves), len(laws) + 1, len(laws) + 1))
+    rates[:, 0, 0] = -channel.solvent_viscosity * numbers**2
+    for place, law in enumerate(laws, 1):
+        rates[:, 0, place] = -math.sqrt(law.modulus) * numbers  # of stresses over the root of the modulus
+        rates[:, place, 0] = math.sqrt(law.modulus) * numbers
+        rates[:, place, place] = -1.0 / law.relaxation_time
+    return expm(age * rates)[:, 0, 0]
 
 
 def _stirred(config, channel):

@@ -57,6 +57,7 @@ def test_a_restart_gives_the_bits_of_going_on(make, tmp_path, overrides):
         scheme.advance()
     checkpoint.save(tmp_path / "state.h5", scheme, "fingerprint")
     steps = scheme.steps
+    assert scheme.shortest < scheme.longest < scheme.time
     whole = run(scheme)
     assert scheme.steps > steps + 3
     numbers = scheme.numbers(), scheme.momentum_balance(), scheme.shortest, scheme.longest

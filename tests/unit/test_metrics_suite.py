@@ -41,6 +41,18 @@ def test_every_run_is_needed_and_every_needed_run_exists(quick):
     assert needed == set(suite.runs(quick))
 
 
+@pytest.mark.parametrize("quick", [True, False])
+def test_every_bound_accepts_what_it_says(quick):
+    """A number beyond it by a hundredth does not pass, one within it by as much does."""
+    ways = {"<=": 1.0, ">=": -1.0}
+    for criterion in suite.criteria(quick):
+        sign, _, number = criterion.bound.partition(" ")
+        if sign in ways:
+            bound, way = float(number), ways[sign]
+            beyond, within = (bound + side * way * 0.01 * abs(bound) for side in (1, -1))
+            assert (criterion.accepts(beyond), criterion.accepts(within)) == (False, True), criterion.quantity
+
+
 def time_scale(config):
     geometry = config["geometry"]
     if config["scene"] == "channel":

@@ -120,10 +120,24 @@ def test_the_compliance_is_the_strain_over_the_stress_on_either_wall(side, sign)
     assert numbers["compliance_at_the_end_reference"] == pytest.approx(liquid.compliance(4.0), rel=1e-3)
 
 
+def test_the_strain_recovered_is_that_from_the_end_of_the_stress_to_the_end_of_the_run():
+    plate, t = Plate(0.0, steps=((0.0, 2.0), (1.0, 0.0))), np.linspace(0.0, 3.0, 31)
+    rate = np.where(t <= 1.0, 1.0, -0.25)
+    strain = np.where(t <= 1.0, t, 1.0 - 0.25 * (t - 1.0))
+    channel = SimpleNamespace(driven_side=1, gap=1.0, top=plate)
+    reading = _creep(channel, LIQUID, {"t": t, "strain": strain, "wall_velocity_top_exact": rate})
+    assert reading.numbers["compliance_at_the_end"] == pytest.approx(0.5)
+    assert reading.numbers["recovered_strain"] == pytest.approx(0.5)
+    assert reading.numbers["recovered_strain_reference"] == pytest.approx(0.5, abs=0.1)  # the jump of the rate, summed
+    assert any("recovered strain 0.5" in line for line in reading.lines)
+
+
 def test_ringing_is_found_beside_what_dies_away():
     t = np.linspace(0.0, 10.0, 401)[1:]
     velocity = 1.0 - np.exp(-0.5 * t) * np.cos(1.7 * t) + 0.05 * np.exp(-4.0 * t) * np.cos(9.0 * t)
     assert _slowest_pair(t, velocity) == pytest.approx(-0.5 + 1.7j, rel=1e-8)
+    first = 0.1 * np.where(t < 1.0, 1.0 - t, 0.0) ** 2  # what the start leaves in the first tenth
+    assert _slowest_pair(t, velocity + first) == pytest.approx(-0.5 + 1.7j, rel=1e-8)
 
 
 def test_less_than_two_periods_are_refused():
@@ -165,6 +179,11 @@ def test_a_cylinder_is_read_as_a_plane():
     assert reading.numbers["normal_stress_coefficient_at_the_end_reference"] == pytest.approx(known)
     assert any(f"(reference {known:.6g})" in line for line in reading.lines)
     assert [curve[1] for curve in reading.curves[3:5]] == ["run, at the wall that moves", "reference"]
+    turned = SimpleNamespace(**{**vars(annulus), "inner": outer, "outer": inner})
+    torques = {f"torque_{name}": torque for name in ("inner_exact", "outer", "outer_exact")}
+    _, wall, table = as_plane(turned, {"t": t, **torques})
+    assert wall.cosine == pytest.approx(0.5 * 2 / 3)  # 2 a^2/(b^2 - a^2), the shear rate at the outer one
+    assert table["wall_shear"] == pytest.approx(wall.cosine * LIQUID.growth(t))
     with pytest.raises(ConfigError, match="one moving cylinder"):
         as_plane(SimpleNamespace(**{**vars(annulus), "outer": inner}), {})
 

@@ -7,7 +7,7 @@ import pytest
 
 from tisph.cli.check import estimates
 from tisph.config import load
-from tisph.schemes._splitting import BETWEEN_WALLS, COST, OVERHEAD
+from tisph.schemes._splitting import BETWEEN_WALLS, COST, OVERHEAD, _forecast
 from tisph.schemes._splitting._control import LARGEST_FACTOR, SHARE, StepControl
 from tisph.schemes._splitting._series import Times
 
@@ -115,6 +115,18 @@ FLOWS = {
         BETWEEN_WALLS,
     ),
 }
+
+
+def test_steps_beyond_those_that_are_looked_at_are_as_long_as_the_last_of_them(tmp_path, monkeypatch):
+    """Cylinders that turn steadily: steps grow for a while, and keep their length."""
+    flow, liquid = list(FLOWS)[2], "fluid: {density: 1.0, kinematic_viscosity: 1.0}"
+    (tmp_path / "case.yaml").write_text(
+        f"{flow}\n{liquid}\ndiscretisation: {{particles_across: 10}}\ntime: {{end: 9.0}}"
+    )
+    config = load(tmp_path / "case.yaml")
+    whole = estimates(config)["steps"]
+    monkeypatch.setattr(_forecast, "MOST_STEPS", whole // 2)
+    assert estimates(config)["steps"] == pytest.approx(whole, rel=0.02)
 
 
 @pytest.mark.parametrize("flow", FLOWS, ids=lambda flow: flow.split()[1])

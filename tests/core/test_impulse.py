@@ -7,6 +7,7 @@ from tisph.runtime import view
 from tisph.schemes.wcsph._impulse import ImpulsiveStart
 
 CONSISTENT = "walls.treatment.type=consistent_image"
+POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4}"
 
 
 def at_start(make, *overrides, **options):
@@ -53,12 +54,13 @@ def test_the_impulse_counts_as_the_walls(make):
     assert balance["change"] > 0
 
 
-def test_the_impulse_on_a_liquid_with_memory_counts_as_that_of_the_wall_that_jumps(make):
-    polymer = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4}"
-    _, _, scheme = at_start(make, "scheme.type=implicit", CONSISTENT, polymer)
-    balance = scheme.momentum_balance()
-    assert balance["bottom_wall"] == 0.0
-    assert balance["top_wall"] == pytest.approx(balance["change"], rel=1e-12)
+@pytest.mark.parametrize(("moves", "rests"), [("top", "bottom"), ("bottom", "top")])
+@pytest.mark.parametrize("memory", [(), (POLYMER,)], ids=["newtonian", "oldroyd_b"])
+def test_an_implicit_impulse_counts_as_that_of_the_wall_that_jumps(make, memory, moves, rests):
+    walls = f"walls.{moves}.velocity=0.5", f"walls.{rests}.velocity=0.0"
+    balance = make("scheme.type=implicit", CONSISTENT, *walls, *memory).momentum_balance()
+    assert balance[f"{rests}_wall"] == 0.0
+    assert balance[f"{moves}_wall"] == pytest.approx(balance["change"], rel=1e-12)
     assert balance["change"] != 0
 
 

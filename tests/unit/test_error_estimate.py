@@ -4,6 +4,7 @@ That it is right is held by ``test_estimates.py``, against runs.
 """
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from tisph import families, schemes
 from tisph.cli.check import estimates
 from tisph.kernels import quintic_spline, wendland_c2
 from tisph.schemes._estimate import EXPLICIT_COST, IMPLICIT_COST, IMPLICIT_OVERHEAD
-from tisph.schemes._forecast import beyond, explicit_rows, implicit_rows
+from tisph.schemes._forecast import beyond, elastic_rows, explicit_rows, implicit_rows
 from tisph.schemes._forecast.images import images
 from tisph.schemes._forecast.linear import LinearFlow
 from tisph.schemes._forecast.stencils import kernel_sums, least_squares, sliding_viscosity
@@ -157,6 +158,18 @@ def test_a_residual_does_to_the_slowest_mode_what_its_system_leaves_of_it(case, 
         rows.amplitudes = 3.0 * np.eye(25)[mode]
         left = 1.0 - implicit_rows.GAMMA * length * rows.rates[[0, mode]]
         assert rows.residual == pytest.approx(alone * left[1] / left[0], rel=1e-14)
+
+
+def test_a_residual_of_a_liquid_with_memory_is_that_of_one_without(case):
+    """Of the same rows, in one step of the same length; the Laplacians of both are those of the lattice."""
+    rows, found = rows_of(case, IMPLICIT, "time.tolerance=1e-4"), []
+    rows.run_to(1.0)
+    both = {"channel": rows.channel, "control": rows.control, "length": rows.last}
+    operators = elastic_rows._Operators(rows.channel, 4)
+    for scale in (1.0, 3.0):
+        elastic = SimpleNamespace(**both, operators=operators, velocity=scale * rows.velocity)
+        found.append(elastic_rows.ElasticRows.residual.fget(elastic))
+    assert found == pytest.approx([rows.residual] * 2, rel=1e-3)  # one has the slowest mode, one a wave of its length
 
 
 def test_whole_periods_are_left_out_of_a_long_run(case):

@@ -107,6 +107,9 @@ def test_a_run_leaves_all_that_is_promised(finished):
         assert (finished / name).stat().st_size > 0, name
     numbers = summary(finished)
     assert numbers["status"] == "done"
+    mean = 1.0 / numbers["cost"]["steps"]  # steps to a sample are equal, and shorter by one in so many at most
+    assert 0.5 * mean < numbers["numbers"]["dt_min"] <= mean * (1 + 1e-12)
+    assert mean * (1 - 1e-12) <= numbers["numbers"]["dt_max"] < 2.0 * mean
     assert [sample["t"] for sample in numbers["samples"]] == [0.4, 1.0]
     stored = samples(finished)
     assert [stored[name]["t"] for name in sorted(stored)] == [0.4, 1.0]

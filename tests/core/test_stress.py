@@ -79,6 +79,14 @@ def test_stress_at_the_walls_of_a_driven_flow_bends_as_its_own_law_says(make):
     assert np.allclose(slopes, expected, rtol=1e-3)
 
 
+def test_walls_and_drive_balance_the_momentum_of_a_liquid_that_carries_stress(make):
+    scheme = make(OLDROYD, WALLS, "drive.acceleration=0.02", "walls.bottom.velocity=-0.2", "time.end=1.0")
+    while not scheme.finished:
+        scheme.advance()
+    balance = scheme.momentum_balance()
+    assert balance["closure"] < 1e-3  # measured: 3e-5; a liquid whose shear stress does not count leaves 0.3
+
+
 def test_points_on_the_walls_begin_with_the_stress_of_the_liquid_there_and_know_their_cells(make):
     scheme = make(OLDROYD, WALLS, "drive.acceleration=0.3", "initial.state=developed")
     track, channel, columns = scheme.walls.track, scheme.channel, int(view(scheme.lists.cells.columns))

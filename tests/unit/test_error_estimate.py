@@ -172,6 +172,11 @@ def test_a_residual_of_a_liquid_with_memory_is_that_of_one_without(case):
     assert found == pytest.approx([rows.residual] * 2, rel=1e-3)  # one has the slowest mode, one a wave of its length
 
 
+def test_the_step_that_is_stated_is_the_longest_of_the_run(case):
+    brief = case(IMPLICIT, COARSE, "time={end: 1.0e-3}")
+    assert 0.0 < estimates(brief)["time_step"] <= 1e-3
+
+
 def test_whole_periods_are_left_out_of_a_long_run(case):
     """The flow of a wall that oscillates is the same after each; steps go on as before."""
     wall = "walls.top={amplitude: 0.5, angular_frequency: 1.0, phase: sin}"

@@ -87,6 +87,15 @@ def test_images_continue_a_polymer_stress_by_its_slope_at_the_wall(case):
 WALLS = ("comoving_image", "consistent_image", "fixed_image", "virtual_image")
 
 
+@pytest.mark.parametrize("treatment", [*WALLS, "adami"])
+def test_images_continue_an_even_polymer_stress_evenly(case, treatment):
+    rows = rows_of(case, EXPLICIT, COARSE, OLDROYD_B, f"walls.treatment.type={treatment}")
+    fields = rows._extended_fields()[1] @ np.concatenate([np.zeros(25), np.full(25, 0.2), [0.0, 0.0]])
+    reached = np.flatnonzero(fields)  # images with liquid in reach
+    assert reached[-1] - reached[0] + 1 == len(reached) >= 25 + 4
+    assert fields[reached] == pytest.approx(0.2, rel=1e-12)
+
+
 def test_a_polymer_stress_that_a_drive_has_developed_falls_by_its_part_of_the_drive_at_both_walls(case):
     polymer = "fluid.rheology={type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.4}"
     rows = rows_of(case, EXPLICIT, COARSE, polymer, "drive.acceleration=0.3", "initial.state=developed")

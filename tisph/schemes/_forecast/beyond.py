@@ -134,8 +134,6 @@ def _left(config, channel, waves, age):
     numbers = math.pi / channel.gap * waves
     if not channel.polymer:
         return np.exp(-channel.kinematic_viscosity * numbers**2 * age)
-    from scipy.linalg import expm
-
     laws = config.fluid.rheology.laws(channel.kinematic_viscosity)
     rates = np.zeros((len(waves), len(laws) + 1, len(laws) + 1))
     rates[:, 0, 0] = -channel.solvent_viscosity * numbers**2
@@ -143,7 +141,9 @@ def _left(config, channel, waves, age):
         rates[:, 0, place] = -math.sqrt(law.modulus) * numbers  # of stresses over the root of the modulus
         rates[:, place, 0] = math.sqrt(law.modulus) * numbers
         rates[:, place, place] = -1.0 / law.relaxation_time
-    return expm(age * rates)[:, 0, 0]
+    values, vectors = np.linalg.eig(rates)  # two that are equal but for rounding leave half of the digits
+    shares = np.linalg.solve(vectors, np.eye(len(laws) + 1)[:, :1])[..., 0]
+    return np.sum(vectors[:, 0] * shares * np.exp(age * values), axis=1).real
 
 
 def _stirred(config, channel):

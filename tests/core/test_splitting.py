@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,10 +10,13 @@ from vortex_case import VISCOSITY, arrangement, errors, exact, flow, make, run
 
 from tisph import runtime
 from tisph.errors import DivergedError
+from tisph.exact.sliding_corner import DEGREE
 from tisph.least_squares import rows
 from tisph.neighbours.points import used
 from tisph.runtime import ti, view
 from tisph.schemes._splitting import _scheme
+from tisph.schemes._splitting._corner_paths import CornerPaths
+from tisph.schemes._splitting._history import VELOCITIES
 from tisph.schemes._splitting._shift import SCATTER
 
 
@@ -82,6 +86,25 @@ def test_uniform_motion_stays_uniform():
     assert np.abs(snapshot.u - 0.3).max() < 1e-12
     assert np.abs(snapshot.v + 0.7).max() < 1e-12
     assert np.abs(snapshot.pressure).max() < 1e-9  # rounding over the step, times dx^2
+
+
+def test_the_momentum_that_the_liquid_has_gained_is_that_of_all_particles():
+    scheme = make(24)
+    assert scheme.momentum_balance()["change"] == pytest.approx(0.0, abs=1e-12)
+    scheme.initial_momentum -= 7.0  # the vortices gain none
+    assert scheme.momentum_balance()["change"] == pytest.approx(7.0 * scheme.flow.density / 24**2, rel=1e-12)
+
+
+def test_ways_past_a_corner_that_moves_nothing_are_those_of_the_rest_of_the_velocity():
+    """That rest, 2 s times the last velocity at the part s of the way, is integrated exactly: the last velocity."""
+    still = SimpleNamespace(place=(0.0, 0.0), along=(1.0, 0.0), inward=(0.0, 1.0), slow_numbers=np.zeros(4), angle=1.0)
+    still.inertial_numbers, still.kinematic_viscosity, still.reach = np.zeros((DEGREE + 1, 3)), 1.0, 1.0
+    scheme = make(24)
+    paths = CornerPaths([still], (0.0, 0.0), scheme.history)
+    found = paths.find(lambda part: [2.0 * part, *[0.0] * (VELOCITIES - 1)], 0.3)
+    velocity = used(scheme.history.carried)[:, :2]
+    expected = used(scheme.history.position) + 0.3 * velocity
+    assert found == pytest.approx(expected, abs=1e-14)
 
 
 def test_a_lattice_is_scattered_by_the_first_step_and_not_again():

@@ -3,6 +3,7 @@
 import json
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from ruamel.yaml import YAML
@@ -11,6 +12,7 @@ from tisph.config import load
 from tisph.study import verify
 from tisph.verification import suite
 from tisph.verification.criteria import Result, at_most, ends_at, near
+from tisph.verification.suite import turning_polymers
 
 
 def listed(quick):
@@ -51,6 +53,29 @@ def test_every_bound_accepts_what_it_says(quick):
             bound, way = float(number), ways[sign]
             beyond, within = (bound + side * way * 0.01 * abs(bound) for side in (1, -1))
             assert (criterion.accepts(beyond), criterion.accepts(within)) == (False, True), criterion.quantity
+
+
+@pytest.mark.parametrize("quick", [True, False])
+def test_orders_are_those_of_the_spacings_that_the_runs_have(quick):
+    runs, found = suite.runs(quick), []
+    for criterion in suite.criteria(quick):
+        if " order at " in criterion.quantity:
+            across = [runs[name]["discretisation"]["particles_across"] for name in criterion.runs]
+            results = [SimpleNamespace(measure=lambda t, quantity, n=n: n**-2.5) for n in across]
+            found.append(criterion.value(*results))
+    assert found == pytest.approx([2.5] * len(found), rel=1e-9)
+    assert found
+
+
+def test_the_drag_of_a_confined_cylinder_is_that_of_the_literature_at_the_weissenberg_number_of_the_flow():
+    """117.78 at Wi = 0.6 (Hulsen et al. 2005), over viscosity and velocity; the drive pushes the area, pi, too."""
+    criterion = turning_polymers._drag("confined_cylinder")
+    fluid = turning_polymers.CONFINED["fluid"]
+    velocity = 0.6 / fluid["rheology"]["relaxation_time"]
+    force = 117.78 * fluid["kinematic_viscosity"] * velocity
+    pushed = force - math.pi * turning_polymers.CONFINED["drive"]["acceleration"]
+    result = SimpleNamespace(last={"superficial_velocity": velocity, "drag": pushed})
+    assert criterion.value(result) == pytest.approx(0.0, abs=1e-9)
 
 
 def time_scale(config):

@@ -14,7 +14,7 @@ from tisph.errors import ConfigError
 from tisph.scenes._cell.scene import Cell
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Snapshot
-from tisph.verification.mean_velocity import cell_mean
+from tisph.verification.mean_velocity import _rule, cell_mean
 from tisph.verification.steady import steadiness, steady_since
 
 LIQUID = "fluid: {density: 2.0, kinematic_viscosity: 0.5}\ntime: {end: 1.0}\n"
@@ -158,6 +158,14 @@ def test_the_mean_velocity_does_not_depend_on_where_particles_are_many(tmp_path)
     exact = np.maximum(field(x, y), 0.0).mean()
     snapshot = snapshot_of(scene, field, lambda x, y: 0 * x)
     assert cell_mean(scene, snapshot)[0] == pytest.approx(exact, rel=2e-3)
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+def test_the_rules_of_a_cell_have_weights_of_a_mean(periodic):
+    """Between walls those of Gauss: exact for polynomials of degree 9 with 5 places."""
+    places, weights = _rule(5, periodic)
+    moments = [weights @ places**power for power in range(2 if periodic else 10)]
+    assert moments == pytest.approx([1.0 / (power + 1) for power in range(len(moments))], rel=1e-13)
 
 
 def test_steady_is_what_does_not_change_for_a_tenth_of_the_run():

@@ -1,14 +1,15 @@
 """Weights of steps of any length, and how long steps are."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from tisph.cli.check import estimates
 from tisph.config import load
-from tisph.schemes._splitting import BETWEEN_WALLS, COST, OVERHEAD, _forecast
-from tisph.schemes._splitting._control import LARGEST_FACTOR, SHARE, StepControl
+from tisph.schemes._splitting import BETWEEN_WALLS, COST, OVERHEAD, _forecast, _longest_steps
+from tisph.schemes._splitting._control import FIRST, LARGEST_FACTOR, SHARE, StepControl
 from tisph.schemes._splitting._series import Times
 
 STEPS = [0.3, 0.25, 0.2, 0.28]
@@ -115,6 +116,16 @@ FLOWS = {
         BETWEEN_WALLS,
     ),
 }
+
+
+def test_where_the_flow_is_not_known_every_start_costs_the_steps_that_it_takes_to_grow():
+    scene = SimpleNamespace(peak_velocity=1.0, reference_velocity=1.0, bodies=(1,), spacing=0.1, start_time=0.0)
+    found = []
+    for changes in ((), (2.0,), (0.5,)):
+        scene.changes = changes
+        found.append(_longest_steps(scene, [1.0], 0.2, math.inf)[0][0])
+    grow = math.log(1.0 / FIRST) / math.log(LARGEST_FACTOR) - 1.0 / (1.0 - 1.0 / LARGEST_FACTOR)
+    assert found == [round(50 + grow), round(50 + grow), round(50 + 2 * grow)]
 
 
 def test_steps_beyond_those_that_are_looked_at_are_as_long_as_the_last_of_them(tmp_path, monkeypatch):

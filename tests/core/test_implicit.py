@@ -73,6 +73,19 @@ def test_a_restart_gives_the_bits_of_going_on(make, tmp_path, overrides):
     assert (resumed.numbers(), resumed.momentum_balance(), resumed.shortest, resumed.longest) == numbers
 
 
+# --- linear systems
+
+
+@pytest.mark.parametrize(("jitter", "alike"), [(0.0, True), (1e-6, False)])
+def test_on_a_sheared_lattice_the_rows_solve_the_systems_and_off_it_particles_do(make, jitter, alike):
+    scheme = make(f"initial.jitter={jitter}", "time.end=1.0")
+    solve, counts = scheme.solver.solve, []
+    scheme.solver.solve = lambda *numbers: (solve(*numbers), counts.append(scheme.solver.iterations))[0]
+    run(scheme)
+    assert scheme.solver.coarse.alike == alike
+    assert (max(counts) == 0) == alike  # to rounding of the operators, over a tolerance of 1e-7 of the right side
+
+
 # --- volume
 
 

@@ -9,47 +9,57 @@ import numpy as np
 from tisph.runtime import view
 
 SEEN = 8
-"""Particles of a row of the start lattice that its operators are averaged over."""
+"""Particles of a row of the start lattice that its operators are averaged over, in disorder."""
+
+ALIKE = 1e-9
+"""Spacings that particles may be off their rows for all of a row to see the same: a lattice, sheared or not."""
 
 
 class Across:
-    """Rows of a ``channel`` as unknowns, linear in between; for ghosts that mirror a particle each."""
+    """Rows of a ``channel`` as unknowns, linear in between; for ghosts that mirror a particle each.
+
+    ``alike``: whether all particles of a row see the same, at the last ``sort``.
+    """
 
     def __init__(self, rows, ghosts, channel):
         self.rows, self.points, self.ghosts = rows, rows.points, ghosts
         self.spacing, self.number = channel.spacing, channel.rows
+        self.alike = False
 
-    def assemble(self):
-        """Take up the operators, for the present places of the particles."""
+    def sort(self):
+        """Take up the present places of the particles."""
         height = self.ghosts.heights().astype(float) / self.spacing - 0.5
         below = np.clip(np.floor(height), 0, self.number - 2).astype(int)
         self.below, self.part = below, height - below
         self.row = np.clip(np.rint(height), 0, self.number - 1).astype(int)
         self.counts = np.maximum(np.bincount(self.row, minlength=self.number), 1)
-        seen = self._seen()
+        self.alike = bool(np.abs(height - self.row).max() < ALIKE)
+
+    def assemble(self, seen):
+        """Take up the Laplacian, of so many particles ``seen`` of each row."""
+        self.seen = self._first(seen)
         source = np.arange(self.points.slots + 1)
         ghosts = self.ghosts.part(source)
         ghosts[...] = view(self.ghosts.source)[: ghosts.size]
         source[self.points.most + ghosts.size :] = source[self.points.fluid : self.points.most] = 0
-        table, listed = self.points.listed(seen)
-        even = np.ones(self.points.slots + 1)
-        ghosts = self.ghosts.part(even)
+        table, self.listed = self.points.listed(self.seen)
+        signs = np.ones(self.points.slots + 1)
+        ghosts = self.ghosts.part(signs)
         ghosts[...] = self.ghosts.sign()
-        even = even[table]
-        operators = self.rows.laplacian, self.rows.across
-        entries = [np.where(listed, view(rows)[seen], 0.0).astype(float) for rows in operators]
-        odd = np.where(table >= self.points.most, -even, even)
-        self.laplacian = self._matrix(seen, source[table], entries[0], odd)
-        self.slope, self.even_slope = (self._matrix(seen, source[table], entries[1], sign) for sign in (odd, even))
+        self.others, self.even = source[table], signs[table]
+        self.odd = np.where(table >= self.points.most, -self.even, self.even)
+        self.laplacian, self.inverted = self.matrix(self.rows.laplacian, self.odd), None
 
-    def _seen(self):
-        """Return some particles of each row."""
+    def _first(self, most):
+        """Return up to ``most`` particles of each row."""
         order = np.argsort(self.row, kind="stable")
         rank = np.arange(len(order)) - np.searchsorted(self.row[order], self.row[order])
-        return order[rank < SEEN]
+        return order[rank < most]
 
-    def _matrix(self, seen, others, entries, sign):
-        """Return the operator (rows, rows) with such ``entries`` for the differences of ``others`` from ``seen``."""
+    def matrix(self, rows, sign):
+        """Return the operator (rows, rows) of the least-squares ``rows``, with such a ``sign`` of what is mirrored."""
+        entries = np.where(self.listed, view(rows)[self.seen], 0.0).astype(float)
+        seen, others = self.seen, self.others
         first = self.row[seen] * self.number
         matrix = np.zeros(self.number**2)
         own = -entries.sum(axis=1)
@@ -62,9 +72,29 @@ class Across:
         counts = np.bincount(self.row[seen], minlength=self.number)
         return matrix.reshape(self.number, self.number) / np.maximum(counts, 1)[:, None]
 
+    def mean(self, values):
+        """Return the means (rows,) of ``values`` (fluid,)."""
+        return np.bincount(self.row, values, self.number) / self.counts
+
+    def solution(self, right, coefficient):
+        """Solve (1 - coefficient A) x = ``right`` (fluid,) on rows of particles that are alike."""
+        if coefficient != self.inverted:  # all stages of a step have the same
+            self.inverse = np.linalg.inv(np.eye(self.number) - coefficient * self.laplacian)
+            self.inverted = coefficient
+        return np.einsum("ij,j", self.inverse, self.mean(right))[self.row]  # no threads of BLAS
+
+
+class ElasticAcross(Across):
+    """The same for a liquid with memory, whose stress answers to the slope of the velocities."""
+
+    def assemble(self, seen=SEEN):
+        """Take up the operators, for the present places of the particles."""
+        self.sort()
+        super().assemble(seen)
+        self.slope, self.even_slope = (self.matrix(self.rows.across, sign) for sign in (self.odd, self.even))
+
     def correction(self, residual, coefficient, tangent):
         """Return what to add to velocities (fluid) with this ``residual`` of (1 - coefficient A - D tangent D) x."""
-        mean_tangent, mean = (np.bincount(self.row, one, self.number) / self.counts for one in (tangent, residual))
-        elastic = np.einsum("ij,jk->ik", self.even_slope, mean_tangent[:, None] * self.slope)  # no threads of BLAS
-        found = np.linalg.solve(np.eye(self.number) - coefficient * self.laplacian - elastic, mean)
+        elastic = np.einsum("ij,jk->ik", self.even_slope, self.mean(tangent)[:, None] * self.slope)  # likewise
+        found = np.linalg.solve(np.eye(self.number) - coefficient * self.laplacian - elastic, self.mean(residual))
         return (1.0 - self.part) * found[self.below] + self.part * found[self.below + 1]

@@ -10,7 +10,7 @@ import numpy as np
 from tisph.least_squares.bicgstab import BiCGStab
 from tisph.neighbours.points import LANES
 from tisph.runtime import real, ti, view
-from tisph.schemes.implicit._across import Across
+from tisph.schemes.implicit._across import ElasticAcross
 from tisph.schemes.implicit._elastic_stages import even_fit, image_of_stress, polynomial
 
 
@@ -19,7 +19,7 @@ class ElasticSolver(BiCGStab):
 
     def __init__(self, rows, ghosts, channel):
         super().__init__(rows, ghosts, -1.0)
-        self.coarse = None if ghosts.mirrors else Across(rows, ghosts, channel)
+        self.coarse = None if ghosts.mirrors else ElasticAcross(rows, ghosts, channel)
         self.tangent, self.found = self.points.field(real()), self.points.field(real())
         self.pull = ti.field(real(), self.points.slots + 1)
         self.tangent.used = self.found.used = self.pull.used = None  # for checkpoints

@@ -1,12 +1,15 @@
-"""The linear systems of a viscous step: by the diagonal where that takes few iterations, else by two levels.
+"""The linear systems of a viscous step: by rows, by the diagonal where that takes few iterations, or by two levels.
 
-With the diagonal iterations grow with the root of the viscous number g h nu/spacing^2, and so with the number of
-particles across, as steps are as long as accuracy allows. With two levels there are one or two, each as dear as four.
+On a lattice, sheared or not, the particles of a row are alike, and the rows are a small system of their own: nothing is
+left to iterate. In disorder iterations with the diagonal grow with the root of the viscous number g h nu/spacing^2, and
+so with the number of particles across, as steps are as long as accuracy allows. With two levels there are one or two,
+each as dear as four.
 """
 
 from tisph.least_squares.bicgstab import BiCGStab
 from tisph.least_squares.rows import FEW
 from tisph.runtime import ti, view
+from tisph.schemes.implicit._across import Across
 
 ROUGH = 3.0
 """Viscous number up to which the diagonal is preconditioner enough: both took as long from 2 to 4."""
@@ -23,10 +26,22 @@ class ViscousSolver(BiCGStab):
     def __init__(self, rows, ghosts, channel):
         super().__init__(rows, ghosts, -1.0)
         self.channel, self.smooth = channel, None
+        self.coarse = None if ghosts.mirrors else Across(rows, ghosts, channel)
         self.roughest = ROUGH * channel.spacing**2
+
+    def assemble(self):
+        """Get ready for systems with the rows as they are now."""
+        if self.coarse:
+            self.coarse.sort()
+            if self.coarse.alike:
+                self.coarse.assemble(seen=1)
 
     def solve(self, coefficient, tolerance):
         """Solve (1 - ``coefficient`` A) x = b to a residual of ``tolerance`` |b|; return whether it did."""
+        if self.coarse and self.coarse.alike:
+            fluid = slice(self.points.fluid)
+            view(self.x)[fluid] = self.coarse.solution(view(self.b)[fluid], coefficient)
+            return super().solve(coefficient, tolerance)
         if coefficient <= self.roughest or self.points.fluid <= FEW:
             return super().solve(coefficient, tolerance)
         smooth, fluid = self.smooth or self.two_levels(), self.points.fluid

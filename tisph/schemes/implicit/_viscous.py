@@ -44,6 +44,8 @@ class ViscousStep:
         """Compute ``end`` of one component; return the estimated error (root mean square), NaN where none was found."""
         coefficient, sound = GAMMA * length * float(view(self.viscosity)), True
         driven = component == 0
+        if driven:
+            self.solver.assemble()
         self.set_source(component, time)
         self.begin(component)
         for stage in range(1, 4):

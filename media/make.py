@@ -10,7 +10,7 @@ from pathlib import Path
 
 import walls
 
-from tisph import config, families
+from tisph import config, scenes
 from tisph.observers.frames import read_frames
 from tisph.report.movie import Movie
 
@@ -46,7 +46,7 @@ def make(name, preview_t_star):
     subprocess.run([*command, *size, "--out", str(folder), "--overwrite"], check=True)
     shutil.copyfile(folder / "movie.mp4", MEDIA / f"{name}.mp4")
     settings = config.load(folder / "config.resolved.yaml")
-    scene = families.load("scenes", settings.scene).Scene.from_config(settings)
+    scene = scenes.of(settings)
     frames = read_frames(folder / "frames.h5")
     preview = next(frame for frame in frames if frame.t >= preview_t_star * scene.time_scale)
     movie = Movie(MEDIA / "unused.mp4", scene, settings.output.video, settings.name, settings.time.end)

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.special import lambertw
 
-from tisph import families
+from tisph import registry
 
 VISCOSITY, TIME = 0.7, 1.5
 KINDS = {
@@ -18,7 +18,7 @@ KINDS = {
 def law(kind, viscosity=VISCOSITY, **other):
     """The law of one of KINDS, with ``other`` numbers; with relaxation time TIME where none is given."""
     values = {"relaxation_time": TIME, "solvent_fraction": 0.5, **KINDS[kind], **other}
-    member = families.load("rheology", values["type"])
+    member = registry.load("rheology", values["type"])
     return member.Law(member.Parameters(**values), viscosity)
 
 

@@ -27,7 +27,7 @@ from types import SimpleNamespace
 import couette_case as case
 import numpy as np
 
-from tisph import config, families
+from tisph import config, scenes
 from tisph.exact import couette, taylor_green
 from tisph.study.bench import cases
 from tisph.verification.flows import across, merged
@@ -122,7 +122,7 @@ def cavity_error(particles, found, arguments):
         path = Path(folder) / "cavity.yaml"
         path.write_text(json.dumps(described), encoding="utf-8")  # JSON is YAML
         settings = config.load(path)
-    scene = families.load("scenes", settings.scene).Scene.from_config(settings)
+    scene = scenes.of(settings)
     seen = SimpleNamespace(**dict(zip("xyuv", particles, strict=True)), t=found["time"])
     u, v = scene.lines(seen, np.linspace(0.0, 1.0, 401))
     return cases.extremes({"u_extreme": u.min(), "v_min": v.min(), "v_max": v.max()})

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tisph import config, families, runtime, schemes, simulation
+from tisph import config, registry, runtime, schemes, simulation
 from tisph.cli.check import estimates
 from tisph.errors import ConfigError, DivergedError
 from tisph.observers.guard import Guard
@@ -74,7 +74,7 @@ def configs(draw):
     polymer = draw(st.sampled_from([False, False, True]))
     liquid = {"type": "oldroyd_b", "relaxation_time": gap / scale * 10.0 ** draw(st.floats(-1.0, 1.0))}
     scheme, time = draw(chosen_schemes(scale, polymer))
-    treatments = families.names("walls") + (IMAGES if scheme["type"] == "implicit" else [])
+    treatments = registry.names("walls") + (IMAGES if scheme["type"] == "implicit" else [])
     return {
         "scene": "channel",
         "fluid": {
@@ -96,7 +96,7 @@ def configs(draw):
         },
         "discretisation": {
             "particles_across": rows,
-            "kernel": draw(st.sampled_from(families.names("kernels"))),
+            "kernel": draw(st.sampled_from(registry.names("kernels"))),
             "smoothing_ratio": draw(st.sampled_from([0.8, 1.0, 1.0, 1.2, 1.5])),
             "precision": draw(st.sampled_from(["f64", "f64", "f32"])),
         },
@@ -123,7 +123,7 @@ def run(settings):
     channel = Channel.from_config(settings)
     runtime.start(settings.discretisation.precision, 1)
     resolved, _ = schemes.resolve(settings)
-    scheme = families.load("schemes", resolved.scheme.type).Scheme(resolved, channel, [settings.time.end], True)
+    scheme = registry.load("schemes", resolved.scheme.type).Scheme(resolved, channel, [settings.time.end], True)
     scheme.start(*start_values(channel, settings.initial))
     while scheme.steps < STEPS[resolved.scheme.type] and not scheme.finished:
         scheme.advance()

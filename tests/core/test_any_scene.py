@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 import pytest
 
-from tisph import config, families, simulation
+from tisph import config, registry, simulation
 from tisph.cli import check
 from tisph.folder import Folder
 from tisph.observers.history import read_history
@@ -80,9 +80,9 @@ def estimates(settings, scene):
 
 @pytest.fixture
 def settings(tmp_path, monkeypatch):
-    load = families.load
+    load = registry.load
     scheme = SimpleNamespace(Scheme=Carried, estimates=estimates, Parameters=load("schemes", "wcsph").Parameters)
-    monkeypatch.setattr(families, "load", lambda *name: scheme if name == ("schemes", "wcsph") else load(*name))
+    monkeypatch.setattr(registry, "load", lambda *name: scheme if name == ("schemes", "wcsph") else load(*name))
     monkeypatch.setattr("tisph.config.checks._boxes", lambda scheme: [(True, True)])
     path = tmp_path / "case.yaml"
     path.write_text(CASE)

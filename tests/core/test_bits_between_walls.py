@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tisph import config, families, runtime
+from tisph import config, registry, runtime, scenes
 from tisph.least_squares import rows
 from tisph.schemes._splitting import _walls
 from tisph.simulation.start import start_values
@@ -55,8 +55,8 @@ def start(request, tmp_path_factory):
     def started(threads=1, precision="f64"):
         settings = config.load(path, ["scheme={type: implicit}", f"discretisation.precision={precision}"])
         runtime.start(precision, threads)
-        scene = families.load("scenes", settings.scene).Scene.from_config(settings)
-        scheme = families.load("schemes", "implicit").Scheme(settings, scene, [1.0], threads == 1)
+        scene = scenes.of(settings)
+        scheme = registry.load("schemes", "implicit").Scheme(settings, scene, [1.0], threads == 1)
         scheme.start(*start_values(scene, settings.initial))
         return scheme
 

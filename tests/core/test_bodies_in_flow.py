@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tisph import config, families, runtime, schemes
+from tisph import config, registry, runtime, scenes, schemes
 from tisph.scenes._cell.measures import measures
 from tisph.simulation.start import start_values
 
@@ -33,9 +33,9 @@ def make(tmp_path):
         path.write_text(text)
         settings, _ = schemes.resolve(config.load(path, changes))
         runtime.start("f64", 1)
-        scene = families.load("scenes", settings.scene).Scene.from_config(settings)
+        scene = scenes.of(settings)
         targets = targets or [settings.time.end]
-        scheme = families.load("schemes", settings.scheme.type).Scheme(settings, scene, targets, serial=True)
+        scheme = registry.load("schemes", settings.scheme.type).Scheme(settings, scene, targets, serial=True)
         scheme.start(*start_values(scene, settings.initial))
         return scene, scheme
 

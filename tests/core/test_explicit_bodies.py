@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from same_bits import check_resuming, check_threads, state
 
-from tisph import config, families, runtime
+from tisph import config, registry, runtime, scenes
 from tisph.errors import ConfigError
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
@@ -55,10 +55,10 @@ def make(load):
 
     def build(*overrides, started=True, steps=0):
         settings = load(*overrides)
-        scene = families.load("scenes", settings.scene).Scene.from_config(settings)
+        scene = scenes.of(settings)
         threads = settings.runtime.threads
         runtime.start(settings.discretisation.precision, threads)
-        scheme = families.load("schemes", "wcsph").Scheme(settings, scene, [settings.time.end], threads == 1)
+        scheme = registry.load("schemes", "wcsph").Scheme(settings, scene, [settings.time.end], threads == 1)
         if started:
             scheme.start(*start_values(scene, settings.initial))
         while not scheme.finished and scheme.steps != steps:

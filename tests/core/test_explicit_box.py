@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from same_bits import check_resuming, check_threads, state
 
-from tisph import config, families, runtime
+from tisph import config, registry, runtime, scenes
 from tisph.runtime import view
 from tisph.simulation.start import start_values
 from tisph.verification.metrics import relative_error
@@ -30,10 +30,10 @@ def make(tmp_path_factory):
     def build(*overrides, case=VORTEX, velocity=None, started=True, steps=0):
         path.write_text(case)
         settings = config.load(path, overrides)
-        scene = families.load("scenes", settings.scene).Scene.from_config(settings)
+        scene = scenes.of(settings)
         threads = settings.runtime.threads
         runtime.start(settings.discretisation.precision, threads)
-        scheme = families.load("schemes", "wcsph").Scheme(settings, scene, [settings.time.end], threads == 1)
+        scheme = registry.load("schemes", "wcsph").Scheme(settings, scene, [settings.time.end], threads == 1)
         if started:
             position, field, _ = start_values(scene, settings.initial)
             scheme.start(position, field if velocity is None else np.broadcast_to(velocity, field.shape))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tisph import families
+from tisph import registry
 from tisph.errors import ConfigError, DivergedError
 from tisph.neighbours.points import used
 from tisph.runtime import view
@@ -42,7 +42,7 @@ def refusal(make, *overrides):
     return str(caught.value)
 
 
-@pytest.mark.parametrize("treatment", sorted(set(families.names("walls")) - set(OBEY_MOMENTUM)))
+@pytest.mark.parametrize("treatment", sorted(set(registry.names("walls")) - set(OBEY_MOMENTUM)))
 def test_wall_treatments_without_ghosts_of_this_kind_are_refused(make, treatment):
     text = refusal(make, f"walls.treatment={{type: {treatment}}}")
     assert "walls.treatment.type" in text

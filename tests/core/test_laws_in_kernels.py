@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from polymer_laws import LAWS, deviations
 
-from tisph import families, runtime
+from tisph import registry, runtime
 from tisph.runtime import ti
 
 COUNT = 5
@@ -50,7 +50,7 @@ def test_viscosities_in_a_kernel():
     runtime.start("f64", 1)
     rates = np.array([0.0, 1e-3, 0.7, 40.0]) ** 2
     laws = [
-        (families.load("rheology", name).Law(families.load("rheology", name).Parameters(**numbers), 0.8))
+        (registry.load("rheology", name).Law(registry.load("rheology", name).Parameters(**numbers), 0.8))
         for name, numbers in VISCOUS.items()
     ]
     squared, found = ti.field(ti.f64, 4), ti.Vector.field(3, ti.f64, 4)

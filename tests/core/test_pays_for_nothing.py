@@ -5,7 +5,7 @@ import importlib
 import kept_program
 import pytest
 
-from tisph import config, families, runtime
+from tisph import config, registry, runtime
 from tisph.report import movie
 from tisph.runtime import room, ti
 from tisph.scenes.channel import Channel
@@ -50,7 +50,7 @@ def build(load):
     def build(*overrides):
         settings = load(*overrides)
         runtime.start(settings.discretisation.precision, 1)
-        scheme = families.load("schemes", settings.scheme.type).Scheme
+        scheme = registry.load("schemes", settings.scheme.type).Scheme
         return scheme(settings, Channel.from_config(settings), settings.time.samples, serial=True)
 
     return build

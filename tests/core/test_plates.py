@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from implicit_case import channel_of, rows, run
 
-from tisph import families, runtime
+from tisph import registry, runtime
 from tisph.schemes.implicit._plate import Plate
 from tisph.simulation.run import start_values
 
@@ -38,7 +38,7 @@ def case(tmp_path):
 def particles(settings, channel):
     """The last snapshot of a run."""
     runtime.start("f64", 1)
-    kind = families.load("schemes", settings.scheme.type).Scheme
+    kind = registry.load("schemes", settings.scheme.type).Scheme
     scheme = kind(settings, channel, [settings.time.end], True)
     scheme.start(*start_values(channel, settings.initial))
     return run(scheme)

@@ -11,7 +11,7 @@ from numpy.polynomial import Polynomial
 from scipy.integrate import solve_ivp
 from scipy.linalg import logm
 
-from tisph import config, families, runtime
+from tisph import config, registry, runtime
 from tisph.errors import DivergedError
 from tisph.exact.circular_start_up import CircularStartUp
 from tisph.exact.start_up import Polymer
@@ -227,11 +227,11 @@ def test_a_restart_gives_the_bits_of_going_on(tmp_path):
     path = tmp_path / "cavity.yaml"
     path.write_text(CAVITY)
     settings = config.load(path, ["scheme={type: implicit}"])
-    scene = families.load("scenes", "cavity").Scene.from_config(settings)
+    scene = registry.load("scenes", "cavity").Scene.from_config(settings)
 
     def make():
         runtime.start("f64", 1)
-        return families.load("schemes", "implicit").Scheme(settings, scene, [1.0], True)
+        return registry.load("schemes", "implicit").Scheme(settings, scene, [1.0], True)
 
     scheme = make()
     scheme.start(*start_values(scene, settings.initial))

@@ -5,7 +5,7 @@ import pytest
 import vortex_case as case
 from scipy.linalg import expm
 
-from tisph import config, families, runtime, schemes
+from tisph import config, registry, runtime, schemes
 from tisph.errors import ConfigError
 from tisph.rheology import oldroyd_b
 from tisph.runtime import view
@@ -94,11 +94,11 @@ def load(tmp_path, *overrides):
 
 def test_shear_layers_start_without_stress_and_strain_their_polymer(tmp_path):
     settings = load(tmp_path, "scheme={type: implicit}")
-    scene = families.load("scenes", "shear_layer").Scene.from_config(settings)
+    scene = registry.load("scenes", "shear_layer").Scene.from_config(settings)
     assert scene.weissenberg == pytest.approx(0.5)
     assert scene.solvent_viscosity == pytest.approx(0.005)
     runtime.start("f64", 1)
-    scheme = families.load("schemes", "implicit").Scheme(settings, scene, [1.0], True)
+    scheme = registry.load("schemes", "implicit").Scheme(settings, scene, [1.0], True)
     scheme.start(*start_values(scene, settings.initial))
     for _ in range(3):
         scheme.advance()

@@ -4,7 +4,7 @@ import annulus_case as case
 import numpy as np
 import pytest
 
-from tisph import config, families, runtime, schemes
+from tisph import config, registry, runtime, schemes
 from tisph.errors import ConfigError
 from tisph.exact.circular_start_up import CircularStartUp
 from tisph.exact.start_up import Polymer
@@ -87,7 +87,7 @@ def load(tmp_path):
 
 def test_steps_are_known_before(load):
     pulse = "walls.inner={times: [0.0, 0.1, 0.1], angular_velocities: [1.0, 1.0, 0.0]}"
-    annulus = families.load("scenes", "annulus").Scene.from_config(load(pulse))
+    annulus = registry.load("scenes", "annulus").Scene.from_config(load(pulse))
     walk = Walk(annulus, [END], 1e-4, COURANT, viscous_step(annulus.spacing, 1.0))
     # ``test_a_cylinder_that_stops`` takes 85, as particles are in disorder where the layer is thinner than a spacing
     assert walk.run_to(END) == pytest.approx(85, rel=0.2)
@@ -95,7 +95,7 @@ def test_steps_are_known_before(load):
 
 
 def test_the_scene_knows_the_schedule(load):
-    annulus = families.load("scenes", "annulus").Scene.from_config(load())
+    annulus = registry.load("scenes", "annulus").Scene.from_config(load())
     assert annulus.changes == (0.2,)
     assert annulus.bodies[0].motion.turning == Schedule((0.0, 0.2, 0.2), (0.5, 0.5, 0.0))
     assert annulus.reference_velocity == 0.5
@@ -124,7 +124,7 @@ def test_what_is_not_served_is_refused(load, override):
 
 def test_a_newtonian_ramp_is_read_as_a_flow_curve(load):
     settings = load("walls.inner={times: [0.0, 10.0], angular_velocities: [0.0, 1.0]}")
-    annulus = families.load("scenes", "annulus").Scene.from_config(settings)
+    annulus = registry.load("scenes", "annulus").Scene.from_config(settings)
     t = np.linspace(0.0, 10.0, 21)
     torque = -4.0 * np.pi * 4.0 / 3.0 * 0.1 * t  # without inertia, as this history says
     reading = read(settings, annulus, {"t": t, "torque_inner": torque, "torque_inner_exact": torque})

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from implicit_case import channel_of, rows, run
 
-from tisph import families, runtime
+from tisph import registry, runtime
 from tisph.exact import oldroyd_b
 from tisph.schemes._forecast.elastic_rows import ElasticRows
 from tisph.schemes.implicit._elastic_stages import Flow
@@ -137,7 +137,7 @@ def test_particles_do_what_rows_do(case, liquid):
     settings, channel = case(*slow)
     found = rows(settings, channel)
     runtime.start("f64", 1)
-    scheme = families.load("schemes", "implicit").Scheme(settings, channel, [settings.time.end], True)
+    scheme = registry.load("schemes", "implicit").Scheme(settings, channel, [settings.time.end], True)
     scheme.start(*start_values(channel, settings.initial))
     last = run(scheme)
     order = np.argsort(last.y, kind="stable")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rates import RatesOf
 
-from tisph import families
+from tisph import registry
 from tisph.runtime import view
 from tisph.schemes.wcsph._shift import SHIFT, shift_speed, stiffness
 
@@ -16,7 +16,7 @@ KERNELS = ["quintic_spline", "wendland_c2"]
 @pytest.mark.parametrize("diffusion", [1e-3, 0.02, 1.0, 50.0])
 def test_the_longest_step_shifts_as_much_whatever_binds_it(kernel, cfl, diffusion):
     """3/8 of the stiffest wave; no more at a larger CFL number, less at a smaller."""
-    module, length, sound = families.load("kernels", kernel), 0.1, 2.0
+    module, length, sound = registry.load("kernels", kernel), 0.1, 2.0
     speed = shift_speed(module, 1.3, sound, cfl, diffusion)
     number = 0.25 if cfl in ("auto", 0.1) else cfl
     step = min(number * length / sound, 0.125 * length / diffusion)

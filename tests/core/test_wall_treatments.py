@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rates import LINEAR_EOS, impose, slots_in_use
 
-from tisph import families
+from tisph import registry
 from tisph.walls.virtual_image import SMALLEST_DETERMINANT
 
 DRIVEN = "drive.acceleration=0.02"
@@ -104,7 +104,7 @@ def test_virtual_images_reflect_the_weighted_fit_at_their_mirror_point(make):
     x, y = impose(scheme, field, lambda x, y: 0.01 * np.sin(2 * np.pi * x))
     scheme.walls.refresh(scheme.now)
     places, velocities, pressures = walls_of(scheme)
-    kernel = families.load("kernels", "quintic_spline")
+    kernel = registry.load("kernels", "quintic_spline")
     radius, near = 0.75 * scheme.lists.cutoff, first_layers(places)
     for place, velocity, pressure in zip(places[near], velocities[near], pressures[near], strict=True):
         mirrored, speed = (-place[1], 0.0) if place[1] < 0 else (2.0 - place[1], 0.5)
@@ -123,7 +123,7 @@ def test_dummy_particles_carry_the_kernel_averages_of_the_fluid(make):
     field = lambda x, y: (np.sin(2 * np.pi * x) + y**2, np.cos(2 * np.pi * x) * y)  # noqa: E731
     x, y = impose(scheme, field, lambda x, y: 0.01 * np.sin(2 * np.pi * x))
     scheme.walls.refresh(scheme.now)
-    kernel, places = families.load("kernels", "quintic_spline"), walls_of(scheme)[0]
+    kernel, places = registry.load("kernels", "quintic_spline"), walls_of(scheme)[0]
     near, values = first_layers(places), np.stack([*field(x, y), 25.0 * 0.01 * np.sin(2 * np.pi * x)], 1)
     for place, *found in zip(*(part[near] for part in walls_of(scheme)), strict=True):
         along = x - place[0] - np.round(x - place[0])
@@ -139,7 +139,7 @@ def test_virtual_images_fit_what_is_not_on_a_line(make, part, fitted):
     # w1 w2 w3 (1.5 r e)^2: a fit gives the value of u = x there, 0, and an average does not
     scheme = make(LINEAR_EOS, "walls.treatment.type=virtual_image", "walls.bottom.velocity=-0.1")
     k = next(k for k in slots_in_use(scheme) if scheme.particles.mid_position[scheme.now, k].y < 0.0)
-    kernel, radius = families.load("kernels", "quintic_spline"), 0.75 * scheme.lists.cutoff
+    kernel, radius = registry.load("kernels", "quintic_spline"), 0.75 * scheme.lists.cutoff
     weights = [kernel.value(kernel.SUPPORT * q) for q in (0.6, 0.3, 0.0)]
     height = np.sqrt(part * SMALLEST_DETERMINANT * sum(weights) ** 3 / np.prod(weights)) / (1.5 * 0.6)
     places = scheme.particles.mid_position.to_numpy()

@@ -5,15 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from tisph import families, runtime
+from tisph import registry, runtime
 from tisph.operators._weights import WeightTable
 from tisph.runtime import ti
 
 
-@pytest.mark.parametrize("name", families.names("kernels"))
+@pytest.mark.parametrize("name", registry.names("kernels"))
 def test_the_table_follows_the_kernel(name):
     runtime.start("f64", 1)
-    kernel = families.load("kernels", name)
+    kernel = registry.load("kernels", name)
     length = 0.3
     table = WeightTable(kernel, length)
     q = np.linspace(0.3, kernel.SUPPORT, 1001)
@@ -35,7 +35,7 @@ def test_the_table_follows_the_kernel(name):
 
 def test_no_weight_beyond_the_support_and_none_that_is_no_number():
     runtime.start("f64", 1)
-    kernel = families.load("kernels", "quintic_spline")
+    kernel = registry.load("kernels", "quintic_spline")
     table = WeightTable(kernel, 1.0)
 
     @ti.kernel

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from tisph import families
+from tisph import registry
 from tisph.bodies._room import problems
 from tisph.config import load
 from tisph.errors import ConfigError
@@ -43,7 +43,7 @@ def bodies(tmp_path, monkeypatch):
     (package / "__init__.py").write_text("")
     (package / "full.py").write_text(SCENE)
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setitem(families.FAMILIES, "scenes", package.name)
+    monkeypatch.setitem(registry.FAMILIES, "scenes", package.name)
     path = tmp_path / "case.yaml"
 
     def read(*lines):

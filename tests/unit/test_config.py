@@ -7,7 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tisph import families
+from tisph import registry
 from tisph.config import Config, load
 from tisph.config.lattice import DIVISION_TOLERANCE
 from tisph.errors import ConfigError
@@ -141,7 +141,7 @@ def config_data(draw):
         "fluid": {"density": draw(positive), viscosity: draw(positive)},
         "geometry": {"gap": gap, "length": columns * (gap / rows)},
         "walls": {
-            "treatment": {"type": draw(st.sampled_from(families.names("walls")))},
+            "treatment": {"type": draw(st.sampled_from(registry.names("walls")))},
             "bottom": draw(st.one_of(steady_walls, swinging_walls)),
             "top": {"velocity": draw(positive)},
         },

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tisph import families
+from tisph import registry
 from tisph.config import load
 from tisph.config.memory import REALS, estimated_bytes
 from tisph.errors import ConfigError
@@ -210,7 +210,7 @@ def test_a_chosen_member_may_refuse_a_config(message, monkeypatch, family, membe
     def problems(config):
         yield key, f"serves no viscosity {config.kinematic_viscosity:g}"
 
-    real = families.load
+    real = registry.load
     picked = types.SimpleNamespace(Parameters=real(family, member).Parameters, problems=problems)
-    monkeypatch.setattr(families, "load", lambda f, name: picked if (f, name) == (family, member) else real(f, name))
+    monkeypatch.setattr(registry, "load", lambda f, name: picked if (f, name) == (family, member) else real(f, name))
     assert message().endswith(f': {key} = "{member}": serves no viscosity 0.01')

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tisph import families, schemes
+from tisph import registry, schemes
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.rheology import _polymer
@@ -130,7 +130,7 @@ def test_ends_of_a_range_are_in_it(case, name, index):
 
 
 def parameters(name, **numbers):
-    return families.load("rheology", name).Parameters(**numbers)
+    return registry.load("rheology", name).Parameters(**numbers)
 
 
 def test_shares_of_modes_add_up_to_the_whole_viscosity(case):
@@ -158,7 +158,7 @@ def test_laws_of_modes_share_the_viscosity():
 
 
 def viscosity(name, rates, **numbers):
-    return families.load("rheology", name).Law(parameters(name, **numbers), 0.8).viscosity(rates**2)
+    return registry.load("rheology", name).Law(parameters(name, **numbers), 0.8).viscosity(rates**2)
 
 
 def test_viscosities_of_liquids_without_memory():

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tisph import families, schemes
+from tisph import scenes, schemes
 from tisph.cli.check import estimates
 from tisph.kernels import quintic_spline, wendland_c2
 from tisph.schemes._estimate import EXPLICIT_COST, IMPLICIT_COST, IMPLICIT_OVERHEAD
@@ -34,7 +34,7 @@ def last(case):
 
 def rows_of(case, *overrides):
     config, _ = schemes.resolve(case(*overrides))
-    channel = families.load("scenes", config.scene).Scene.from_config(config)
+    channel = scenes.of(config)
     if config.scheme.type == "wcsph":
         return explicit_rows.Rows(config, channel)
     targets = sorted({*config.time.samples, config.time.end})
@@ -266,7 +266,7 @@ def test_disorder_of_the_explicit_scheme_errs_at_most_as_rows_do_where_viscosity
 def test_the_profile_is_lost_where_rows_mix_more_than_the_layer_holds(case, reynolds, t, lost):
     """Cell Reynolds numbers around RESOLVED; the layer is a seventh of a spacing, or half of one, so a LOST of it."""
     config = case(EXPLICIT, COARSE, f"fluid.kinematic_viscosity={0.5 * 0.04 / reynolds}", f"time={{end: {t}}}")
-    channel = families.load("scenes", config.scene).Scene.from_config(config)
+    channel = scenes.of(config)
     assert beyond.lost(config, channel) == lost
 
 
@@ -282,7 +282,7 @@ def test_steps_and_cost_of_a_run_are_those_up_to_its_last_sample(case, scheme, c
 def test_what_disorder_leaves_is_that_of_a_dipole_at_the_wall(case):
     """sum k^2 exp(-2 (k pi)^2 t*), from t* = (spacing/gap)^2 on."""
     config = case(COARSE)
-    channel = families.load("scenes", "channel").Scene.from_config(config)
+    channel = scenes.of(config)
     waves = np.arange(1.0, 1000.0)
     for t_star, effective in ((0.0, 0.04**2), (1e-3, 0.04**2), (0.01, 0.01), (0.3, 0.3)):
         expected = np.sum(waves**2 * np.exp(-2 * (waves * np.pi) ** 2 * effective))
@@ -295,7 +295,7 @@ def test_what_disorder_leaves_is_that_of_a_dipole_at_the_wall(case):
 def test_what_is_left_of_a_wave_solves_its_equation_in_a_liquid_with_memory(case, time):
     """relaxation_time u'' + (1 + relaxation_time nu_s q^2) u' + nu q^2 u = 0, from u = 1 and u' = -nu_s q^2."""
     config = case(COARSE, "fluid.kinematic_viscosity=0.2", OLDROYD_B)
-    channel = families.load("scenes", "channel").Scene.from_config(config)
+    channel = scenes.of(config)
     waves = np.array([1.0, 3.0, 20.0])  # the first two oscillate
     left = beyond._left(config, channel, waves, time)
     for wave, found in zip(waves, left, strict=True):
@@ -335,7 +335,7 @@ def test_disorder_leaves_more_where_rows_slide(case):
     found = []
     for viscosity in (1e3, 1e-9):
         config = case(IMPLICIT, COARSE, DISORDER, f"fluid.kinematic_viscosity={viscosity}")
-        found.append(beyond._stirred(config, families.load("scenes", "channel").Scene.from_config(config)))
+        found.append(beyond._stirred(config, scenes.of(config)))
     whole = 0.3 * beyond.STIRRED * 0.04**2
     assert found == pytest.approx([beyond.AT_REST * whole, (1.0 + beyond.AT_REST) * whole], rel=1e-6)
 
@@ -345,7 +345,7 @@ def test_single_precision_stirs_where_viscosity_does_not_keep_up(case):
     found = []
     for viscosity in (2e-4, 1e-4):
         config = case(IMPLICIT, COARSE, "discretisation.precision=f32", f"fluid.kinematic_viscosity={viscosity}")
-        found.append(beyond._stirred(config, families.load("scenes", "channel").Scene.from_config(config)))
+        found.append(beyond._stirred(config, scenes.of(config)))
     assert found[0] == 0.0
     assert found[1] == pytest.approx(0.3 * beyond.STIRRED * 0.04**2, rel=0.05)  # and AT_REST
 

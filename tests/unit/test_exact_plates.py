@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tisph import families
+from tisph import registry
 from tisph.exact.start_up import Flow, Polymer, StartUp, Viscous
 from tisph.geometry.plate import Plate
 
@@ -13,7 +13,7 @@ ACCURACY = 1e-9
 
 
 def newtonian(plate):
-    law = families.load("rheology", "newtonian").Law(1.0)
+    law = registry.load("rheology", "newtonian").Law(1.0)
     return StartUp(Viscous(law, 1.0), Flow(1.0, top=plate))
 
 
@@ -41,7 +41,7 @@ def test_stress_is_taken_away_again():
 def test_a_plate_on_an_oldroyd_b_liquid(mass):
     # Laplace transform of the linear problem, inverted by Talbot's contour: 1e-13 before the waves of a cycle add up
     fraction, t = 0.1, 0.1
-    member = families.load("rheology", "oldroyd_b")
+    member = registry.load("rheology", "oldroyd_b")
     laws = member.Parameters(relaxation_time=1.0, solvent_fraction=fraction).laws(1.0)
     found = StartUp(Polymer(fraction, laws), Flow(1.0, top=Plate(1.0, mass_per_area=mass)))
 

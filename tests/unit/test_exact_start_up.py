@@ -8,7 +8,7 @@ from polymer_laws import law, steady_shear
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from tisph import families
+from tisph import registry
 from tisph.exact import oldroyd_b, oscillating_wall
 from tisph.exact.start_up import Flow, Polymer, StartUp, Viscous, Wall
 
@@ -25,7 +25,7 @@ def liquid(kind, fraction=0.1, relaxation_time=1.0):
 
 
 def viscous(name, **numbers):
-    member = families.load("rheology", name)
+    member = registry.load("rheology", name)
     return Viscous(member.Law(member.Parameters(**numbers), 1.0), 1.0)
 
 

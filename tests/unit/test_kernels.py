@@ -5,14 +5,14 @@ from math import pi
 import numpy as np
 import pytest
 
-from tisph import families
+from tisph import registry
 
-KERNELS = families.names("kernels")
+KERNELS = registry.names("kernels")
 
 
 @pytest.fixture(params=KERNELS)
 def kernel(request):
-    return families.load("kernels", request.param)
+    return registry.load("kernels", request.param)
 
 
 def test_integral_over_the_plane_is_one(kernel):

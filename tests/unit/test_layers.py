@@ -14,7 +14,7 @@ PACKAGE = Path(tisph.__file__).parent
 
 # Each part may import the parts in the levels below its own, and itself. Parts of one level are independent.
 LEVELS = [
-    ["endings", "errors", "folder", "snapshot", "families"],
+    ["endings", "errors", "folder", "snapshot", "registry"],
     ["config", "exact", "geometry"],
     ["equation_of_state", "verification"],
     ["bodies"],
@@ -86,7 +86,7 @@ def test_kernel_files_do_not_postpone_annotations():
 
 
 def modules_without_taichi():
-    yield from ("tisph", "tisph.snapshot", "tisph.errors", "tisph.families", "tisph.equation_of_state", "tisph.cli")
+    yield from ("tisph", "tisph.snapshot", "tisph.errors", "tisph.registry", "tisph.equation_of_state", "tisph.cli")
     for part in WITHOUT_TAICHI:
         yield f"tisph.{part}"
         yield from (item.name for item in pkgutil.walk_packages([str(PACKAGE / part)], f"tisph.{part}."))

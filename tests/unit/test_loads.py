@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tisph import config, families
+from tisph import config, scenes
 from tisph.schemes.wcsph._loads import Loads
 from tisph.simulation.start import start_values
 from tisph.snapshot import Snapshot
@@ -25,7 +25,7 @@ def lattice(tmp_path):
     """The scene of a cylinder at rest in the middle of a cell, and its particles."""
     (tmp_path / "case.yaml").write_text(CELL)
     settings = config.load(tmp_path / "case.yaml")
-    scene = families.load("scenes", settings.scene).Scene.from_config(settings)
+    scene = scenes.of(settings)
     return scene, start_values(scene, settings.initial)[0]
 
 

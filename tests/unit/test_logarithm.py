@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm, expm_frechet
 
-from tisph import families
+from tisph import registry
 from tisph.schemes._pointwise import SMALL, eliminate, matrix
 from tisph.schemes._splitting._logarithm import deviation, logarithm, rate
 
@@ -20,7 +20,7 @@ SIZES = 0.0, 1e-3, 0.02, 0.04, 0.5, 2.0
 
 def law(name):
     numbers = {"relaxation_time": 0.6, "solvent_fraction": 0.3, **LAWS[name]}
-    return families.load("rheology", name).Parameters(**numbers).laws(1.0)[0]
+    return registry.load("rheology", name).Parameters(**numbers).laws(1.0)[0]
 
 
 def full(components):

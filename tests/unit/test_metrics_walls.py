@@ -6,7 +6,7 @@ import math
 import pytest
 from fake_runs import make_result
 
-from tisph import families
+from tisph import registry
 from tisph.config import load
 from tisph.study.store import config_text
 from tisph.verification import walls
@@ -38,7 +38,7 @@ def best(*rows):
 @pytest.mark.parametrize("flow", walls.FLOWS)
 def test_every_run_is_a_valid_config_of_that_treatment_on_one_thread(flow, tmp_path):
     path = tmp_path / "run.yaml"
-    for case in walls.cases(flow, families.names("walls"), walls.FULL):
+    for case in walls.cases(flow, registry.names("walls"), walls.FULL):
         finest = walls.FULL.resolutions[-1]  # a coarser run has another number there
         runs = {case.name(finest): case.config(finest)}
         for name, config in {**runs, **case.timing(walls.FULL)}.items():

@@ -9,7 +9,7 @@ import referee_case
 from referee_case import TIME, exact, loaded
 from typer.testing import CliRunner
 
-from tisph import cli, families
+from tisph import cli, registry
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.referee import judge, reading
@@ -293,7 +293,7 @@ def test_flow_between_cylinders(tmp_path):
     text += "discretisation: {particles_across: 12}\ntime: {end: 20.0}\n"
     (tmp_path / "annulus.yaml").write_text(text)
     settings = load(tmp_path / "annulus.yaml")
-    scene = families.load("scenes", "annulus").Scene.from_config(settings)
+    scene = registry.load("scenes", "annulus").Scene.from_config(settings)
     x, y = scene.jittered(0, 0.1)
     later = {name: scene.exact(name, x, y, 22.0) for name in "uv"}
     csv(tmp_path / "later.csv", {"x": x, "y": y, **later})

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tisph import families
+from tisph import registry
 from tisph.errors import ConfigError
 from tisph.exact.circular_couette import CircularCouette, Rotation
 from tisph.exact.circular_start_up import CircularStartUp
@@ -190,7 +190,7 @@ def test_a_cylinder_is_read_as_a_plane():
 
 def test_the_reference_between_cylinders_comes_to_the_impedance():
     # Oldroyd-B, small amplitude; after 20 relaxation times, elements of a coarse grid
-    laws = families.load("rheology", "oldroyd_b").Parameters(relaxation_time=0.2, solvent_fraction=0.1).laws(1.0)
+    laws = registry.load("rheology", "oldroyd_b").Parameters(relaxation_time=0.2, solvent_fraction=0.1).laws(1.0)
     swings = WallMotion(0.0, 1e-3, 3.0)
     flow = CircularStartUp(1.0, 2.0, Polymer(0.1, laws), swings, Wall(), finest=0.05, order=8)
     t, density = np.array([6.0, 6.3, 6.6]), 2.0

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tisph import families
+from tisph import registry
 from tisph.exact.linear_viscoelasticity import Spectrum
 from tisph.exact.uniform_shear import UniformShear
 from tisph.geometry.schedule import Schedule
@@ -16,7 +16,7 @@ TIMES = np.linspace(0.0, 6.0, 61)
 
 
 def uniform(name="oldroyd_b", **numbers):
-    member = families.load("rheology", name)
+    member = registry.load("rheology", name)
     laws = member.Parameters(relaxation_time=2.0, solvent_fraction=0.1, **numbers).laws(1.0)
     return UniformShear(lambda rate: 0.1 * rate, laws)
 
@@ -103,7 +103,7 @@ def test_a_flow_curve_of_a_liquid_with_memory_shows_its_normal_stress():
 
 
 def test_the_law_alone_is_asked_for_what_the_wall_does_from_the_start_across_the_gap():
-    member = families.load("rheology", "oldroyd_b").Parameters(relaxation_time=2.0, solvent_fraction=0.1)
+    member = registry.load("rheology", "oldroyd_b").Parameters(relaxation_time=2.0, solvent_fraction=0.1)
     config = SimpleNamespace(fluid=SimpleNamespace(rheology=member))
     channel = SimpleNamespace(gap=0.1, density=1.0, solvent_viscosity=0.1, dynamic_viscosity=1.0)
     wall = Schedule((0.0, 0.2, 0.2), (0.3, 0.3, 0.0))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from report_scene import make_annulus
 
-from tisph import families
+from tisph import registry
 from tisph.scenes._annulus.flow import cartesian, polar
 from tisph.scenes._motion import WallMotion
 from tisph.snapshot import STRESSES, Snapshot
@@ -25,7 +25,7 @@ def annulus():
         outer=WallMotion(-0.3),
         density=DENSITY,
         kinematic_viscosity=0.5,
-        rheology=families.load("rheology", "giesekus").Parameters(**numbers),
+        rheology=registry.load("rheology", "giesekus").Parameters(**numbers),
     )
 
 
@@ -137,7 +137,7 @@ def test_a_developed_start_knows_what_each_mode_remembers():
         {"relaxation_time": 1.0, "fraction": 0.6},
         {"type": "fene_p", "relaxation_time": 0.2, "maximum_extension": 9.0, "fraction": 0.3},
     ]
-    rheology = families.load("rheology", "multi_mode").Parameters(solvent_fraction=0.1, modes=modes)
+    rheology = registry.load("rheology", "multi_mode").Parameters(solvent_fraction=0.1, modes=modes)
     annulus = make_annulus(centre=CENTRE, kinematic_viscosity=0.5, rheology=rheology, initial_state="developed")
     x, y = annulus.jittered(0, 0.2)
     laws = zip(rheology.laws(0.5), annulus.initial_deviations(x, y), strict=True)

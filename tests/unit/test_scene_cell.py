@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tisph import families
+from tisph import scenes
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.scenes._cell.scene import Cell
@@ -52,7 +52,7 @@ def loaded(tmp_path, text, *changes):
 
 
 def scene_of(config):
-    return families.load("scenes", config.scene).Scene.from_config(config)
+    return scenes.of(config)
 
 
 @pytest.mark.parametrize(("text", "area", "count"), [

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tisph import families
+from tisph import registry
 from tisph.scenes._motion import Polymer, WallMotion
 from tisph.scenes.channel import Channel
 
@@ -25,7 +25,7 @@ HEIGHTS = np.linspace(0.0, 0.5, 21)
 
 
 def rheology(name, **numbers):
-    return families.load("rheology", name).Parameters(**numbers)
+    return registry.load("rheology", name).Parameters(**numbers)
 
 
 def test_giesekus_has_all_stresses_in_the_units_of_the_config():
@@ -38,7 +38,7 @@ def test_giesekus_has_all_stresses_in_the_units_of_the_config():
     yy = channel.exact("stress_yy", 0.0, HEIGHTS, end)
     modulus = 2.0 * 0.8 * 0.5 / 0.4  # density * kinematic viscosity of the polymer/relaxation time
     c = np.array([xx, xy, yy])[:, 10] / modulus
-    law = families.load("rheology", "giesekus").Law(liquid, 0.4)
+    law = registry.load("rheology", "giesekus").Law(liquid, 0.4)
     assert np.abs(law.sheared(c, rate)).max() < 1e-7 * np.abs(c).max()
     assert channel.exact_wall_shear(end) == pytest.approx((xy[0] + 2.0 * 0.1 * rate,) * 2, rel=1e-7)
     assert yy[10] < 0

@@ -6,7 +6,7 @@ from itertools import combinations, product
 
 import pytest
 
-from tisph import families
+from tisph import scenes
 from tisph.cli.check import estimates
 from tisph.config import load
 from tisph.scenes.channel import Channel
@@ -40,7 +40,7 @@ def valid_cells():
 def test_every_cell_is_a_valid_config_of_what_it_says(loaded):
     for cell in valid_cells():
         config = loaded(cell)
-        scene = families.load("scenes", config.scene).Scene.from_config(config)
+        scene = scenes.of(config)
         # nu, U and g are written to twelve digits
         length = 1.0 if cell.has_walls else scene.reference_length
         assert scene.reference_velocity * length / scene.kinematic_viscosity == pytest.approx(cell.reynolds, rel=1e-11)

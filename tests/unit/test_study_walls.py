@@ -8,7 +8,7 @@ import pytest
 from fake_runs import FakeRuns, make_result
 from PIL import Image
 
-from tisph import families
+from tisph import registry
 from tisph.errors import ConfigError
 from tisph.study import processes, store, walls
 from tisph.study.walls_picture import plot_walls
@@ -36,7 +36,7 @@ def runs(monkeypatch):
     fake = FakeRuns(summary)
     monkeypatch.setattr(processes, "start", fake)
     monkeypatch.setattr(processes, "POLL_SECONDS", 0.0)
-    monkeypatch.setattr(families, "names", lambda family: TREATMENTS)
+    monkeypatch.setattr(registry, "names", lambda family: TREATMENTS)
     monkeypatch.setattr(walls.walls, "FULL", SMALL)
     flows = {name: walls.walls.FLOWS[name] for name in ("couette", "poiseuille")}
     monkeypatch.setattr(walls.walls, "FLOWS", flows)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from tisph import families, runtime
+from tisph import registry, runtime, scenes
 from tisph.config import load
 from tisph.exact import couette
 from tisph.kernels import wendland_c2
@@ -31,7 +31,7 @@ def scene(folder, precision, across, **initial):
     config = merged(Case("standard", precision, 1, across).config, {"geometry": {"length": 0.4}, "initial": initial})
     path.write_text(config_text("case", config))
     config = load(path, ())
-    return config, families.load("scenes", config.scene).Scene.from_config(config)
+    return config, scenes.of(config)
 
 
 def run_reference(program, folder, case, start, **words):
@@ -88,7 +88,7 @@ def test_the_loop_moves_the_same_particles_to_the_same_places(program, tmp_path,
     config, channel = scene(tmp_path, precision, 50)
     position, velocity, _ = start_values(channel, config.initial)
     runtime.start(precision, 1)
-    scheme = families.load("schemes", "wcsph").Scheme(config, channel, [config.time.end], serial=True)
+    scheme = registry.load("schemes", "wcsph").Scheme(config, channel, [config.time.end], serial=True)
     scheme.start(position, velocity)
     time_step = scheme.length
     while scheme.steps < STEPS:

@@ -75,13 +75,13 @@ def forecast(config: Any) -> tuple[dict[str, Any], list[str]]:
 
 def estimates(config: Any) -> dict[str, Any]:
     """Numbers of a run before it runs, in the config's units; memory in bytes, run time in seconds."""
-    from tisph import families, schemes
+    from tisph import registry, schemes
     from tisph.config import memory
 
     channel = _scene(config)
     particles = channel.particles
     resolved, reason = schemes.resolve(config)
-    run = families.load("schemes", resolved.scheme.type).estimates(resolved, channel)
+    run = registry.load("schemes", resolved.scheme.type).estimates(resolved, channel)
     return {
         "reynolds": channel.reynolds,
         "cell_reynolds": channel.reference_velocity * channel.spacing / channel.solvent_viscosity,
@@ -95,9 +95,9 @@ def estimates(config: Any) -> dict[str, Any]:
 
 
 def _scene(config: Any) -> Any:
-    from tisph import families
+    from tisph import scenes
 
-    return families.load("scenes", config.scene).Scene.from_config(config)
+    return scenes.of(config)
 
 
 def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:

@@ -19,11 +19,11 @@ def list_families(
       tisph list
       tisph list walls
     """
-    from tisph import families
+    from tisph import registry
 
-    if family is not None and family not in families.FAMILIES:
-        raise ConfigError(f"FAMILY {family!r}: must be one of {', '.join(families.FAMILIES)}")
-    for shown in [family] if family else families.FAMILIES:
+    if family is not None and family not in registry.FAMILIES:
+        raise ConfigError(f"FAMILY {family!r}: must be one of {', '.join(registry.FAMILIES)}")
+    for shown in [family] if family else registry.FAMILIES:
         typer.echo(shown)
-        for name in families.names(shown):
-            typer.echo(f"  {name:16} {families.summary(shown, name)}")
+        for name in registry.names(shown):
+            typer.echo(f"  {name:16} {registry.summary(shown, name)}")

@@ -23,7 +23,7 @@ def rheometry(
       tisph rheometry runs/creep_and_recovery
       tisph rheometry runs/oscillation_*
     """
-    from tisph import families
+    from tisph import scenes
     from tisph.report.rheometry import plot_reading
     from tisph.results import open_run
     from tisph.verification.rheometry import read
@@ -33,7 +33,7 @@ def rheometry(
         config, history = run.config, run.history
         if config.scene != "annulus" and (config.scene != "channel" or not config.parallel):
             raise ConfigError(f"RUN_DIR {run_dir}: is no run in a channel without bodies, or between cylinders")
-        channel = families.load("scenes", config.scene).Scene.from_config(config)
+        channel = scenes.of(config)
         reading = read(config, channel, {name: history[name] for name in history.dtype.names})
         typer.echo(f"{config.name}: {reading.title}")
         for line in reading.lines:

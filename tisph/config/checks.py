@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from tisph import families
+from tisph import registry
 from tisph.config import lattice, memory
 from tisph.config.base import Problem, refusals
 from tisph.config.fields import nearest
@@ -67,13 +67,13 @@ def _video(config: Any) -> Iterator[Problem]:
 
 
 def _members(config: Any) -> Iterator[Problem]:
-    """What the chosen members of families say: each may have a function ``problems(config)``."""
+    """What the chosen members of the registry say: each may have a function ``problems(config)``."""
     for family, parameters in config.members.items():
         yield from _said_by(family, parameters.type, config)
 
 
 def _said_by(family: str, name: str, config: Any) -> Iterator[Problem]:
-    find = getattr(families.load(family, name), "problems", None)
+    find = getattr(registry.load(family, name), "problems", None)
     return find(config) if find else iter(())
 
 
@@ -86,7 +86,7 @@ def _scheme(config: Any) -> Iterator[Problem]:
     if config.periodic in _boxes(chosen):
         yield from _said_by("schemes", chosen, config)
         return
-    able = [name for name in families.names("schemes") if config.periodic in _boxes(name)]
+    able = [name for name in registry.names("schemes") if config.periodic in _boxes(name)]
     if able:
         yield "scheme.type", f"has no box as that of {config.scene}; take {' or '.join(able)}"
     else:
@@ -94,7 +94,7 @@ def _scheme(config: Any) -> Iterator[Problem]:
 
 
 def _boxes(scheme: str) -> list[tuple[bool, bool]]:
-    return families.constant("schemes", scheme, "PERIODIC")
+    return registry.constant("schemes", scheme, "PERIODIC")
 
 
 def _size(config: Any) -> Iterator[Problem]:

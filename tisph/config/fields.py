@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Discriminator, Field, GetCoreSchemaHandler, Tag, ValidationError
 from pydantic_core import CoreSchema, core_schema
 
-from tisph import families
+from tisph import registry
 from tisph.config.base import Model, refusal, refusals
 
 WORD_TAG = "<word>"
@@ -40,7 +40,7 @@ def member_name(family: str) -> Any:
     """The type of a value that is the name of a member of ``family``."""
 
     def check(name: str) -> str:
-        members = families.names(family)
+        members = registry.names(family)
         if name not in members:
             raise refusal(one_of(members) + nearest(name, members))
         return name
@@ -62,23 +62,23 @@ class Member:
 
     def default(self) -> Model:
         """The parameters of the usual member, all at their defaults."""
-        return families.load(self.family, self.usual).Parameters()
+        return registry.load(self.family, self.usual).Parameters()
 
     def model(self, value: object) -> type[Model] | None:
         """Parameter model that the raw map ``value`` names by its ``type``, None where it names none."""
         if not isinstance(value, dict):
             return None
         name = value["type"] if "type" in value else self._meant(value)
-        if name not in families.names(self.family):
+        if name not in registry.names(self.family):
             return None
-        return families.load(self.family, name).Parameters
+        return registry.load(self.family, name).Parameters
 
     def _meant(self, value: dict[str, Any]) -> str:
         """Name of the member whose parameters ``value`` are; of the one with most of its keys where that is none."""
         if self.untyped is None:
             return self.usual
-        names = [self.untyped, self.usual, *families.names(self.family)]
-        models = {name: families.load(self.family, name).Parameters for name in names}
+        names = [self.untyped, self.usual, *registry.names(self.family)]
+        models = {name: registry.load(self.family, name).Parameters for name in names}
         for name, model in models.items():
             with suppress(ValidationError):
                 model.model_validate(value)
@@ -94,7 +94,7 @@ class Member:
         return model.model_validate(value)
 
     def _refuse(self, value: object) -> Exception:
-        members = families.names(self.family)
+        members = registry.names(self.family)
         if not isinstance(value, dict):
             return refusal(f"must be a map such as {{type: {members[0]}}}")
         return refusals([(("type",), one_of(members) + nearest(value["type"], members), value["type"])])

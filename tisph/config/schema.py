@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
 
-from tisph import families
+from tisph import registry
 from tisph.config import checks, yaml_text
 from tisph.config.base import LARGEST, SMALLEST, Model, Positive, Problem, refusal
 from tisph.config.fields import Member, member_name, number_or
@@ -246,7 +246,7 @@ class Config(Model):
     @property
     def support(self) -> float:
         """Radius of the kernel support in particle spacings."""
-        radius = families.constant("kernels", self.discretisation.kernel, "SUPPORT")
+        radius = registry.constant("kernels", self.discretisation.kernel, "SUPPORT")
         return radius * self.discretisation.smoothing_ratio
 
     @property
@@ -292,4 +292,4 @@ ORDER = (
 def model_of(data: Any) -> type[Config]:
     """The model of the scene that the raw ``data`` of a config names; that of all scenes where there is none."""
     name = data.get("scene") if isinstance(data, dict) else None
-    return families.load("scenes", name).Config if name in families.names("scenes") else Config
+    return registry.load("scenes", name).Config if name in registry.names("scenes") else Config

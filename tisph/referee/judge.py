@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tisph import families
+from tisph import scenes
 from tisph.errors import ConfigError
 from tisph.referee import columns, diagnosis, placing, reading, units
 from tisph.referee.where import trend, where
@@ -65,7 +65,7 @@ class Judgement:
 
 def judge(config, paths, question):
     """``Judgement`` of the files ``paths`` against the reference of a ``config``; ConfigError where that cannot be."""
-    scene = families.load("scenes", config.scene).Scene.from_config(config)
+    scene = scenes.of(config)
     if not {"u", "v"} & set(scene.fields):
         raise ConfigError(f"{config.name}: scene {config.scene} has no reference to compare with")
     samples = [_sample(*each, scene, question, config) for each in _frames(paths, question, scene)]

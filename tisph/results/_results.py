@@ -104,9 +104,9 @@ class Results:
 
     @cached_property
     def _scene(self) -> Any:
-        from tisph import families
+        from tisph import scenes
 
-        return families.load("scenes", self.config.scene).Scene.from_config(self.config)
+        return scenes.of(self.config)
 
 
 def open_run(folder: "str | PathLike[str]") -> Results:

@@ -16,7 +16,7 @@ from typing import Annotated, ClassVar
 
 from pydantic import AfterValidator
 
-from tisph import families
+from tisph import registry
 from tisph.config.base import Model, Positive, refusal
 
 
@@ -95,4 +95,4 @@ def laws(rheology, viscosity):
         raise ValueError(f"{rheology.type} has no polymer")
     modes = getattr(rheology, "modes", None)
     shares = [(mode, mode.fraction) for mode in modes] if modes else [(rheology, 1.0 - rheology.solvent_fraction)]
-    return tuple(families.load("rheology", mode.type).Law(mode, share * viscosity) for mode, share in shares)
+    return tuple(registry.load("rheology", mode.type).Law(mode, share * viscosity) for mode, share in shares)

@@ -2,7 +2,7 @@
 
 from typing import ClassVar
 
-from tisph import families
+from tisph import registry
 from tisph.config.base import Model
 
 
@@ -13,4 +13,4 @@ class Parameters(Model):
 
     def law(self, viscosity, density):
         """``Law`` of a liquid with these parameters; ``viscosity`` is that of ``fluid``, over the ``density``."""
-        return families.load("rheology", self.type).Law(self, viscosity, density)
+        return registry.load("rheology", self.type).Law(self, viscosity, density)

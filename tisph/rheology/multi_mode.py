@@ -17,7 +17,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
-from tisph import families
+from tisph import registry
 from tisph.config.base import Model, refusals
 from tisph.config.fields import Member, nearest, one_of
 from tisph.rheology import _polymer
@@ -47,13 +47,13 @@ class _OfMode(Member):
     def _refuse(self, value):
         if not isinstance(value, dict):
             return super()._refuse(value)
-        choices = [name for name in families.names("rheology") if _mode(name)]
+        choices = [name for name in registry.names("rheology") if _mode(name)]
         return refusals([(("type",), one_of(choices) + nearest(value["type"], choices), value["type"])])
 
 
 def _mode(name):
     """Parameter model of a mode of the rheology ``name``, None where that is no polymer of one mode."""
-    return getattr(families.load("rheology", name), "Mode", None)
+    return getattr(registry.load("rheology", name), "Mode", None)
 
 
 @cache

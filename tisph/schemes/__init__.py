@@ -1,11 +1,11 @@
 """Schemes: how the particles are advanced in time. One file each."""
 
-from tisph import families
+from tisph import registry
 
 
 def resolve(config):
     """Return the config with the scheme that is to run, and in words which one and why."""
-    choose = getattr(families.load("schemes", config.scheme.type), "resolve", None)
+    choose = getattr(registry.load("schemes", config.scheme.type), "resolve", None)
     return choose(config) if choose else (config, config.scheme.type)
 
 
@@ -14,10 +14,10 @@ def lengthened(config, factor):
 
     Whatever limits them: so errors in time fall with the spacing, as those in space do.
     """
-    change = getattr(families.load("schemes", config.scheme.type), "lengthened", None)
+    change = getattr(registry.load("schemes", config.scheme.type), "lengthened", None)
     return change(config, factor) if change else config
 
 
 def orders(config):
     """Return the least and the largest order in the spacing that is to be expected of a ``resolve``-d config."""
-    return families.load("schemes", config.scheme.type).orders(config)
+    return registry.load("schemes", config.scheme.type).orders(config)

@@ -6,7 +6,7 @@ config (``benchmarks``); what is left to choose is how accurate its steps are.
 
 from typing import Literal
 
-from tisph import families
+from tisph import registry
 from tisph.config.base import Model
 from tisph.schemes import _rheologies
 
@@ -36,7 +36,7 @@ class Parameters(Model):
 
 def problems(config):
     """Yield dotted key and text of what the scheme that is taken cannot serve."""
-    implicit = families.load("schemes", "implicit")
+    implicit = registry.load("schemes", "implicit")
     if not config.parallel:  # it serves all of them, with either step control
         yield from implicit.problems(config)
         return
@@ -56,11 +56,11 @@ def _obstacle(config, implicit):
 
 def resolve(config):
     """Return the config with the scheme that this choice stands for, and the reason in words."""
-    implicit = families.load("schemes", "implicit")
+    implicit = registry.load("schemes", "implicit")
     turns = not config.parallel
     obstacle = None if turns else _obstacle(config, implicit)
     if obstacle:
-        chosen = families.load("schemes", "wcsph").Parameters()
+        chosen = registry.load("schemes", "wcsph").Parameters()
         return config.model_copy(update={"scheme": chosen}), f"wcsph, since {obstacle}"
     elastic = config.fluid.rheology.carries_stress
     table = TURNING_STEPS if turns else ELASTIC_STEPS if elastic else STEPS

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from tisph import config, families
+from tisph import config, scenes
 from tisph.folder import Folder
 from tisph.observers._files import replaced
 from tisph.observers.frames import read_frames
@@ -35,7 +35,7 @@ def render(run_dir):
     """
     folder = Folder(run_dir)
     settings = config.load(folder.config)
-    channel = families.load("scenes", settings.scene).Scene.from_config(settings)
+    channel = scenes.of(settings)
     pictures = begin_pictures(folder, settings, channel)
     for picture in pictures:
         picture.write()

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import numpy as np
 
 import tisph
-from tisph import families, runtime, schemes
+from tisph import registry, runtime, scenes, schemes
 from tisph.errors import DivergedError, TisphError
 from tisph.folder import Folder
 from tisph.observers._files import replaced
@@ -67,7 +67,7 @@ class Run:
         self.config = config
         self.folder = folder
         self.drawn = drawn
-        self.channel = families.load("scenes", config.scene).Scene.from_config(config)
+        self.channel = scenes.of(config)
         self.particles = self.channel.particles
         self.about = Description(config, self.channel)
         self.threads = threads(config, self.channel)
@@ -114,7 +114,7 @@ class Run:
     def _build(self, resume):
         runtime.start(self.config.discretisation.precision, self.threads)
         config, reason = schemes.resolve(self.config)
-        scheme = families.load("schemes", config.scheme.type).Scheme
+        scheme = registry.load("schemes", config.scheme.type).Scheme
         targets = sorted({*config.time.samples, config.time.end})
         self.scheme = scheme(config, self.channel.in_own_frame(), targets, serial=self.threads == 1)
         log.info("scheme %s", reason)

@@ -15,7 +15,7 @@ from dataclasses import asdict
 import numpy as np
 from pydantic import ValidationError
 
-from tisph import families, schemes
+from tisph import scenes, schemes
 from tisph.errors import ConfigError
 from tisph.folder import Folder
 from tisph.observers._storage import STRESSES, read_snapshots
@@ -94,17 +94,17 @@ def _validated(config, data):
 
 def compare(results, configs):
     """Return the estimates of the last of three runs from their ``Result`` and configs, as in ``summary.json``."""
-    scenes = [families.load("scenes", each.scene).Scene.from_config(each) for each in configs]
-    spacings, believed = [scene.spacing for scene in scenes], schemes.orders(schemes.resolve(configs[-1])[0])
+    compared = [scenes.of(each) for each in configs]
+    spacings, believed = [scene.spacing for scene in compared], schemes.orders(schemes.resolve(configs[-1])[0])
     snapshots = zip(*(read_snapshots(Folder(result.folder).samples) for result in results), strict=True)
-    norms = [{**_fields(scenes, each), **_profiles(scenes, each)} for each in snapshots]
+    norms = [{**_fields(compared, each), **_profiles(compared, each)} for each in snapshots]
     observed = [of_norms(spacings, each, believed) for sample in norms for each in sample.values()]
     orders = [each.order for each in observed if each.error is not None]
     order = statistics.median(orders) if orders else None
     samples = []
     for fields, *numbers in zip(norms, *(result.summary["samples"] for result in results), strict=True):
         stated = {name: of_norms(spacings, each, believed, order=order) for name, each in fields.items()}
-        values = {name: [each[name] for each in numbers] for name in scenes[-1].flow_numbers}
+        values = {name: [each[name] for each in numbers] for name in compared[-1].flow_numbers}
         values = {name: each for name, each in values.items() if None not in each}
         found = {name: of_number(spacings, each, believed) for name, each in values.items()}
         samples.append({"t": numbers[-1]["t"], "fields": _plain(stated), "numbers": _plain(found)})
@@ -115,36 +115,39 @@ def _plain(found):
     return {name: asdict(each) for name, each in found.items()}
 
 
-def _fields(scenes, snapshots):
+def _fields(compared, snapshots):
     """Norms of the differences of the fields between the runs, over the norm of each field, by name."""
     names = {"velocity": ("u", "v")}
-    if not scenes[0].parallel:
+    if not compared[0].parallel:
         names["pressure"] = ("pressure",)
-    if scenes[0].polymer:
+    if compared[0].polymer:
         names["polymer_stress"] = STRESSES
     coarsest = snapshots[0]
     points = np.stack([coarsest.x, coarsest.y], axis=1).astype(float)
     found = {}
     for name, parts in names.items():
         values = [np.stack([getattr(each, part) for part in parts], axis=1).astype(float) for each in snapshots]
-        values = [values[0], *(_at(*each, points) for each in zip(scenes[1:], snapshots[1:], values[1:], strict=True))]
+        values = [
+            values[0],
+            *(_at(*each, points) for each in zip(compared[1:], snapshots[1:], values[1:], strict=True)),
+        ]
         if name == "pressure":  # of which only differences count
             values = [each - each.mean() for each in values]
         if name == "velocity":
-            values = [each - [scenes[0].frame_velocity, 0.0] for each in values]
+            values = [each - [compared[0].frame_velocity, 0.0] for each in values]
         found[name] = _norms(values)
     return found
 
 
-def _profiles(scenes, snapshots):
+def _profiles(compared, snapshots):
     """The same of the profiles of the scene, at as many points as there are particles on the line in the coarsest."""
     found = {}
-    for profiles in zip(*(scene.profiles() for scene in scenes), strict=True):
+    for profiles in zip(*(scene.profiles() for scene in compared), strict=True):
         line = profiles[0].line
-        count = round((line.ends[1] - line.ends[0]) / scenes[0].spacing)
+        count = round((line.ends[1] - line.ends[0]) / compared[0].spacing)
         x, y = np.broadcast_arrays(*line.points(line.coordinates(2 * count + 1)[1::2]))
         points, values = np.stack([x, y], axis=1), []
-        for scene, profile, snapshot in zip(scenes, profiles, snapshots, strict=True):
+        for scene, profile, snapshot in zip(compared, profiles, snapshots, strict=True):
             values.append(_at(scene, snapshot, np.asarray(profile.of(snapshot), float)[:, None], points))
         found[f"{profiles[0].name} along {line.along}"] = _norms(values)
     return found

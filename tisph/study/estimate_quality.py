@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 
-from tisph import families
+from tisph import scenes
 from tisph.config.schema import Config
 from tisph.folder import Folder
 from tisph.observers._storage import read_snapshots
@@ -72,15 +72,13 @@ def _run(data, root):
 
 def _true_errors(config, data, root, result):
     """Relative L2 errors of velocity and pressure of each sample over the particles: a list of dicts."""
-    scene = families.load("scenes", config.scene).Scene.from_config(config)
+    scene = scenes.of(config)
     if scene.fields:
         return [{"velocity": each["l2"], "pressure": each["l2_pressure"]} for each in result.summary["samples"]]
     across = {"particles_across": FINER * config.particles_across}
     finer = {**data, "discretisation": across}
     truth = _run(finer, root.with_name(f"{root.name}_finer"))
-    finer = families.load("scenes", config.scene).Scene.from_config(
-        Config.model_validate({"name": config.name, **finer})
-    )
+    finer = scenes.of(Config.model_validate({"name": config.name, **finer}))
     pairs = zip(*(read_snapshots(Folder(each.folder).samples) for each in (result, truth)), strict=True)
     return [_differences(*pair, finer) for pair in pairs]
 

@@ -11,11 +11,11 @@ import sys
 import time
 
 import tisph
-from tisph import families
+from tisph import registry
 
 METHOD = "forkserver" if sys.platform == "linux" else "spawn"
 
-IMPORTED = ("tisph.cli", "tisph.simulation", *families.modules("scenes"), *families.modules("schemes"))
+IMPORTED = ("tisph.cli", "tisph.simulation", *registry.modules("scenes"), *registry.modules("schemes"))
 """What the server imports; a run imports the rest that it needs."""
 
 

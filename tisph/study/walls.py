@@ -13,7 +13,7 @@ from pathlib import Path
 from rich.console import Console
 
 import tisph
-from tisph import families
+from tisph import registry
 from tisph.study.store import Store, claimed
 from tisph.study.walls_picture import plot_walls
 from tisph.verification import walls, walls_table
@@ -37,7 +37,7 @@ def run(folder, quick=False):
 
 
 def _compare(folder, extent):
-    treatments = families.names("walls")
+    treatments = registry.names("walls")
     store = Store(folder / "runs")
     columns = walls_table.Columns(extent.resolutions, extent.measured_at, treatments)
     print(f"finished runs are kept in {store.folder} and used again by the same command\n")

@@ -6,7 +6,7 @@ stress, and the walls its slope (``walls/_track.py``): all of it is linear in pl
 
 import numpy as np
 
-from tisph import families
+from tisph import registry
 from tisph.schemes._forecast.images import images
 from tisph.schemes._forecast.linear import LinearFlow
 from tisph.schemes._forecast.stencils import kernel_sums, sliding_viscosity
@@ -24,7 +24,7 @@ class Rows:
 
     def __init__(self, config, channel):
         self.channel, self.rows = channel, channel.rows
-        self.kernel = families.load("kernels", config.discretisation.kernel)
+        self.kernel = registry.load("kernels", config.discretisation.kernel)
         self.ratio = config.discretisation.smoothing_ratio
         self.standard = config.scheme.operators == "standard"
         self.disordered = config.initial.jitter > 0
@@ -33,7 +33,7 @@ class Rows:
         self.laplacian = self._banded(laplacian) / channel.spacing**2
         self.across = self._banded(across) / channel.spacing
         treatment = config.walls.treatment
-        self.obeys_momentum = families.load("walls", treatment.type).Treatment.obeys_momentum
+        self.obeys_momentum = registry.load("walls", treatment.type).Treatment.obeys_momentum
         self.shares, self.wall = images(treatment, self.kernel, self.ratio, self.layers, self.rows)
         self.depths = (np.arange(self.layers) + 0.5) * channel.spacing
         self.heights = (np.arange(self.rows) + 0.5) * channel.spacing

@@ -8,7 +8,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from tisph import families
+from tisph import registry
 from tisph.config import lattice
 from tisph.config.base import Model
 from tisph.config.fields import member_name
@@ -67,7 +67,7 @@ def _problems_around_bodies(config):
 
 
 def _problems_of_images(config):
-    kernel = families.load("kernels", config.discretisation.kernel)
+    kernel = registry.load("kernels", config.discretisation.kernel)
     deepest = reach(kernel.SUPPORT * config.discretisation.smoothing_ratio * config.spacing, config.spacing)
     if config.smallest_radius <= deepest:
         text = (

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tisph import families
+from tisph import registry
 from tisph.geometry.box import box_around
 from tisph.periodic import PeriodicBox
 from tisph.runtime import view
@@ -27,7 +27,7 @@ class SolidBodies(OpenBox):
         super().__init__(config, scene)
         self.scene, self.parameters = scene, config.walls.treatment
         name = self.parameters.type if self.parameters else AROUND_BODIES[0]
-        self.treatment = families.load("walls", name).BodyTreatment
+        self.treatment = registry.load("walls", name).BodyTreatment
         self.layers = self.treatment.arrange(scene.bodies, scene.spacing, radius)
         self.slots = self.layers.slots
         corners = scene.origin, np.add(scene.origin, scene.extent)

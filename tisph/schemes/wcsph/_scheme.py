@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from tisph import families
+from tisph import registry
 from tisph.equation_of_state import compression, pressure, sound_speed
 from tisph.liquid import Liquid
 from tisph.neighbours.cells import Cells
@@ -40,10 +40,10 @@ class Scheme:
     """
 
     def __init__(self, config, channel, targets, serial):
-        kernel = families.load("kernels", config.discretisation.kernel)
-        operators = families.load("operators", config.scheme.operators).Operators
+        kernel = registry.load("kernels", config.discretisation.kernel)
+        operators = registry.load("operators", config.scheme.operators).Operators
         rheology = config.fluid.rheology
-        stress = families.load("rheology", rheology.type).Stress(channel) if rheology.carries_stress else None
+        stress = registry.load("rheology", rheology.type).Stress(channel) if rheology.carries_stress else None
         self.channel = channel
         self.serial = serial
         self.equation_of_state = config.scheme.equation_of_state

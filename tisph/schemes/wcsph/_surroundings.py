@@ -5,7 +5,7 @@ many wall particles of their own and how much room for images there has to be (`
 much farther wall particles go than the liquid that they are images of.
 """
 
-from tisph import families
+from tisph import registry
 from tisph.domain import Domain
 from tisph.periodic import PeriodicBox
 from tisph.schemes._momentum import MomentumBalance, WallForces
@@ -39,7 +39,7 @@ class PlaneWalls:
     def __init__(self, config, channel, radius):
         self.channel, self.parameters = channel, config.walls.treatment
         self.box = channel
-        self.treatment = families.load("walls", self.parameters.type).Treatment
+        self.treatment = registry.load("walls", self.parameters.type).Treatment
         self.slots = self.treatment.wall_slots(channel, radius)
         self.domain = Domain(channel)
         self.balance = MomentumBalance(channel.start_time)

@@ -10,7 +10,7 @@ import json
 import sys
 import time
 
-from tisph import families, runtime, schemes
+from tisph import registry, runtime, scenes, schemes
 from tisph.config import load, memory
 from tisph.simulation.results import peak_memory_mb
 from tisph.simulation.run import start_values, threads
@@ -46,11 +46,11 @@ def advance(scheme, seconds, least):
 def main(path, seconds):
     """Measure the config at ``path``."""
     config = load(path, ())
-    scene = families.load("scenes", config.scene).Scene.from_config(config)
+    scene = scenes.of(config)
     count = threads(config, scene)
     runtime.start(config.discretisation.precision, count)
     chosen, _ = schemes.resolve(config)
-    build = families.load("schemes", chosen.scheme.type).Scheme
+    build = registry.load("schemes", chosen.scheme.type).Scheme
     scheme = build(chosen, scene, [config.time.end], serial=count == 1)
     scheme.start(*start_values(scene, config.initial))
     advance(scheme, 0.0, WARM_UP)

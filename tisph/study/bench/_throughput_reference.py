@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import tisph
-from tisph import families
+from tisph import scenes
 from tisph.config import load
 from tisph.errors import TisphError
 from tisph.schemes._estimate import explicit
@@ -96,7 +96,7 @@ def run(program, config, channel, **words):
 def main(path, program, seconds):
     """Time a step, and a rebuild of its lists, on the particles of the config at ``path``."""
     config = load(path, ())
-    channel = families.load("scenes", config.scene).Scene.from_config(config)
+    channel = scenes.of(config)
     particles = channel.rows * channel.columns
     x, y = channel.jittered(config.initial.seed, config.initial.jitter)
     steps = max(WARM_UP, round(float(seconds) / (GUESS * particles)))

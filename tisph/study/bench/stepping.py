@@ -14,7 +14,7 @@ import time
 from collections import deque
 from pathlib import Path
 
-from tisph import families, runtime, schemes
+from tisph import registry, runtime, scenes, schemes
 from tisph.config import load
 from tisph.observers.history import History
 from tisph.runtime import ti
@@ -35,10 +35,10 @@ class Stepping:
 
     def __init__(self, config, without_shifting=False):
         self.config = config
-        self.channel = families.load("scenes", config.scene).Scene.from_config(config)
+        self.channel = scenes.of(config)
         runtime.start(config.discretisation.precision, 1)
         chosen, _ = schemes.resolve(config)
-        self.scheme = families.load("schemes", chosen.scheme.type).Scheme(
+        self.scheme = registry.load("schemes", chosen.scheme.type).Scheme(
             chosen, self.channel, [config.time.end], serial=True
         )
         self.scheme.start(*start_values(self.channel, config.initial))

@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from tisph import families
+from tisph import registry
 
 
 @pytest.fixture
@@ -17,53 +17,53 @@ def family(tmp_path, monkeypatch):
     (package / "alpha.py").write_text("NAME = 'alpha'\n")
     (package / "_helper.py").write_text("")
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setitem(families.FAMILIES, "menu", package.name)
+    monkeypatch.setitem(registry.FAMILIES, "menu", package.name)
     yield package
     for name in [name for name in sys.modules if name.startswith(package.name)]:
         del sys.modules[name]
 
 
 def test_names_are_the_files_without_helpers(family):
-    assert families.names("menu") == ["alpha", "beta"]
+    assert registry.names("menu") == ["alpha", "beta"]
 
 
 def test_a_new_file_is_a_new_member(family):
     (family / "gamma.py").write_text('"""Third dish."""\n')
-    assert families.names("menu") == ["alpha", "beta", "gamma"]
-    assert families.summary("menu", "gamma") == "Third dish."
+    assert registry.names("menu") == ["alpha", "beta", "gamma"]
+    assert registry.summary("menu", "gamma") == "Third dish."
 
 
 def test_summary_and_constant_do_not_import(family):
     """Importing beta would divide by zero."""
-    assert families.summary("menu", "beta") == "Second dish."
-    assert families.constant("menu", "beta", "SUPPORT") == 2.5
-    assert families.summary("menu", "alpha") == ""
+    assert registry.summary("menu", "beta") == "Second dish."
+    assert registry.constant("menu", "beta", "SUPPORT") == 2.5
+    assert registry.summary("menu", "alpha") == ""
 
 
 def test_load_imports_only_the_chosen_one(family):
-    assert families.load("menu", "alpha").NAME == "alpha"
+    assert registry.load("menu", "alpha").NAME == "alpha"
     assert f"{family.name}.beta" not in sys.modules
 
 
 @pytest.mark.parametrize("name", ["delta", "_helper", "../alpha", ""])
 def test_what_is_not_on_the_menu(family, name):
-    for look in (families.load, families.summary):
+    for look in (registry.load, registry.summary):
         with pytest.raises(KeyError, match=r"menu has no member .*; it has alpha, beta"):
             look("menu", name)
     with pytest.raises(KeyError):
-        families.names("no_family")
+        registry.names("no_family")
 
 
 def test_missing_constant(family):
     with pytest.raises(KeyError, match="SUPPORT"):
-        families.constant("menu", "alpha", "SUPPORT")
+        registry.constant("menu", "alpha", "SUPPORT")
 
 
-@pytest.mark.parametrize("name", list(families.FAMILIES))
+@pytest.mark.parametrize("name", list(registry.FAMILIES))
 def test_every_member_has_a_summary(name):
-    assert [member for member in families.names(name) if not families.summary(name, member)] == []
+    assert [member for member in registry.names(name) if not registry.summary(name, member)] == []
 
 
-@pytest.mark.parametrize("kernel", families.names("kernels"))
+@pytest.mark.parametrize("kernel", registry.names("kernels"))
 def test_every_kernel_tells_its_support(kernel):
-    assert families.constant("kernels", kernel, "SUPPORT") > 0
+    assert registry.constant("kernels", kernel, "SUPPORT") > 0

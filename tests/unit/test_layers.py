@@ -29,14 +29,14 @@ LEVELS = [
     ["schemes"],
     ["observers"],
     ["simulation"],
-    ["study", "referee"],
+    ["study", "assessment"],
     ["results"],
     ["cli"],
     ["__main__"],
     ["interface"],
 ]
 LEVEL_OF = {part: level for level, parts in enumerate(LEVELS) for part in parts}
-WITHOUT_TAICHI = ["bodies", "config", "scenes", "exact", "geometry", "verification", "report", "referee"]
+WITHOUT_TAICHI = ["bodies", "config", "scenes", "exact", "geometry", "verification", "report", "assessment"]
 FILES = sorted(PACKAGE.rglob("*.py"))
 
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import tisph
+from tisph.assessment import judge
 from tisph.config import load
 from tisph.exact import couette
-from tisph.referee import judge
 
 PEERS = Path(tisph.__file__).parents[1] / "benchmarks" / "peers"
 

@@ -9,7 +9,7 @@ from tisph.cli.options import Overrides, folder_name
 from tisph.errors import ConfigError
 
 if TYPE_CHECKING:
-    from tisph.referee.judge import Sample
+    from tisph.assessment.judge import Sample
 
 
 Data = Annotated[list[Path], typer.Argument(metavar="DATA...", help="Results: CSV, npz, HDF5, JSON, LAMMPS dump, VTK.")]
@@ -33,7 +33,7 @@ Orientation = Annotated[
     str | None,
     typer.Option("--orientation", metavar="x,y", help="Axes of the data along x and y of the config, as y,-x."),
 ]
-Select = Annotated[str | None, typer.Option("--select", help="The group of particles that is the liquid.")]
+Select = Annotated[str | None, typer.Option("--select", help="The group of particles that is the fluid.")]
 Bound = Annotated[float | None, typer.Option("--bound", help="Exit status 1 if an error is larger.")]
 Out = Annotated[
     Path | None,
@@ -56,7 +56,7 @@ def compare(  # an argument an option
 ) -> None:
     """Judge the result of any code against the exact solution.
 
-    Prints and stores errors, lines through tracers, centreline, wall shear, where the error sits, the order if
+    Prints and stores errors, lines through the probes, centreline, wall shear, where the error is largest, the order if
     resolutions are several, and what is wrong if one fault explains it. --bound is of the L2 error, or of the rms
     error over U in flows that cross zero.
 
@@ -67,8 +67,8 @@ def compare(  # an argument an option
       tisph compare couette_100.hdf5 couette_200.hdf5 --config couette.yaml --bound 1e-3
       tisph compare couette.dump --config couette.yaml --time 20 --origin 0,0.06
     """
+    from tisph.assessment import judge, report
     from tisph.config import load
-    from tisph.referee import judge, report
 
     loaded = load(config, overrides or ())
     question = judge.Question(time or (), columns or (), unit or (), orientation, _place(origin), select)

@@ -1,4 +1,4 @@
-"""The numbers of a result: those that a run of tisph has of itself, where its error sits, its order, what is wrong."""
+"""The numbers of a result: those that a run of tisph has of itself, where its error is, its order, what is wrong."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from tisph import scenes
+from tisph.assessment import alignment, columns, diagnosis, reading, units
+from tisph.assessment.error_location import error_location, trend
 from tisph.errors import ConfigError
-from tisph.referee import columns, diagnosis, placing, reading, units
-from tisph.referee.where import trend, where
 from tisph.verification.criteria import fitted_order
 from tisph.verification.metrics import sample_metrics
 
@@ -28,17 +28,17 @@ class Question:
 
 @dataclass(frozen=True)
 class Sample:
-    """One time of one file: where it lies, its numbers as in ``summary.json``, where its error sits."""
+    """One time of one file: where it lies, its numbers as in ``summary.json``, where its error is."""
 
     path: Path
-    placed: placing.Placed
+    aligned: alignment.Aligned
     numbers: dict
-    where: dict
+    location: dict
 
     @property
     def scene(self):
         """The scene with the spacing of the data."""
-        return self.placed.scene
+        return self.aligned.scene
 
     @property
     def across(self):
@@ -104,15 +104,15 @@ def _nearest(frames, t, factor, path):
 
 
 def _sample(path, frame, t, scene, question, config):
-    placed = _placed(path, frame, t, scene, question)
-    own = placed.scene.followed(**config.followed)
-    values = own.measure(placed.snapshot)
+    aligned = _aligned(path, frame, t, scene, question)
+    own = aligned.scene.followed(**config.followed)
+    values = own.measure(aligned.snapshot)
     history = np.array([t]), np.asarray(values)[None]
-    numbers = sample_metrics(placed.scene, placed.snapshot, (own.places, values, history))
-    return Sample(path, placed, numbers, where(placed.scene, placed.snapshot))
+    numbers = sample_metrics(aligned.scene, aligned.snapshot, (own.places, values, history))
+    return Sample(path, aligned, numbers, error_location(aligned.scene, aligned.snapshot))
 
 
-def _placed(path, frame, t, scene, question):
+def _aligned(path, frame, t, scene, question):
     if t < scene.start_time:
         raise ConfigError(f"--time {t:g}: is before the start of the run, {scene.start_time:g}")
     named = columns.quantities(frame, columns.parsed(question.columns), path)
@@ -122,14 +122,14 @@ def _placed(path, frame, t, scene, question):
         raise ConfigError(f"{path}: has fewer than five points with a place and a velocity")
     factors = units.factors(question.units, scene.units)
     values = {name: array[finite] for name, array in units.converted(named, factors).items()}
-    axes = placing.orientation(question.orientation) if question.orientation else None
-    placed = placing.place(values, scene, t, axes=axes, origin=question.origin)
+    axes = alignment.orientation(question.orientation) if question.orientation else None
+    aligned = alignment.align(values, scene, t, axes=axes, origin=question.origin)
     lost = len(finite) - int(finite.sum())
     if lost:
-        placed = placing.noted(placed, f"{lost} points without a number are left out")
+        aligned = alignment.noted(aligned, f"{lost} points without a number are left out")
     if frame.time is not None and not np.isclose(frame.time * factors["time"], t):
-        placed = placing.noted(placed, f"the file says t = {frame.time:g}, --time {t:g} was taken")
-    return placed
+        aligned = alignment.noted(aligned, f"the file says t = {frame.time:g}, --time {t:g} was taken")
+    return aligned
 
 
 def _series(samples):
@@ -145,10 +145,10 @@ def _diagnoses(series):
     found = {}
     for rows, samples in series.items():
         label = f"{rows} across"
-        found[label] = diagnosis.diagnose([each.placed for each in samples])
+        found[label] = diagnosis.diagnose([each.aligned for each in samples])
         if len(samples) > 1 and not found[label].explaining:
             for each in samples:
-                found[f"{label}, t = {each.numbers['t']:g} alone"] = diagnosis.diagnose([each.placed])
+                found[f"{label}, t = {each.numbers['t']:g} alone"] = diagnosis.diagnose([each.aligned])
     return found
 
 

@@ -1,12 +1,12 @@
 """LAMMPS' dumps as text (``dump custom``, ``write_dump``): a frame a time step.
 
-Where a dump has atoms of several types, walls may be among them: the types of the liquid must be said.
+Where a dump has atoms of several types, walls may be among them: the types of the fluid must be said.
 """
 
 import numpy as np
 
+from tisph.assessment.frame import Frame
 from tisph.errors import ConfigError
-from tisph.referee.frame import Frame
 
 SUFFIXES = (".dump", ".lammpstrj")
 
@@ -16,7 +16,7 @@ BEGINS = "ITEM: "
 def read(path, select=None):
     """Frames in the order of the file; times where it has them (``dump_modify ... time yes``).
 
-    ``select`` are the types of the liquid, such as ``1`` or ``1,2``.
+    ``select`` are the types of the fluid, such as ``1`` or ``1,2``.
     """
     lines = path.read_text(encoding="utf-8").splitlines()
     starts = [_start(lines, index) for index, line in enumerate(lines) if line.startswith("ITEM: TIMESTEP")]
@@ -55,7 +55,7 @@ def _selected(frame, select, path):
     if select is None and len(known) < 2:
         return frame
     if select is None:
-        raise ConfigError(f"{path}: which types are the liquid? Give --select {known[0]}; it has {', '.join(known)}")
+        raise ConfigError(f"{path}: which types are the fluid? Give --select {known[0]}; it has {', '.join(known)}")
     wanted = select.split(",")
     if not set(wanted) <= set(known):
         raise ConfigError(f"{path}: has no atoms of type {select}; it has {', '.join(known) or 'no types'}")

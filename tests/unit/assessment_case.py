@@ -1,4 +1,4 @@
-"""A flow whose results the referee judges: its config, its reference, and the measure of ``tisph bench``."""
+"""A flow whose results the assessment judges: its config, its reference, and the measure of ``tisph bench``."""
 
 import numpy as np
 

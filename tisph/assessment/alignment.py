@@ -34,18 +34,18 @@ GOLDEN = 0.6180339887498949
 
 
 @dataclass(frozen=True)
-class Placed:
+class Aligned:
     """Data in the scene: a ``Snapshot`` with its reference, the scene with the spacing of the data, and in words how
-    they were placed."""
+    they were aligned."""
 
     scene: object
     snapshot: Snapshot
     notes: tuple[str, ...] = ()
 
 
-def noted(placed, text):
+def noted(aligned, text):
     """The same with one more note."""
-    return replace(placed, notes=(*placed.notes, text))
+    return replace(aligned, notes=(*aligned.notes, text))
 
 
 def orientation(text):
@@ -57,8 +57,8 @@ def orientation(text):
     return pair
 
 
-def place(columns, scene, t, *, axes=None, origin=None):
-    """``Placed`` of data by quantity, in the units of the config, at time ``t``.
+def align(columns, scene, t, *, axes=None, origin=None):
+    """``Aligned`` of data by quantity, in the units of the config, at time ``t``.
 
     ``axes`` is one of ``ORIENTATIONS``, ``origin`` the place in the data of the point (0, 0) of the scene: both are
     found between plane walls where they are not given. ConfigError where the data do not fit.
@@ -67,7 +67,7 @@ def place(columns, scene, t, *, axes=None, origin=None):
         missing = [name for name in ("x", *scene.fields) if name in "xyuv" and name not in columns]
         if missing:
             raise ConfigError(f"--columns: this flow needs {' and '.join(missing)}, too")
-        return _placed(_turned(columns, axes or ORIENTATIONS[0], origin or (0.0, 0.0)), scene, t, ())
+        return _aligned(_reoriented(columns, axes or ORIENTATIONS[0], origin or (0.0, 0.0)), scene, t, ())
     return _between_walls(columns, scene, t, axes, origin)
 
 
@@ -93,10 +93,10 @@ def _has(columns, axes):
 
 
 def _tried(columns, scene, t, axes, origin):
-    """``Placed`` with these axes, None where the data do not fit."""
+    """``Aligned`` with these axes, None where the data do not fit."""
     spacing = _spacing(columns, scene)
-    turned = _turned(columns, axes, origin or (0.0, 0.0))
-    low, high = turned["y"].min(), turned["y"].max()
+    reoriented = _reoriented(columns, axes, origin or (0.0, 0.0))
+    low, high = reoriented["y"].min(), reoriented["y"].max()
     notes = (
         () if axes == ORIENTATIONS[0] else (f"x and y of the scene point along {axes[0]} and {axes[1]} of the data",)
     )
@@ -104,32 +104,32 @@ def _tried(columns, scene, t, axes, origin):
         if origin or abs(high - low + spacing - scene.gap) > 2 * BEYOND * spacing:
             return None
         shift = 0.5 * (scene.gap - low - high)
-        turned["y"] = turned["y"] + shift
+        reoriented["y"] = reoriented["y"] + shift
         notes += (f"the bottom wall was found at {axes[1].strip('-')} = {_at_wall(shift, axes):.6g} of the data",)
     elif high - low < 0.5 * scene.gap:
         return None
-    return _placed(turned, scene, t, notes)
+    return _aligned(reoriented, scene, t, notes)
 
 
 def _at_wall(shift, axes):
     return shift if axes[1].startswith("-") else -shift
 
 
-def _turned(columns, axes, origin):
+def _reoriented(columns, axes, origin):
     """Columns as the scene has its axes, the places from ``origin``, a place of the data."""
     place = dict(zip("xy", origin, strict=True))
-    turned = {name: array for name, array in columns.items() if name not in "xyuv"}
+    reoriented = {name: array for name, array in columns.items() if name not in "xyuv"}
     for axis, name, speed in zip(axes, "xy", "uv", strict=True):
         sign, old = (-1.0 if axis.startswith("-") else 1.0), axis[-1]
         if old in columns:
-            turned[name] = sign * (columns[old] - place[old])
+            reoriented[name] = sign * (columns[old] - place[old])
         if (theirs := {"x": "u", "y": "v"}[old]) in columns:
-            turned[speed] = sign * columns[theirs]
-    return turned
+            reoriented[speed] = sign * columns[theirs]
+    return reoriented
 
 
-def _error(placed):
-    snapshot = placed.snapshot
+def _error(aligned):
+    snapshot = aligned.snapshot
     return root_mean_square(snapshot.u - snapshot.reference["u"])
 
 
@@ -156,7 +156,7 @@ def _is_profile(columns):
     return bool(steps.min(initial=np.inf) > EVEN * steps.mean()) if len(steps) else True
 
 
-def _placed(columns, scene, t, notes):
+def _aligned(columns, scene, t, notes):
     spacing = _spacing(columns, scene)
     if scene.parallel:
         columns, scene = _in_channel(columns, scene, spacing)
@@ -174,7 +174,7 @@ def _placed(columns, scene, t, notes):
     exact = {name: scene.exact(name, *places, t) for name in scene.fields}
     bodies = Bodies.at(t, scene.bodies) if scene.bodies else None  # of whose forces the data say nothing
     snapshot = Snapshot(t=t, step=0, x=places[0], y=y, **known, **stresses, reference=exact, bodies=bodies)
-    return Placed(scene, snapshot, notes)
+    return Aligned(scene, snapshot, notes)
 
 
 def _in_channel(columns, scene, spacing):

@@ -6,9 +6,9 @@ The faulty flows are put together here from closed forms, not by the code that l
 import numpy as np
 import pytest
 
+from tisph.assessment import alignment, diagnosis
 from tisph.config import load
 from tisph.exact import couette
-from tisph.referee import diagnosis, placing
 
 CASE = """
 scene: channel
@@ -40,8 +40,8 @@ def start_up(y, t, gap=1.0, viscosity=NU, bottom=0.0, top=U):
 
 def found(scene, *flows):
     """Names of the faults that explain profiles (u, t), and the value of the first one."""
-    placed = [placing.place({"y": HEIGHTS, "u": u}, scene, t) for u, t in flows]
-    result = diagnosis.diagnose(placed)
+    aligned = [alignment.align({"y": HEIGHTS, "u": u}, scene, t) for u, t in flows]
+    result = diagnosis.diagnose(aligned)
     return {each.fault.name for each in result.explaining}, result.explaining[0] if result.explaining else None
 
 
@@ -151,7 +151,7 @@ def test_a_vortex_that_decays_too_fast(tmp_path):
     x, y = vortex.lattice()
     decay = np.exp(-2 * 0.2 * NU * (2 * np.pi) ** 2)
     columns = {"x": x, "y": y, **{name: decay * vortex.exact(name, x, y, 1.0) for name in "uv"}}
-    result = diagnosis.diagnose([placing.place(columns, vortex, 1.0)])
+    result = diagnosis.diagnose([alignment.align(columns, vortex, 1.0)])
     assert {each.fault.name for each in result.explaining} == {"viscosity", "time"}
     assert {each.fault.name: each.value for each in result.fits}["time"] == pytest.approx(0.2, rel=1e-3)
 
@@ -160,7 +160,7 @@ def test_the_page(tmp_path):
     """A line through mid-gap that is 2 % and later 4 % too flat: walls half a spacing outside, and then a whole one."""
     from pathlib import Path
 
-    from tisph.referee import judge
+    from tisph.assessment import judge
 
     root = Path(__file__).parents[2]
     y = (np.arange(50) + 0.5) / 50

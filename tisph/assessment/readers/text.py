@@ -4,8 +4,8 @@ import re
 
 import numpy as np
 
+from tisph.assessment.frame import Frame
 from tisph.errors import ConfigError
-from tisph.referee.frame import Frame
 
 SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".xy", "")
 

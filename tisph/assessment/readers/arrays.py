@@ -7,8 +7,8 @@ import zipfile
 import numpy as np
 from numpy.lib import format as npy
 
+from tisph.assessment.frame import Frame, chosen_group, flat
 from tisph.errors import ConfigError
-from tisph.referee.frame import Frame, chosen_part, flat
 
 SUFFIXES = (".npz",)
 
@@ -52,11 +52,11 @@ def _of_time(arrays, index):
 
 def _pysph(arrays, select, path):
     """Frame of PySPH's own output, version 2."""
-    parts = {name: len(next(iter(part["arrays"].values()))) for name, part in arrays["particles"].items()}
-    part = chosen_part(parts, select, path)
+    groups = {name: len(next(iter(group["arrays"].values()))) for name, group in arrays["particles"].items()}
+    group = chosen_group(groups, select, path)
     time = arrays.get("solver_data", {}).get("t")
-    columns = flat(arrays["particles"][part]["arrays"])
-    return Frame(columns, None if time is None else float(time), part, tuple(parts))
+    columns = flat(arrays["particles"][group]["arrays"])
+    return Frame(columns, None if time is None else float(time), group, tuple(groups))
 
 
 def _array(content, path):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from tisph.referee.faults import Fault, faults
+from tisph.assessment.faults import Fault, faults
 from tisph.verification.metrics import root_mean_square, velocities
 
 EXPLAINS = 0.3
@@ -56,10 +56,10 @@ class Diagnosis:
     fits: list[Finding]
 
 
-def diagnose(placed):
-    """``Diagnosis`` of samples of one run, ``Placed`` each; their faults are fitted to all of them at once."""
-    scene = placed[0].scene
-    samples = [_chosen(each.scene, each.snapshot) for each in placed]
+def diagnose(aligned):
+    """``Diagnosis`` of samples of one run, ``Aligned`` each; their faults are fitted to all of them at once."""
+    scene = aligned[0].scene
+    samples = [_chosen(each.scene, each.snapshot) for each in aligned]
     errors = np.concatenate([(u - exact).ravel() for _, u, exact in samples])
     error = root_mean_square(errors) / scene.reference_velocity
     if error < TOO_SMALL:
@@ -79,7 +79,7 @@ def _chosen(scene, snapshot):
     order = np.argsort(snapshot.y, kind="stable")
     index = order[np.unique(np.linspace(0, len(order) - 1, min(len(order), MOST_POINTS)).round().astype(int))]
     names = [name for name in ("u", "v") if name in scene.fields]
-    place = _Place(snapshot.t, snapshot.x[index], np.clip(snapshot.y, *_heights(scene))[index], names)
+    place = _Positions(snapshot.t, snapshot.x[index], np.clip(snapshot.y, *_heights(scene))[index], names)
     return place, values[:, index], exact[:, index]
 
 
@@ -88,7 +88,7 @@ def _heights(scene):
 
 
 @dataclass(frozen=True)
-class _Place:
+class _Positions:
     t: float
     x: np.ndarray
     y: np.ndarray

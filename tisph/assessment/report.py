@@ -10,7 +10,7 @@ NUMBERS, PICTURE = "comparison.json", "comparison.png"
 ERRORS = {"l2": "L2 error", "rms": "rms error / U", "linf": "largest error / U"}
 
 BLIND = (
-    "Slope and intercept are those of a straight line through the tracers. They are blind to every error that is\n"
+    "Slope and intercept are those of a straight line through the probes. They are blind to every error that is\n"
     "symmetric about mid-gap, so they can verify nothing by themselves: read L2, centreline and wall shear."
 )
 
@@ -30,8 +30,8 @@ def _heading(samples, name):
         own = [each for each in samples if each.path == path]
         scene = own[0].scene
         spacing = f"{scene.spacing:.4g} {scene.units.length}"
-        lines.append(f"  {path}: {len(own[0].placed.snapshot.u)} points, spacing {spacing}")
-        lines += [f"    {note}" for note in dict.fromkeys(note for each in own for note in each.placed.notes)]
+        lines.append(f"  {path}: {len(own[0].aligned.snapshot.u)} points, spacing {spacing}")
+        lines += [f"    {note}" for note in dict.fromkeys(note for each in own for note in each.aligned.notes)]
     return "\n".join(lines)
 
 
@@ -73,7 +73,7 @@ def _off(value, exact):
 
 def _findings(judgement):
     for each in judgement.samples:
-        yield f"t = {each.numbers['t']:g}, {each.across} across: error {each.where['words']}"
+        yield f"t = {each.numbers['t']:g}, {each.across} across: error {each.location['words']}"
         if not each.numbers["resolved"]:
             yield f"  not resolved: {each.numbers['reason']}"
     yield from judgement.trends
@@ -103,7 +103,7 @@ def write(judgement, folder):
     numbers.write_text(json.dumps(_as_data(judgement), indent=1), encoding="utf-8")
     finest = min(each.scene.spacing for each in judgement.samples)
     shown = [each for each in judgement.samples if each.scene.spacing == finest]
-    plot_profiles(picture, shown[0].scene, [each.placed.snapshot for each in shown])
+    plot_profiles(picture, shown[0].scene, [each.aligned.snapshot for each in shown])
     return numbers, picture
 
 
@@ -111,11 +111,11 @@ def _as_data(judgement):
     samples = [
         {
             "file": str(each.path),
-            "points": len(each.placed.snapshot.u),
+            "points": len(each.aligned.snapshot.u),
             "spacing": float(each.scene.spacing),
-            "placed": list(each.placed.notes),
+            "placed": list(each.aligned.notes),
             **each.numbers,
-            "where": each.where,
+            "where": each.location,
         }
         for each in judgement.samples
     ]

@@ -1,4 +1,4 @@
-"""Where an error sits: near which wall or in the middle, where it is largest, and whether it grows or falls."""
+"""Where an error is: near which wall or in the middle, where it is largest, and whether it grows or falls."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ CHANGES = 1.1
 """An error grows or falls where it changes by that factor from the first time to the last."""
 
 
-def where(scene, snapshot):
+def error_location(scene, snapshot):
     """Words and numbers of the place of the error of one sample.
 
     Between plane walls ``thirds``: root mean square errors over U near the bottom wall, in the middle, near the top

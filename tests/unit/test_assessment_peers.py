@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from referee_case import TIME, l2, loaded
+from assessment_case import TIME, l2, loaded
 
+from tisph.assessment import judge, reading
 from tisph.errors import ConfigError
-from tisph.referee import judge, reading
 
 LAMMPS = Path(__file__).parent / "data/lammps_couette.dump"
 """Written by LAMMPS (22 Jul 2025, Update 4), liquid and walls:
@@ -40,8 +40,8 @@ def test_a_dump_of_lammps_is_judged_as_the_bench_judges_the_run(config):
     found = judge.judge(config, [LAMMPS], judge.Question(select="1")).samples
     assert [each.numbers["t"] for each in found] == pytest.approx([0.9, 1.8, 2.7], rel=1e-12)
     for each, start in zip(found, starts, strict=True):
-        assert len(each.placed.snapshot.u) == 800
-        assert each.placed.notes == ()
+        assert len(each.aligned.snapshot.u) == 800
+        assert each.aligned.notes == ()
         own = lammps_l2(each.numbers["t"], lines[start : start + 1040])
         assert each.numbers["l2"] == pytest.approx(own, rel=1e-9)  # sums in another order
     assert found[-1].numbers["l2"] == pytest.approx(LAMMPS_BENCH, rel=PRINTED)
@@ -50,7 +50,7 @@ def test_a_dump_of_lammps_is_judged_as_the_bench_judges_the_run(config):
 def test_a_file_of_pysph_is_judged_as_the_bench_judges_the_run(config):
     (found,) = judge.judge(config, [PYSPH], judge.Question()).samples
     assert found.numbers["t"] == pytest.approx(TIME, rel=1e-12)
-    assert len(found.placed.snapshot.u) == 800
+    assert len(found.aligned.snapshot.u) == 800
     assert found.numbers["l2"] == pytest.approx(PYSPH_BENCH, rel=PRINTED)
     (frame,) = reading.frames(PYSPH)
     assert found.numbers["l2"] == pytest.approx(
@@ -63,10 +63,10 @@ def test_walls_of_lammps_that_do_not_hold_the_liquid_are_found(config):
     found = judge.judge(config, [LAMMPS], judge.Question(times=(1.8, 2.7), select="1"))
     (diagnosis,) = found.diagnoses.values()
     assert "top_wall" in {each.fault.name for each in diagnosis.explaining}
-    assert "outside the liquid" in diagnosis.explaining[0].words
+    assert "outside the fluid" in diagnosis.explaining[0].words
 
 
-@pytest.mark.parametrize(("select", "says"), [(None, "which types are the liquid"), ("4", "no atoms of type 4")])
+@pytest.mark.parametrize(("select", "says"), [(None, "which types are the fluid"), ("4", "no atoms of type 4")])
 def test_a_dump_with_several_types_is_asked_which_of_them_is_the_liquid(config, select, says):
     with pytest.raises(ConfigError, match=says):
         judge.judge(config, [LAMMPS], judge.Question(select=select))

@@ -2,8 +2,8 @@
 
 import h5py
 
+from tisph.assessment.frame import Frame, flat
 from tisph.errors import ConfigError
-from tisph.referee.frame import Frame, flat
 
 SUFFIXES = (".vtk", ".vtu", ".vtp", ".vti", ".vtr", ".vts", ".pvtu", ".pvtp", ".vtkhdf")
 

@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from tisph import cli, config, simulation
-from tisph.referee import judge
+from tisph.assessment import judge
 
 FLOWS = {
     "channel": """
@@ -36,7 +36,7 @@ ELSEWHERE = ("t", "step")
 
 
 @pytest.mark.parametrize("flow", FLOWS)
-def test_the_referee_says_what_the_run_said(tmp_path, flow):
+def test_the_assessment_says_what_the_run_said(tmp_path, flow):
     path = tmp_path / "case.yaml"
     path.write_text(FLOWS[flow])
     settings = config.load(path)
@@ -45,7 +45,7 @@ def test_the_referee_says_what_the_run_said(tmp_path, flow):
     found = judge.judge(settings, [tmp_path / "samples.h5"], judge.Question()).samples
     assert [each.numbers["t"] for each in found] == [sample["t"] for sample in own]
     for each, sample in zip(found, own, strict=True):
-        assert each.placed.notes == ()
+        assert each.aligned.notes == ()
         for key in sample.keys() - set(ELSEWHERE):
             expected = sample[key]
             if isinstance(expected, float):

@@ -5,8 +5,8 @@ import pkgutil
 import zipfile
 from pathlib import Path
 
+from tisph.assessment import readers
 from tisph.errors import ConfigError
-from tisph.referee import readers
 
 HDF5 = b"\x89HDF\r\n\x1a\n"
 

@@ -4,8 +4,8 @@ import json
 
 import numpy as np
 
+from tisph.assessment.frame import Frame, flat
 from tisph.errors import ConfigError
-from tisph.referee.frame import Frame, flat
 
 SUFFIXES = (".json",)
 

@@ -3,8 +3,8 @@
 import h5py
 import numpy as np
 
+from tisph.assessment.frame import Frame, chosen_group, flat
 from tisph.errors import ConfigError
-from tisph.referee.frame import Frame, chosen_part, flat
 
 SUFFIXES = (".h5", ".hdf5", ".hdf")
 
@@ -21,11 +21,11 @@ def read(path, select=None):
 
 
 def _pysph(file, select, path):
-    parts = {name: len(part["arrays/x"]) for name, part in file["particles"].items()}
-    part = chosen_part(parts, select, path)
-    arrays = {name: array[()] for name, array in file["particles"][part]["arrays"].items()}
+    groups = {name: len(group["arrays/x"]) for name, group in file["particles"].items()}
+    group = chosen_group(groups, select, path)
+    arrays = {name: array[()] for name, array in file["particles"][group]["arrays"].items()}
     time = file["solver_data"].attrs.get("t")
-    return Frame(flat(arrays), None if time is None else float(time), part, tuple(parts))
+    return Frame(flat(arrays), None if time is None else float(time), group, tuple(groups))
 
 
 def _groups(file, select, path):
@@ -37,7 +37,7 @@ def _groups(file, select, path):
         raise ConfigError(f"{path}: has no group with arrays of one length")
     times = {name: _time(file[name or "/"]) for name in names}
     if len(names) > 1 and None in times.values():
-        names = [chosen_part({name: 0 for name in names}, select, path)]
+        names = [chosen_group({name: 0 for name in names}, select, path)]
     return [Frame(flat({key: item[()] for key, item in _arrays(file[name or "/"])}), times[name]) for name in names]
 
 

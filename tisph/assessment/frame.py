@@ -11,14 +11,14 @@ from tisph.errors import ConfigError
 class Frame:
     """Columns of one time by name, arrays (points,), as the file has them: its names, units and axes.
 
-    ``time`` is None where the file does not say it. ``parts`` are the names of the groups of particles that the file
-    had, of which this is ``part``: both empty where it has no groups.
+    ``time`` is None where the file does not say it. ``groups`` are the names of the groups of particles that the file
+    had, of which this is ``group``: both empty where it has no groups.
     """
 
     columns: dict[str, np.ndarray]
     time: float | None = None
-    part: str = ""
-    parts: tuple[str, ...] = ()
+    group: str = ""
+    groups: tuple[str, ...] = ()
 
 
 def flat(arrays):
@@ -34,21 +34,21 @@ def flat(arrays):
         if array.ndim == 1:
             columns[name] = array.astype(float)
         elif array.shape[1] <= 3:
-            columns |= {f"{name}_{axis}": part.astype(float) for axis, part in zip("xyz", array.T, strict=False)}
+            columns |= {f"{name}_{axis}": group.astype(float) for axis, group in zip("xyz", array.T, strict=False)}
     longest = max((len(column) for column in columns.values()), default=0)
     return {name: column for name, column in columns.items() if len(column) == longest}
 
 
-def chosen_part(parts, wanted, path):
+def chosen_group(groups, wanted, path):
     """Name of the group of particles: the ``wanted`` one, else ``fluid`` or the like, else the only one.
 
-    ``parts`` are names with numbers of particles. Raises ConfigError where that leaves a choice.
+    ``groups`` are names with numbers of particles. Raises ConfigError where that leaves a choice.
     """
     if wanted:
-        if wanted not in parts:
-            raise ConfigError(f"{path}: has no particles called {wanted}; it has {', '.join(parts)}")
+        if wanted not in groups:
+            raise ConfigError(f"{path}: has no particles called {wanted}; it has {', '.join(groups)}")
         return wanted
-    liquid = [name for name in parts if name.lower() in ("fluid", "liquid", "water")]
-    if liquid or len(parts) == 1:
-        return (liquid or list(parts))[0]
-    raise ConfigError(f"{path}: which particles are the liquid? Give --select {' or --select '.join(parts)}")
+    fluid = [name for name in groups if name.lower() in ("fluid", "liquid", "water")]
+    if fluid or len(groups) == 1:
+        return (fluid or list(groups))[0]
+    raise ConfigError(f"{path}: which particles are the fluid? Give --select {' or --select '.join(groups)}")

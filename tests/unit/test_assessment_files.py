@@ -1,18 +1,18 @@
-"""Files as other codes write them, and how they are placed: the same particles give the same numbers."""
+"""Files as other codes write them, and how they are aligned: the same particles give the same numbers."""
 
 import json
 
+import assessment_case
 import h5py
 import numpy as np
 import pytest
-import referee_case
-from referee_case import TIME, exact, loaded
+from assessment_case import TIME, exact, loaded
 from typer.testing import CliRunner
 
 from tisph import cli, registry
+from tisph.assessment import judge, reading
 from tisph.config import load
 from tisph.errors import ConfigError
-from tisph.referee import judge, reading
 
 
 @pytest.fixture
@@ -32,7 +32,7 @@ def particles():
 
 def l2(particles):
     """The measure of ``tisph bench``."""
-    return referee_case.l2(particles["y"], particles["u"])
+    return assessment_case.l2(particles["y"], particles["u"])
 
 
 def wall_particles(particles):
@@ -194,7 +194,7 @@ def test_axes_and_origin_are_found(tmp_path, config, particles, x, y, u, v):
     found = judge.judge(config, [tmp_path / "turned.csv"], judge.Question(times=(TIME,))).samples[0]
     # particles up to 0.2 spacings off the lattice put the middle between the outermost up to 0.01 off that of the walls
     assert found.numbers["l2"] < 0.1
-    assert found.placed.notes
+    assert found.aligned.notes
 
 
 def test_axes_and_origin_are_taken_as_given(tmp_path, config, particles):
@@ -211,7 +211,7 @@ def test_an_origin_that_is_slightly_off_is_not_hidden(tmp_path, config):
     y = (np.arange(20) + 0.5) / 20
     csv(tmp_path / "shifted.csv", {"y": y + 0.025, "u": exact(y)})
     found = judge.judge(config, [tmp_path / "shifted.csv"], judge.Question(times=(TIME,)))
-    assert found.samples[0].placed.notes == ()
+    assert found.samples[0].aligned.notes == ()
     assert "shift" in {each.fault.name for each in found.diagnoses["20 across"].explaining}
 
 
@@ -230,7 +230,7 @@ def test_order_of_several_resolutions_and_the_way_of_the_error_in_time(tmp_path,
     question = judge.Question(times=(1.8, 2.7))
     found = judge.judge(config, [tmp_path / "at_1.8.csv", tmp_path / "at_2.7.csv"], question)
     assert "grows" in found.trends[0]
-    assert found.samples[1].where["words"].startswith("near the top wall")
+    assert found.samples[1].location["words"].startswith("near the top wall")
 
 
 @pytest.mark.parametrize(

@@ -99,14 +99,14 @@ def _displaced(scene, name, outward, subject, limit):
         if name == "shift":
             return f"{subject} {size} too {'high' if value > 0 else 'low'} in the data ({fitted})"
         if value < 0:
-            return f"{subject} {size} inside the liquid ({fitted})"
-        return f"{subject} {size} outside the liquid ({fitted}), or the liquid slips there with that slip length"
+            return f"{subject} {size} inside the fluid ({fitted})"
+        return f"{subject} {size} outside the fluid ({fitted}), or the fluid slips there with that slip length"
 
     return Fault(name, flow, words, -limit, limit, 0.1, (-0.5, 0.5))
 
 
 def _slip(scene):
-    """The liquid at moving walls is slower than they are by a part of their velocity."""
+    """The fluid at moving walls is slower than they are by a part of their velocity."""
     if not any(wall.largest_speed for _, wall in scene.walls):
         return
 
@@ -116,13 +116,13 @@ def _slip(scene):
     def words(value):
         if value < 0:
             return f"the walls move {-100 * value:.3g} % faster than the config says"
-        return f"the liquid slips: at a moving wall it has {100 * (1 - value):.4g} % of the wall's velocity"
+        return f"the fluid slips: at a moving wall it has {100 * (1 - value):.4g} % of the wall's velocity"
 
     yield Fault("slip", flow, words, -1.0, 1.0, 0.002, (0.01, 0.5))
 
 
 def _start(scene, times):
-    """The start was not at rest, or not the developed flow: superpositions, so of liquids with linear laws only."""
+    """The start was not at rest, or not the developed flow: superpositions, so of fluids with linear laws only."""
     other = replace(scene, initial_state="rest" if scene.settled else "developed", start_time=0.0)
     stops = any(wall.before is not None for _, wall in scene.walls)
     swings = scene.polymer and any(wall.oscillates for _, wall in scene.walls)

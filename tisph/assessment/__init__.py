@@ -1,0 +1,1 @@
+"""Assessment: what the result of any code is worth, judged as tisph judges its own runs."""

@@ -1,1 +1,0 @@
-"""The referee: what the result of any code is worth, judged as tisph judges its own runs."""

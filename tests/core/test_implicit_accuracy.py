@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from implicit_case import IMPLICIT, SLOW, exact_error
+from implicit_case import IMPLICIT, SLOW, exact_error, fix_steps
 
 from tisph.neighbours.points import used
 
@@ -50,7 +50,7 @@ def slow(make, velocity, *overrides):
 def in_steps_of(scheme, length, number, position, velocity):
     """Start again and take ``number`` steps of a given length."""
     scheme.reset()
-    scheme.control.fixed = scheme.control.wish = length
+    fix_steps(scheme, length)
     scheme.start(position, velocity)
     for _ in range(number):
         scheme.advance()

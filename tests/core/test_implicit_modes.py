@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 from tisph.neighbours.points import used
 from tisph.runtime import view
-from tisph.schemes.implicit._control import SAFETY
+from tisph.schemes._step_control import SAFETY
 from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, WEIGHTS
 
 NU, ROWS = 0.01, 12

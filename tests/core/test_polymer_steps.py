@@ -4,7 +4,7 @@ import functools
 
 import numpy as np
 import pytest
-from implicit_case import IMPLICIT, run
+from implicit_case import IMPLICIT, fix_steps, run
 
 from tisph.neighbours.points import used
 from tisph.scenes.channel import Channel
@@ -46,7 +46,7 @@ def test_steps_are_of_third_order_in_velocity_and_stress(make, law):
     states = {}
     for length in (0.1, 0.05, 0.0125):
         scheme = make(law, *DRIVEN, "time.end=0.8", "scheme.largest_strain=2.0")
-        scheme.control.fixed = scheme.control.wish = length
+        fix_steps(scheme, length)
         last = run(scheme)
         states[length] = [last.u] if last.stress_xy is None else [last.u, last.stress_xy, last.stress_xx]
     for rough, fine, truth in zip(*states.values(), strict=True):
@@ -245,7 +245,7 @@ def test_velocities_across_the_channel_die_away_by_the_solvent(make):
     ends = []
     for law in (OLDROYD, "fluid={density: 2.0, kinematic_viscosity: 0.1}"):
         scheme = make(law, *options)
-        scheme.control.fixed = scheme.control.wish = 0.01
+        fix_steps(scheme, 0.01)
         used(scheme.viscous.velocity)[1] = 1e-3 * np.sin(np.pi * scheme.snapshot().y)
         scheme.transverse = True
         scheme.solve(0.01)

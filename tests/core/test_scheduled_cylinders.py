@@ -10,9 +10,9 @@ from tisph.exact.circular_start_up import CircularStartUp
 from tisph.exact.start_up import Polymer
 from tisph.geometry.motion import WallMotion
 from tisph.geometry.schedule import Schedule
-from tisph.schemes._splitting._control import viscous_step
 from tisph.schemes._splitting._forecast import Walk
 from tisph.schemes._splitting._scheme import COURANT, Scheme
+from tisph.schemes._splitting._step_limits import viscous_step
 from tisph.simulation import checkpoint
 from tisph.verification.rheometry import read
 
@@ -88,10 +88,10 @@ def load(tmp_path):
 def test_steps_are_known_before(load):
     pulse = "walls.inner={times: [0.0, 0.1, 0.1], angular_velocities: [1.0, 1.0, 0.0]}"
     annulus = registry.load("scenes", "annulus").Scene.from_config(load(pulse))
-    walk = Walk(annulus, [END], 1e-4, COURANT, viscous_step(annulus.spacing, 1.0))
+    walk = Walk(annulus, [END], 1e-4, COURANT)
     # ``test_a_cylinder_that_stops`` takes 85, as particles are in disorder where the layer is thinner than a spacing
     assert walk.run_to(END) == pytest.approx(85, rel=0.2)
-    assert max(walk.lengths) <= walk.longest <= min(walk.viscous, END)
+    assert max(walk.lengths) <= walk.longest <= min(viscous_step(annulus), END)
 
 
 def test_the_scene_knows_the_schedule(load):

@@ -5,9 +5,9 @@ from kept_program import kept
 
 from tisph import runtime
 from tisph.least_squares import rows
-from tisph.schemes._splitting._control import StepControl
 from tisph.schemes._splitting._flow import PeriodicFlow
 from tisph.schemes._splitting._scheme import COURANT, TOLERANCE, Scheme
+from tisph.schemes._splitting._step_limits import step_control
 
 WAVE = 2 * np.pi
 VISCOSITY = 0.01
@@ -43,8 +43,8 @@ def make(number, *, jitter=0.2, wind=(0, 0), targets=(1.0,), threads=1, precisio
         runtime.start(precision, threads)
         scheme = _built[key] = Scheme(flow(number, cells), targets, threads == 1)
         scheme.built = kept.starts
-    scheme.courant = steps.get("courant", COURANT)
-    scheme.control = StepControl(0.0, targets, steps.get("tolerance", TOLERANCE))
+    limits = steps.get("tolerance", TOLERANCE), steps.get("courant", COURANT)
+    scheme.control = step_control(scheme.flow, targets, *limits)
     scheme.reset()
     position = arrangement(number, jitter, cells)
     u, v, _ = exact(*position.T, 0.0, VISCOSITY)

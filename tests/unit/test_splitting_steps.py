@@ -9,8 +9,9 @@ import pytest
 from tisph.cli.check import estimates
 from tisph.config import load
 from tisph.schemes._splitting import BETWEEN_WALLS, COST, OVERHEAD, _forecast, _longest_steps
-from tisph.schemes._splitting._control import FIRST, LARGEST_FACTOR, SHARE, StepControl
 from tisph.schemes._splitting._series import Times
+from tisph.schemes._splitting._step_limits import FIRST
+from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR
 
 STEPS = [0.3, 0.25, 0.2, 0.28]
 NOW = 1.7
@@ -64,50 +65,6 @@ def test_the_error_is_that_of_the_differences(times):
     assert error == pytest.approx(abs(found - NOW**4), rel=1e-9)
 
 
-def test_steps_grow_by_half_at_most_and_land_on_every_target():
-    control = StepControl(0.0, [0.33, 1.0, 1.5], tolerance=1e-3)
-    control.begin(0.1)
-    time, met, before = 0.0, [], math.inf
-    while not control.finished:
-        length = control.length(time)
-        assert length <= LARGEST_FACTOR * before * (1 + 1e-12)
-        assert length <= 0.1 * (1 + 1e-12)
-        assert control.accepts(0.0, 3, length, 0.0)
-        time, before, left = control.end(time, length), length, len(control.targets)
-        control.step_taken(time, 0.1)
-        if len(control.targets) < left:
-            met.append(time)
-    assert met == [0.33, 1.0, 1.5]
-
-
-def test_steps_end_where_walls_jump_whatever_the_targets():
-    control = StepControl(0.0, [1.0], tolerance=None, changes=(0.4, 3.0))
-    assert control.targets == [0.4, 1.0]
-    control.begin(10.0)
-    assert control.length(0.0) == pytest.approx(0.4 / 2)  # 0.2 is what is wished for: two steps
-    assert control.aim([2.0, 4.0], 1.0)  # what cut steps was no end of the run
-    assert control.targets == [2.0, 3.0, 4.0]
-
-
-def test_a_step_with_too_large_an_error_is_taken_again_and_shorter():
-    control = StepControl(0.0, [10.0], tolerance=1e-3)
-    control.begin(1.0)
-    length = control.length(0.0)
-    assert not control.accepts(1.6e-2, 3, length, 0.0)
-    assert control.length(0.0) == pytest.approx(0.9 * 0.5 * length, rel=1e-12)
-    control.tolerance = None
-    assert control.accepts(1e3, 3, length, 0.0)
-
-
-def test_the_error_of_a_step_is_held_to_no_less_than_a_part_of_what_the_spacing_leaves():
-    control = StepControl(0.0, [10.0], tolerance=1e-6)
-    control.begin(1.0)
-    length = control.length(0.0)
-    assert control.accepts(1e-3, 3, length, 1e-3 / SHARE)
-    assert control.length(0.0) == pytest.approx(0.9 * length, rel=0.1)  # steps of one length up to the target
-    assert not control.accepts(1e-3, 3, length, 0.0)
-
-
 FLOWS = {
     "scene: taylor_green\ngeometry: {length: 1.0}\ninitial: {velocity: 1.0}": (400, 1.0),
     "scene: cavity\ngeometry: {width: 1.0, height: 1.0}\nwalls: {lid: {velocity: 1.0}}": (400, BETWEEN_WALLS),
@@ -124,7 +81,7 @@ def test_where_the_flow_is_not_known_every_start_costs_the_steps_that_it_takes_t
     for changes in ((), (2.0,), (0.5,)):
         scene.changes = changes
         found.append(_longest_steps(scene, [1.0], 0.2, math.inf)[0][0])
-    grow = math.log(1.0 / FIRST) / math.log(LARGEST_FACTOR) - 1.0 / (1.0 - 1.0 / LARGEST_FACTOR)
+    grow = math.log(1.0 / FIRST) / math.log(LARGEST_MULTISTEP_FACTOR) - 1.0 / (1.0 - 1.0 / LARGEST_MULTISTEP_FACTOR)
     assert found == [round(50 + grow), round(50 + grow), round(50 + 2 * grow)]
 
 

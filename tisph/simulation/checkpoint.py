@@ -53,7 +53,7 @@ def restore(path, scheme, config, targets=()):
                 raise ValueError(f"{name} has the shape {file[name].shape}, not {values.shape}")
             values[...] = file[name][()]
         scheme.restore_host_state(host)
-    return made_with == config or scheme.aim(targets)
+    return made_with == config or scheme.set_targets(targets)
 
 
 def _image(path):

@@ -10,7 +10,7 @@ from tisph.schemes._forecast.linear import product
 from tisph.schemes._forecast.stencils import least_squares
 from tisph.schemes.implicit._driven import slides_freely, stages
 from tisph.schemes.implicit._elastic_stages import Flow, even_fit, image_of_stress, polynomial
-from tisph.schemes.implicit._esdirk import GAMMA
+from tisph.schemes.implicit._esdirk import EMBEDDED_ORDER, GAMMA
 from tisph.schemes.implicit._instant import material
 from tisph.schemes.implicit._scheme import MOST_ATTEMPTS, WORST
 
@@ -65,7 +65,7 @@ class ElasticRows:
     @property
     def strained(self):
         """Whether the strain limits the steps."""
-        return self.control.strained(self.steepest)
+        return self.control.is_limited(self.steepest)
 
     def run_to(self, target):
         """Take steps to the time ``target``, one of those that the control meets; after many only count them."""
@@ -81,10 +81,10 @@ class ElasticRows:
         if self.time in control.changes:
             self.stages.turn(self.flow, self.time)
         for _ in range(MOST_ATTEMPTS):
-            length = self.length = control.length(self.time)
+            length = self.length = control.choose_dt(self.time)
             end, error = self.stages.advance(self.flow, self.time, length, EXACT)
             error = WORST if end is None else error / self.channel.reference_velocity
-            if control.accepts(error / control.tolerance, length) and end is not None:
+            if control.accepts(error, EMBEDDED_ORDER, length) and end is not None:
                 break
         else:
             self.beyond = True

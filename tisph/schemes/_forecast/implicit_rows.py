@@ -11,7 +11,7 @@ import numpy as np
 from tisph.schemes._forecast.images import mirrored
 from tisph.schemes._forecast.linear import product
 from tisph.schemes._forecast.stencils import least_squares
-from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, TIMES, WEIGHTS
+from tisph.schemes.implicit._esdirk import EMBEDDED, EMBEDDED_ORDER, GAMMA, STAGES, TIMES, WEIGHTS
 from tisph.schemes.implicit._scheme import SOLVER_TOLERANCE
 from tisph.schemes.implicit._walls import WallSeries
 
@@ -97,7 +97,7 @@ class Rows:
     @property
     def strained(self):
         """Whether the strain limits the steps."""
-        return self.control.strained(self.steepest)
+        return self.control.is_limited(self.steepest)
 
     @property
     def residual(self):
@@ -123,12 +123,12 @@ class Rows:
     def _advance(self):
         """Take one step, in as many attempts as its error asks for."""
         while True:
-            length = self.control.length(self.time)
+            length = self.control.choose_dt(self.time)
             moments = [self.time] if self.walls.steady else [self.time + part * length for part in TIMES]
             sources = [self._source(moment) for moment in moments]
             end, defect = self._step(self.amplitudes, sources * (4 if self.walls.steady else 1), length)
             error = np.linalg.norm(defect) / math.sqrt(self.rows) / self.channel.reference_velocity
-            if self.control.accepts(error / self.control.tolerance, length):
+            if self.control.accepts(error, EMBEDDED_ORDER, length):
                 break
         self.amplitudes = end
         self.time = self.control.end(self.time, length)
@@ -170,10 +170,10 @@ class Rows:
         if control.fixed or self.strained:
             least = max(self.channel.spacing**2 / self.viscosity, self.time - self.channel.start_time)
             reach = min(MANY * least, left, MANY / self._frequency if self._frequency else math.inf)
-            many = int(reach / control.wish) - 1
+            many = int(reach / control.dt_next) - 1
             if many > 1:
-                self._take(many, control.wish)
-                left -= many * control.wish
+                self._take(many, control.dt_next)
+                left -= many * control.dt_next
         if self._frequency and self.steps - self.marked[1] >= PATIENCE:
             since, before = self.marked
             period = 2.0 * math.pi / self._frequency

@@ -1,15 +1,14 @@
 """The implicit scheme where the flow turns: pressure, motion and viscosity of third order in a periodic box."""
 
-import math
-
 import numpy as np
 
 from tisph.geometry.box import box_around
 from tisph.schemes._forecast import Forecast
-from tisph.schemes._splitting._control import FIRST, LARGEST_FACTOR, viscous_step
 from tisph.schemes._splitting._flow import BoundedFlow, PeriodicFlow
 from tisph.schemes._splitting._scheme import SMALLEST_SPEED, TOLERANCE, Scheme
+from tisph.schemes._splitting._step_limits import FIRST, viscous_step
 from tisph.schemes._splitting._walls import Walls
+from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR
 
 COST, OVERHEAD = 3.5e-6, 2e-3
 """Rough cost of one particle and step on two threads, and of a step whatever the number of particles [s]."""
@@ -71,11 +70,11 @@ def estimates(config, scene):
     from tisph.schemes._splitting._forecast import Walk
 
     tolerance, courant = _steps(config)
-    viscous = viscous_step(scene.spacing, scene.kinematic_viscosity, scene.rheology) if scene.bodies else math.inf
+    viscous = viscous_step(scene)
     ends = [*config.time.samples, config.time.end]
     known = "u" in scene.fields
     if known:
-        walk = Walk(scene, sorted(set(ends)), tolerance, courant, viscous)
+        walk = Walk(scene, sorted(set(ends)), tolerance, courant)
         counts, longest, bounded = [walk.run_to(t) for t in ends], walk.longest, walk.bounded
     else:
         (counts, longest), bounded = _longest_steps(scene, ends, courant, viscous), True
@@ -103,7 +102,7 @@ def _longest_steps(scene, ends, courant, viscous):
     speed = max(speed, SMALLEST_SPEED * scene.reference_velocity)
     longest = min(courant * scene.spacing / speed, viscous)
     # steps that grow, less their time
-    begin = np.log(1 / FIRST) / np.log(LARGEST_FACTOR) - 1 / (1 - 1 / LARGEST_FACTOR)
+    begin = np.log(1 / FIRST) / np.log(LARGEST_MULTISTEP_FACTOR) - 1 / (1 - 1 / LARGEST_MULTISTEP_FACTOR)
     begun = [1 + sum(change < t for change in scene.changes) for t in ends]
     return [
         max(1, round(n * begin + (t - scene.start_time) / longest)) for n, t in zip(begun, ends, strict=True)

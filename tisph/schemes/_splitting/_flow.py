@@ -29,6 +29,11 @@ class _Flow(Box):
     changes: tuple[float, ...] = ()
 
     @property
+    def bodies(self):
+        """The bodies whose walls there are."""
+        return self.walls.bodies if self.walls else ()
+
+    @property
     def solvent_viscosity(self):
         """What of the kinematic viscosity is not the polymer's."""
         return self.kinematic_viscosity * (self.rheology.solvent_fraction if self.rheology else 1.0)

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from tisph.schemes._splitting._control import StepControl
 from tisph.schemes._splitting._history import VELOCITIES
 from tisph.schemes._splitting._scheme import MOST_ATTEMPTS, SMALLEST_SPEED
 from tisph.schemes._splitting._series import Times
+from tisph.schemes._splitting._step_limits import FIRST, step_control
 
 SOME = 400
 """Places in the box that are looked at, about, evenly spread."""
@@ -21,16 +21,16 @@ class Walk:
 
     ``bounded``: whether it was as long as Courant or viscous number allow.
 
-    ``tolerance`` and ``courant`` are those of the ``Scheme``, ``viscous`` is its other bound of a step.
+    ``tolerance`` and ``courant`` are those of the ``Scheme``.
     """
 
-    def __init__(self, scene, targets, tolerance, courant, viscous):
-        self.scene, self.courant, self.viscous = scene, courant, viscous
+    def __init__(self, scene, targets, tolerance, courant):
+        self.scene = scene
         self.time, self.steps, self.longest, self.bounded = scene.start_time, 0, 0.0, True
         self.places = _places(scene)
         self.lengths, self.velocities = [], [self._velocities(self.places, self.time)]
-        self.control = StepControl(self.time, targets, tolerance, scene.changes)
-        self.control.begin(self.longest_step)
+        self.control = step_control(scene, targets, tolerance, courant)
+        self.control.dt_next = FIRST * self.longest_step
 
     @property
     def speed(self):
@@ -42,7 +42,7 @@ class Walk:
     @property
     def longest_step(self):
         """As of the ``Scheme``."""
-        return min(self.courant * self.scene.spacing / self.speed, self.viscous)
+        return self.control.limit(self.speed)
 
     def run_to(self, target):
         """Return the steps to the time ``target``, one of those that the control meets; after many only count them."""
@@ -56,9 +56,9 @@ class Walk:
     def _advance(self):
         if self.time in self.scene.changes:
             self.lengths, self.velocities = [], self.velocities[:1]
-            self.control.begin(self.longest_step)
+            self.control.dt_next = FIRST * self.longest_step
         for _ in range(MOST_ATTEMPTS):
-            length = self.control.length(self.time)
+            length = self.control.choose_dt(self.time)
             times = Times([length, *self.lengths], length)
             places = self.places + self._summed(times.path())
             velocities = self._velocities(places, self.time + length)
@@ -72,7 +72,7 @@ class Walk:
         self.velocities = [velocities, *self.velocities][:VELOCITIES]
         self.lengths = [length, *self.lengths][: VELOCITIES - 1]
         self.steps += 1
-        self.control.step_taken(self.time, self.longest_step)
+        self.control.step_taken(self.time, self.speed)
 
     def _velocities(self, places, time):
         return np.stack([self.scene.exact(name, *places.T, time) for name in ("u", "v")], axis=-1)

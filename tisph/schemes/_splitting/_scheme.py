@@ -12,13 +12,13 @@ from tisph.periodic import PeriodicBox
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes._room import clustered
 from tisph.schemes._splitting._bounds import Bounds
-from tisph.schemes._splitting._control import RUNAWAY, StepControl, viscous_step
 from tisph.schemes._splitting._history import PRESSURES, VELOCITIES, History
 from tisph.schemes._splitting._output import carried_in_order, state
 from tisph.schemes._splitting._polymer import Polymer
 from tisph.schemes._splitting._series import Times
 from tisph.schemes._splitting._shift import GONE, Shift
 from tisph.schemes._splitting._split import Split
+from tisph.schemes._splitting._step_limits import FIRST, RUNAWAY, step_control
 from tisph.schemes._splitting._walls import FARTHER, FARTHEST, SEEN
 
 SUPPORT = 2.9
@@ -71,7 +71,7 @@ class Scheme:
     """
 
     def __init__(self, flow, targets, serial, tolerance=TOLERANCE, courant=COURANT):
-        self.flow, self.courant, self.initial_momentum = flow, courant, 0.0
+        self.flow, self.initial_momentum = flow, 0.0
         bounded, reach = flow.walls is not None, (SUPPORT + SKIN) * flow.spacing
         if bounded:
             reach = reach, reach + (SEEN * FARTHER + FARTHEST) * flow.spacing
@@ -89,9 +89,7 @@ class Scheme:
         closure = self.bounds.closure if bounded else None
         self.polymer = Polymer(self.history, flow) if flow.rheology else None
         self.split = Split(self.history, self.lattice, flow, closure, self.polymer)
-        self.control = StepControl(flow.start_time, targets, tolerance, flow.changes)
-        limited = bounded or flow.rheology
-        self.viscous = viscous_step(flow.spacing, flow.kinematic_viscosity, flow.rheology) if limited else math.inf
+        self.control = step_control(flow, targets, tolerance, courant)
         least = ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
         self.residuals = max(PRESSURE_RESIDUAL, least), max(VELOCITY_RESIDUAL, least)
         self.reset()
@@ -127,17 +125,16 @@ class Scheme:
         if self.bounds:
             self.bounds.measure(self.time, self.polymer)
             self.bounds.find_fastest()
-        self.control.begin(self.longest_step)
+        self.begin_steps()
 
     @property
     def speed(self):
         """Largest velocity relative to the mean: what steps and errors refer to."""
         return max(float(view(self.history.fastest)), SMALLEST_SPEED * self.flow.reference_velocity)
 
-    @property
-    def longest_step(self):
-        """Step that the Courant number allows at the present velocities, and between walls the viscous number."""
-        return min(self.courant * self.flow.spacing / self.speed, self.viscous)
+    def begin_steps(self):
+        """Choose the first step, or the first one after a change."""
+        self.control.dt_next = FIRST * self.control.limit(self.speed)
 
     @property
     def finished(self):
@@ -150,7 +147,7 @@ class Scheme:
             self.begin_again()
         unresolved = self.history.divergence_scale * self.flow.spacing / self.speed
         for _ in range(MOST_ATTEMPTS):
-            length = self.control.length(self.time)
+            length = self.control.choose_dt(self.time)
             error, order = self.attempt(length)
             if self.control.accepts(error / self.speed, order, length, unresolved):
                 break
@@ -161,7 +158,7 @@ class Scheme:
         """Forget what was before: no polynomial in time goes on where walls jump, and steps begin as those of a run."""
         self.lengths = []
         self.bounds.jump(self.time)
-        self.control.begin(self.longest_step)
+        self.begin_steps()
 
     def attempt(self, length):
         """Compute the velocities at the end of a step; return their estimated error, and of which order it is."""
@@ -234,7 +231,7 @@ class Scheme:
             self.history.tidy([self.polymer.tensors] if self.polymer else [])
         self.time = self.control.end(self.time, length)
         self.lengths = [length, *self.lengths][: VELOCITIES - 1]
-        self.control.step_taken(self.time, self.longest_step)
+        self.control.step_taken(self.time, self.speed)
         self.steps += 1
         self.shortest, self.longest = min(self.shortest, length), max(self.longest, length)
         self.reduced += int(view(self.rows.reduced))
@@ -285,16 +282,16 @@ class Scheme:
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
         walls = self.bounds.host_state() if self.bounds else None
-        return {**{name: getattr(self, name) for name in HOST_STATE}, "control": vars(self.control), "walls": walls}
+        return {**{name: getattr(self, name) for name in HOST_STATE}, "walls": walls, **self.control.host_state()}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
         for name in HOST_STATE:
             setattr(self, name, state[name])
-        vars(self.control).update(state["control"])
+        self.control.restore_host_state(state)
         if self.bounds:
             self.bounds.restore_host_state(state["walls"])
 
-    def aim(self, targets):
+    def set_targets(self, targets):
         """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""
-        return self.control.aim(targets, self.time)
+        return self.control.set_targets(targets, self.time)

@@ -26,6 +26,8 @@ EMBEDDED = (
 )
 """Weights of the second-order result; the difference from ``WEIGHTS`` estimates the error."""
 
+EMBEDDED_ORDER = 2
+
 
 def guesses():
     """Weights (4, 4) of the rates before a stage in a guess of its velocities: their polynomial, integrated."""

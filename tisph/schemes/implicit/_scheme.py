@@ -11,8 +11,9 @@ from tisph.neighbours.points import Points, used
 from tisph.runtime import view
 from tisph.schemes._momentum import MomentumBalance
 from tisph.schemes._room import clustered
-from tisph.schemes.implicit._control import FIRST, StepControl
+from tisph.schemes._step_control import StepControl
 from tisph.schemes.implicit._dense import DenseOutput
+from tisph.schemes.implicit._esdirk import EMBEDDED_ORDER
 from tisph.schemes.implicit._field import VelocityField
 from tisph.schemes.implicit._ghosts import MirrorGhosts
 from tisph.schemes.implicit._motion import Motion
@@ -43,6 +44,9 @@ TOLERANCE = 3e-7
 MOST_ATTEMPTS = 20
 WORST = 1e6
 """What counts for an error that is infinite, over the reference velocity: the step is taken again."""
+
+FIRST = 0.25
+"""First step in spacing^2 / nu, the time in which a wall that starts moves the row next to it."""
 
 HOST_STATE = ("time", "steps", "rejected", "shortest", "longest", "reduced", "dropped", "projections", "transverse")
 """Attributes of a Scheme that change while it runs."""
@@ -113,14 +117,14 @@ class Scheme:
         if self.time in self.control.changes:
             self.turn()
         for attempt in range(MOST_ATTEMPTS):
-            length = self.control.length(self.time)
+            length = self.control.choose_dt(self.time)
             self.assemble(length, shift=self.steps > 0 and self.smooth and attempt == 0)
             error = self.solve(length)
             if math.isnan(error) or (math.isinf(error) and self.control.fixed):
                 raise DivergedError(
                     f"u, v: the linear systems cannot be solved at step {self.steps + 1}, t = {self.time:.6g}"
                 )
-            if self.control.accepts(min(error, WORST) / self.control.tolerance, length):
+            if self.control.accepts(min(error, WORST), EMBEDDED_ORDER, length):
                 break
             self.rejected += 1
         else:
@@ -270,31 +274,37 @@ class Scheme:
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
         state = {name: getattr(self, name) for name in HOST_STATE}
-        parts = {"control": vars(self.control), "momentum": vars(self.momentum)}
+        parts = {"momentum": vars(self.momentum), **self.control.host_state()}
         return {**state, **parts, **self.viscous.host_state()}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
         for name in HOST_STATE:
             setattr(self, name, state[name])
-        vars(self.control).update({**state["control"], "changes": self.control.changes})  # before a later end are more
+        self.control.restore_host_state(state)
         vars(self.momentum).update(state["momentum"])
         self.walls.enter(self.time)
         self.viscous.restore_host_state(state)
         if self.projections:
             self.viscous.push = self.projection.push
 
-    def aim(self, targets):
+    def set_targets(self, targets):
         """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""
-        return self.control.aim(targets, self.time)
+        return self.control.set_targets(targets, self.time)
 
 
 def control(config, channel, targets):
     """Return the control of the steps that a config asks for."""
-    first = FIRST * channel.spacing**2 / channel.kinematic_viscosity
-    fixed = None
-    if config.time.cfl != "auto":
-        fixed = config.time.cfl * channel.spacing / channel.reference_velocity
     tolerance = TOLERANCE if config.time.tolerance == "auto" else config.time.tolerance
-    changes = {time for wall in (channel.bottom, channel.top) for time in wall.changes if time < max(targets)}
-    return StepControl(channel.start_time, targets, first, tolerance, config.scheme.largest_strain, fixed, changes)
+    changes = {time for wall in (channel.bottom, channel.top) for time in wall.changes}
+    if config.time.cfl != "auto":
+        first = config.time.cfl * channel.spacing / channel.reference_velocity
+        chosen = StepControl(tolerance, lambda _gradient: first, fixed=True, changes=changes)
+    else:
+        first = FIRST * channel.spacing**2 / channel.kinematic_viscosity
+        strain = config.scheme.largest_strain
+        limit = lambda gradient: strain / gradient if gradient > 0.0 else math.inf  # noqa: E731
+        chosen = StepControl(tolerance, limit, changes=changes)
+    chosen.dt_next = first
+    chosen.set_targets(targets, channel.start_time)
+    return chosen

@@ -240,7 +240,7 @@ class Scheme:
         vars(self.plan).update(state["plan"])
         self.surroundings.restore(state["surroundings"])
 
-    def aim(self, targets):
+    def set_targets(self, targets):
         """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""
         same = self.plan.aim(targets)
         if self.finished:  # the rates of the last step are gone: a run that had gone on would predict with them

@@ -1,0 +1,117 @@
+"""Control of the time step: by the estimated error, by a limit that the flow sets, and by the times to be met.
+
+From the error of a step of length dt, over its tolerance, follows the next one, dt (error/tolerance)^(-1/(p+1)) for a
+method of order p, with a margin and within bounds (E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential
+Equations I, Springer 1993, II.4).
+"""
+
+import math
+
+SAFETY = 0.9
+SMALLEST_FACTOR = 0.2
+LARGEST_FACTOR, LARGEST_MULTISTEP_FACTOR = 2.0, 1.5
+"""By how much a step may be longer than the one before: of a one-step method, and of backward differences of third
+order, which are stable up to 1.53, and whose accuracy suffers from every change of the step."""
+
+REJECTED = 1.5
+"""Estimated error over the tolerance above which a step is taken again."""
+
+LAST_STEPS, LAST_MULTISTEPS = 2, 6
+"""The steps before a target that share the time left to it evenly: of a one-step and of a multistep method."""
+
+SHARE = 0.02
+"""Part of the error of the spacing in the velocities, below which the error of a step is not reduced any further:
+velocities of particles vary along their paths as errors in space do, and steps that resolve that are many and no more
+accurate. With 0.05 the error under a regular lid, 25 across, grows by a tenth."""
+
+HOST_STATE = "dt_next", "targets", "cut_by", "last_rejected"
+"""Attributes of a StepControl that change while it is used."""
+
+
+class StepControl:
+    """Chooses steps; what differs between the schemes is given to it. All times are in the units of the config.
+
+    ``dt_next``: the next step, if no target cuts it; the scheme sets the first one. ``targets``: times, ascending, that
+    steps have still to end on exactly; ``cut_by``: the last one that cut a step. ``last_rejected``: length and error
+    of the last attempt, if it was rejected.
+
+    ``tolerance``: of the error of a step. ``limit``: function of what the scheme measures after each step (a velocity
+    gradient, a velocity) that returns the longest step. ``fixed``: whether steps are that long whatever their error.
+    ``multistep``: whether the method uses values of earlier steps. ``changes``: times at which what drives the flow
+    jumps; up to the last target they are targets as well.
+    """
+
+    def __init__(self, tolerance, limit, *, fixed=False, multistep=False, changes=()):
+        self.tolerance, self.limit, self.fixed, self.changes = tolerance, limit, fixed, sorted(changes)
+        self.multistep = multistep
+        self.largest_factor = LARGEST_MULTISTEP_FACTOR if multistep else LARGEST_FACTOR
+        self.last_steps = LAST_MULTISTEPS if multistep else LAST_STEPS
+        self.dt_next = math.inf
+        self.targets, self.cut_by, self.last_rejected = [], None, None
+
+    def set_targets(self, targets, time):
+        """Go on from ``time`` to these targets; return whether no others have cut steps so far."""
+        changes = [change for change in self.changes if change < max(targets)]
+        self.targets = sorted(target for target in {*targets, *changes} if target > time)
+        return self.cut_by is None or self.cut_by in {*targets, *self.changes}
+
+    @property
+    def finished(self):
+        """Whether all targets are met."""
+        return not self.targets
+
+    def choose_dt(self, time):
+        """Return the step to take from ``time``: ``dt_next``, or an even share of what is left to a near target."""
+        left = self.targets[0] - time
+        count = math.ceil(0.999 * left / self.dt_next)
+        if count > self.last_steps:
+            return self.dt_next
+        self.cut_by = self.targets[0]
+        return left / count
+
+    def end(self, time, dt):
+        """Return the time at the end of a step: exactly the target where it meets that."""
+        target = self.targets[0]
+        return target if dt == target - time else time + dt
+
+    def accepts(self, error, order, dt, unresolved=None):
+        """Judge a step of a method of ``order`` by its error; if rejected, ``dt_next`` is what to try instead.
+
+        ``unresolved``: error of the spacing in the velocities, of which that of a step need not be a smaller part than
+        ``SHARE``; None where the estimated error has no part of it. With such a part an error that falls more slowly
+        than this order from one attempt to the next is not caused by the step: where layers are thinner than a
+        spacing velocities that are transferred with a shift are uneven, whatever comes next.
+        """
+        factor = self.largest_factor
+        if not self.fixed:
+            ratio = max(error / max(self.tolerance, SHARE * (unresolved or 0.0)), 1e-12)
+            factor = min(factor, max(SMALLEST_FACTOR, SAFETY * ratio ** (-1 / (order + 1))))
+            if ratio > REJECTED:
+                before, self.last_rejected = self.last_rejected, (dt, error)
+                if before is None or unresolved is None or error < before[1] * (dt / before[0]) ** order:
+                    self.dt_next = dt * min(factor, 0.7)
+                    return False
+                factor = 1.0
+        self.last_rejected = None
+        # that a step of a one-step method was cut short by a target is no reason against longer ones
+        if self.multistep or dt >= 0.999 * self.dt_next or factor < 1.0:
+            self.dt_next = dt * factor
+        return True
+
+    def step_taken(self, time, measured):
+        """Take note of a step that ended at ``time``, after which the scheme ``measured`` what the limit depends on."""
+        if time == self.targets[0]:
+            self.targets.pop(0)
+        self.dt_next = min(self.dt_next, self.limit(measured))
+
+    def is_limited(self, measured):
+        """Tell whether the next step is as long as the limit allows."""
+        return self.dt_next == self.limit(measured)
+
+    def host_state(self):
+        """Return what a resumed run needs."""
+        return {name: getattr(self, name) for name in HOST_STATE}
+
+    def restore_host_state(self, state):
+        """Take up what ``host_state`` returned, among others."""
+        vars(self).update({name: state[name] for name in HOST_STATE})

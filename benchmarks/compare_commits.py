@@ -4,9 +4,10 @@
     python benchmarks/compare_commits.py OLD NEW --errors-only          # every config of OLD once, in one table
 
 OLD and NEW are folders that hold a package ``tisph``, such as clones or ``git worktree``s. In every round each config
-runs once in each checkout, the order alternating, so that whatever else the machine does meets both; a round before the first fills the caches. Times are medians
-of ``cost`` in summary.json: of the time loop, of everything beside it, and of the whole run; behind each ratio are the
-smallest and the largest of the rounds. Of errors the table has the largest ratio over all samples and quantities.
+runs once in each checkout, the order alternating, so that whatever else the machine does meets both; a round before the
+first fills the caches. Times are medians of ``cost`` in summary.json: of the time loop, of everything beside it, and of
+the whole run; behind each ratio are the smallest and the largest of the rounds. Of errors the table has the largest
+ratio over all samples and quantities.
 """
 
 import argparse

@@ -45,6 +45,12 @@ def load(family: str, name: str) -> ModuleType:
     return importlib.import_module(module)
 
 
+def compiled(family: str, name: str) -> ModuleType:
+    """Import what Taichi compiles for a member: the module ``_NAME`` beside it. The member itself needs no Taichi."""
+    _member_file(family, name)
+    return importlib.import_module(f"{FAMILIES[family]}._{name}")
+
+
 def summary(family: str, name: str) -> str:
     """First line of the member's docstring, empty without one; read without importing it."""
     docstring = ast.get_docstring(_syntax_tree(family, name)) or ""

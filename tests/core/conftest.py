@@ -3,7 +3,7 @@
 import pytest
 from kept_program import kept
 
-from tisph import config, registry, runtime
+from tisph import config, runtime, schemes
 from tisph.scenes._motion import WallMotion
 from tisph.scenes.channel import Channel
 from tisph.simulation.run import start_values
@@ -59,7 +59,7 @@ def make_any(tmp_path_factory):
         if fresh:
             runtime.start(settings.discretisation.precision, threads)
         targets = sorted({*settings.time.samples, settings.time.end})
-        scheme = registry.load("schemes", settings.scheme.type).Scheme(settings, channel, targets, threads == 1)
+        scheme = schemes.build(settings, channel, targets, threads == 1)
         if started:
             position, field, stress = start_values(channel, settings.initial)
             if moved:

@@ -123,7 +123,7 @@ def run(settings):
     channel = Channel.from_config(settings)
     runtime.start(settings.discretisation.precision, 1)
     resolved, _ = schemes.resolve(settings)
-    scheme = registry.load("schemes", resolved.scheme.type).Scheme(resolved, channel, [settings.time.end], True)
+    scheme = schemes.build(resolved, channel, [settings.time.end], True)
     scheme.start(*start_values(channel, settings.initial))
     while scheme.steps < STEPS[resolved.scheme.type] and not scheme.finished:
         scheme.advance()

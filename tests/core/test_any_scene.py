@@ -81,7 +81,7 @@ def estimates(settings, scene):
 @pytest.fixture
 def settings(tmp_path, monkeypatch):
     load = registry.load
-    scheme = SimpleNamespace(Scheme=Carried, estimates=estimates, Parameters=load("schemes", "wcsph").Parameters)
+    scheme = SimpleNamespace(build=Carried, estimates=estimates, Parameters=load("schemes", "wcsph").Parameters)
     monkeypatch.setattr(registry, "load", lambda *name: scheme if name == ("schemes", "wcsph") else load(*name))
     monkeypatch.setattr("tisph.config.checks._boxes", lambda scheme: [(True, True)])
     path = tmp_path / "case.yaml"

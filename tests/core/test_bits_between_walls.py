@@ -56,7 +56,7 @@ def start(request, tmp_path_factory):
         settings = config.load(path, ["scheme={type: implicit}", f"discretisation.precision={precision}"])
         runtime.start(precision, threads)
         scene = scenes.of(settings)
-        scheme = registry.load("schemes", "implicit").Scheme(settings, scene, [1.0], threads == 1)
+        scheme = registry.load("schemes", "implicit").build(settings, scene, [1.0], threads == 1)
         scheme.start(*start_values(scene, settings.initial))
         return scheme
 

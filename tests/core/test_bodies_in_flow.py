@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tisph import config, registry, runtime, scenes, schemes
+from tisph import config, runtime, scenes, schemes
 from tisph.scenes._cell.measures import measures
 from tisph.simulation.start import start_values
 
@@ -35,7 +35,7 @@ def make(tmp_path):
         runtime.start("f64", 1)
         scene = scenes.of(settings)
         targets = targets or [settings.time.end]
-        scheme = registry.load("schemes", settings.scheme.type).Scheme(settings, scene, targets, serial=True)
+        scheme = schemes.build(settings, scene, targets, serial=True)
         scheme.start(*start_values(scene, settings.initial))
         return scene, scheme
 

@@ -12,7 +12,7 @@ from tisph.runtime import view
 from tisph.simulation.start import start_values
 from tisph.verification.metrics import field_error, relative_error, sample_metrics
 from tisph.walls._layers import layers_in
-from tisph.walls.virtual_image import RADIUS
+from tisph.walls._virtual_image import RADIUS
 
 ANNULUS = """
 scene: annulus
@@ -58,7 +58,7 @@ def make(load):
         scene = scenes.of(settings)
         threads = settings.runtime.threads
         runtime.start(settings.discretisation.precision, threads)
-        scheme = registry.load("schemes", "wcsph").Scheme(settings, scene, [settings.time.end], threads == 1)
+        scheme = registry.load("schemes", "wcsph").build(settings, scene, [settings.time.end], threads == 1)
         if started:
             scheme.start(*start_values(scene, settings.initial))
         while not scheme.finished and scheme.steps != steps:

@@ -33,7 +33,7 @@ def make(tmp_path_factory):
         scene = scenes.of(settings)
         threads = settings.runtime.threads
         runtime.start(settings.discretisation.precision, threads)
-        scheme = registry.load("schemes", "wcsph").Scheme(settings, scene, [settings.time.end], threads == 1)
+        scheme = registry.load("schemes", "wcsph").build(settings, scene, [settings.time.end], threads == 1)
         if started:
             position, field, _ = start_values(scene, settings.initial)
             scheme.start(position, field if velocity is None else np.broadcast_to(velocity, field.shape))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tisph import config, registry, runtime
+from tisph import config, runtime, schemes
 from tisph.scenes.channel import Channel
 from tisph.schemes._forecast import elastic_rows, explicit_rows, implicit_rows
 from tisph.schemes.implicit._scheme import control
@@ -42,7 +42,7 @@ def case(tmp_path):
 def profiles(settings, channel, times):
     """Yield the scheme at every one of ``times``, and the velocities (rows,) of its rows of particles."""
     runtime.start("f64", 1)
-    scheme = registry.load("schemes", settings.scheme.type).Scheme(settings, channel, times, True)
+    scheme = schemes.build(settings, channel, times, True)
     scheme.start(*start_values(channel, settings.initial))
     for time in times:
         while scheme.time < time:

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from tisph.least_squares import SUPPORT
 from tisph.least_squares.bicgstab import BiCGStab
-from tisph.least_squares.rows import SUPPORT
 from tisph.neighbours.points import used
 from tisph.runtime import view
 

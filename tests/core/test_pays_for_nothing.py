@@ -50,7 +50,7 @@ def build(load):
     def build(*overrides):
         settings = load(*overrides)
         runtime.start(settings.discretisation.precision, 1)
-        scheme = registry.load("schemes", settings.scheme.type).Scheme
+        scheme = registry.load("schemes", settings.scheme.type).build
         return scheme(settings, Channel.from_config(settings), settings.time.samples, serial=True)
 
     return build

@@ -38,7 +38,7 @@ def case(tmp_path):
 def particles(settings, channel):
     """The last snapshot of a run."""
     runtime.start("f64", 1)
-    kind = registry.load("schemes", settings.scheme.type).Scheme
+    kind = registry.load("schemes", settings.scheme.type).build
     scheme = kind(settings, channel, [settings.time.end], True)
     scheme.start(*start_values(channel, settings.initial))
     return run(scheme)

@@ -231,7 +231,7 @@ def test_a_restart_gives_the_bits_of_going_on(tmp_path):
 
     def make():
         runtime.start("f64", 1)
-        return registry.load("schemes", "implicit").Scheme(settings, scene, [1.0], True)
+        return registry.load("schemes", "implicit").build(settings, scene, [1.0], True)
 
     scheme = make()
     scheme.start(*start_values(scene, settings.initial))

@@ -98,7 +98,7 @@ def test_shear_layers_start_without_stress_and_strain_their_polymer(tmp_path):
     assert scene.weissenberg == pytest.approx(0.5)
     assert scene.solvent_viscosity == pytest.approx(0.005)
     runtime.start("f64", 1)
-    scheme = registry.load("schemes", "implicit").Scheme(settings, scene, [1.0], True)
+    scheme = registry.load("schemes", "implicit").build(settings, scene, [1.0], True)
     scheme.start(*start_values(scene, settings.initial))
     for _ in range(3):
         scheme.advance()

@@ -137,7 +137,7 @@ def test_particles_do_what_rows_do(case, liquid):
     settings, channel = case(*slow)
     found = rows(settings, channel)
     runtime.start("f64", 1)
-    scheme = registry.load("schemes", "implicit").Scheme(settings, channel, [settings.time.end], True)
+    scheme = registry.load("schemes", "implicit").build(settings, channel, [settings.time.end], True)
     scheme.start(*start_values(channel, settings.initial))
     last = run(scheme)
     order = np.argsort(last.y, kind="stable")

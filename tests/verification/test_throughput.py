@@ -88,7 +88,7 @@ def test_the_loop_moves_the_same_particles_to_the_same_places(program, tmp_path,
     config, channel = scene(tmp_path, precision, 50)
     position, velocity, _ = start_values(channel, config.initial)
     runtime.start(precision, 1)
-    scheme = registry.load("schemes", "wcsph").Scheme(config, channel, [config.time.end], serial=True)
+    scheme = registry.load("schemes", "wcsph").build(config, channel, [config.time.end], serial=True)
     scheme.start(position, velocity)
     time_step = scheme.length
     while scheme.steps < STEPS:

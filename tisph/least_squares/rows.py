@@ -29,9 +29,6 @@ from tisph.least_squares.elimination import horner, moment_chains, moment_indice
 from tisph.neighbours.points import LANES
 from tisph.runtime import holding, integer, real, scalar, threads, ti, unrolled, view
 
-SUPPORT = {2: 1.9, 4: 2.9}
-"""Radius in particle spacings by order. About 10 and 27 neighbours: 0.1 less, and sheared disorder becomes singular."""
-
 BLOCK = 16
 """Particles whose moments lie side by side: a multiple of every SIMD width."""
 

@@ -15,10 +15,8 @@ import math
 
 import numpy as np
 
+from tisph.neighbours import reach
 from tisph.runtime import integer, real, scalar, ti, view
-
-SKIN = 0.15
-"""Reach beyond the kernel support, in particle spacings: measured best for the sum of pair loops and builds."""
 
 ROOM = 1.6
 """Capacity of a row over the mean number of particles within reach."""
@@ -219,11 +217,6 @@ class VerletLists:
         """
         longest = int(view(self.longest))
         return longest if longest >= self.capacity else 0
-
-
-def reach(cutoff, spacing):
-    """Return the radius of the lists for a kernel support radius ``cutoff``."""
-    return cutoff + SKIN * spacing
 
 
 def row_capacity(radius, spacing):

@@ -9,6 +9,14 @@ def resolve(config):
     return choose(config) if choose else (config, config.scheme.type)
 
 
+def build(config, scene, targets, serial):
+    """Return the scheme of a ``resolve``-d config in a ``scene``, with steps that end on the times ``targets`` exactly.
+
+    ``serial`` compiles loops without threads. Here, and not before, Taichi is imported.
+    """
+    return registry.load("schemes", config.scheme.type).build(config, scene, targets, serial)
+
+
 def lengthened(config, factor):
     """Return a ``resolve``-d config with steps ``factor`` times as long at a spacing that is ``factor`` times as wide.
 

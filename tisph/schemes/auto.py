@@ -8,7 +8,7 @@ from typing import Literal
 
 from tisph import registry
 from tisph.config.base import Model
-from tisph.schemes import _rheologies
+from tisph.schemes import _supported
 
 PERIODIC = [(True, False), (True, True), (False, False)]
 """Boxes that it can have, by whether they are periodic in x and y: those of what it chooses from."""
@@ -42,7 +42,7 @@ def problems(config):
         return
     obstacle = _obstacle(config, implicit)
     if obstacle:
-        yield from _rheologies.problems(config, "wcsph")
+        yield from _supported.problems(config, "wcsph")
     if obstacle and config.time.tolerance != "auto":
         yield "time.tolerance", f"is for scheme implicit, which cannot be taken here: {obstacle}"
 

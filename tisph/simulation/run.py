@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import numpy as np
 
 import tisph
-from tisph import registry, runtime, scenes, schemes
+from tisph import runtime, scenes, schemes
 from tisph.errors import DivergedError, TisphError
 from tisph.folder import Folder
 from tisph.observers._files import replaced
@@ -114,9 +114,8 @@ class Run:
     def _build(self, resume):
         runtime.start(self.config.discretisation.precision, self.threads)
         config, reason = schemes.resolve(self.config)
-        scheme = registry.load("schemes", config.scheme.type).Scheme
         targets = sorted({*config.time.samples, config.time.end})
-        self.scheme = scheme(config, self.channel.in_own_frame(), targets, serial=self.threads == 1)
+        self.scheme = schemes.build(config, self.channel.in_own_frame(), targets, serial=self.threads == 1)
         log.info("scheme %s", reason)
         if resume and not checkpoint.restore(self.folder.checkpoint, self.scheme, self.about.resolved, targets):
             log.warning(OTHER_STEPS)

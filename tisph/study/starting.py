@@ -15,7 +15,8 @@ from tisph import registry
 
 METHOD = "forkserver" if sys.platform == "linux" else "spawn"
 
-IMPORTED = ("tisph.cli", "tisph.simulation", *registry.modules("scenes"), *registry.modules("schemes"))
+COMPILED = ("tisph.schemes.implicit._scheme", "tisph.schemes.wcsph._scheme")
+IMPORTED = ("tisph.cli", "tisph.simulation", *registry.modules("scenes"), *registry.modules("schemes"), *COMPILED)
 """What the server imports; a run imports the rest that it needs."""
 
 

@@ -9,14 +9,12 @@ class WallTreatment:
 
     ``gathers`` tells whether a loop over the wall particles follows the one over the fluid, ``tracks_walls``
     whether one over points of the walls comes before it. ``looks_inside``: the lists of wall particles are those of
-    their mirror points. ``obeys_momentum``: image velocities follow from the momentum equation at the wall. ``liquid``
-    is the ``Liquid``, ``parameters`` the treatment's own from the config.
+    their mirror points. ``liquid`` is the ``Liquid``, ``parameters`` the treatment's own from the config.
     """
 
     gathers = False
     tracks_walls = False
     looks_inside = False
-    obeys_momentum = False
 
     def __init__(self, lists, kernel, liquid, parameters):
         self.particles = lists.particles

@@ -8,23 +8,10 @@ wall: ``_circles.py``.
 
 from typing import Literal
 
-from tisph.config.base import Model
-from tisph.runtime import ti
-from tisph.walls._circles import CircleImages
-from tisph.walls._images import ImageWalls
+from tisph.walls._parameters import WallParameters
 
 
-class Parameters(Model):
+class Parameters(WallParameters):
     """No parameters: the images follow from the fluid."""
 
     type: Literal["comoving_image"] = "comoving_image"
-
-
-@ti.data_oriented
-class Treatment(ImageWalls):
-    """Mirror images as their base has them."""
-
-
-@ti.data_oriented
-class BodyTreatment(CircleImages):
-    """At the walls of circles."""

@@ -18,70 +18,14 @@ wall is steady, nothing drives the liquid and it carries no stress, u_nn = 0: th
 cost. A wall whose velocity jumps at the start accelerates infinitely for no time: ``schemes/wcsph/_impulse.py``.
 """
 
-from typing import Literal
+from typing import ClassVar, Literal
 
-from tisph.config.base import Model
-from tisph.runtime import ti
-from tisph.walls._images import ImageWalls
-from tisph.walls._track import WallTrack
+from tisph.walls._parameters import WallParameters
 
 
-class Parameters(Model):
+class Parameters(WallParameters):
     """No parameters: the images follow from the fluid and the momentum equation."""
 
+    obeys_momentum: ClassVar[bool] = True
+
     type: Literal["consistent_image"] = "consistent_image"
-
-
-@ti.data_oriented
-class Treatment(ImageWalls):
-    """Mirror images corrected by the curvature that the velocity has at the wall."""
-
-    obeys_momentum = True
-
-    def __init__(self, lists, kernel, liquid, parameters):
-        super().__init__(lists, kernel, liquid, parameters)
-        self.liquid = liquid
-        self.tracks_walls = liquid.carries_stress
-        self.corrects = self.tracks_walls or self.domain.driven or self.domain.oscillates
-        if self.tracks_walls:
-            self.track = WallTrack(lists, liquid, self.domain.columns)
-
-    def load(self, channel):
-        """Place the tracked points on the walls."""
-        if self.tracks_walls:
-            self.track.load(channel)
-
-    def parts(self):
-        """Return what else holds fields, by name."""
-        return {"track": self.track} if self.tracks_walls else {}
-
-    def lay_out(self, now):
-        """Lay out the images after a sort, and see to it that tracked points find their particles."""
-        if self.tracks_walls:
-            self.track.locate()
-        self.lay_out_images(now)
-
-    @ti.func
-    def image_velocity(self, top: ti.template(), position, velocity):
-        """Return the velocity of the image of a particle: reflected about that of the wall, on a curved profile."""
-        image = ti.Vector([2.0 * self.domain.wall_velocity(top) - velocity.x, -velocity.y])
-        if ti.static(self.corrects):
-            distance = self.domain.inside(top, position.y)
-            image.x += distance * distance * self.curvature(top, position)
-        return image
-
-    @ti.func
-    def curvature(self, top: ti.template(), position):
-        """Return the second derivative of the velocity across the wall below or above a particle."""
-        curvature = self.domain.relative_acceleration(top) / self.liquid.kinematic_viscosity[None]
-        if ti.static(self.tracks_walls):
-            curvature = self.track.curvature_at(top, position.x)
-        return curvature
-
-    @ti.func
-    def image_stress(self, top: ti.template(), position, stress):
-        """Return the polymer stress of the image: continued with its slope at the wall."""
-        height = self.domain.inside(top, position.y)
-        if ti.static(top):
-            height = -height
-        return stress - 2.0 * height * self.track.slope_at(top, position.x)

@@ -33,7 +33,7 @@ class Rows:
         self.laplacian = self._banded(laplacian) / channel.spacing**2
         self.across = self._banded(across) / channel.spacing
         treatment = config.walls.treatment
-        self.obeys_momentum = registry.load("walls", treatment.type).Treatment.obeys_momentum
+        self.obeys_momentum = treatment.obeys_momentum
         self.shares, self.wall = images(treatment, self.kernel, self.ratio, self.layers, self.rows)
         self.depths = (np.arange(self.layers) + 0.5) * channel.spacing
         self.heights = (np.arange(self.rows) + 0.5) * channel.spacing

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from tisph.least_squares.rows import SUPPORT
+from tisph.least_squares import SUPPORT
 
 SHIFTS = 8
 """Places of sliding rows over one another, over which their viscosity is averaged."""

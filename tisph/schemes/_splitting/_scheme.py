@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from tisph.errors import DivergedError
+from tisph.least_squares import SKIN
 from tisph.least_squares.lattice import Lattice
 from tisph.least_squares.rows import LeastSquaresRows
 from tisph.neighbours.points import Points, used
@@ -27,9 +28,6 @@ broken up; above it the pressure has larger errors."""
 
 SMALLEST_PIVOT = 1e-3
 """Of the rows: those of order 2, which would take over, are worse than any of order 4 that can be solved for."""
-
-SKIN = 0.1
-"""Room, in particle spacings, for the pairs that shifting brings together after they were listed."""
 
 DECAY = 0.3, 10.0
 """Where steps are short divergence decays at the rate 0.3 nu/spacing^2 + 10 U/spacing. A larger second number moves

@@ -15,14 +15,9 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from tisph.config.base import Model
-from tisph.least_squares.rows import SUPPORT
-from tisph.schemes import _rheologies
-from tisph.schemes._estimate import implicit
-from tisph.schemes.implicit import _scheme
-from tisph.schemes.implicit._scheme import SKIN, control
+from tisph.least_squares import SKIN, SUPPORT
+from tisph.schemes import _supported
 from tisph.schemes.implicit._walls import OBEY_MOMENTUM
-
-__all__ = ["Parameters", "Scheme", "estimates", "problems"]
 
 PERIODIC = [(True, False), (True, True), (False, False)]
 """Boxes that it can have, by whether they are periodic in x and y."""
@@ -53,13 +48,15 @@ class Parameters(Model):
     largest_courant: Annotated[float, Field(gt=0, le=1)] = 0.3
 
 
-def Scheme(config, scene, targets, serial):  # noqa: N802 (what other schemes have is a class)
+def build(config, scene, targets, serial):
     """Return the scheme that a scene needs: without a pressure where the flow is parallel."""
     if not scene.parallel:
-        from tisph.schemes import _splitting  # of no use to the others
+        from tisph.schemes import _splitting
 
         return _splitting.scheme(config, scene, targets, serial)
-    return _scheme.Scheme(config, scene, targets, serial)
+    from tisph.schemes.implicit._scheme import Scheme
+
+    return Scheme(config, scene, targets, serial)
 
 
 def lengthened(config, factor):
@@ -82,10 +79,10 @@ def lengthened(config, factor):
 def usual_tolerance(turns):
     """Return the tolerance of a step where a config gives none; ``turns``: whether the flow does."""
     if not turns:
-        return _scheme.TOLERANCE
-    from tisph.schemes import _splitting
-
-    return _splitting.TOLERANCE
+        from tisph.schemes.implicit._scheme import TOLERANCE
+    else:
+        from tisph.schemes._splitting import TOLERANCE
+    return TOLERANCE
 
 
 def orders(config):
@@ -98,7 +95,7 @@ def orders(config):
 
 def problems(config):
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
-    yield from _rheologies.problems(config, "implicit")
+    yield from _supported.problems(config, "implicit")
     if not config.parallel:
         yield from _problems_without_walls(config)
         return
@@ -129,4 +126,7 @@ def estimates(config, channel):
         from tisph.schemes import _splitting
 
         return _splitting.estimates(config, channel)
+    from tisph.schemes._estimate import implicit
+    from tisph.schemes.implicit._scheme import control
+
     return implicit(config, channel, control(config, channel, sorted({*config.time.samples, config.time.end})))

@@ -6,7 +6,8 @@ import numpy as np
 
 from tisph.domain import Domain
 from tisph.errors import DivergedError
-from tisph.least_squares.rows import SUPPORT, LeastSquaresRows
+from tisph.least_squares import SKIN, SUPPORT
+from tisph.least_squares.rows import LeastSquaresRows
 from tisph.neighbours.points import Points, used
 from tisph.runtime import view
 from tisph.schemes._momentum import MomentumBalance
@@ -24,9 +25,6 @@ from tisph.schemes.implicit._virtual import VirtualGhosts
 from tisph.schemes.implicit._viscous import ViscousStep
 from tisph.schemes.implicit._walls import WallSeries
 from tisph.snapshot import STRESSES, Snapshot
-
-SKIN = 0.1
-"""Room, in particle spacings, for the pairs that shifting brings together after they were listed."""
 
 SOLVER_TOLERANCE = 1e-3
 """Residual of a linear system, as a part of the tolerance of a step."""

@@ -13,13 +13,9 @@ from tisph.config import lattice
 from tisph.config.base import Model
 from tisph.config.fields import member_name
 from tisph.equation_of_state import Tait
-from tisph.neighbours.verlet import reach
-from tisph.schemes import _rheologies
-from tisph.schemes._estimate import explicit
-from tisph.schemes.wcsph._scheme import Scheme
-from tisph.schemes.wcsph._surroundings import AROUND_BODIES
-
-__all__ = ["Parameters", "Scheme", "estimates", "orders", "problems"]
+from tisph.neighbours import reach
+from tisph.schemes import _supported
+from tisph.schemes._supported import AROUND_BODIES
 
 PERIODIC = [(True, False), (True, True), (False, False)]
 """Boxes that it can have, by whether they are periodic in x and y."""
@@ -38,9 +34,16 @@ class Parameters(Model):
     artificial_viscosity: float = Field(default=0.0, ge=0, le=10)
 
 
+def build(config, scene, targets, serial):
+    """Return the scheme of a scene."""
+    from tisph.schemes.wcsph._scheme import Scheme
+
+    return Scheme(config, scene, targets, serial)
+
+
 def problems(config):
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
-    yield from _rheologies.problems(config, "wcsph")
+    yield from _supported.problems(config, "wcsph")
     if config.time.tolerance != "auto":
         yield "time.tolerance", "is for scheme implicit, which estimates the error of its steps; wcsph has time.cfl"
     if config.fluid.rheology.carries_stress and config.scheme.operators != "consistent":
@@ -84,4 +87,6 @@ def orders(config):
 
 def estimates(config, channel):
     """Return what ``tisph check`` says of a run of this scheme."""
+    from tisph.schemes._estimate import explicit
+
     return explicit(config, channel)

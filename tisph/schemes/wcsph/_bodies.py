@@ -8,8 +8,9 @@ from tisph import registry
 from tisph.geometry.box import box_around
 from tisph.periodic import PeriodicBox
 from tisph.runtime import view
+from tisph.schemes._supported import AROUND_BODIES
 from tisph.schemes.wcsph._loads import Loads
-from tisph.schemes.wcsph._surroundings import AROUND_BODIES, OpenBox
+from tisph.schemes.wcsph._surroundings import OpenBox
 from tisph.snapshot import Bodies
 
 STATE = "middle", "built", "compression"
@@ -27,7 +28,7 @@ class SolidBodies(OpenBox):
         super().__init__(config, scene)
         self.scene, self.parameters = scene, config.walls.treatment
         name = self.parameters.type if self.parameters else AROUND_BODIES[0]
-        self.treatment = registry.load("walls", name).BodyTreatment
+        self.treatment = registry.compiled("walls", name).BodyTreatment
         self.layers = self.treatment.arrange(scene.bodies, scene.spacing, radius)
         self.slots = self.layers.slots
         corners = scene.origin, np.add(scene.origin, scene.extent)

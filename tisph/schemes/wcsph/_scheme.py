@@ -12,8 +12,9 @@ import numpy as np
 from tisph import registry
 from tisph.equation_of_state import compression, pressure, sound_speed
 from tisph.liquid import Liquid
+from tisph.neighbours import reach
 from tisph.neighbours.cells import Cells
-from tisph.neighbours.verlet import VerletLists, reach
+from tisph.neighbours.verlet import VerletLists
 from tisph.particles import Particles
 from tisph.runtime import view
 from tisph.schemes._plan import StepPlan
@@ -43,7 +44,7 @@ class Scheme:
         kernel = registry.load("kernels", config.discretisation.kernel)
         operators = registry.load("operators", config.scheme.operators).Operators
         rheology = config.fluid.rheology
-        stress = registry.load("rheology", rheology.type).Stress(channel) if rheology.carries_stress else None
+        stress = registry.compiled("rheology", rheology.type).Stress(channel) if rheology.carries_stress else None
         self.channel = channel
         self.serial = serial
         self.equation_of_state = config.scheme.equation_of_state

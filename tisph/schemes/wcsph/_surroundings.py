@@ -12,9 +12,6 @@ from tisph.schemes._momentum import MomentumBalance, WallForces
 from tisph.schemes.wcsph._impulse import ImpulsiveStart
 from tisph.walls._treatment import WallTreatment
 
-AROUND_BODIES = ("adami", "virtual_image", "comoving_image")
-"""Wall treatments that there are at walls of bodies; the first one where a config names none."""
-
 
 def surroundings(config, scene, radius):
     """Return what is around the liquid of a ``scene``, for lists of this ``radius``."""
@@ -39,7 +36,7 @@ class PlaneWalls:
     def __init__(self, config, channel, radius):
         self.channel, self.parameters = channel, config.walls.treatment
         self.box = channel
-        self.treatment = registry.load("walls", self.parameters.type).Treatment
+        self.treatment = registry.compiled("walls", self.parameters.type).Treatment
         self.slots = self.treatment.wall_slots(channel, radius)
         self.domain = Domain(channel)
         self.balance = MomentumBalance(channel.start_time)
@@ -58,7 +55,7 @@ class PlaneWalls:
 
     def jump(self, stepper, now):
         """Give the liquid in buffer ``now`` the impulse of walls that jump at the start."""
-        if self.walls.obeys_momentum and any(self.channel.wall_jumps):
+        if self.parameters.obeys_momentum and any(self.channel.wall_jumps):
             self.balance.impulse = ImpulsiveStart(stepper).apply(now, self.channel.wall_jumps)
             self.walls.lay_out(now)
 

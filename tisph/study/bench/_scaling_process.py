@@ -10,7 +10,7 @@ import json
 import sys
 import time
 
-from tisph import registry, runtime, scenes, schemes
+from tisph import runtime, scenes, schemes
 from tisph.config import load, memory
 from tisph.simulation.results import peak_memory_mb
 from tisph.simulation.run import start_values, threads
@@ -50,8 +50,7 @@ def main(path, seconds):
     count = threads(config, scene)
     runtime.start(config.discretisation.precision, count)
     chosen, _ = schemes.resolve(config)
-    build = registry.load("schemes", chosen.scheme.type).Scheme
-    scheme = build(chosen, scene, [config.time.end], serial=count == 1)
+    scheme = schemes.build(chosen, scene, [config.time.end], serial=count == 1)
     scheme.start(*start_values(scene, config.initial))
     advance(scheme, 0.0, WARM_UP)
     clock = Clock(scheme, {"assembly": (("rows", "assemble"),)})

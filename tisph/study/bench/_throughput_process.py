@@ -12,7 +12,7 @@ import time
 from collections import Counter
 from functools import partial
 
-from tisph import registry, runtime, scenes
+from tisph import runtime, scenes, schemes
 from tisph.config import load, memory
 from tisph.runtime import real, ti
 from tisph.schemes._momentum import EVERY_STEP_UNTIL
@@ -173,7 +173,7 @@ def main(path, seconds):
     channel = scenes.of(config)
     runtime.start(config.discretisation.precision, config.runtime.threads)
     kind, threads = config.scheme.type, config.runtime.threads
-    scheme = registry.load("schemes", kind).Scheme(config, channel, [config.time.end], serial=threads == 1)
+    scheme = schemes.build(config, channel, [config.time.end], serial=threads == 1)
     start = partial(scheme.start, *start_values(channel, config.initial))
     found = (time_implicit if kind == "implicit" else time_explicit)(scheme, start, float(seconds))
     particles = channel.rows * channel.columns

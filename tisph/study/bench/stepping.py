@@ -14,7 +14,7 @@ import time
 from collections import deque
 from pathlib import Path
 
-from tisph import registry, runtime, scenes, schemes
+from tisph import runtime, scenes, schemes
 from tisph.config import load
 from tisph.observers.history import History
 from tisph.runtime import ti
@@ -38,9 +38,7 @@ class Stepping:
         self.channel = scenes.of(config)
         runtime.start(config.discretisation.precision, 1)
         chosen, _ = schemes.resolve(config)
-        self.scheme = registry.load("schemes", chosen.scheme.type).Scheme(
-            chosen, self.channel, [config.time.end], serial=True
-        )
+        self.scheme = schemes.build(chosen, self.channel, [config.time.end], serial=True)
         self.scheme.start(*start_values(self.channel, config.initial))
         if without_shifting:
             self.scheme.shift.spread = lambda: False

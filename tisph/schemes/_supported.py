@@ -1,4 +1,4 @@
-"""Which rheologies each scheme serves, and which a wall that is driven by a stress."""
+"""What each scheme supports: rheologies, ways to drive a wall, wall treatments at bodies."""
 
 SERVED = {
     "implicit": [
@@ -14,6 +14,9 @@ SERVED = {
     ],
     "wcsph": ["newtonian", "oldroyd_b"],
 }
+
+AROUND_BODIES = ("adami", "virtual_image", "comoving_image")
+"""Wall treatments of the explicit scheme at walls of bodies; the first one where a config names none."""
 
 DRIVEN = [("bottom", "driven"), ("top", "driven")]
 """Walls that a stress may drive, and the property that says so."""

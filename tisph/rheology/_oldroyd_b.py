@@ -1,0 +1,35 @@
+"""The stress of ``oldroyd_b.py`` as the explicit scheme's particles carry it: S itself, not the conformation."""
+
+from tisph.runtime import scalar, ti
+
+
+@ti.data_oriented
+class Stress:
+    """The law of the polymer stress that particles carry: (xx, xy, yy) over the reference density."""
+
+    def __init__(self, channel):
+        self.relaxation_rate = scalar(1.0 / channel.polymer.relaxation_time)
+        self.modulus = scalar(channel.polymer_viscosity / channel.polymer.relaxation_time)
+
+    @ti.func
+    def rate(self, stress, gradient):
+        """Return dS/dt = L S + S L^T - S/lambda + G (L + L^T) for L = ``gradient``, with G = eta_p/lambda."""
+        return self.stretched(stress, gradient) - self.relaxation_rate[None] * stress + self.strained(gradient)
+
+    @ti.func
+    def stretched(self, stress, gradient):
+        """Return L S + S L^T: stress carried along with the deformation."""
+        xx, xy, yy = stress[0], stress[1], stress[2]
+        return ti.Vector(
+            [
+                2.0 * (gradient[0, 0] * xx + gradient[0, 1] * xy),
+                gradient[0, 1] * yy + gradient[1, 0] * xx + (gradient[0, 0] + gradient[1, 1]) * xy,
+                2.0 * (gradient[1, 0] * xy + gradient[1, 1] * yy),
+            ]
+        )
+
+    @ti.func
+    def strained(self, gradient):
+        """Return G (L + L^T): stress that the deformation makes anew."""
+        shear = gradient[0, 1] + gradient[1, 0]
+        return self.modulus[None] * ti.Vector([2.0 * gradient[0, 0], shear, 2.0 * gradient[1, 1]])

@@ -1,0 +1,79 @@
+"""What Taichi compiles for ``virtual_image.py``, where its formulas are."""
+
+from tisph.runtime import real, scalar, ti
+from tisph.walls._dummies import Dummies, DummyWalls
+from tisph.walls._layers import LayerWalls
+
+RADIUS = 0.75
+"""Radius of the fit over the cutoff: what lists that look inside are complete for (neighbours/verlet.py)."""
+
+SMALLEST_DETERMINANT = 1e-6
+"""Of the moments, with lengths over the radius and the weights' sum as one: below, the points lie on a line."""
+
+
+@ti.data_oriented
+class Reflections(Dummies):
+    """Reflection of the velocity fitted at the mirror point."""
+
+    looks_inside = True
+
+    def __init__(self, lists, kernel, liquid, parameters, *layers):
+        super().__init__(lists, kernel, liquid, parameters, *layers)
+        self.value = ti.func(kernel.value)
+        self.support = kernel.SUPPORT
+        self.radius = scalar(RADIUS * lists.cutoff)
+        self.vector, self.tensor = ti.types.vector(2, real()), ti.types.vector(3, real())
+        self.matrix = ti.types.matrix(3, 3, real())
+
+    @ti.func
+    def extrapolate(self, buffer, k):
+        """Set what image ``k`` carries; without fluid around its virtual point, the velocity of the wall."""
+        total, coefficients = self.fit(buffer, k)
+        if total > 0.0:
+            velocity, pressure, stress = self.vector(0.0), 0.0, self.tensor(0.0)
+            for n in range(self.lists.count[k]):
+                j = self.lists.table[k, n]
+                weight, basis = self.weighted_basis(buffer, k, j)
+                share = weight * coefficients.dot(basis)
+                velocity += share * self.particles.mid_velocity[buffer, j]
+                pressure += share * self.particles.mid_pressure[buffer, j]
+                if ti.static(self.particles.carries_stress):
+                    stress += share * self.particles.mid_stress[buffer, j]
+            if ti.static(self.accelerates):
+                across = self.lists.centre(buffer, k) - self.particles.mid_position[buffer, k]
+                pressure += self.acceleration_at(k).dot(across)
+            self.give(buffer, k, 2.0 * self.velocity_at(buffer, k) - velocity, pressure, stress)
+        else:
+            self.give_wall_values(buffer, k)
+
+    @ti.func
+    def fit(self, buffer, k):
+        """Return the sum of the weights and the coefficients c of the value at V, sum_j w_j (c . basis_j) f_j."""
+        moments = self.matrix(0.0)
+        for n in range(self.lists.count[k]):
+            weight, basis = self.weighted_basis(buffer, k, self.lists.table[k, n])
+            moments += weight * basis.outer_product(basis)
+        total = moments[0, 0]
+        coefficients = ti.Vector([1.0 / ti.max(total, 1e-30), 0.0, 0.0])
+        if moments.determinant() > SMALLEST_DETERMINANT * total**3:
+            inverse = moments.inverse()
+            coefficients = ti.Vector([inverse[0, 0], inverse[1, 0], inverse[2, 0]])
+        return total, coefficients
+
+    @ti.func
+    def weighted_basis(self, buffer, k, j):
+        """Return the weight of fluid particle ``j`` at the virtual point of image ``k``, and (1, x, y) around it."""
+        apart = self.particles.mid_position[buffer, j] - self.lists.centre(buffer, k)
+        apart = self.domain.shortest(apart) / self.radius[None]
+        weight = self.value(self.support * ti.sqrt(apart.dot(apart)))
+        return weight, ti.Vector([1.0, apart.x, apart.y])
+
+
+@ti.data_oriented
+class Treatment(Reflections, DummyWalls):
+    """At the walls of a channel."""
+
+
+@ti.data_oriented
+class BodyTreatment(Reflections, LayerWalls):
+    """At the walls of bodies."""

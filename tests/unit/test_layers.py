@@ -1,4 +1,4 @@
-"""Imports run strictly downwards, and everything that needs no Taichi works without it."""
+"""Imports run strictly downwards without any circle, and everything that needs no Taichi works without it."""
 
 import ast
 import pkgutil
@@ -36,27 +36,114 @@ LEVELS = [
     ["interface"],
 ]
 LEVEL_OF = {part: level for level, parts in enumerate(LEVELS) for part in parts}
-WITHOUT_TAICHI = ["bodies", "config", "scenes", "exact", "geometry", "verification", "report", "assessment"]
+WITHOUT_TAICHI = ["bodies", "config", "scenes", "exact", "geometry", "verification", "report", "assessment", "kernels"]
 FILES = sorted(PACKAGE.rglob("*.py"))
+BY_NAME = {"tisph/registry.py", "tisph/__init__.py", "tisph/assessment/reading.py", "tisph/cli/bench.py"}
+BY_NAME |= {"tisph/results/export/__init__.py"}
+"""Files that import modules whose names are put together: members of a folder, and the public names."""
+
+FRONT_DOOR = {"__version__", "PROCESS_START", "__file__"}
+"""What the package's own files may take from ``tisph/__init__.py``, which imports the rest on first use."""
+
+LEFT_FILES = {"tisph.schemes.implicit._plate_step", "tisph.schemes.implicit._viscoelastic"}
+LEFT_PACKAGES = {"tisph.schemes._forecast", "tisph.schemes._splitting", "tisph.schemes.implicit"}
+
+
+def module_of(path):
+    """Dotted name of the module in the file ``path``."""
+    parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
 def part_of(path):
+    """Folder or file right below the package that ``path`` belongs to."""
     relative = path.relative_to(PACKAGE)
     return relative.parts[0].removesuffix(".py")
 
 
+MODULES = {module_of(path): path for path in FILES}
 PARTS = {part_of(path) for path in FILES}
 
 
-def imported_modules(path):
+def is_for_types_only(node):
+    """Whether a node is ``if TYPE_CHECKING:``, whose imports never run."""
+    return isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+
+
+def nodes(path, types=True):
+    """All syntax nodes of a file; those below ``if TYPE_CHECKING`` only with ``types``."""
+    waiting = [ast.parse(path.read_text(encoding="utf-8"))]
+    while waiting:
+        node = waiting.pop()
+        yield node
+        waiting += [each for each in ast.iter_child_nodes(node) if types or not is_for_types_only(each)]
+
+
+def imported_modules(path, types=True):
     """Dotted names of all modules that a file imports, also inside functions."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in nodes(path, types):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}: relative import"
             # `from tisph import config` names its module in the list
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def file_graph():
+    """Modules of the package that each of its modules imports when it runs, lazily or not, without the front door."""
+
+    def found(name):
+        while name and name not in MODULES:
+            name = name.rpartition(".")[0]
+        return name
+
+    return {
+        module: {found(name) for name in imported_modules(path, types=False)} & MODULES.keys() - {module, "tisph"}
+        for module, path in MODULES.items()
+        if module != "tisph"
+    }
+
+
+def circles(graph):
+    """Sets of nodes that reach one another (Tarjan's strongly connected components), those of one node left out."""
+    index, low, stack, found = {}, {}, [], []
+
+    def visit(node):
+        index[node] = low[node] = len(index)
+        stack.append(node)
+        for other in graph.get(node, ()):
+            if other not in index:
+                visit(other)
+            if other in stack:
+                low[node] = min(low[node], low[other])
+        if low[node] == index[node]:
+            circle = set(stack[stack.index(node) :])
+            del stack[stack.index(node) :]
+            if len(circle) > 1:
+                found.append(circle)
+
+    for node in graph:
+        if node not in index:
+            visit(node)
+    return found
+
+
+def package_of(module):
+    """The package that a module belongs to: its folder, however deep."""
+    path = MODULES[module]
+    return module if path.name == "__init__.py" else module.rpartition(".")[0]
+
+
+def package_graph(graph):
+    """Packages that each package imports; a package and one inside it count as one."""
+    found = {}
+    for module, imported in graph.items():
+        for other in imported:
+            one, another = package_of(module), package_of(other)
+            if not (f"{one}.".startswith(f"{another}.") or f"{another}.".startswith(f"{one}.")):
+                found.setdefault(one, set()).add(another)
+    return found
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
@@ -72,6 +159,45 @@ def test_imports_run_downwards(path):
             assert LEVEL_OF[other] < LEVEL_OF[part], f"{part} imports {module}"
 
 
+def test_no_files_import_one_another_in_a_circle():
+    assert [each for each in circles(file_graph()) if not each <= LEFT_FILES] == []
+
+
+def test_no_packages_import_one_another_in_a_circle():
+    assert [each for each in circles(package_graph(file_graph())) if not each <= LEFT_PACKAGES] == []
+
+
+def test_circles_are_found():
+    assert circles({"a": {"b"}, "b": {"c"}, "c": {"b", "d"}, "d": set()}) == [{"b", "c"}]
+
+
+def test_names_of_modules_are_put_together_in_few_places():
+    """Elsewhere ``import_module`` would hide an import from this file."""
+    users = {
+        path.relative_to(PACKAGE.parent).as_posix()
+        for path in FILES
+        for node in nodes(path)
+        if isinstance(node, ast.Call) and ast.unparse(node.func).rpartition(".")[2] in ("import_module", "__import__")
+    }
+    assert users <= BY_NAME
+
+
+def test_nothing_inside_uses_the_front_door():
+    for path in FILES:
+        taken = {
+            ast.unparse(node).partition(".")[2]
+            for node in nodes(path)
+            if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "tisph"
+        }
+        taken |= {
+            alias.name
+            for node in nodes(path)
+            if isinstance(node, ast.ImportFrom) and node.module == "tisph"
+            for alias in node.names
+        }
+        assert taken <= FRONT_DOOR | PARTS, path
+
+
 def test_taichi_is_imported_in_one_place():
     importers = {
         part_of(path) for path in FILES for module in imported_modules(path) if module.split(".")[0] == "taichi"
@@ -85,6 +211,18 @@ def test_kernel_files_do_not_postpone_annotations():
     assert bad == []
 
 
+def imports_taichi(program):
+    """Whether a Python program of its own imports Taichi; that it runs is asserted."""
+    done = subprocess.run(
+        [sys.executable, "-c", f"import sys\n{program}\nprint('taichi' in sys.modules)"],
+        cwd=PACKAGE.parent,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip().splitlines()[-1] == "True"
+
+
 def modules_without_taichi():
     yield from ("tisph", "tisph.snapshot", "tisph.errors", "tisph.registry", "tisph.equation_of_state", "tisph.cli")
     for part in WITHOUT_TAICHI:
@@ -93,7 +231,15 @@ def modules_without_taichi():
 
 
 def test_no_taichi_where_none_is_needed():
-    modules = list(modules_without_taichi())
-    program = f"import sys\nimport {', '.join(modules)}\nsys.exit('taichi' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", program], cwd=PACKAGE.parent, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    assert not imports_taichi(f"import {', '.join(modules_without_taichi())}")
+
+
+@pytest.mark.parametrize("family", ["walls", "schemes", "rheology"])
+def test_members_of_a_family_load_without_taichi(family):
+    program = f"from tisph import registry\nfor name in registry.names({family!r}): registry.load({family!r}, name)"
+    assert not imports_taichi(program)
+
+
+def test_reading_any_config_imports_no_taichi():
+    program = "import glob\nfrom tisph.config import load\nfor path in sorted(glob.glob('configs/*.yaml')): load(path)"
+    assert not imports_taichi(program)

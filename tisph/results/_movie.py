@@ -17,4 +17,4 @@ class Movie:
     def _repr_html_(self) -> str:
         from tisph.results.page import movie_element
 
-        return movie_element(self)
+        return movie_element(self.path, self.title)

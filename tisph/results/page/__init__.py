@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
     from tisph.results import Results
-    from tisph.results._movie import Movie
 
 _TEMPLATES = Path(__file__).parent / "templates"
 
@@ -51,9 +50,9 @@ def fragment(run: "Results") -> str:
     return _environment().get_template("fragment.html").render(view=view, errors=errors)
 
 
-def movie_element(movie: "Movie") -> str:
-    """Return a movie that a notebook plays."""
-    return _environment().get_template("movie.html").render(movie=element(movie.path, f"Movie of {movie.title}"))
+def movie_element(path: Path, title: str) -> str:
+    """Return the movie in the file ``path`` as an element that a notebook plays."""
+    return _environment().get_template("movie.html").render(movie=element(path, f"Movie of {title}"))
 
 
 @cache

@@ -22,7 +22,7 @@ from tisph.schemes._room import clustered
 from tisph.schemes._time_step import effective_viscosity, time_step_limits
 from tisph.schemes.wcsph._shift import shift_speed
 from tisph.schemes.wcsph._stepper import Stepper
-from tisph.schemes.wcsph._surroundings import surroundings
+from tisph.schemes.wcsph._surroundings import OpenBox, PlaneWalls
 from tisph.snapshot import Snapshot
 
 CONTROL_INTERVAL = 50
@@ -258,3 +258,14 @@ class Scheme:
             "neighbours_mean": self.lists.mean_length(),
             "neighbour_rebuilds": self.rebuilds,
         }
+
+
+def surroundings(config, scene, radius):
+    """Return what is around the liquid of a ``scene``, for lists of this ``radius``."""
+    if scene.walls:
+        return PlaneWalls(config, scene, radius)
+    if scene.bodies:
+        from tisph.schemes.wcsph._bodies import SolidBodies  # of no use to the others
+
+        return SolidBodies(config, scene, radius)
+    return OpenBox(config, scene)

@@ -13,17 +13,6 @@ from tisph.schemes.wcsph._impulse import ImpulsiveStart
 from tisph.walls._treatment import WallTreatment
 
 
-def surroundings(config, scene, radius):
-    """Return what is around the liquid of a ``scene``, for lists of this ``radius``."""
-    if scene.walls:
-        return PlaneWalls(config, scene, radius)
-    if scene.bodies:
-        from tisph.schemes.wcsph._bodies import SolidBodies  # of no use to the others
-
-        return SolidBodies(config, scene, radius)
-    return OpenBox(config, scene)
-
-
 class PlaneWalls:
     """The walls of a channel: their particles, how far these drift, and the momentum that they give to the liquid.
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tisph.runtime import integer, real, room, ti, view
+from tisph.runtime import integer, real, size_class, ti, view
 
 
 @ti.data_oriented
@@ -26,9 +26,9 @@ class Particles:
         self.fluid, self.dummies = fluid, dummies
         self.has_dummies, self.has_walls = dummies > 0, dummies + images > 0
         self.fluid_number, self.mobile_number = integer(fluid), integer(fluid + dummies)
-        self.first_wall = room(fluid)
-        self.mobile_slots = self.first_wall + (room(dummies) if dummies else 0)
-        self.slots = self.mobile_slots + (room(images) if images else 0)
+        self.first_wall = size_class(fluid)
+        self.mobile_slots = self.first_wall + (size_class(dummies) if dummies else 0)
+        self.slots = self.mobile_slots + (size_class(images) if images else 0)
         vector = ti.types.vector(2, real())
         self.position = self._state(vector)
         self.velocity = self._state(vector)

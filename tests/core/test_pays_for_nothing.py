@@ -7,7 +7,7 @@ import pytest
 
 from tisph import config, registry, runtime
 from tisph.report import movie
-from tisph.runtime import room, ti
+from tisph.runtime import size_class, ti
 from tisph.scenes.channel import Channel
 from tisph.simulation import checkpoint
 from tisph.study.bench import features, stripped
@@ -24,7 +24,7 @@ time: {end: 0.01}
 runtime: {threads: 1}
 """
 EXPLICIT, IMPLICIT = "scheme={type: wcsph}", "scheme={type: implicit}"
-ROOM = room(12 * 12)  # of all fields of particles and of points on the walls
+ROOM = size_class(12 * 12)  # of all fields of particles and of points on the walls
 
 NUMBER, INDEX = 8, 4  # bytes, in double precision
 TENSOR = 3 * NUMBER  # xx, xy, yy

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tisph import registry
-from tisph.bodies._room import problems
+from tisph.bodies._clearance import problems
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.geometry.body import Body

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from tisph import registry
-from tisph.config import lattice, memory
+from tisph.config import memory, resolution
 from tisph.config.base import Problem, refusals
 from tisph.config.fields import nearest
 
@@ -31,7 +31,7 @@ def problems(config: Any) -> Iterator[Problem]:
     yield from _members(config)
     yield from _scheme(config)
     too_large = list(_size(config))
-    yield from too_large or lattice.problems(config)
+    yield from too_large or resolution.problems(config)
 
 
 def _value(config: Any, location: tuple[str | int, ...]) -> Any:
@@ -98,11 +98,11 @@ def _boxes(scheme: str) -> list[tuple[bool, bool]]:
 
 
 def _size(config: Any) -> Iterator[Problem]:
-    across = lattice.across(config)
+    across = resolution.across(config)
     particles = across * (across * (config.area / config.across / config.across))
     needed = memory.estimated_bytes(particles, config, config.scheme.type != "wcsph")
     available = memory.physical_bytes()
-    key = lattice.resolution_key(config)
+    key = resolution.resolution_key(config)
     text = f"makes {particles:.3g} particles, which would need about {memory.format_bytes(needed)} of memory"
     if particles > memory.MOST_PARTICLES:
         yield key, f"{text}; at most {memory.MOST_PARTICLES} particles are allowed"

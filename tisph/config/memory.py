@@ -34,22 +34,22 @@ MOST_PARTICLES = 20_000_000
 
 SMALL, MIDDLE, LARGE = 10_000, (24_000, 50_000), 100_000
 STEP = 1.1
-"""Rungs of ``room``: a few for what runs in seconds, where compiling would take longest by comparison and memory is
-nothing, and from ``LARGE`` on never more than this factor apart, where it is the other way round."""
+"""Size classes: a few for what runs in seconds, where compiling takes longest by comparison and memory is nothing, and
+from ``LARGE`` on never more than this factor apart, where it is the other way round."""
 
 
-def room(count: float) -> int:
-    """Return the size of fields that are to hold ``count`` entries: the next rung of a ladder.
+def size_class(count: float) -> int:
+    """Return the size of fields that are to hold ``count`` entries: the next larger size class.
 
-    The size of a field is compiled into every kernel that reads it, ``count`` is not: runs on one rung share kernels.
+    The size of a field is compiled into every kernel that reads it, ``count`` is not: runs of one class share kernels.
     """
-    for rung in (SMALL, *MIDDLE):
-        if count <= rung:
-            return rung
-    rung = LARGE
-    while count > rung:
-        rung = int(rung * STEP)
-    return rung
+    for size in (SMALL, *MIDDLE):
+        if count <= size:
+            return size
+    size = LARGE
+    while count > size:
+        size = int(size * STEP)
+    return size
 
 
 def estimated_bytes(particles: float, config: Any, implicit: bool) -> float:
@@ -63,7 +63,7 @@ def estimated_bytes(particles: float, config: Any, implicit: bool) -> float:
         particles += WALL_POINTS * math.sqrt(particles)
     fields = reals * (8 if config.discretisation.precision == "f64" else 4) + INTEGER_BYTES[implicit]
     lists = 0.0 if implicit else NEIGHBOUR_BYTES * math.pi * (config.support + REACH) ** 2
-    return room(particles) * (fields + lists) + particles * HOST_BYTES
+    return size_class(particles) * (fields + lists) + particles * HOST_BYTES
 
 
 def physical_bytes() -> int | None:

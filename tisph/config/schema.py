@@ -1,7 +1,7 @@
 """What every config may say: keys, types, ranges and defaults. Units are any self-consistent system.
 
 The sections of a scene are in its file in ``tisph/scenes``. Conditions between keys are in ``checks.py`` and
-``lattice.py``; parameters of wall treatments, rheologies and schemes are in the files of the members themselves.
+``resolution.py``; parameters of wall treatments, rheologies and schemes are in the files of the members themselves.
 """
 
 import re
@@ -14,7 +14,7 @@ from tisph import registry
 from tisph.config import checks, yaml_text
 from tisph.config.base import LARGEST, SMALLEST, Model, Positive, Problem, refusal
 from tisph.config.fields import Member, member_name, number_or
-from tisph.config.lattice import LEAST_PARTICLES_ACROSS
+from tisph.config.resolution import LEAST_PARTICLES_ACROSS
 
 FrameWidth = Annotated[int, Field(ge=640, le=4096, multiple_of=2)]
 FrameHeight = Annotated[int, Field(ge=320, le=4096, multiple_of=2)]
@@ -268,7 +268,7 @@ class Config(Model):
         """What the scene has against the config."""
         return iter(())
 
-    def misfits(self) -> Iterator[Problem]:
+    def incommensurate(self) -> Iterator[Problem]:
         """What keeps the lattice, whose spacing divides ``across``, from filling the box."""
         return iter(())
 

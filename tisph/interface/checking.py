@@ -8,7 +8,7 @@ from tisph.interface.asked import Asked, config_file, override_texts
 
 
 @dataclass(frozen=True)
-class Forecast:
+class RunEstimate:
     """What a run would be; printed, it is what ``tisph check`` prints.
 
     ``run_time`` [seconds] is an estimate without compiling and video, ``l2`` one of the relative error at the last
@@ -29,7 +29,7 @@ class Forecast:
         return self.text
 
 
-def check(config: Asked, /, **overrides: Any) -> Forecast:
+def check(config: Asked, /, **overrides: Any) -> RunEstimate:
     """Check a config (as for ``run``) and return what its run would be; nothing is run, written or printed.
 
     It imports Taichi and starts no program of it. ConfigError has the message of ``tisph check``.
@@ -40,7 +40,7 @@ def check(config: Asked, /, **overrides: Any) -> Forecast:
     with config_file(config) as path:
         loaded = load(path, override_texts(overrides))
         numbers, warnings = forecast(loaded)
-        return Forecast(
+        return RunEstimate(
             name=loaded.name,
             reynolds=numbers["reynolds"],
             particles=numbers["particles"],

@@ -9,7 +9,7 @@ number of threads.
 
 import numpy as np
 
-from tisph.runtime import integer, real, room, scalar, threads, ti, view
+from tisph.runtime import integer, real, scalar, size_class, threads, ti, view
 
 
 @ti.data_oriented
@@ -31,7 +31,7 @@ class Lattice:
         self.columns, self.rows = integer(columns), integer(rows)
         self.per_x, self.per_y = scalar(columns / length), scalar(rows / gap)
         self.share = scalar(rows * columns / (flow.rows * flow.columns))
-        nodes = room(rows * columns + 2)
+        nodes = size_class(rows * columns + 2)
         self.begin = ti.field(ti.i32, nodes)
         self.cell, self.members = (ti.field(ti.i32, points.most) for _ in range(2))
         self.part = ti.field(ti.types.vector(2, real()), points.most)

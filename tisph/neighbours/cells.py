@@ -9,7 +9,7 @@ the same order whatever the number of threads.
 
 import numpy as np
 
-from tisph.runtime import integer, room, ti
+from tisph.runtime import integer, size_class, ti
 
 
 @ti.data_oriented
@@ -32,7 +32,7 @@ class Cells:
             raise ValueError(f"{axis}: a pair and its periodic copy would both be listed")
         levels = 2 * rows + 1 if domain.open_across and particles.has_walls else rows + 2
         self.rows, self.columns, self.levels = integer(rows), integer(columns), integer(levels)
-        cells = room(levels * (columns + 1))
+        cells = size_class(levels * (columns + 1))
         self.start = ti.field(ti.i32, shape=cells)
         self.start.used = np.s_[: levels * (columns + 1)]
         self.cursor = ti.field(ti.i32, shape=cells)

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from tisph.runtime import integer, real, room, scalar, ti, view
+from tisph.runtime import integer, real, scalar, size_class, ti, view
 
 LANES = 4
 """Rows are padded to a multiple of this with the sentinel, so that loops over them can be unrolled."""
@@ -44,7 +44,7 @@ class Points:
         self.fluid, self.room = channel.particles, room_for_ghosts
         self.particles, self.ghosts = integer(self.fluid), integer(0)
         self.liquid = self.particles
-        self.most, self.most_ghosts = room(self.fluid), room(self.room)
+        self.most, self.most_ghosts = size_class(self.fluid), size_class(self.room)
         self.slots = self.sentinel = self.most + self.most_ghosts
         self.varying = isinstance(reach, tuple)
         reach, largest = reach if self.varying else (reach, reach)
@@ -69,7 +69,7 @@ class Points:
         if mirrors:
             self.mirror = ti.field(ti.types.vector(2, real()), shape=self.most_ghosts)
         self.longest = integer(0)
-        self.start = ti.field(ti.i32, shape=room((rows + 2) * columns + 2))
+        self.start = ti.field(ti.i32, shape=size_class((rows + 2) * columns + 2))
         self.cell = ti.field(ti.i32, shape=self.slots)
         self.order = ti.field(ti.i32, shape=self.slots)
         self.far = scalar(1e3 * (channel.gap + channel.length))

@@ -8,7 +8,7 @@ from matplotlib.ticker import FuncFormatter
 
 from tisph.report import style
 from tisph.report.labels import axis_exponent, axis_label, number, tick_text, unit_label
-from tisph.report.room import make_room
+from tisph.report.margins import set_margins
 from tisph.verification.resolution import resolution
 
 _MARKERS = 40  # a number
@@ -59,7 +59,7 @@ def history_figure(scene, settings: dict, times: np.ndarray, values: np.ndarray)
         _mark_unresolved(axes, scene, times)
         _label_axes(axes, scene, followed, float(np.max(np.abs(times))))
         legend = figure.legend(loc="center right", frameon=False, fontsize=10)
-        make_room(figure, np.array([[axes]]), legend, below=False)
+        set_margins(figure, np.array([[axes]]), legend, below=False)
     return figure
 
 

@@ -12,7 +12,7 @@ from matplotlib.ticker import FuncFormatter
 from tisph.report import style
 from tisph.report.error_label import velocity_error_label
 from tisph.report.labels import MINUS, axis_exponent, axis_label, number, tick_text, unit_label
-from tisph.report.room import make_room
+from tisph.report.margins import set_margins
 from tisph.scenes._views import Profile
 from tisph.snapshot import Snapshot
 
@@ -59,7 +59,7 @@ def profile_figure(scene, snapshots: Sequence[Snapshot]) -> Figure:
         if references:
             axes[0].plot([], [], "-", color=style.TEXT, linewidth=0.9, label=", ".join(references))
         legend = figure.legend(loc="lower center", ncols=3, frameon=False, fontsize=10)
-        make_room(figure, grid, legend, below=True)
+        set_margins(figure, grid, legend, below=True)
     return figure
 
 

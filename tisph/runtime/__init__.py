@@ -78,7 +78,7 @@ with _frames_in_short():
 
     from tisph.runtime import _fields, _launching, _loops, _reading
 
-from tisph.config.memory import room  # noqa: E402 (what follows imports Taichi)
+from tisph.config.memory import size_class  # noqa: E402 (what follows imports Taichi)
 from tisph.runtime._fields import holding, integer, real, scalar, view  # noqa: E402
 from tisph.runtime._loops import unrolled  # noqa: E402
 from tisph.runtime._reading import compile_seconds  # noqa: E402
@@ -94,8 +94,8 @@ __all__ = [
     "holding",
     "integer",
     "real",
-    "room",
     "scalar",
+    "size_class",
     "start",
     "stop",
     "threads",

@@ -11,7 +11,7 @@ from typing import Literal
 
 from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem, Signed
-from tisph.config.lattice import is_whole
+from tisph.config.resolution import is_whole
 from tisph.scenes._cavity import Cavity
 from tisph.scenes._initial import Start, liquid_problems
 
@@ -76,7 +76,7 @@ class Config(schema.Config):
             text = "is not allowed with a sharp lid: particles that pass its corners have no error to speak of"
             yield "time.tolerance", f"{text}; give time.cfl, or scheme.accuracy"
 
-    def misfits(self) -> Iterator[Problem]:
+    def incommensurate(self) -> Iterator[Problem]:
         """A height that is no whole number of spacings."""
         if not is_whole(self.geometry.height / self.spacing):
             rows = max(1, round(self.geometry.height / self.spacing))

@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from tisph.config import lattice, schema
+from tisph.config import resolution, schema
 from tisph.config.base import LARGEST, Model, Positive, Problem, Signed, refusals
 from tisph.config.fields import Bodies, Member, number_or
 from tisph.config.motion import Amplitude, Times, Values, WallMotion, check_as_many, check_schedule
@@ -202,11 +202,11 @@ class Config(schema.Config):
         if self.tracers.x != "centre" and self.tracers.x > self.geometry.length:
             yield "tracers.x", f"must be inside the channel: centre, or 0 to {self.geometry.length:g}"
 
-    def misfits(self) -> Iterator[Problem]:
+    def incommensurate(self) -> Iterator[Problem]:
         """A length that the spacing does not divide, or that is too short."""
-        wrong = lattice.columns_misfit(self)
+        wrong = resolution.incommensurate_columns(self)
         yield from wrong
-        least = lattice.LEAST_IN_PERIOD if self.bodies else lattice.least_in_period(self)
+        least = resolution.LEAST_IN_PERIOD if self.bodies else resolution.least_in_period(self)
         if not wrong and self.columns < least:
             text = f"must be at least {least * self.spacing:.6g}, {least} particle spacings"
             yield "geometry.length", f"{text}: the periodic neighbour search needs three cells along x"

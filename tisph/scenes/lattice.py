@@ -14,11 +14,11 @@ from typing import Annotated
 
 from pydantic import Field
 
-from tisph.config import lattice, schema
+from tisph.config import resolution, schema
 from tisph.config.base import Model, Positive, Problem
 from tisph.config.fields import Bodies
 from tisph.scenes._cell.scene import Cell
-from tisph.scenes._cell.sections import Drive, cell_problems, period_misfits, periods
+from tisph.scenes._cell.sections import Drive, cell_problems, incommensurate_periods, periods
 from tisph.scenes._initial import Start
 
 
@@ -60,9 +60,9 @@ class Config(schema.Config):
         """What the scene has against the config."""
         yield from cell_problems(self, [body.body(periods(self)) for body in self.bodies], {})
 
-    def misfits(self) -> Iterator[Problem]:
+    def incommensurate(self) -> Iterator[Problem]:
         """A length that the spacing does not divide, or periods that are too short."""
-        yield from lattice.columns_misfit(self) or period_misfits(self)
+        yield from resolution.incommensurate_columns(self) or incommensurate_periods(self)
 
 
 class Scene:

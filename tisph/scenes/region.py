@@ -14,11 +14,11 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import model_validator
 
-from tisph.config import lattice, schema
+from tisph.config import resolution, schema
 from tisph.config.base import Model, Positive, Problem, refusals
 from tisph.config.fields import Bodies, Member
 from tisph.scenes._cell.scene import Cell
-from tisph.scenes._cell.sections import Drive, cell_problems, period_misfits, periods
+from tisph.scenes._cell.sections import Drive, cell_problems, incommensurate_periods, periods
 from tisph.scenes._cell.walls import farthest, plane_walls, planes
 from tisph.scenes._initial import Start
 from tisph.scenes.channel import Wall
@@ -122,10 +122,10 @@ class Config(schema.Config):
             yield "walls.around.motion", "may only turn: give fixed, angular_velocity or angular_amplitude"
         yield from cell_problems(self, _bodies(self), {f"walls.{name}": wall for name, wall in _walls(self).items()})
 
-    def misfits(self) -> Iterator[Problem]:
+    def incommensurate(self) -> Iterator[Problem]:
         """A length that the spacing does not divide, or that is too short."""
         if self.periodic[0]:
-            yield from lattice.columns_misfit(self) or period_misfits(self)
+            yield from resolution.incommensurate_columns(self) or incommensurate_periods(self)
 
 
 class Scene:

@@ -17,12 +17,12 @@ def build(config, scene, targets, serial):
     return registry.load("schemes", config.scheme.type).build(config, scene, targets, serial)
 
 
-def lengthened(config, factor):
+def coarsen_steps(config, factor):
     """Return a ``resolve``-d config with steps ``factor`` times as long at a spacing that is ``factor`` times as wide.
 
     Whatever limits them: so errors in time fall with the spacing, as those in space do.
     """
-    change = getattr(registry.load("schemes", config.scheme.type), "lengthened", None)
+    change = getattr(registry.load("schemes", config.scheme.type), "coarsen_steps", None)
     return change(config, factor) if change else config
 
 

@@ -1,7 +1,7 @@
 """``tisph run --estimate-error``: the error of a run, stated from the run itself and two coarser ones.
 
 The coarser runs have 1/2 and 1/sqrt(2) of the particles across, or what is nearest and fills the box, and steps longer
-by the same factor (``schemes.lengthened``). They are processes of their own, kept in a folder beside the results.
+by the same factor (``schemes.coarsen_steps``). They are processes of their own, kept in a folder beside the results.
 
 Fields are compared where the particles of the coarsest run are, so that only the finer two are interpolated. Of each
 field at each sample there is an observed order; that of the run is their median, and with it errors are stated:
@@ -76,7 +76,7 @@ def _coarser(config, factor):
     resolved, wanted = schemes.resolve(config)[0], config.particles_across / factor
     near = range(int(wanted / NEAR), int(wanted * NEAR) + 2)
     for across in sorted((n for n in near if wanted / NEAR < n < wanted * NEAR), key=lambda n: abs(n - wanted)):
-        changed = schemes.lengthened(resolved, config.particles_across / across)
+        changed = schemes.coarsen_steps(resolved, config.particles_across / across)
         data = changed.resolved()
         data["discretisation"] |= {"particles_across": across, "spacing": None}
         data["output"] = {"video": None}

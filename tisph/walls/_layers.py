@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tisph.runtime import real, room, ti, view
+from tisph.runtime import real, size_class, ti, view
 from tisph.walls._dummies import Dummies
 from tisph.walls._solids import SolidWalls
 
@@ -79,7 +79,7 @@ class LayerWalls(Dummies, SolidWalls):
     def __init__(self, lists, kernel, liquid, parameters, layers, bodies, origin):
         super().__init__(lists, kernel, liquid, parameters, bodies, origin)
         self.layers = layers
-        slots, vector = room(self.particles.dummies), ti.types.vector(2, real())
+        slots, vector = size_class(self.particles.dummies), ti.types.vector(2, real())
         self.number, self.sorted = (ti.field(ti.i32, shape=slots) for _ in range(2))
         self.body = ti.field(ti.i32, shape=slots)
         self.arm, self.foot = (ti.field(vector, shape=slots) for _ in range(2))

@@ -21,7 +21,7 @@ distance d from the wall, with two rows in reach the one-sided difference (-8 f_
 
 import numpy as np
 
-from tisph.runtime import integer, real, room, scalar, ti, view
+from tisph.runtime import integer, real, scalar, size_class, ti, view
 
 STEP = 1e-4
 """Of the gap: distance over which the slope of the initial stress at the walls is taken."""
@@ -42,7 +42,7 @@ class WallTrack:
         self.spacing = scalar(lists.spacing)
         self.radius_squared = scalar(lists.cutoff**2)
         self.origin = ti.field(real(), shape=2)
-        shape = 2, room(points)
+        shape = 2, size_class(points)
         self.column = ti.field(ti.i32, shape=shape)
         self.compression = ti.field(real(), shape=shape)
         tensor = ti.types.vector(3, real())

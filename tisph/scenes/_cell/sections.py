@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from tisph.bodies._room import problems as room_problems
+from tisph.bodies._clearance import problems as room_problems
 from tisph.config.base import Model, Problem, Signed
-from tisph.config.lattice import LEAST_IN_PERIOD
+from tisph.config.resolution import LEAST_IN_PERIOD
 from tisph.geometry.body import Body
 from tisph.scenes._cell.walls import largest_speed
 from tisph.scenes._initial import liquid_problems
@@ -41,7 +41,7 @@ def _times(config: Any, bodies: Sequence[Body]) -> Sequence[float]:
     return np.linspace(0.0, config.time.end, MOMENTS).tolist()
 
 
-def period_misfits(config: Any) -> Iterator[Problem]:
+def incommensurate_periods(config: Any) -> Iterator[Problem]:
     """Too few particles in a period."""
     for periodic, size, key in zip(config.periodic, config.extent, ("length", "height"), strict=True):
         if periodic and round(size / config.spacing) < LEAST_IN_PERIOD:

@@ -11,7 +11,7 @@ from tisph.least_squares.rows import LeastSquaresRows
 from tisph.neighbours.points import Points, used
 from tisph.periodic import PeriodicBox
 from tisph.runtime import integer, real, ti, view
-from tisph.schemes._room import clustered
+from tisph.schemes._overflow import clustered
 from tisph.schemes._splitting._bounds import Bounds
 from tisph.schemes._splitting._history import PRESSURES, VELOCITIES, History
 from tisph.schemes._splitting._output import carried_in_order, state

@@ -59,7 +59,7 @@ def build(config, scene, targets, serial):
     return Scheme(config, scene, targets, serial)
 
 
-def lengthened(config, factor):
+def coarsen_steps(config, factor):
     """Return a config of this scheme with steps ``factor`` times as long; Courant numbers are over the spacing already.
 
     The estimated error of a step goes with the third power of its length, or the fourth where the flow turns.

@@ -11,7 +11,7 @@ from tisph.least_squares.rows import LeastSquaresRows
 from tisph.neighbours.points import Points, used
 from tisph.runtime import view
 from tisph.schemes._momentum import MomentumBalance
-from tisph.schemes._room import clustered
+from tisph.schemes._overflow import clustered
 from tisph.schemes._step_control import StepControl
 from tisph.schemes.implicit._dense import DenseOutput
 from tisph.schemes.implicit._esdirk import EMBEDDED_ORDER

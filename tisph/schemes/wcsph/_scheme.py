@@ -17,8 +17,8 @@ from tisph.neighbours.cells import Cells
 from tisph.neighbours.verlet import VerletLists
 from tisph.particles import Particles
 from tisph.runtime import view
+from tisph.schemes._overflow import clustered
 from tisph.schemes._plan import StepPlan
-from tisph.schemes._room import clustered
 from tisph.schemes._time_step import effective_viscosity, time_step_limits
 from tisph.schemes.wcsph._shift import shift_speed
 from tisph.schemes.wcsph._stepper import Stepper

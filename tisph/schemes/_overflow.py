@@ -1,4 +1,4 @@
-"""What is said where particles have no room in the fields that are there for them."""
+"""The message where fields overflow: more particles, images or neighbours than they have space for."""
 
 from tisph.errors import DivergedError
 

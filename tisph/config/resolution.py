@@ -1,4 +1,4 @@
-"""Whether particles on a lattice fill the box of a scene: in whole numbers, and enough for the neighbour search."""
+"""Checks of the resolution: whether a lattice of particles fills the box of a scene, and is enough for its cells."""
 
 import math
 from collections.abc import Iterator
@@ -23,7 +23,7 @@ SMALLEST_F32 = 1e-6
 
 def problems(config: Any) -> Iterator[Problem]:
     """What is wrong with the spacing of the validated ``config``, or with the box that it has to fill."""
-    yield from list(_across(config)) or list(config.misfits()) or _precision(config)
+    yield from list(_across(config)) or list(config.incommensurate()) or _precision(config)
 
 
 def resolution_key(config: Any) -> str:
@@ -73,7 +73,7 @@ def nearest_valid(config: Any) -> str:
     return f"nearest valid {name}: {' or '.join(choices)}{rest}" if choices else ""
 
 
-def columns_misfit(config: Any) -> list[Problem]:
+def incommensurate_columns(config: Any) -> list[Problem]:
     """What is wrong with a ``geometry.length`` in which there is no whole number of particles."""
     rows, whole, length = across(config), config.across, config.geometry.length
     columns, least = rows * length / whole, least_in_period(config)

@@ -11,7 +11,7 @@ from matplotlib.legend import Legend
 _PAD = 0.12  # inches, around axes with their labels
 
 
-def make_room(figure: Figure, axes: np.ndarray, legend: Legend, *, below: bool) -> None:
+def set_margins(figure: Figure, axes: np.ndarray, legend: Legend, *, below: bool) -> None:
     """Give all ``axes`` (rows, columns) of ``figure`` the same size, as large as their labels and the legend leave it.
 
     The legend is at the right, or ``below``. Axes of a column, and of a row, have the same room around them.

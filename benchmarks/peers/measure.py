@@ -11,7 +11,7 @@ loop alone, ``particle_steps_per_s``, ``l2``, the relative error of the velocity
 (null with ``--steps``: after a few steps nothing but a layer at the wall has moved), and ``neighbours``, those of a
 particle of the lattice within the reach of the kernel. Cases other than Couette flow have one thread and no
 ``--steps``. In the cavity the error is that of the extremes on the centre lines, with cylinders that of their drag
-(``tisph/study/bench/cases.py``); with cylinders the end is in radius^2/viscosity.
+(``tisph/studies/frontier/cases.py``); with cylinders the end is in radius^2/viscosity.
 """
 
 import argparse
@@ -29,7 +29,7 @@ import numpy as np
 
 from tisph import config, scenes
 from tisph.exact import couette, taylor_green
-from tisph.study.bench import cases
+from tisph.studies.frontier import cases
 from tisph.verification.flows import across, merged
 
 HERE = Path(__file__).resolve().parent
@@ -117,7 +117,7 @@ def vortex_error(particles, found, arguments):
 
 def cavity_error(particles, found, arguments):
     """Error of the extremes on the centre lines of the cavity, interpolated as those of our own particles are."""
-    described = merged(cases.FLOWS["cavity_10"].config, across(arguments.across))
+    described = merged(cases.BENCHMARKS["cavity_10"].config, across(arguments.across))
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "cavity.yaml"
         path.write_text(json.dumps(described), encoding="utf-8")  # JSON is YAML

@@ -4,15 +4,14 @@ import importlib
 
 import kept_program
 import pytest
+import stripped_program
+from stripped_program import FLAGS, fields, size
 
 from tisph import config, registry, runtime
 from tisph.report import movie
 from tisph.runtime import size_class, ti
 from tisph.scenes.channel import Channel
 from tisph.simulation import checkpoint
-from tisph.study.bench import features, stripped
-from tisph.study.bench.feature_cases import PARTS
-from tisph.study.bench.stepping import fields, size
 
 CASE = """
 scene: channel
@@ -127,16 +126,29 @@ def test_steps_need_no_further_fields(make, scheme):
     assert sizes(started) == before
 
 
-@pytest.mark.parametrize("part", PARTS, ids=lambda part: part.name)
-def test_saying_that_a_part_is_not_used_is_saying_nothing(part):
-    assert features.unused_row(part, dict.fromkeys(part.flags, 0))["same_config"]
+@pytest.mark.parametrize(
+    "unused",
+    [
+        "fluid.rheology={type: newtonian}",
+        "scheme.equation_of_state.pressure_cutoff=null",
+        "scheme.artificial_viscosity=0.0",
+        "drive.acceleration=0.0",
+        "walls={bottom: {velocity: 0.0}, top: {velocity: 0.5}}",
+    ],
+)
+def test_saying_that_a_part_is_not_used_is_saying_nothing(load, unused):
+    assert load(EXPLICIT, unused) == load(EXPLICIT)
 
 
 def test_the_program_without_the_code_of_parts_compiles_to_the_same_kernels(tmp_path):
-    stripped.copy_twice(tmp_path, {flag for part in PARTS for flag in part.flags})
-    found = features.compare_kernels(tmp_path)
-    assert found["plain"] > 0
-    assert found["others_without_unused_parts"] == 0
+    config, whole, stripped = (tmp_path / name for name in ("case.yaml", "whole", "stripped"))
+    config.write_text(CASE.replace("end: 0.01", "end: 100.0") + "scheme: {type: wcsph}\n")
+    assert not stripped_program.copy(whole)
+    branches = stripped_program.copy(stripped, FLAGS)
+    assert all(branches[flag] for flag in FLAGS), "a flag that is no more"
+    found = stripped_program.compiled_kernels(whole, config, tmp_path)
+    assert found
+    assert stripped_program.compiled_kernels(stripped, config, tmp_path) == found
 
 
 def test_a_run_without_movie_and_checkpoints_opens_none(load, tmp_path, monkeypatch):

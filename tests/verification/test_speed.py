@@ -2,9 +2,9 @@
 
 import pytest
 
-from tisph.study.bench import frontier
-from tisph.study.bench.cases import points
-from tisph.study.bench.measured import fastest
+from tisph.studies.frontier import measurement
+from tisph.studies.frontier.cases import points
+from tisph.studies.frontier.pareto import fastest
 from tisph.study.store import Store
 
 
@@ -15,9 +15,10 @@ def test_the_implicit_scheme_reaches_an_error_ten_times_sooner(tmp_path):
     rows = []
     for point in points("channel", quick=True):
         summaries = [
-            frontier.outcome(store, f"{point.name}_{turn}", point.config) for turn in range(frontier.ROUNDS["channel"])
+            measurement.outcome(store, f"{point.name}_{number}", point.config)
+            for number in range(measurement.ROUNDS["channel"])
         ]
-        rows.append(frontier.measured(point, summaries))
+        rows.append(measurement.measured(point, summaries))
     explicit = fastest(rows, 1e-3, "explicit")
     implicit = fastest(rows, 1e-3, "implicit")
     # measured: 50 to 70; a machine that is busy for a while changes a median of three by less than the rest

@@ -1,6 +1,5 @@
-"""``tisph bench``: run time against error, and what parts of a run cost."""
+"""``tisph bench``: run time against error, beside other codes."""
 
-from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -11,28 +10,32 @@ from tisph.errors import ConfigError
 
 FOLDER = Path("runs/bench")
 
+MOVED = {
+    "throughput": "step.py",
+    "scaling": "scaling.py",
+    "features": "step.py --parts",
+    "startup": "startup.py",
+}
+"""Script in ``benchmarks/`` of each benchmark that is no command any more, by its name."""
 
 Name = Annotated[
-    Literal["frontier", "throughput", "features", "startup", "scaling"], typer.Argument(help="Which benchmark.")
+    Literal["frontier", "throughput", "features", "startup", "scaling"],
+    typer.Argument(help="Which benchmark; all but frontier are scripts in benchmarks/ of the repository."),
 ]
 
 Quick = Annotated[bool, typer.Option("--quick", help="A small one, in two minutes.")]
 
 Peers = Annotated[
     Path | None,
-    typer.Option(
-        "--peers",
-        metavar="DIR",
-        help="With frontier or throughput: run the peers in DIR (benchmarks/peers) in the same call.",
-    ),
+    typer.Option("--peers", metavar="DIR", help="Run the peers in DIR (benchmarks/peers) in the same call."),
 ]
 
 Flow = Annotated[
     Literal["channel", "oldroyd_b", "taylor_green", "circular_couette", "cavity", "cylinder"],
-    typer.Option("--flow", help="With frontier: whose flows."),
+    typer.Option("--flow", help="Whose flows."),
 ]
 
-Configs = Annotated[Path, typer.Option("--configs", metavar="DIR", help="With startup: where the configs are.")]
+Configs = Annotated[Path | None, typer.Option("--configs", hidden=True, help="Of the script startup.py.")]
 
 Out = Annotated[
     Path | None,
@@ -40,7 +43,7 @@ Out = Annotated[
         "--out",
         metavar="DIR",
         parser=folder_name,
-        help=f"Results [default: {FOLDER}/NAME, and {FOLDER}/frontier_FLOW of another flow than channel].",
+        help=f"Results [default: {FOLDER}/frontier, and {FOLDER}/frontier_FLOW of another flow than channel].",
     ),
 ]
 
@@ -50,26 +53,18 @@ def bench(
     quick: Quick = False,
     peers: Peers = None,
     flow: Flow = "channel",
-    configs: Configs = Path("configs"),
+    configs: Configs = None,
     out: Out = None,
 ) -> None:
-    """Measure run time against error, or what parts of a run cost.
+    """Measure run time against error, of this program and of others.
 
-    Tables, a picture where there is one, and all numbers are left in DIR, with finished measurements: an interrupted
-    benchmark goes on with the same command. Exit status 1 if a bound is missed.
+    Tables, a picture and all numbers are left in DIR, with finished runs: an interrupted benchmark goes on with the
+    same command. Exit status 1 if a bound is missed.
 
     \b
-    frontier: every flow in every way, in rounds: run time against error, of
-      the channel, Oldroyd-B liquids in it, Taylor-Green vortices, circular
+    frontier: every flow by every method, in interleaved rounds: of the
+      channel, Oldroyd-B fluids in it, Taylor-Green vortices, circular
       Couette flow, the cavity, or cylinders in a channel
-    throughput: what a particle and a step cost, part by part, and bytes a
-      particle, from 5 thousand to a million particles
-    features: what each part costs, and that a scene pays for none that it
-      does not use
-    scaling: cost of a particle and iterations of the implicit scheme, from
-      2500 particles to a million
-    startup: what a run costs beside its loop, with kernels in the cache, for
-      another resolution, and with an empty cache; what a movie adds
 
     \b
     Examples:
@@ -77,23 +72,13 @@ def bench(
       tisph bench frontier --peers benchmarks/peers
       tisph bench frontier --flow oldroyd_b
       tisph bench frontier --flow cavity --peers benchmarks/peers
-      tisph bench throughput --quick
-      tisph bench features
-      tisph bench startup --quick
     """
-    options = _options(name, peers, flow, configs)
-    folder = out or FOLDER / (f"{name}_{flow}" if name == "frontier" and flow != "channel" else name)
-    if not import_module(f"tisph.study.bench.{name}").run(folder, quick=quick, **options):
-        raise typer.Exit(1)
-
-
-def _options(name, peers, flow, configs):
-    """Return what a benchmark takes beside its folder."""
+    if name in MOVED:
+        raise ConfigError(f"bench {name}: it is a script of the repository now: python benchmarks/{MOVED[name]}")
     if peers and not (peers / "measure.py").is_file():
         raise ConfigError(f"--peers {peers}: there is no measure.py; the peers' scripts are in benchmarks/peers")
-    options = {
-        "frontier": {"peers_folder": peers, "group": flow},
-        "throughput": {"peers_folder": peers},
-        "startup": {"configs": sorted(configs.glob("*.yaml"))},
-    }
-    return options.get(name, {})
+    from tisph.studies.frontier import measurement
+
+    folder = out or FOLDER / ("frontier" if flow == "channel" else f"frontier_{flow}")
+    if not measurement.run(folder, quick=quick, peers_folder=peers, group=flow):
+        raise typer.Exit(1)

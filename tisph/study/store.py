@@ -14,7 +14,16 @@ from tisph.errors import ConfigError
 from tisph.folder import held
 from tisph.study.processes import POLL_SECONDS, Process, read_result, run_side_by_side
 
-WITHOUT_EFFECT = ("cli/", "interface/", "assessment/", "report/", "results/", "study/", "schemes/_forecast/")
+WITHOUT_EFFECT = (
+    "cli/",
+    "interface/",
+    "assessment/",
+    "report/",
+    "results/",
+    "study/",
+    "studies/",
+    "schemes/_forecast/",
+)
 """Parts of the package on which no number of a run depends."""
 
 

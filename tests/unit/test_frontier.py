@@ -2,28 +2,37 @@
 
 import json
 import math
+import re
 from itertools import combinations
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
+import tisph
 from tisph.cli import app
 from tisph.config import load
 from tisph.report.style import plot_style
-from tisph.study.bench import cases, frontier
-from tisph.study.bench.comparison import comparisons, leads, table
-from tisph.study.bench.equals import equals, equals_table
-from tisph.study.bench.measured import Measured, fastest, front
-from tisph.study.bench.peers import merged, quoted, runs
-from tisph.study.bench.picture import ELSEWHERE, figure_of, looks_of
+from tisph.studies.frontier import cases, measurement
+from tisph.studies.frontier.comparison import (
+    comparison_table,
+    comparisons,
+    equal_resolution,
+    equal_resolution_table,
+    speedups,
+)
+from tisph.studies.frontier.pareto import Measured, fastest, pareto_front
+from tisph.studies.frontier.peers import merged, quoted, runs
+from tisph.studies.frontier.picture import QUOTED as HOLLOW
+from tisph.studies.frontier.picture import figure_of, styles_of
 
 FLOW = "couette_2.7"
 QUOTED = ("channel", "taylor_green")
 """Groups of flows of which some peers are quoted."""
 
 
-def row(way, l2, *loops, code="tisph", flow=FLOW, elsewhere=False):
-    return Measured(flow, way, 50, 2, 10, l2, loops, loops, code, elsewhere)
+def row(method, l2, *loops, code="tisph", flow=FLOW, quoted=False):
+    return Measured(flow, method, 50, 2, 10, l2, loops, loops, code, quoted)
 
 
 def lammps(l2, loop):
@@ -43,7 +52,7 @@ def test_every_point_is_a_valid_config_of_its_own(tmp_path, group, quick):
 
 def test_the_front_holds_what_nothing_beats_in_both_error_and_time():
     slow, fast, beaten, stopped = row("a", 1e-4, 2.0), row("b", 1e-3, 1.0), row("c", 2e-3, 3.0), row("d", math.nan, 0.1)
-    assert front([slow, fast, beaten, stopped]) == [slow, fast]
+    assert pareto_front([slow, fast, beaten, stopped]) == [slow, fast]
 
 
 def test_times_are_medians_of_the_rounds():
@@ -58,13 +67,13 @@ def test_the_fastest_way_to_an_error_is_sought_among_the_wanted_ones_of_ours():
 
 
 def test_the_lead_of_the_implicit_scheme_is_the_ratio_of_medians():
-    (line,) = leads([row("explicit", 9e-4, 4.0), row("implicit 4, fast", 5e-4, 0.1), row("implicit 4", 2e-3, 0.01)])
+    (line,) = speedups([row("explicit", 9e-4, 4.0), row("implicit 4, fast", 5e-4, 0.1), row("implicit 4", 2e-3, 0.01)])
     assert "is 40 times faster than explicit, 50 across" in line
 
 
 def test_of_liquids_with_memory_the_lead_is_that_at_the_error_of_each_explicit_run():
-    ways = [("explicit", 9e-4, 4.0), ("explicit", 1e-4, 8.0), ("implicit 4, fast", 5e-4, 0.5)]
-    (line,) = leads([row(*way, flow="oldroyd_b_couette") for way in ways])
+    methods = [("explicit", 9e-4, 4.0), ("explicit", 1e-4, 8.0), ("implicit 4, fast", 5e-4, 0.5)]
+    (line,) = speedups([row(*method, flow="oldroyd_b_couette") for method in methods])
     assert "error <= 0.0009: implicit 4, fast" in line
     assert "is 8 times faster than explicit" in line
 
@@ -78,24 +87,26 @@ def test_a_peer_is_compared_with_our_fastest_run_that_is_as_exact():
 
 def test_the_table_has_the_ratio_of_medians_and_its_spread_over_the_rounds():
     rows = [row("implicit 4", 2e-3, 1.0, 1.0, 2.0), row("LAMMPS SPH", 5e-2, 15.0, 9.0, 16.0, code="LAMMPS")]
-    assert "| 15 (8..15) | >= 10 | PASS |" in table(comparisons(rows))
+    assert "| 15 (8..15) | >= 10 | PASS |" in comparison_table(comparisons(rows))
 
 
-@pytest.mark.parametrize(("flow", "bound"), [(key, bound) for key in cases.FLOWS for bound in cases.FLOWS[key].bounds])
+@pytest.mark.parametrize(
+    ("flow", "bound"), [(key, bound) for key in cases.BENCHMARKS for bound in cases.BENCHMARKS[key].bounds]
+)
 def test_a_peer_that_comes_too_close_misses_the_bound(flow, bound):
     ours = row("implicit 4", 1e-3, 1.0, flow=flow)
-    near, far = (row(bound.peer, 1e-2, factor * bound.sooner, code=bound.peer, flow=flow) for factor in (0.99, 1.01))
+    near, far = (row(bound.peer, 1e-2, factor * bound.speedup, code=bound.peer, flow=flow) for factor in (0.99, 1.01))
     assert [found.passed for found in comparisons([ours, near, far])] == [False, True]
 
 
 def test_an_error_that_we_do_not_reach_misses_the_bound():
     (found,) = comparisons([row("explicit", 1e-2, 0.1), lammps(1e-3, 100.0)])
     assert not found.passed
-    assert "not reached" in table([found])
+    assert "not reached" in comparison_table([found])
 
 
 def test_peers_that_failed_are_not_compared_and_quoted_ones_not_judged():
-    quoted = row("JAX-SPH, quoted", 1e-2, 0.1, code="JAX-SPH", elsewhere=True)
+    quoted = row("JAX-SPH, quoted", 1e-2, 0.1, code="JAX-SPH", quoted=True)
     (found,) = comparisons([row("explicit", 1e-3, 1.0), lammps(math.nan, 1.0), quoted])
     assert found.peer == quoted
     assert found.passed
@@ -103,8 +114,8 @@ def test_peers_that_failed_are_not_compared_and_quoted_ones_not_judged():
 
 def test_a_missed_bound_is_what_show_returns_and_the_files_hold(tmp_path):
     ours = row("implicit 4", 1e-3, 1.0)
-    assert frontier.show(tmp_path, [ours, lammps(1e-2, 20.0)])
-    assert not frontier.show(tmp_path, [ours, lammps(1e-2, 5.0)])
+    assert measurement.show(tmp_path, [ours, lammps(1e-2, 20.0)])
+    assert not measurement.show(tmp_path, [ours, lammps(1e-2, 5.0)])
     numbers = json.loads((tmp_path / "frontier.json").read_text())
     assert [(one["ratio"], one["passed"]) for one in numbers["comparisons"]] == [(5.0, False)]
     assert numbers["machine"]["processor"]
@@ -112,49 +123,49 @@ def test_a_missed_bound_is_what_show_returns_and_the_files_hold(tmp_path):
 
 
 def all_rows(group):
-    """A row of every way in every flow of a group, and of every peer."""
-    ours = [row(way, 1e-4, 0.1, flow=key) for key in flows_of(group) for way in cases.FLOWS[key].ways]
+    """A row of every method in every flow of a group, and of every peer."""
+    ours = [row(method, 1e-4, 0.1, flow=key) for key in flows_of(group) for method in cases.BENCHMARKS[key].methods]
     peers = [row(run.label, 1e-3, 1.0, code=run.label.split()[0], flow=run.flow) for run in runs(group)]
     scale = row("LAMMPS", 1e-3, 1.0, code="LAMMPS", flow="couette_20")
     return [*ours, *peers, *(quoted(scale) if group == "channel" else merged([], group))]
 
 
 def flows_of(group):
-    return [key for key, flow in cases.FLOWS.items() if flow.group == group]
+    return [key for key, flow in cases.BENCHMARKS.items() if flow.group == group]
 
 
 @pytest.mark.parametrize("group", cases.GROUPS)
 def test_every_way_looks_different_and_only_what_was_measured_elsewhere_is_hollow(group):
-    looks = looks_of(all_rows(group))
-    assert len({(look.colour, look.mark) for look in looks.values()}) == len(looks)
-    hollow = {way for way, look in looks.items() if look.options["markerfacecolor"] == "none"}
-    assert hollow == {way for way, look in looks.items() if look.group == ELSEWHERE}
+    styles = styles_of(all_rows(group))
+    assert len({(style.colour, style.mark) for style in styles.values()}) == len(styles)
+    hollow = {method for method, style in styles.items() if style.options["markerfacecolor"] == "none"}
+    assert hollow == {method for method, style in styles.items() if style.group == HOLLOW}
     assert bool(hollow) == (group in QUOTED)
 
 
 @pytest.mark.parametrize("flows", [*map(flows_of, cases.GROUPS), ["couette_20"]])
 def test_no_legend_of_the_picture_covers_another_or_a_panel(flows):
-    rows = [one for one in all_rows(cases.FLOWS[flows[0]].group) if one.flow in flows]
+    rows = [one for one in all_rows(cases.BENCHMARKS[flows[0]].group) if one.flow in flows]
     with plot_style():
         figure = figure_of(rows, {flow: [] for flow in flows})
         figure.draw_without_rendering()
         boxes = [part.get_tightbbox() for part in (*figure.legends, *figure.axes)]
-    assert len(figure.legends) == len({look.group for look in looks_of(rows).values()})
+    assert len(figure.legends) == len({style.group for style in styles_of(rows).values()})
     assert all(
         first.xmax <= second.xmin or second.xmax <= first.xmin or first.ymax <= second.ymin or second.ymax <= first.ymin
         for first, second in combinations(boxes, 2)
     )
 
 
-def vortex(way, l2, loop, across=50, code="tisph", elsewhere=False):
-    return Measured("taylor_green_2", way, across, 1, 10, l2, (loop,), (), code, elsewhere)
+def vortex(method, l2, loop, across=50, code="tisph", quoted=False):
+    return Measured("taylor_green_2", method, across, 1, 10, l2, (loop,), (), code, quoted)
 
 
 def test_with_as_many_particles_we_have_to_be_more_exact_and_faster():
     edac = vortex("PySPH EDAC, 1 thread", 2e-2, 90.0, code="PySPH")
 
     def passed(l2, loop):
-        (found,) = equals([vortex("implicit 4, balanced", l2, loop), edac])
+        (found,) = equal_resolution([vortex("implicit 4, balanced", l2, loop), edac])
         return found.passed
 
     assert [passed(9e-5, 80.0), passed(1.1e-4, 80.0), passed(9e-5, 100.0)] == [True, False, False]
@@ -170,14 +181,14 @@ def test_only_runs_of_the_rival_way_with_as_many_particles_are_compared():
         row("explicit", 1e-3, 1.0),
         lammps(1e-2, 3.0),
     ]
-    (found,) = equals(rows)
+    (found,) = equal_resolution(rows)
     assert (found.peer, found.ours) == (rows[3], rows[1])
-    assert "| 200 | 45 | error >= 200, time > 1 | PASS |" in " ".join(equals_table([found]).split())
+    assert "| 200 | 45 | error >= 200, time > 1 | PASS |" in " ".join(equal_resolution_table([found]).split())
 
 
 def test_without_peers_the_vortex_has_quoted_ones_that_are_shown_and_not_judged(tmp_path, capsys):
     rows = [vortex("implicit 4, balanced", 1e-2, 1000.0), *merged([], "taylor_green")]
-    assert frontier.show(tmp_path, rows)
+    assert measurement.show(tmp_path, rows)
     point, compared = [line for line in capsys.readouterr().out.splitlines() if "JAX-SPH TVF, quoted" in line]
     assert "quoted 23.000" in point
     assert compared.split("|")[-2].strip() == "-"
@@ -187,15 +198,15 @@ def test_without_peers_the_vortex_has_quoted_ones_that_are_shown_and_not_judged(
 
 def test_a_missed_bound_at_equal_number_is_what_show_returns(tmp_path):
     fast, edac = vortex("implicit 4, fast", 1e-2, 0.1), vortex("PySPH EDAC", 2e-2, 90.0, code="PySPH")
-    assert frontier.show(tmp_path, [fast, vortex("implicit 4, balanced", 1e-4, 2.0), edac])
-    assert not frontier.show(tmp_path, [fast, vortex("implicit 4, balanced", 2e-4, 2.0), edac])
+    assert measurement.show(tmp_path, [fast, vortex("implicit 4, balanced", 1e-4, 2.0), edac])
+    assert not measurement.show(tmp_path, [fast, vortex("implicit 4, balanced", 2e-4, 2.0), edac])
     assert [one["passed"] for one in json.loads((tmp_path / "frontier.json").read_text())["equal_number"]] == [False]
 
 
 def test_the_groups_of_the_command_line_are_those_that_there_are(tmp_path, monkeypatch):
     asked = []
     monkeypatch.setattr(
-        frontier, "run", lambda folder, **options: asked.append((folder.name, options["group"])) or True
+        measurement, "run", lambda folder, **options: asked.append((folder.name, options["group"])) or True
     )
     for group in cases.GROUPS:
         assert CliRunner().invoke(app, ["bench", "frontier", "--flow", group]).exit_code == 0
@@ -213,10 +224,18 @@ def test_a_folder_without_the_peers_scripts_is_refused(tmp_path):
 
 def test_each_flow_has_the_error_that_its_title_names():
     exact = {"u_extreme": -0.2140417, "v_min": -0.253803, "v_max": 0.1795728}
-    assert cases.FLOWS["cavity_10"].error(exact) == 0.0
-    assert cases.FLOWS["cavity_10"].error({**exact, "v_max": 1.03 * 0.1795728}) == pytest.approx(0.03)
-    assert cases.FLOWS["cylinder"].error({"drag": 1068.12, "superficial_velocity": 0.5}) == pytest.approx(1.0)
-    assert cases.FLOWS["circular_couette_2"].error({"l2": 1e-3}) == 1e-3
-    assert math.isnan(cases.FLOWS["circular_couette_2"].error({"l2": None}))
+    assert cases.BENCHMARKS["cavity_10"].error(exact) == 0.0
+    assert cases.BENCHMARKS["cavity_10"].error({**exact, "v_max": 1.03 * 0.1795728}) == pytest.approx(0.03)
+    assert cases.BENCHMARKS["cylinder"].error({"drag": 1068.12, "superficial_velocity": 0.5}) == pytest.approx(1.0)
+    assert cases.BENCHMARKS["circular_couette_2"].error({"l2": 1e-3}) == 1e-3
+    assert math.isnan(cases.BENCHMARKS["circular_couette_2"].error({"l2": None}))
     stresses = {"l2": 1e-5, "shear_stress_l2": 3e-5, "normal_stress_l2": 2e-5}
-    assert cases.FLOWS["oldroyd_b_couette"].error(stresses) == 3e-5
+    assert cases.BENCHMARKS["oldroyd_b_couette"].error(stresses) == 3e-5
+
+
+@pytest.mark.parametrize("name", ["throughput", "features", "startup", "scaling"])
+def test_a_benchmark_that_has_moved_says_where_its_script_is(name):
+    result = CliRunner().invoke(app, ["bench", name, "--configs", "configs"])
+    assert result.exit_code == 2
+    script = re.search(r"python (benchmarks/\w+\.py)", result.stderr)
+    assert (Path(tisph.__file__).parents[1] / script[1]).is_file()

@@ -1,4 +1,4 @@
-"""What ``tisph bench frontier`` runs: flows, and ways to compute them, as configs in plain dicts."""
+"""What ``tisph bench frontier`` runs: flows, and methods to compute them, as configs in plain dicts."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ def auto(accuracy):
     return {"scheme": {"type": "auto", "accuracy": accuracy}}
 
 
-WAYS = {
+METHODS = {
     "explicit": (EXPLICIT, (12, 25, 34, 50, 100)),
     "explicit, CFL 0.4": (LONG_STEPS, (25, 34, 50)),
     "explicit, f32": (flows.merged(EXPLICIT, SINGLE), (25, 50, 100)),
@@ -48,22 +48,21 @@ WAYS = {
     "implicit 4, f32": (flows.merged(auto("balanced"), SINGLE), (12, 25, 50, 100)),
     "implicit 2": (SECOND_ORDER, (25, 50, 100, 200)),
 }
-"""Change of the config, and the numbers of particles across, by the name of a way."""
+"""Change of the config, and the numbers of particles across, by the name of a method."""
 
-QUICK_WAYS = {
+QUICK_METHODS = {
     "explicit": (EXPLICIT, (25, 34)),
     "implicit 4, fast": (auto("fast"), (8, 12)),
     "implicit 4, balanced": (auto("balanced"), (25, 50)),
 }
 
-
-POLYMER_WAYS = {
+POLYMER_METHODS = {
     "explicit": (EXPLICIT, (12, 25, 50)),
     "implicit 4, fast": (auto("fast"), (10, 12, 16, 25)),
     "implicit 4, balanced": (auto("balanced"), (12, 25, 50)),
     "implicit 4, high": (auto("high"), (25, 50)),
 }
-QUICK_POLYMER_WAYS = {
+QUICK_POLYMER_METHODS = {
     "explicit": (EXPLICIT, (25,)),
     "implicit 4, fast": (auto("fast"), (10, 12)),
     "implicit 4, balanced": (auto("balanced"), (12, 25)),
@@ -71,43 +70,48 @@ QUICK_POLYMER_WAYS = {
 
 COURANT_1 = {"scheme": {"type": "implicit"}, "time": {"cfl": 1.0}}
 
-VORTEX_WAYS = {
+VORTEX_METHODS = {
     "explicit": (EXPLICIT, (25, 50)),
     "implicit 4, CFL 1": (COURANT_1, (16, 20, 25, 50)),
     "implicit 4, fast": (auto("fast"), (12, 16, 25, 50, 100)),
     "implicit 4, balanced": (auto("balanced"), (25, 50, 100)),
     "implicit 4, high": (auto("high"), (25, 50, 100)),
 }
-QUICK_VORTEX_WAYS = {
+QUICK_VORTEX_METHODS = {
     "explicit": (EXPLICIT, (25,)),
     "implicit 4, CFL 1": (COURANT_1, (16, 20)),
     "implicit 4, fast": (auto("fast"), (12, 25)),
     "implicit 4, balanced": (auto("balanced"), (25, 50)),
 }
 
-
 COARSE = (10, 12, 16, 25)
-WALL_WAYS = {
+WALL_METHODS = {
     "implicit 4, fast": (auto("fast"), COARSE),
     "implicit 4, balanced": (auto("balanced"), (12, 25, 50)),
     "implicit 4, high": (auto("high"), (25,)),
 }
-QUICK_WALL_WAYS = {"implicit 4, fast": (auto("fast"), (10, 12)), "implicit 4, balanced": (auto("balanced"), (12, 16))}
+QUICK_WALL_METHODS = {
+    "implicit 4, fast": (auto("fast"), (10, 12)),
+    "implicit 4, balanced": (auto("balanced"), (12, 16)),
+}
 
-CYLINDER_WAYS = {
+CYLINDER_METHODS = {
     "implicit 4, fast": (auto("fast"), (10, 12, 16)),
     "implicit 4, balanced": (auto("balanced"), (12, 16, 25)),
 }
-"""Of a liquid with polymer, which the explicit scheme does not serve between cylinders."""
+"""Of a fluid with polymer, which the explicit scheme does not serve between cylinders."""
 
-BODY_WAYS = {
+BODY_METHODS = {
     "implicit 4, fast": (auto("fast"), (12, 16, 20)),
     "implicit 4, balanced": (auto("balanced"), (12, 20, 40)),
     "implicit 4, high": (auto("high"), (20,)),
 }
 """The period, half as long again, has at least 18 particles."""
 
-QUICK_BODY_WAYS = {"implicit 4, fast": (auto("fast"), (12, 16)), "implicit 4, balanced": (auto("balanced"), (12, 20))}
+QUICK_BODY_METHODS = {
+    "implicit 4, fast": (auto("fast"), (12, 16)),
+    "implicit 4, balanced": (auto("balanced"), (12, 20)),
+}
 
 
 def l2(sample):
@@ -115,7 +119,7 @@ def l2(sample):
     return sample["l2"] if sample["l2"] is not None else float("nan")
 
 
-def memory(sample):
+def largest_error(sample):
     """The largest of the relative L2 errors of the velocity, the shear stress and the normal stress difference."""
     return max(sample[name] for name in ("l2", "shear_stress_l2", "normal_stress_l2"))
 
@@ -141,151 +145,154 @@ def resistance(sample, viscosity=bodies.VISCOSITY):
 class Bound:
     """What is asked of the runs of a peer whose label begins with ``peer``, ``across`` particles across (None: any).
 
-    ``sooner``: least ratio of its loop time to that of our fastest run with an error no larger. ``more_exact``: least
-    ratio of its error to that of our run with as many particles, which has to be the faster one too; None: not asked.
+    ``speedup``: least ratio of its loop time to that of our fastest run with an error no larger. ``accuracy_ratio``:
+    least ratio of its error to that of our run with as many particles, which has to be the faster one, too; None: not
+    asked.
     """
 
     peer: str
-    sooner: float
+    speedup: float
     across: int | None = None
-    more_exact: float | None = None
+    accuracy_ratio: float | None = None
 
     def of(self, row):
         """Whether it is asked of the peer's ``row`` (``Measured``)."""
-        return row.way.startswith(self.peer) and self.across in (None, row.across)
+        return row.method.startswith(self.peer) and self.across in (None, row.across)
 
 
 @dataclass(frozen=True)
-class Flow:
-    """A flow: title, config less what a way changes, and the ways to compute it, ``quick_ways`` in a quick benchmark.
+class Benchmark:
+    """A flow: title, config less what a method changes, and ``methods``; ``quick_methods`` in a quick benchmark.
 
     ``group``: what it is shown with. ``error``: of the last sample of a run, which ``Measured.l2`` holds.
 
     ``finest_explicit``: most particles across with the explicit scheme, the next number takes half a minute or more.
-    ``asked``: error that the explicit and the implicit scheme have to reach; ``own``: whether the implicit one has to
-    reach that of each explicit run. ``bounds``: what is asked of peers; a peer that none names is not judged.
-    ``rival``: the way whose runs stand beside peers with as many particles.
+    ``target_error``: at which the explicit and the implicit scheme are compared; ``at_explicit_errors``: whether they
+    are at the error of each explicit run instead. ``bounds``: what is asked of peers; others are not judged.
+    ``equal_resolution_method``: its runs are compared with peers with as many particles.
     """
 
     title: str
     config: dict
-    ways: dict
-    quick_ways: dict
+    methods: dict
+    quick_methods: dict
     finest_explicit: int = 50
     group: str = "channel"
     error: Callable = l2
-    asked: float | None = None
-    own: bool = False
+    target_error: float | None = None
+    at_explicit_errors: bool = False
     bounds: tuple[Bound, ...] = ()
-    rival: str | None = None
+    equal_resolution_method: str | None = None
 
     def bound(self, row):
         """``Bound`` of a peer's row; None where nothing is asked for, as of one that is quoted."""
-        return next((bound for bound in self.bounds if bound.of(row)), None) if not row.elsewhere else None
+        return next((bound for bound in self.bounds if bound.of(row)), None) if not row.quoted else None
 
 
 SLOWER = (Bound("LAMMPS", 10.0), Bound("PySPH", 100.0))
 
-FLOWS = {
-    "couette_2.7": Flow(
-        "Couette, Re = 50, t = 2.7", ended(COUETTE, 2.7), WAYS, QUICK_WAYS, 100, asked=1e-3, bounds=SLOWER
+BENCHMARKS = {
+    "couette_2.7": Benchmark(
+        "Couette, Re = 50, t = 2.7", ended(COUETTE, 2.7), METHODS, QUICK_METHODS, 100, target_error=1e-3, bounds=SLOWER
     ),
-    "couette_20": Flow("Couette, Re = 50, t = 20", ended(COUETTE, 20.0), WAYS, {}, 50, asked=1e-4, bounds=SLOWER),
-    "poiseuille_10": Flow("Poiseuille, t = 10", ended(POISEUILLE, 10.0), WAYS, {}, 50),
-    "oldroyd_b_couette": Flow(
+    "couette_20": Benchmark(
+        "Couette, Re = 50, t = 20", ended(COUETTE, 20.0), METHODS, {}, 50, target_error=1e-4, bounds=SLOWER
+    ),
+    "poiseuille_10": Benchmark("Poiseuille, t = 10", ended(POISEUILLE, 10.0), METHODS, {}, 50),
+    "oldroyd_b_couette": Benchmark(
         "Oldroyd-B Couette, t = 2: u, S_xy, N1",
         flows.merged(flows.OLDROYD_B_COUETTE.at(LENGTH), SERIAL),
-        POLYMER_WAYS,
-        QUICK_POLYMER_WAYS,
+        POLYMER_METHODS,
+        QUICK_POLYMER_METHODS,
         group="oldroyd_b",
-        error=memory,
-        own=True,
+        error=largest_error,
+        at_explicit_errors=True,
     ),
-    "oldroyd_b_poiseuille": Flow(
+    "oldroyd_b_poiseuille": Benchmark(
         "Oldroyd-B Poiseuille, t = 2: u, S_xy, N1",
         flows.merged(flows.OLDROYD_B_POISEUILLE.at(LENGTH), SERIAL),
-        POLYMER_WAYS,
+        POLYMER_METHODS,
         {},
         group="oldroyd_b",
-        error=memory,
-        own=True,
+        error=largest_error,
+        at_explicit_errors=True,
     ),
-    "oldroyd_b_cylinders": Flow(
+    "oldroyd_b_cylinders": Benchmark(
         "Oldroyd-B, cylinders, t = 1: u, torque",
         ended(flows.merged(turning_polymers.START, SERIAL), 1.0),
-        CYLINDER_WAYS,
+        CYLINDER_METHODS,
         {},
         group="oldroyd_b",
         error=torque,
     ),
-    "taylor_green_2": Flow(
+    "taylor_green_2": Benchmark(
         "Taylor-Green vortex, Re = 100, t = 2",
         ended(VORTEX, 2.0),
-        VORTEX_WAYS,
-        QUICK_VORTEX_WAYS,
+        VORTEX_METHODS,
+        QUICK_VORTEX_METHODS,
         group="taylor_green",
-        bounds=(Bound("PySPH EDAC", 500.0, across=50, more_exact=200.0),),
-        rival="implicit 4, balanced",
+        bounds=(Bound("PySPH EDAC", 500.0, across=50, accuracy_ratio=200.0),),
+        equal_resolution_method="implicit 4, balanced",
     ),
-    "circular_couette_2": Flow(
+    "circular_couette_2": Benchmark(
         "Circular Couette start-up, Re = 50, t = 2",
         ended(flows.merged(circular_couette.ANNULUS, circular_couette.START, SERIAL), 2.0),
-        WALL_WAYS,
-        QUICK_WALL_WAYS,
+        WALL_METHODS,
+        QUICK_WALL_METHODS,
         group="circular_couette",
     ),
-    "cavity_10": Flow(
+    "cavity_10": Benchmark(
         "Cavity, Re = 100, t = 10: extremes",
         ended(flows.merged(SHARP, SERIAL), 10.0),
-        WALL_WAYS,
-        QUICK_WALL_WAYS,
+        WALL_METHODS,
+        QUICK_WALL_METHODS,
         group="cavity",
         error=extremes,
         bounds=(Bound("PySPH", 100.0),),
     ),
-    "cylinder": Flow(
+    "cylinder": Benchmark(
         "Cylinders in a channel: drag",
         flows.merged(bodies.MORRIS, SERIAL),
-        BODY_WAYS,
-        QUICK_BODY_WAYS,
+        BODY_METHODS,
+        QUICK_BODY_METHODS,
         group="cylinder",
         error=resistance,
     ),
 }
 """Every flow by its key."""
 
-GROUPS = tuple(dict.fromkeys(flow.group for flow in FLOWS.values()))
+GROUPS = tuple(dict.fromkeys(flow.group for flow in BENCHMARKS.values()))
 """Names of their groups, each of which is a picture of its own."""
 
 
 @dataclass(frozen=True)
 class Point:
-    """One flow computed in one way: a point of the picture."""
+    """One flow computed by one method: a point of the picture."""
 
     flow: str
-    way: str
+    method: str
     across: int
     change: dict
 
     @property
     def name(self):
         """Name of its runs, less the number of the round."""
-        way = "".join(letter if letter.isalnum() or letter == "." else "_" for letter in self.way)
-        return f"{self.flow}_{way}_{self.across}"
+        method = "".join(letter if letter.isalnum() or letter == "." else "_" for letter in self.method)
+        return f"{self.flow}_{method}_{self.across}"
 
     @property
     def config(self):
         """Its config."""
-        return flows.merged(FLOWS[self.flow].config, self.change, flows.across(self.across))
+        return flows.merged(BENCHMARKS[self.flow].config, self.change, flows.across(self.across))
 
 
 def points(group, quick):
     """All points of a group, flow by flow."""
     return [
-        Point(key, way, across, change)
-        for key, flow in FLOWS.items()
+        Point(key, method, across, change)
+        for key, flow in BENCHMARKS.items()
         if flow.group == group
-        for way, (change, resolutions) in (flow.quick_ways if quick else flow.ways).items()
+        for method, (change, resolutions) in (flow.quick_methods if quick else flow.methods).items()
         for across in resolutions
-        if not (way.startswith("explicit") and across > flow.finest_explicit)
+        if not (method.startswith("explicit") and across > flow.finest_explicit)
     ]

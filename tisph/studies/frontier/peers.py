@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from rich.console import Console
 
 from tisph.errors import TisphError
-from tisph.study.bench.cases import FLOWS
-from tisph.study.bench.measured import Measured
+from tisph.studies.frontier.cases import BENCHMARKS
+from tisph.studies.frontier.pareto import Measured
 
 
 @dataclass(frozen=True)
@@ -87,10 +87,10 @@ measured of the vortex once, on one thread of another busy machine; times good t
 
 def runs(group, quick=False):
     """Return the runs of a group's flows."""
-    return [run for run in (QUICK_RUNS if quick else RUNS) if FLOWS[run.flow].group == group]
+    return [run for run in (QUICK_RUNS if quick else RUNS) if BENCHMARKS[run.flow].group == group]
 
 
-def measure(scripts, folder, turn, wanted):
+def measure(scripts, folder, number, wanted):
     """One round of the runs ``wanted``: the dictionary that ``measure.py`` in ``scripts`` printed, by ``PeerRun``.
 
     What an earlier call left in ``folder`` is used again unless a script is newer. Raises TisphError where one fails.
@@ -99,7 +99,7 @@ def measure(scripts, folder, turn, wanted):
     changed = max(path.stat().st_mtime for path in scripts.iterdir() if path.is_file())
     found = {}
     for run in wanted:
-        kept = folder / f"{run.code}_{run.threads}_{run.flow}_{run.across}_round_{turn}.json"
+        kept = folder / f"{run.code}_{run.threads}_{run.flow}_{run.across}_round_{number}.json"
         if not kept.is_file() or kept.stat().st_mtime < changed:
             with Console(stderr=True).status(kept.stem):
                 kept.write_text(_call([sys.executable, scripts / "measure.py", *run.words]), encoding="utf-8")
@@ -121,7 +121,7 @@ def merged(rounds, group):
         ones = [one[run] for one in rounds]
         rows[run] = Measured(
             flow=run.flow,
-            way=run.label,
+            method=run.label,
             across=run.across,
             threads=run.threads,
             steps=ones[0]["steps"],
@@ -140,14 +140,14 @@ def quoted_vortices(codes):
     return [
         Measured(
             flow="taylor_green_2",
-            way=f"{label}, quoted",
+            method=f"{label}, quoted",
             across=across,
             threads=1,
             steps=None,
             l2=l2,
             loops=(seconds,),
             code=label.split()[0],
-            elsewhere=True,
+            quoted=True,
         )
         for label, across, seconds, l2 in QUOTED_VORTICES
         if label.split()[0] not in codes
@@ -159,14 +159,14 @@ def quoted(scale):
     return [
         Measured(
             flow=SCALE.flow,
-            way=f"{label}, quoted",
+            method=f"{label}, quoted",
             across=SCALE.across,
             threads=SCALE.threads,
             steps=steps,
             l2=l2,
             loops=(factor * scale.loop,),
             code=label.split()[0],
-            elsewhere=True,
+            quoted=True,
         )
         for label, (factor, l2, steps) in QUOTED.items()
     ]

@@ -1,6 +1,9 @@
-"""The C++ loop that throughput is compared with does the same as the program; and costs, as ratios within one call."""
+"""The C++ loop in benchmarks/, an implementation of its own, moves particles as the explicit scheme does."""
 
+import json
 import math
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,11 +13,20 @@ from tisph.config import load
 from tisph.exact import couette
 from tisph.kernels import wendland_c2
 from tisph.simulation.run import start_values
-from tisph.study.bench import _throughput_reference as reference
-from tisph.study.bench._throughput_cases import Case
-from tisph.study.bench.throughput import Bench
-from tisph.study.store import config_text
-from tisph.verification.flows import merged
+
+sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
+import reference_loop as reference
+
+CASE = {
+    "scene": "channel",
+    "fluid": {"density": 1.0, "kinematic_viscosity": 0.01},
+    "geometry": {"gap": 1.0, "length": 0.4},
+    "walls": {"top": {"velocity": 0.5}},
+    "scheme": {"type": "wcsph", "operators": "standard", "equation_of_state": {"sound_speed": 5.0}},
+    "time": {"end": 100.0},
+    "runtime": {"threads": 1},
+}
+DISCRETISATION = {"kernel": "wendland_c2", "smoothing_ratio": 1.3}
 
 
 @pytest.fixture(scope="module")
@@ -28,8 +40,9 @@ def program(tmp_path_factory):
 def scene(folder, precision, across, **initial):
     """Config and channel of a case with standard operators on one thread, a fifth as long."""
     path = folder / "case.yaml"
-    config = merged(Case("standard", precision, 1, across).config, {"geometry": {"length": 0.4}, "initial": initial})
-    path.write_text(config_text("case", config))
+    discretisation = {**DISCRETISATION, "particles_across": across, "precision": precision}
+    start = {"state": "developed", "jitter": 0.1, **initial}
+    path.write_text(json.dumps({**CASE, "discretisation": discretisation, "initial": start}))  # JSON is YAML
     config = load(path, ())
     return config, scenes.of(config)
 
@@ -104,34 +117,3 @@ def test_the_loop_moves_the_same_particles_to_the_same_places(program, tmp_path,
     assert np.abs(state[:, 3] - ours.v).max() < tolerance * moved
     assert np.abs(apart).max() < 1e-3 * channel.spacing
     assert np.abs(state[:, 1] - ours.y).max() < 1e-3 * channel.spacing
-
-
-GUARDED = [Case("standard", "f64", 1, 224), Case("consistent", "f64", 1, 224), Case("standard", "f64", 2, 224)]
-
-
-@pytest.fixture(scope="module")
-def fastest(tmp_path_factory):
-    """Least nanoseconds that a particle and step took of all steps in three interleaved rounds, case by case.
-
-    What else a machine does can only add to a step, and of some hundred steps of a few milliseconds one is left alone.
-    """
-    bench = Bench(tmp_path_factory.mktemp("throughput"), 1.0, None)
-    for turn in range(3):
-        for case in GUARDED:
-            bench.measure(case, turn)
-    return [min(one["fastest"] for one in bench.results.cases[case]) for case in GUARDED]
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(600)
-def test_consistent_operators_cost_little_more_than_standard_ones(fastest):
-    # what is promised of the medians of a quiet machine is 1.35; fastest steps differ by 5 % from call to call
-    assert fastest[1] / fastest[0] <= 1.35 * 1.05
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(600)
-@pytest.mark.skipif(runtime.available_threads() < 2, reason="needs two processors")
-def test_two_threads_are_faster_than_one(fastest):
-    # measured 1.8 to 1.9; a loop that is no longer shared among the threads is near 1
-    assert fastest[0] / fastest[2] >= 1.5

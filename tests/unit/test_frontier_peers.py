@@ -5,9 +5,9 @@ import os
 import pytest
 
 from tisph.errors import TisphError
-from tisph.study.bench import peers
-from tisph.study.bench.cases import GROUPS
-from tisph.study.bench.peers import EDAC_SERIAL, QUICK_RUNS, RUNS, SCALE, TVF, PeerRun
+from tisph.studies.frontier import peers
+from tisph.studies.frontier.cases import GROUPS
+from tisph.studies.frontier.peers import EDAC_SERIAL, QUICK_RUNS, RUNS, SCALE, TVF, PeerRun
 
 SCRIPT = """
 import json, pathlib, sys
@@ -76,7 +76,7 @@ def test_options_name_case_code_threads_resolution_and_time():
 
 def test_rows_have_the_times_of_all_rounds_and_the_name_of_the_code():
     rows = {
-        (row.flow, row.way, row.across): row
+        (row.flow, row.method, row.across): row
         for row in peers.merged([round_of(2.0), round_of(5.0), round_of(3.0)], "channel")
     }
     row = rows["couette_2.7", "PySPH EDAC, 2 threads", 25]
@@ -85,16 +85,16 @@ def test_rows_have_the_times_of_all_rounds_and_the_name_of_the_code():
 
 def test_quoted_peers_are_multiples_of_lammps():
     rows = {
-        row.way: row
+        row.method: row
         for row in peers.merged([{**round_of(1.0), SCALE: {"steps": 9, "l2": 0.1, "loop_seconds": 10.0}}], "channel")
     }
     quoted = rows["SPHinXsys, quoted"]
-    assert (quoted.loop, quoted.elsewhere, quoted.flow) == (pytest.approx(5.7), True, "couette_20")
+    assert (quoted.loop, quoted.quoted, quoted.flow) == (pytest.approx(5.7), True, "couette_20")
 
 
 def test_nothing_is_quoted_without_the_run_that_it_scales_with():
     short = [{run: {"steps": 9, "l2": 0.1, "loop_seconds": 1.0} for run in QUICK_RUNS}]
-    assert not any(row.elsewhere for row in peers.merged(short, "channel"))
+    assert not any(row.quoted for row in peers.merged(short, "channel"))
     assert peers.merged([], "channel") == []
 
 
@@ -108,7 +108,7 @@ def test_vortices_are_quoted_of_codes_that_were_not_measured():
     assert {row.code for row in peers.merged([], "taylor_green")} == {"PySPH", "JAX-SPH"}
     run = PeerRun(*EDAC_SERIAL, "taylor_green_2", 50)
     rows = peers.merged([{run: {"steps": 9, "l2": 0.02, "loop_seconds": 90.0}}], "taylor_green")
-    assert [(row.way, row.elsewhere) for row in rows] == [
+    assert [(row.method, row.quoted) for row in rows] == [
         ("PySPH EDAC, 1 thread", False),
         ("JAX-SPH TVF, quoted", True),
     ]

@@ -1,49 +1,46 @@
-"""The tuned C++ loop that throughput is compared with: ``benchmarks/reference.cpp``, compiled and run.
+"""The C++ loop with the arithmetic of ``operators: standard``, ``benchmarks/reference.cpp``: compiled and run.
 
-    python -m tisph.study.bench._throughput_reference CONFIG PROGRAM SECONDS
+    python benchmarks/reference_loop.py --across 224 --threads 1
 
-Runs PROGRAM for about SECONDS on the particles with which the explicit scheme of CONFIG starts; prints a line of JSON.
+prints nanoseconds per particle and step, rebuilds of the lists left out: beside those of ``step.py``, how much faster a
+loop written for this one purpose is. A test compares where both move the particles to.
 """
 
+import argparse
 import json
 import shutil
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
 
-import tisph
 from tisph import scenes
 from tisph.config import load
 from tisph.errors import TisphError
 from tisph.schemes._estimate import explicit
 
-SOURCE = Path(tisph.__file__).resolve().parents[1] / "benchmarks" / "reference.cpp"
+SOURCE = Path(__file__).with_name("reference.cpp")
 
 FLAGS = ["-std=c++17", "-O3", "-march=native", "-ffast-math", "-fopenmp"]
 
 TUNING = (
     ["-mprefer-vector-width=256", "-mtune-ctrl=^use_gather,^use_gather_2parts,^use_gather_4parts,^use_gather_8parts"],
-    ["-mprefer-vector-width=256", "-mtune-ctrl=^use_gather,^use_gather_2parts,^use_gather_4parts"],
     ["-mprefer-vector-width=256"],
     [],
 )
 """Flags that a compiler may not know, best first: vectors of 512 bits and gather instructions are slower here."""
 
-WARM_UP = 20
-GUESS = 60e-9
-"""Seconds that a particle and step take on one thread, roughly: to know how many steps to ask for."""
+STEPS, WARM_UP = 500, 20
 
 
 def compiled(folder):
-    """Compile the loop into ``folder``; return the program's path, or None without source or compiler.
+    """Compile the loop into ``folder``; return the program's path, or None without a compiler.
 
     Raises TisphError where a compiler is there but cannot compile it.
     """
     compiler = shutil.which("c++")
-    if compiler is None or not SOURCE.is_file():
+    if compiler is None:
         return None
     program = folder / "reference"
     for tuning in TUNING:
@@ -93,22 +90,26 @@ def run(program, config, channel, **words):
     return json.loads(done.stdout)
 
 
-def main(path, program, seconds):
-    """Time a step, and a rebuild of its lists, on the particles of the config at ``path``."""
-    config = load(path, ())
-    channel = scenes.of(config)
-    particles = channel.rows * channel.columns
-    x, y = channel.jittered(config.initial.seed, config.initial.jitter)
-    steps = max(WARM_UP, round(float(seconds) / (GUESS * particles)))
-    with tempfile.TemporaryDirectory() as folder:
-        state = Path(folder) / "state.bin"
+def main():
+    """Time a step on the particles with which the explicit scheme starts."""
+    from step import SCHEMES, sized
+
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--across", type=int, default=224)
+    parser.add_argument("--threads", type=int, default=1)
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        path, state = folder / "case.yaml", folder / "state.bin"
+        path.write_text(json.dumps(sized(SCHEMES["standard"], options.across, options.threads)), encoding="utf-8")
+        config = load(path, ())
+        channel = scenes.of(config)
+        x, y = channel.jittered(config.initial.seed, config.initial.jitter)
         write_state(state, x, y, channel.initial_velocity(y), np.zeros_like(x))
-        found = run(program, config, channel, state=state, steps=steps, warm_up=WARM_UP)
-    once = found["rebuild_seconds"]
-    each = 1e9 / particles
-    stepping = found["loop_seconds"] - found["rebuilds"] * once
-    print(json.dumps({"particles": particles, "step": each * stepping / steps, "rebuild": each * once}))
+        found = run(compiled(folder), config, channel, state=state, steps=STEPS, warm_up=WARM_UP)
+    stepping = found["loop_seconds"] - found["rebuilds"] * found["rebuild_seconds"]
+    print(f"{1e9 * stepping / (STEPS * len(x)):.1f} ns per particle and step, {len(x)} particles")
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main()

@@ -6,23 +6,30 @@ run in every round and medians are compared.
 """
 
 import json
-from dataclasses import asdict
+import os
+import platform
+from pathlib import Path
 from statistics import median
 
 from rich.console import Console
 
+import tisph
 from tisph.errors import TisphError
-from tisph.study.bench import peers
-from tisph.study.bench.cases import FLOWS, points
-from tisph.study.bench.comparison import comparisons, leads, table
-from tisph.study.bench.equals import equals, equals_table
-from tisph.study.bench.machine import describe
-from tisph.study.bench.measured import Measured, front
-from tisph.study.bench.picture import plot_frontier
+from tisph.studies.frontier import peers
+from tisph.studies.frontier.cases import BENCHMARKS, points
+from tisph.studies.frontier.comparison import (
+    comparison_table,
+    comparisons,
+    equal_resolution,
+    equal_resolution_table,
+    speedups,
+)
+from tisph.studies.frontier.pareto import Measured, pareto_front
+from tisph.studies.frontier.picture import plot_frontier
 from tisph.study.store import Store
 from tisph.verification.table import format_header, format_row
 
-HEADER = ("flow", "way", "across", "threads", "steps", "error", "loop [s]", "process [s]", "front")
+HEADER = ("flow", "method", "across", "threads", "steps", "error", "loop [s]", "process [s]", "front")
 WIDTHS = (25, 6, 7, 5, 7, 26, 23, 5)
 ROUNDS = {"channel": 3, "oldroyd_b": 3}
 """Rounds by group, else one: PySPH's vortices take minutes, and ratios of many hundreds need no median."""
@@ -40,11 +47,11 @@ def run(folder, quick=False, peers_folder=None, group="channel"):
     store = Store(folder / "runs")
     print(f"finished runs are kept in {folder} and used again by the same command\n", flush=True)
     others = []
-    for turn in range(ROUNDS.get(group, 1)):
+    for number in range(ROUNDS.get(group, 1)):
         for point in wanted:
-            rounds[point.name].append(outcome(store, f"{point.name}_round_{turn}", point.config))
+            rounds[point.name].append(outcome(store, f"{point.name}_round_{number}", point.config))
         if peers_folder:
-            others.append(peers.measure(peers_folder, folder / "peers", turn, theirs))
+            others.append(peers.measure(peers_folder, folder / "peers", number, theirs))
     rows = [*(measured(point, rounds[point.name]) for point in wanted), *peers.merged(others, group)]
     return show(folder, rows)
 
@@ -64,11 +71,11 @@ def measured(point, summaries):
     samples = summaries[0]["samples"]
     return Measured(
         flow=point.flow,
-        way=point.way,
+        method=point.method,
         across=point.across,
         threads=summaries[0]["provenance"]["threads"],
         steps=costs[0]["steps"],
-        l2=FLOWS[point.flow].error(samples[-1]) if samples else float("nan"),
+        l2=BENCHMARKS[point.flow].error(samples[-1]) if samples else float("nan"),
         loops=tuple(cost["wall_loop_s"] for cost in costs),
         processes=tuple(cost["wall_total_s"] for cost in costs),
     )
@@ -76,16 +83,16 @@ def measured(point, summaries):
 
 def show(folder, rows):
     """Print the tables of ``rows``, write picture and numbers into ``folder``; False if a bound is missed."""
-    fronts = {flow: front([row for row in rows if row.flow == flow and row.ours]) for flow in FLOWS}
+    fronts = {flow: pareto_front([row for row in rows if row.flow == flow and row.ours]) for flow in BENCHMARKS}
     _print_points(rows, fronts)
-    found, same = comparisons(rows), equals(rows)
-    print("", *leads(rows), "", table(found), sep="\n")
+    found, same = comparisons(rows), equal_resolution(rows)
+    print("", *speedups(rows), "", comparison_table(found), sep="\n")
     if same:
-        print("", equals_table(same), sep="\n")
-    place = describe()
+        print("", equal_resolution_table(same), sep="\n")
+    place = machine()
     numbers = {
         "machine": place,
-        "points": [asdict(row) | {"loop": row.loop} for row in rows],
+        "points": [row.numbers for row in rows],
         "comparisons": [one.numbers for one in found],
         "equal_number": [one.numbers for one in same],
     }
@@ -99,24 +106,40 @@ def show(folder, rows):
 def _print_points(rows, fronts):
     rounds = max(len(row.loops) for row in rows)
     print(f"{rounds} interleaved rounds, median (smallest..largest)\n" if rounds > 1 else "one round\n")
-    widths = (max(len(FLOWS[row.flow].title) for row in rows), *WIDTHS)
+    widths = (max(len(BENCHMARKS[row.flow].title) for row in rows), *WIDTHS)
     print(format_header(HEADER, widths))
     for row in rows:
         cells = (
-            FLOWS[row.flow].title,
-            row.way,
+            BENCHMARKS[row.flow].title,
+            row.method,
             str(row.across),
             str(row.threads),
             "" if row.steps is None else str(row.steps),
             f"{row.l2:.1e}",
-            "quoted " * row.elsewhere + _spread(row.loops),
-            _spread(row.processes) if row.processes else "",
+            "quoted " * row.quoted + _median_and_range(row.loops),
+            _median_and_range(row.processes) if row.processes else "",
             "*" if row in fronts[row.flow] else "",
         )
         print(format_row(cells, widths))
 
 
-def _spread(seconds):
+def _median_and_range(seconds):
     return (
         f"{median(seconds):.3f} ({min(seconds):.3f}..{max(seconds):.3f})" if len(seconds) > 1 else f"{seconds[0]:.3f}"
     )
+
+
+CPUINFO = Path("/proc/cpuinfo")
+"""Where Linux tells the name of the processor; elsewhere Python knows it."""
+
+
+def machine():
+    """``processor``, ``cores``, ``platform``, and ``version`` of this program, as a dictionary."""
+    lines = CPUINFO.read_text(encoding="utf-8").splitlines() if CPUINFO.is_file() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return {
+        "processor": names[0] if names else platform.processor() or platform.machine(),
+        "cores": os.cpu_count(),
+        "platform": platform.platform(),
+        "version": tisph.__version__,
+    }

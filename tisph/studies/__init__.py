@@ -1,0 +1,1 @@
+"""Studies: many runs of one program, judged and drawn together."""

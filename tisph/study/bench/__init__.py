@@ -1,1 +1,0 @@
-"""Benchmarks: run time against error, throughput, what parts cost, start-up. Ratios within one call on one machine."""

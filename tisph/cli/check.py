@@ -75,13 +75,13 @@ def forecast(config: Any) -> tuple[dict[str, Any], list[str]]:
 
 def estimates(config: Any) -> dict[str, Any]:
     """Numbers of a run before it runs, in the config's units; memory in bytes, run time in seconds."""
-    from tisph import registry, schemes
+    from tisph import schemes
     from tisph.config import memory
 
     channel = _scene(config)
     particles = channel.particles
     resolved, reason = schemes.resolve(config)
-    run = registry.load("schemes", resolved.scheme.type).estimates(resolved, channel)
+    run = schemes.estimates(resolved, channel)
     return {
         "reynolds": channel.reynolds,
         "cell_reynolds": channel.reference_velocity * channel.spacing / channel.solvent_viscosity,

@@ -1,10 +1,13 @@
-"""Scenes: geometry, boundary motion and exact solution of a flow. One file each."""
+"""Scenes: geometry, boundary motion and exact solution of a flow. One file each; ``_scene.py`` says what it needs."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tisph import registry
 
+if TYPE_CHECKING:
+    from tisph.scenes._scene import Scene
 
-def of(config: Any) -> Any:
+
+def of(config: Any) -> "Scene":
     """Return the scene that ``config`` describes."""
     return registry.load("scenes", config.scene).Scene.from_config(config)

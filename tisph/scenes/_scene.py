@@ -2,10 +2,12 @@
 
 A scene is one file of this folder with two names: ``Config``, the model of its config (``tisph/config/schema.py``),
 and ``Scene``, a frozen dataclass derived from the ``Scene`` here. Everything above it, from the observers to the
-pictures, asks no more than what is here; what a scene leaves out has the answer of a liquid in a periodic box.
+pictures, asks no more than what is here. A scene must give what has no value here and what raises NotImplementedError;
+what it leaves out of the rest has the answer of a fluid at rest in a periodic box.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -13,14 +15,28 @@ from tisph.scenes._views import Followed, Profile, Shown
 
 
 class Scene:
-    """A liquid in the box 0 <= x <= width, 0 <= y <= height; every number in the config's units.
+    """A fluid in the box 0 <= x <= width, 0 <= y <= height; every number in the config's units."""
 
-    Attributes that each scene has: ``density``, ``kinematic_viscosity`` (total), ``polymer`` (``_motion.Polymer``, or
-    None), ``spacing`` of the particles and how many ``columns`` along x and ``rows`` along y there are at the start,
-    ``units`` with the labels for plots and tables.
-    """
+    density: float
+    """Density of the fluid."""
+
+    kinematic_viscosity: float
+    """Kinematic viscosity, of solvent and polymer together."""
+
+    spacing: float
+    """Distance between neighbouring particles at the start."""
+
+    columns: int
+    """Particles along x at the start, in a box without ``bodies``."""
+
+    rows: int
+    """Particles along y at the start, in a box without ``bodies``."""
+
+    units: Any
+    """``config.schema.Units``: labels of the units for plots and tables."""
 
     polymer = None
+    """Relaxation time and solvent fraction (``_motion.Polymer``) of a fluid with polymer."""
 
     rheology = None
     """Parameters of the liquid, where more is needed of them than viscosity and ``polymer``."""
@@ -69,6 +85,11 @@ class Scene:
 
     time_formula = "Ut/L"
     """Time over ``time_scale``, in words."""
+
+    @classmethod
+    def from_config(cls, config: Any) -> "Scene":
+        """The scene that a validated config describes."""
+        raise NotImplementedError
 
     @property
     def extent(self):
@@ -167,7 +188,7 @@ class Scene:
         raise NotImplementedError
 
     def exact(self, field, x, y, t):
-        """Reference for one of ``fields`` at places ``x``, ``y`` and times ``t``, which broadcast."""
+        """Reference for one of ``fields``, where there are any, at places ``x``, ``y`` and times ``t``; they broadcast."""
         raise NotImplementedError
 
     def measures(self, snapshot, followed):

@@ -120,13 +120,13 @@ def _problems_without_walls(config):
         yield "scheme.operators.order", "must be 4 where the flow turns"
 
 
-def estimates(config, channel):
+def estimates(config, scene):
     """Return what ``tisph check`` says of a run of this scheme."""
-    if not channel.parallel:
+    if not scene.parallel:
         from tisph.schemes import _splitting
 
-        return _splitting.estimates(config, channel)
+        return _splitting.estimates(config, scene)
     from tisph.schemes._estimate import implicit
     from tisph.schemes.implicit._scheme import control
 
-    return implicit(config, channel, control(config, channel, sorted({*config.time.samples, config.time.end})))
+    return implicit(config, scene, control(config, scene, sorted({*config.time.samples, config.time.end})))

@@ -80,13 +80,18 @@ def _problems_of_images(config):
         yield "walls.treatment.type", f"{text}; take a spacing below {largest:g}, virtual_image or adami"
 
 
+def coarsen_steps(config, factor):
+    """Return the config: its steps are limited by multiples of the spacing already."""
+    return config
+
+
 def orders(config):
     """Return the least and the largest order in the spacing that is to be expected: second, and scatter."""
     return 1.0, 3.5
 
 
-def estimates(config, channel):
+def estimates(config, scene):
     """Return what ``tisph check`` says of a run of this scheme."""
     from tisph.schemes._estimate import explicit
 
-    return explicit(config, channel)
+    return explicit(config, scene)

@@ -1,0 +1,111 @@
+"""Each scene and each scheme has what the written protocols ask for, under the names and arguments that they give."""
+
+import ast
+import inspect
+from pathlib import Path
+
+import pytest
+
+from tisph import registry, scenes
+from tisph.config import load, schema
+from tisph.config.base import Model
+from tisph.scenes import _scene
+from tisph.schemes import _protocol
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+EXAMPLES = {
+    "annulus": "circular_couette",
+    "cavity": "cavity",
+    "channel": "oldroyd_b_couette",
+    "lattice": "cylinder_lattice",
+    "region": "turned_box",
+    "shear_layer": "shear_layer",
+    "taylor_green": "taylor_green",
+}
+CHOICES = ["auto"]
+
+
+def public(cls):
+    """Names of the public members of a class, those that are only annotated among them."""
+    return {name for name in {*vars(cls), *inspect.get_annotations(cls)} if not name.startswith("_")}
+
+
+def undocumented(cls):
+    """Public members of a class in its source that neither have a docstring nor are followed by one."""
+    (tree,) = ast.parse(inspect.getsource(cls)).body
+    following = dict(zip(tree.body, [*tree.body[1:], None], strict=True))
+    for node, after in following.items():
+        if isinstance(node, ast.FunctionDef):
+            if not ast.get_docstring(node) and not node.name.startswith("_"):
+                yield node.name
+        elif isinstance(node, ast.Assign | ast.AnnAssign) and not (
+            isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)
+        ):
+            yield ast.unparse(node)
+
+
+def arguments(function):
+    """Names of the arguments of a function without ``self``; names that begin with _ are given by position only."""
+    return [name.lstrip("_") for name in inspect.signature(function).parameters if name != "self"]
+
+
+PROTOCOLS = [
+    _scene.Scene,
+    _protocol.Scheme,
+    _protocol.DenseScheme,
+    _protocol.SchemeEstimates,
+    _protocol.Member,
+    _protocol.SchemeMember,
+    _protocol.ChoiceMember,
+]
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS, ids=lambda protocol: protocol.__name__)
+def test_protocols_explain_each_member(protocol):
+    assert protocol.__doc__
+    assert list(undocumented(protocol)) == []
+
+
+def test_every_scene_has_an_example():
+    assert sorted(EXAMPLES) == registry.names("scenes")
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_scenes_have_what_runs_ask_of_them(name):
+    config = load(CONFIGS / f"{EXAMPLES[name]}.yaml")
+    scene = scenes.of(config)
+    assert isinstance(config, schema.Config)
+    assert isinstance(scene, _scene.Scene)
+    left_out = {"columns", "rows"} if scene.bodies else set()
+    left_out |= set() if scene.fields else {"exact"}
+    for member in public(_scene.Scene) - left_out:
+        getattr(scene, member)  # a property that raises NotImplementedError is missing
+        given, asked = getattr(type(scene), member, None), getattr(_scene.Scene, member, None)
+        if inspect.isfunction(asked):
+            assert given.__doc__ or member not in vars(type(scene)), member
+            kinds = {each.kind for each in inspect.signature(asked).parameters.values()}
+            if inspect.Parameter.VAR_KEYWORD not in kinds:
+                assert arguments(given) == arguments(asked), member
+            if asked.__code__.co_names[-1:] == ("NotImplementedError",):
+                assert given is not asked, f"{member} is missing"
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_configs_of_scenes_have_what_the_schema_asks_for(name):
+    config = load(CONFIGS / f"{EXAMPLES[name]}.yaml")
+    for member in public(schema.Config) - {"model_config"}:
+        getattr(config, member)
+
+
+@pytest.mark.parametrize("name", registry.names("schemes"))
+def test_modules_of_schemes_have_what_the_program_asks_of_them(name):
+    module = registry.load("schemes", name)
+    protocol = _protocol.ChoiceMember if name in CHOICES else _protocol.SchemeMember
+    assert issubclass(module.Parameters, Model)
+    assert module.Parameters.model_fields["type"].default == name
+    assert registry.constant("schemes", name, "PERIODIC")
+    for member in public(protocol) | public(_protocol.Member):
+        given, asked = getattr(module, member), getattr(protocol, member, None)
+        if inspect.isfunction(asked):
+            assert given.__doc__, member
+            assert arguments(given) == arguments(asked), member

@@ -1,0 +1,173 @@
+"""What the program asks of a scheme: of its module, which imports no Taichi, and of the object that takes the steps.
+
+A scheme is a module (or a package) of this folder that has what ``SchemeMember`` lists; its name is the ``type`` in a
+config. ``build`` returns the object with the members of ``Scheme``, and only there Taichi is imported. Nothing else is
+asked of a scheme, neither by the simulation nor by observers, checkpoints and reports. A member that stands for others,
+such as ``auto``, has what ``ChoiceMember`` lists instead.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Protocol, TypedDict
+
+import numpy as np
+
+from tisph.config.base import Model, Problem
+from tisph.scenes._scene import Scene
+from tisph.snapshot import Snapshot
+
+
+class Scheme(Protocol):
+    """Particles of a scene that are advanced step by step. Lengths and times are in the units of the config."""
+
+    time: float
+    """Time at the end of the last step."""
+
+    steps: int
+    """Steps taken so far, since the start of the run and not since it was resumed."""
+
+    shortest: float
+    """Length of the shortest step so far [time]; infinite before the first."""
+
+    longest: float
+    """Length of the longest step so far [time]."""
+
+    @property
+    def finished(self) -> bool:
+        """Whether the last of the target times is reached."""
+
+    def start(self, position: np.ndarray, velocity: np.ndarray, stress: np.ndarray | None = None) -> None:
+        """Place the fluid particles at the start time: ``position``, ``velocity`` (particles, 2).
+
+        ``stress``: polymer stress xx, xy, yy [mass/(length time^2)], (particles, 3), where the scene starts with one.
+        The order of the particles here is that of every later snapshot.
+        """
+
+    def advance(self) -> None:
+        """Take one step, which ends on the next target time if that is near.
+
+        Raises ``DivergedError`` where no step succeeds or where a field is too small for what it has to hold.
+        """
+
+    def output_times(self, due: Sequence[float]) -> Sequence[float]:
+        """Return the times of the snapshots for those that are ``due`` since the last step, in ascending order.
+
+        The same times where the scheme can interpolate within the step (dense output); else the end of the step.
+        """
+
+    def snapshot(self, time: float | None = None) -> Snapshot:
+        """Return the state at ``time``, one of ``output_times``; at the end of the last step without one.
+
+        Arrays (particles,) in the order of ``start``; positions within the box of the scene, pressure of mean 0 where
+        the scheme determines it up to a constant, NaN for what the scheme does not have.
+        """
+
+    def momentum_balance(self) -> Mapping[str, float]:
+        """Return numbers for ``momentum`` in ``summary.json``: change of momentum along x and what caused it.
+
+        [mass * velocity/length]; see ``_momentum.MomentumBalance.report``. Empty where nothing is known.
+        """
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Return the scheme's own numbers for ``summary.json``.
+
+        At least ``mach``, ``sound_speed`` (None without one), ``particles_wall`` and ``neighbours_mean``.
+        """
+
+    def parts(self) -> Mapping[str, Any]:
+        """Return the objects whose fields and arrays a checkpoint keeps, by name.
+
+        All Taichi fields and NumPy arrays among their attributes are kept; a field may limit that by an attribute
+        ``used``, an index of NumPy, or None for nothing that outlives a step.
+        """
+
+    def host_state(self) -> Mapping[str, Any]:
+        """Return everything else that a resumed run needs, as plain data that JSON can hold."""
+
+    def restore_host_state(self, state: Mapping[str, Any]) -> None:
+        """Take up the data of ``host_state``; the fields are restored already."""
+
+    def set_targets(self, targets: Sequence[float]) -> bool:
+        """Go on to other target times; return whether a run that had them from the start would have the same steps."""
+
+
+class DenseScheme(Scheme, Protocol):
+    """A scheme with dense output, of which a history of velocities at fixed points is asked without whole snapshots."""
+
+    def around(
+        self, times: Sequence[float], x: np.ndarray, half_width: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return the particles around places ``x`` (times, points) at ``times`` of the last step.
+
+        Four arrays of one length: index of the time, x, y and velocity along x of every particle that is within
+        ``half_width`` along x of a place.
+        """
+
+
+class SchemeEstimates(TypedDict):
+    """What ``tisph check`` prints of a run before it runs. Lengths and times are in the units of the config."""
+
+    mach: float
+    """Peak speed over the speed of sound; 0 without sound."""
+
+    sound_speed: float | None
+    """Speed of sound [length/time]; None without one."""
+
+    time_step: float
+    """Longest step [time]."""
+
+    binding_limit: str
+    """What limits the steps, in a word: ``acoustic``, ``viscous``, ``cfl``, ``strain``, ``accuracy`` or the like."""
+
+    steps: int
+    """Steps to the end of the run."""
+
+    run_time: float
+    """Estimated time in the loop on two threads [s]."""
+
+    lost: bool
+    """Whether the result would be worthless: ``tisph check`` refuses the config then."""
+
+    samples: list[Any]
+    """Estimate of each sample (``_forecast``): its time, steps up to it, errors as far as they can be estimated."""
+
+
+class Member(Protocol):
+    """What every module of this folder has, whether it takes steps or chooses a scheme that does."""
+
+    PERIODIC: list[tuple[bool, bool]]
+    """Boxes that it can serve, by whether they are periodic in x and y. A literal: it is read without an import."""
+
+    Parameters: type[Model]
+    """Its keys in the section ``scheme`` of a config, with ``type``, the literal of its name."""
+
+    def problems(self, config: Any) -> Iterator[Problem]:
+        """Yield dotted key and text of everything in a validated config that it cannot serve."""
+
+
+class SchemeMember(Member, Protocol):
+    """Module of a scheme. Its functions take a config whose ``scheme`` is this one (``schemes.resolve``)."""
+
+    def build(self, config: Any, scene: Scene, targets: Sequence[float], serial: bool) -> Scheme:
+        """Return the scheme for ``scene`` in its own frame, with steps that end on the times ``targets`` exactly.
+
+        ``serial`` compiles loops without threads. Taichi is imported here.
+        """
+
+    def orders(self, config: Any) -> tuple[float, float]:
+        """Return the least and the largest order in the spacing that counts as observed, for ``--estimate-error``."""
+
+    def coarsen_steps(self, config: Any, factor: float) -> Any:
+        """Return the config with steps ``factor`` times as long for a spacing that is ``factor`` times as wide.
+
+        So errors in time fall with the spacing as those in space do. Limits that go with the spacing stay as they are.
+        """
+
+    def estimates(self, config: Any, scene: Scene) -> SchemeEstimates:
+        """Return what ``tisph check`` says of a run."""
+
+
+class ChoiceMember(Member, Protocol):
+    """Module that chooses among schemes."""
+
+    def resolve(self, config: Any) -> tuple[Any, str]:
+        """Return the config with the scheme that is to run, and in words which one and why."""

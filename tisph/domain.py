@@ -1,31 +1,31 @@
 """The channel as the kernels see it: sizes, wall velocities and drive, as numbers that are not compiled in."""
 
-from tisph.periodic import nearest, wrapped
+from tisph.periodic import minimum_image, wrapped
 from tisph.runtime import scalar, ti, view
 
 
 @ti.data_oriented
-class Domain:
-    """Plane channel 0 <= y <= gap, periodic in x over ``length``, with walls moving along x.
+class ChannelDomain:
+    """Plane channel 0 <= y <= height, periodic in x over ``length``, with walls moving along x.
 
-    ``driven`` and ``oscillates`` tell whether a body acceleration and wall accelerations exist; without them
+    ``has_body_force`` and ``oscillates`` tell whether a body acceleration and wall accelerations exist; without them
     their fields do not. Wall velocities are those of the time last given to ``move_on``. ``columns`` is the number of
     spacings in the length, which no kernel may read: it would be compiled in.
     """
 
-    open_across = False
+    periodic_y = False
 
     def __init__(self, channel):
-        self.driven = channel.acceleration != 0.0
+        self.has_body_force = channel.acceleration != 0.0
         self.oscillates = any(wall.oscillates and not wall.driven for wall in (channel.bottom, channel.top))
         self.motions = (channel.bottom, channel.top)
         self.columns = channel.columns
-        self.gap = scalar(channel.gap)
+        self.height = scalar(channel.gap)
         self.length = scalar(channel.length)
         self.bottom_velocity, self.top_velocity = (
             scalar(0.0 if wall.driven else wall.velocity(channel.start_time)) for wall in self.motions
         )
-        if self.driven:
+        if self.has_body_force:
             self.acceleration = scalar(channel.acceleration)
         if self.oscillates:
             self.bottom_acceleration = scalar(channel.bottom.acceleration(channel.start_time))
@@ -51,33 +51,33 @@ class Domain:
         relative = 0.0
         if ti.static(self.oscillates):
             relative += self.top_acceleration[None] if ti.static(top) else self.bottom_acceleration[None]
-        if ti.static(self.driven):
+        if ti.static(self.has_body_force):
             relative -= self.acceleration[None]
         return relative
 
     @ti.func
-    def inside(self, top: ti.template(), y):
+    def wall_distance(self, top: ti.template(), y):
         """Return the distance of height ``y`` from a wall, positive inside the channel."""
-        return self.gap[None] - y if ti.static(top) else y
+        return self.height[None] - y if ti.static(top) else y
 
     @ti.func
     def mirrored(self, top: ti.template(), position):
         """Return the mirror image of ``position`` in a wall."""
-        place = position
-        place.y = 2.0 * self.gap[None] - position.y if ti.static(top) else -position.y
-        return place
+        image = position
+        image.y = 2.0 * self.height[None] - position.y if ti.static(top) else -position.y
+        return image
 
     @ti.func
-    def nearest(self, dx):
+    def minimum_image_x(self, dx):
         """Return the difference ``dx`` of two x coordinates to the nearest periodic copy."""
-        return nearest(dx, self.length[None])
+        return minimum_image(dx, self.length[None])
 
     @ti.func
-    def shortest(self, apart):
-        """Return the vector ``apart`` between two places to the nearest periodic copy."""
-        return ti.Vector([nearest(apart.x, self.length[None]), apart.y])
+    def minimum_image(self, apart):
+        """Return the vector ``apart`` between two positions to the nearest periodic copy."""
+        return ti.Vector([minimum_image(apart.x, self.length[None]), apart.y])
 
     @ti.func
-    def wrapped(self, x):
+    def wrap_x(self, x):
         """Return ``x`` moved by whole lengths into [0, length)."""
         return wrapped(x, self.length[None])

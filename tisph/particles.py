@@ -102,11 +102,11 @@ class Particles:
 
     @ti.kernel
     def reorder(self, now: ti.i32, order: ti.template(), serial: ti.template()):
-        """Copy buffer ``now`` into the other one so that slot k receives particle ``order[k]``."""
+        """Copy buffer ``now`` into the other one so that the n-th particle is that in slot ``order[n]``."""
         ti.loop_config(serialize=serial)
         for number in range(self.mobile_number[None]):
             k = self.slot(number)
-            source = order[k]
+            source = order[number]
             self.mid_position[1 - now, k] = self.mid_position[now, source]
             self.mid_velocity[1 - now, k] = self.mid_velocity[now, source]
             self.mid_pressure[1 - now, k] = self.mid_pressure[now, source]

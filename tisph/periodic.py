@@ -1,10 +1,10 @@
-"""Periodic axes as the kernels see them: nearest copies, and places brought back into the box."""
+"""Periodic axes as the kernels see them: minimum images, and positions wrapped back into the box."""
 
 from tisph.runtime import scalar, ti
 
 
 @ti.func
-def nearest(difference, period):
+def minimum_image(difference, period):
     """Return the ``difference`` of two coordinates to the nearest periodic copy."""
     forth = ti.select(difference > 0.5 * period, difference - period, difference)
     return ti.select(forth < -0.5 * period, forth + period, forth)
@@ -18,31 +18,31 @@ def wrapped(coordinate, period):
 
 
 @ti.data_oriented
-class PeriodicBox:
-    """Box 0 <= x < length, 0 <= y < gap without walls, periodic in both directions; sizes are not compiled in."""
+class PeriodicDomain:
+    """Box 0 <= x < length, 0 <= y < height, periodic in both directions; sizes are not compiled in."""
 
-    open_across = True
-    driven = False
+    periodic_y = True
+    has_body_force = False
 
-    def __init__(self, length, gap):
-        self.length, self.gap = scalar(length), scalar(gap)
+    def __init__(self, length, height):
+        self.length, self.height = scalar(length), scalar(height)
 
     @ti.func
-    def wrapped(self, x):
+    def wrap_x(self, x):
         """Return ``x`` moved by whole lengths into [0, length)."""
         return wrapped(x, self.length[None])
 
     @ti.func
-    def inside(self, place):
-        """Return a place moved by whole periods into the box."""
-        return ti.Vector([wrapped(place.x, self.length[None]), wrapped(place.y, self.gap[None])])
+    def wrap(self, position):
+        """Return a position moved by whole periods into the box."""
+        return ti.Vector([wrapped(position.x, self.length[None]), wrapped(position.y, self.height[None])])
 
     @ti.func
-    def shortest(self, apart):
-        """Return the vector ``apart`` between two places to the nearest periodic copy."""
-        return ti.Vector([nearest(apart.x, self.length[None]), nearest(apart.y, self.gap[None])])
+    def minimum_image(self, apart):
+        """Return the vector ``apart`` between two positions to the nearest periodic copy."""
+        return ti.Vector([minimum_image(apart.x, self.length[None]), minimum_image(apart.y, self.height[None])])
 
     @ti.func
-    def row_inside(self, row, rows):
+    def wrap_row(self, row, rows):
         """Return which of the rows 1 .. ``rows`` of cells stands for ``row``, which is less than that beyond them."""
         return ti.select(row < 1, row + rows, ti.select(row > rows, row - rows, row))

@@ -89,7 +89,7 @@ def test_ways_past_corners_follow_their_flow():
     """The flow in the corners moves particles as an integrator with the exact formulas does, on and back."""
     scheme = started(cavity(12, 100.0), 0.5, 0.3)
     corners, length = scheme.bounds.corners, 0.02
-    places = view(scheme.history.position)[: scheme.flow.liquid].astype(float)
+    places = view(scheme.history.position)[: scheme.flow.n_fluid].astype(float)
     for sign in (1.0, -1.0):
         found = corners.paths.find(lambda part: np.zeros(4), sign * length)
         rate = lambda t, place: corners.velocity(place.reshape(-1, 2)).ravel()  # noqa: E731

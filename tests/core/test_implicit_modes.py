@@ -11,7 +11,7 @@ import pytest
 from implicit_case import IMPLICIT, SLOW
 from scipy.optimize import brentq
 
-from tisph.neighbours.points import used
+from tisph.neighbours.point_cloud import active
 from tisph.runtime import view
 from tisph.schemes._step_control import SAFETY
 from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, WEIGHTS
@@ -36,10 +36,10 @@ def test_virtual_ghosts_take_the_weighted_fit_at_their_mirror_points(make):
     scheme.assemble(0.0)
     ghosts, points = scheme.ghosts, scheme.points
     values = np.random.default_rng(0).uniform(size=points.slots + 1)
-    place, reach = view(points.place), float(view(ghosts.radius))
+    place, reach = view(points.position), float(view(ghosts.radius))
     for k in (0, 7, 20):
-        count = int(view(points.count)[points.most + k])
-        near = view(points.table)[points.most + k, :count]
+        count = int(view(points.count)[points.capacity + k])
+        near = view(points.neighbours)[points.capacity + k, :count]
         apart = place[near] - view(points.mirror)[k]
         apart[:, 0] -= np.round(apart[:, 0] / scheme.channel.length) * scheme.channel.length
         x, y = apart.T / reach
@@ -52,7 +52,7 @@ def test_virtual_ghosts_take_the_weighted_fit_at_their_mirror_points(make):
 
 def test_virtual_ghosts_continue_the_lattice(make):
     scheme = make("walls.treatment.type=virtual_image")
-    places = np.concatenate([used(scheme.motion.position), scheme.ghosts.part(view(scheme.points.place))])
+    places = np.concatenate([active(scheme.motion.position), scheme.ghosts.part(view(scheme.points.position))])
     x, y = ROWS * places.T - 0.5
     layers = len(places) // ROWS
     assert layers > ROWS

@@ -5,7 +5,7 @@ import pytest
 
 from tisph.least_squares import SUPPORT
 from tisph.least_squares.bicgstab import BiCGStab
-from tisph.neighbours.points import used
+from tisph.neighbours.point_cloud import active
 from tisph.runtime import view
 
 IMPLICIT = ("scheme={type: implicit}", "walls.treatment.type=comoving_image")
@@ -31,8 +31,8 @@ def rows_of(scheme):
     Both are 0 beyond the last neighbour.
     """
     points, spacing = scheme.points, scheme.channel.spacing
-    table, place = view(points.table)[: points.fluid], view(points.place)
-    listed = np.arange(points.capacity) < view(points.count)[: points.fluid, None]
+    table, place = view(points.neighbours)[: points.fluid], view(points.position)
+    listed = np.arange(points.row_capacity) < view(points.count)[: points.fluid, None]
     listed &= table != points.sentinel
     apart = place[np.where(listed, table, 0)] - place[: points.fluid, None]
     apart[..., 0] -= scheme.channel.length * np.round(apart[..., 0] / scheme.channel.length)
@@ -92,7 +92,7 @@ def test_what_lies_beyond_the_support_weighs_nothing(assembled, order):
 def give_neighbours(scheme, i, neighbours):
     """Let particle ``i`` have these neighbours alone, and compute all rows anew."""
     points = scheme.points
-    table, count = view(points.table), view(points.count)
+    table, count = view(points.neighbours), view(points.count)
     padded = -(-len(neighbours) // 4) * 4
     table[i, :padded] = points.sentinel
     table[i, : len(neighbours)] = neighbours
@@ -102,7 +102,7 @@ def give_neighbours(scheme, i, neighbours):
 
 def nearest(scheme, i, number):
     """The ``number`` nearest particles of particle ``i``, which is at the centre of the channel."""
-    place = view(scheme.points.place)[: scheme.points.fluid]
+    place = view(scheme.points.position)[: scheme.points.fluid]
     return np.argsort(np.hypot(*(place - place[i]).T), kind="stable")[1 : number + 1]
 
 
@@ -133,7 +133,7 @@ def test_too_few_neighbours_for_order_four_leave_order_two(assembled, number):
 def test_neighbours_in_three_rows_leave_order_two(assembled):
     # on the heights -1, 0, 1 y^3 is y: however many there are, order 4 has no answer
     scheme = assembled()
-    place = view(scheme.points.place)[: scheme.points.fluid]
+    place = view(scheme.points.position)[: scheme.points.fluid]
     apart = np.abs(place - place[CENTRE]) / scheme.channel.spacing
     near = np.flatnonzero((apart[:, 0] < 2.5) & (apart[:, 1] < 1.5) & (apart.max(axis=1) > 0.5))
     assert len(near) == 14
@@ -176,7 +176,7 @@ def test_singular_neighbourhoods_are_counted_anew_each_time(assembled):
 def matrix_of(scheme, parity):
     """The rows of the Laplacian as a square matrix; ghosts have ``parity`` times what their source has."""
     points = scheme.points
-    table, count = view(points.table), view(points.count)
+    table, count = view(points.neighbours), view(points.count)
     rows, source = view(scheme.rows.laplacian), view(scheme.ghosts.source)
     matrix = np.zeros((points.fluid, points.fluid))
     for i in range(points.fluid):
@@ -185,7 +185,7 @@ def matrix_of(scheme, parity):
             if j < points.fluid:
                 matrix[i, j] += value
             elif j < points.sentinel:
-                matrix[i, source[j - points.most]] += parity * value
+                matrix[i, source[j - points.capacity]] += parity * value
     return matrix
 
 
@@ -294,6 +294,6 @@ def test_the_same_bits_on_one_thread_and_on_two(make):
         scheme = make(*IMPLICIT, "discretisation.particles_across=25", f"runtime.threads={threads}", jitter=0.2)
         for _ in range(6):
             scheme.advance()
-        states.append([used(scheme.motion.position).copy(), used(scheme.viscous.velocity).copy(), scheme.time])
+        states.append([active(scheme.motion.position).copy(), active(scheme.viscous.velocity).copy(), scheme.time])
     for one, two in zip(*states, strict=True):
         assert np.array_equal(one, two)

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from vortex_case import make
 
-from tisph.neighbours.points import used
+from tisph.neighbours.point_cloud import active
 from tisph.runtime import view
 
 
 def laplacian(scheme, values):
     """Rows of the Laplacian times ``values`` (fluid)."""
     points, fluid = scheme.points, scheme.points.fluid
-    table, count = view(points.table)[:fluid], view(points.count)[:fluid]
-    near = (np.arange(points.capacity) < count[:, None]) & (table < fluid)
+    table, count = view(points.neighbours)[:fluid], view(points.count)[:fluid]
+    near = (np.arange(points.row_capacity) < count[:, None]) & (table < fluid)
     difference = values[np.where(near, table, 0)] - values[:, None]
     return np.where(near, view(scheme.rows.laplacian)[:fluid] * difference, 0.0).sum(1)
 
@@ -68,7 +68,7 @@ def test_iterations_do_not_grow_with_the_number_of_particles():
     counts = []
     for number in (24, 95):
         scheme = make(number)
-        x, y = used(scheme.history.position).T
+        x, y = active(scheme.history.position).T
         source = np.random.default_rng(2).normal(size=number**2) + np.sin(2 * np.pi * x) + np.cos(6 * np.pi * y)
         counts.append(solve_pressure(scheme, source, 1e-6)[1])
     assert counts[1] <= 1.5 * counts[0]

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tisph import runtime
-from tisph.neighbours.points import Points
-from tisph.periodic import PeriodicBox
+from tisph.neighbours.point_cloud import PointCloud
+from tisph.periodic import PeriodicDomain
 from tisph.runtime import view
 from tisph.schemes._splitting._flow import PeriodicFlow
 
@@ -16,23 +16,23 @@ def box(columns, rows):
     runtime.start("f64", 1)
     numbers = {"density": 1.0, "kinematic_viscosity": 1.0, "reference_velocity": 1.0}
     flow = PeriodicFlow(columns=columns, rows=rows, spacing=0.1, **numbers)
-    return flow, Points(flow, PeriodicBox(flow.length, flow.gap), REACH * flow.spacing, 0, True)
+    return flow, PointCloud(flow, PeriodicDomain(flow.length, flow.height), REACH * flow.spacing, 0, True)
 
 
 @pytest.mark.parametrize(("columns", "rows"), [(9, 10), (14, 9), (23, 17)])
 def test_neighbours_are_those_of_brute_force(columns, rows):
     flow, points = box(columns, rows)
-    size = np.array([flow.length, flow.gap])
+    size = np.array([flow.length, flow.height])
     place = np.random.default_rng(0).uniform(0, 1, (columns * rows, 2)) * size
-    place[:3], place[3:6, 1] = 0.0, np.nextafter(flow.gap, 0.0)
+    place[:3], place[3:6, 1] = 0.0, np.nextafter(flow.height, 0.0)
     place[1:3, 0] = 0.03, 0.05
-    view(points.place)[: points.fluid] = place
+    view(points.position)[: points.fluid] = place
     points.find_neighbours()
     assert points.overflow() == 0
     apart = place - place[:, None]
     near = np.linalg.norm(apart - size * np.round(apart / size), axis=2)
     np.fill_diagonal(near, np.inf)
-    for i, (row, count) in enumerate(zip(view(points.table), view(points.count), strict=False)):
+    for i, (row, count) in enumerate(zip(view(points.neighbours), view(points.count), strict=False)):
         if i == points.fluid:
             break
         listed = row[:count][row[:count] != points.sentinel]

@@ -6,7 +6,7 @@ import functools
 import numpy as np
 import pytest
 
-from tisph.neighbours.points import LANES, Points, used
+from tisph.neighbours.point_cloud import LANES, PointCloud, active
 from tisph.runtime import view
 
 
@@ -19,7 +19,7 @@ def make(shared):
 
 def place(scheme, x, y):
     """Put the particles at (x, y) and list their neighbours."""
-    used(scheme.motion.position)[...] = np.stack([x, y], 1)
+    active(scheme.motion.position)[...] = np.stack([x, y], 1)
     scheme.motion.predict(0.0)
     scheme.ghosts.find()
     scheme.points.find_neighbours()
@@ -49,7 +49,7 @@ def listed(scheme):
     Fails where a neighbour is listed twice, or is none of these.
     """
     points, ghosts = scheme.points, scheme.ghosts
-    table, count = view(points.table), view(points.count)
+    table, count = view(points.neighbours), view(points.count)
     source, side = view(ghosts.source), ghosts.side
     result = np.zeros((points.fluid, 3, points.fluid), dtype=bool)
     for i in range(points.fluid):
@@ -57,9 +57,9 @@ def listed(scheme):
         row = row[row != points.sentinel]
         assert len(set(row)) == len(row)
         assert row.min() >= 0
-        assert row.max() < points.most + points.ghosts[None]
-        result[i, 0, row[row < points.most]] = True
-        beyond = row[row >= points.most] - points.most
+        assert row.max() < points.capacity + points.ghosts[None]
+        result[i, 0, row[row < points.capacity]] = True
+        beyond = row[row >= points.capacity] - points.capacity
         result[i, 1 + side[beyond], source[beyond]] = True
     return result
 
@@ -67,7 +67,7 @@ def listed(scheme):
 def compare_with_brute_force(scheme, x, y):
     """Check that what is nearer than the reach is listed, and nothing else."""
     assert scheme.points.overflow() == 0
-    reach = np.sqrt(scheme.points.reach_squared[None])
+    reach = np.sqrt(scheme.points.cutoff_squared[None])
     apart, has = brute_force(scheme, x, y), listed(scheme)
     # pairs at just the reach, as on a lattice, may be in or out: coordinates of size 1e2 at most carry 1e-14
     assert np.all(has[apart < reach - 1e-12])
@@ -112,8 +112,8 @@ def test_neighbours_on_the_seam_of_the_period(make):
     first[1::4] = -1e-17
     last[1::2] = np.nextafter(scheme.channel.length, 0.0)
     place(scheme, x, y)
-    assert view(scheme.points.place)[: x.size, 0].min() >= 0.0
-    assert view(scheme.points.place)[: x.size, 0].max() < scheme.channel.length
+    assert view(scheme.points.position)[: x.size, 0].min() >= 0.0
+    assert view(scheme.points.position)[: x.size, 0].max() < scheme.channel.length
     compare_with_brute_force(scheme, x, y)
 
 
@@ -121,7 +121,7 @@ def test_rows_are_padded_with_the_sentinel_at_their_ends(make):
     scheme = make()
     place(scheme, *scheme.channel.jittered(0, 0.3))
     points = scheme.points
-    table, count = view(points.table), view(points.count)
+    table, count = view(points.neighbours), view(points.count)
     for i in range(points.fluid):
         row = table[i, : count[i]]
         assert len(row) % LANES == 0
@@ -134,15 +134,15 @@ def test_the_sentinel_is_far_from_everything(make):
     scheme = make()
     x, y = scheme.channel.jittered(0, 0.3)
     place(scheme, x, y)
-    far = view(scheme.points.place)[scheme.points.sentinel]
-    assert distances(scheme.channel, x, y, *far).min() > 100 * np.sqrt(scheme.points.reach_squared[None])
+    far = view(scheme.points.position)[scheme.points.sentinel]
+    assert distances(scheme.channel, x, y, *far).min() > 100 * np.sqrt(scheme.points.cutoff_squared[None])
 
 
 def test_the_mean_number_of_neighbours_leaves_out_padding_and_the_particle(make):
     scheme = make()
     x, y = scheme.channel.jittered(0, 0.3)
     place(scheme, x, y)
-    near = brute_force(scheme, x, y) < np.sqrt(scheme.points.reach_squared[None])
+    near = brute_force(scheme, x, y) < np.sqrt(scheme.points.cutoff_squared[None])
     assert scheme.points.mean_length() == pytest.approx(near.sum() / x.size, rel=1e-12)
 
 
@@ -160,23 +160,23 @@ def heap(scheme, size):
 
 def test_a_heap_that_fits_is_not_told(make):
     scheme = make()
-    place(scheme, *heap(scheme, scheme.points.capacity))
+    place(scheme, *heap(scheme, scheme.points.row_capacity))
     assert scheme.points.overflow() == 0
-    compare_with_brute_force(scheme, *heap(scheme, scheme.points.capacity))
+    compare_with_brute_force(scheme, *heap(scheme, scheme.points.row_capacity))
 
 
 @pytest.mark.parametrize("more", [1, 2, 100])
 def test_a_row_that_may_not_fit_is_told(make, more):
     scheme = make()
-    size = scheme.points.capacity + more
+    size = scheme.points.row_capacity + more
     x, y = heap(scheme, size)
-    near = np.count_nonzero(brute_force(scheme, x, y) < np.sqrt(scheme.points.reach_squared[None]), axis=(1, 2))
+    near = np.count_nonzero(brute_force(scheme, x, y) < np.sqrt(scheme.points.cutoff_squared[None]), axis=(1, 2))
     assert near.max() == size - 1  # the rest is out of reach
     place(scheme, x, y)
     assert scheme.points.overflow() == size - 1
     # rows keep what they have room for, and nothing is written beyond them
-    table, count = view(scheme.points.table), view(scheme.points.count)
-    assert count.max() == scheme.points.capacity
+    table, count = view(scheme.points.neighbours), view(scheme.points.count)
+    assert count.max() == scheme.points.row_capacity
     assert table.min() >= 0
     assert table.max() <= scheme.points.sentinel
 
@@ -184,16 +184,16 @@ def test_a_row_that_may_not_fit_is_told(make, more):
 def test_a_period_of_two_cells_is_refused(make):
     # the two cells beside a cell would be one and the same, and its points be listed twice
     scheme = make()
-    channel, reach = scheme.channel, np.sqrt(scheme.points.reach_squared[None])
+    channel, reach = scheme.channel, np.sqrt(scheme.points.cutoff_squared[None])
     columns = int(2.9 * reach / channel.spacing)
     short = dataclasses.replace(channel, columns=columns, length=columns * channel.spacing)
     with pytest.raises(ValueError, match="2 cells along x"):
-        Points(short, scheme.domain, reach, 0, serial=True)
+        PointCloud(short, scheme.domain, reach, 0, serial=True)
 
 
 def test_neighbours_sought_again_are_the_same(make):
     scheme = make()
     place(scheme, *scheme.channel.jittered(0, 0.4))
-    before = view(scheme.points.table).copy()
+    before = view(scheme.points.neighbours).copy()
     scheme.points.find_neighbours()
-    assert np.array_equal(view(scheme.points.table), before)
+    assert np.array_equal(view(scheme.points.neighbours), before)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from implicit_case import IMPLICIT, fix_steps, run
 
-from tisph.neighbours.points import used
+from tisph.neighbours.point_cloud import active
 from tisph.scenes.channel import Channel
 from tisph.schemes._forecast.elastic_rows import ElasticRows
 from tisph.schemes.implicit._memory import Memory, deviation
@@ -246,10 +246,10 @@ def test_velocities_across_the_channel_die_away_by_the_solvent(make):
     for law in (OLDROYD, "fluid={density: 2.0, kinematic_viscosity: 0.1}"):
         scheme = make(law, *options)
         fix_steps(scheme, 0.01)
-        used(scheme.viscous.velocity)[1] = 1e-3 * np.sin(np.pi * scheme.snapshot().y)
+        active(scheme.viscous.velocity)[1] = 1e-3 * np.sin(np.pi * scheme.snapshot().y)
         scheme.transverse = True
         scheme.solve(0.01)
-        ends.append(used(scheme.viscous.end)[1].copy())
+        ends.append(active(scheme.viscous.end)[1].copy())
     assert np.abs(ends[0] - ends[1]).max() < 1e-9  # what the solvers leave
     assert 0.95e-3 < np.abs(ends[0]).max() < 0.999e-3
 

@@ -18,7 +18,7 @@ from tisph.exact.start_up import Polymer
 from tisph.geometry.line import Line
 from tisph.geometry.motion import WallMotion
 from tisph.geometry.sliding import SlidingWall
-from tisph.neighbours.points import used
+from tisph.neighbours.point_cloud import active
 from tisph.rheology import giesekus, oldroyd_b
 from tisph.runtime import view
 from tisph.scenes._annulus.flow import cartesian
@@ -153,9 +153,9 @@ def test_stress_follows_a_shift():
     # a quadratic field, but for what polar rows near the cylinders leave of it: measured 4.5e-6 of values up to 4
     flow, places = make()
     scheme = started(flow, places)
-    polymer, liquid = scheme.polymer, flow.liquid
+    polymer, liquid = scheme.polymer, flow.n_fluid
     scheme.assemble(scheme.time)
-    place = view(scheme.points.place)[: flow.particles].copy()
+    place = view(scheme.points.position)[: flow.particles].copy()
     field = lambda at: 1.0 + 2.0 * at[:, 0] - at[:, 0] * at[:, 1] + 0.5 * at[:, 1] ** 2  # noqa: E731
     polymer.states[:] = field(place)
     moved = np.zeros_like(place)
@@ -163,14 +163,14 @@ def test_stress_follows_a_shift():
     view(scheme.shift.moved)[: flow.particles] = moved
     polymer.slope()
     polymer.settle()
-    assert np.abs(used(polymer.tensors) - field(place + moved)[:, None]).max() < 2e-5
+    assert np.abs(active(polymer.tensors) - field(place + moved)[:, None]).max() < 2e-5
 
 
 def test_stress_without_resolution_is_named_with_its_place(monkeypatch):
     monkeypatch.setattr(_polymer, "HOPELESS", 0.5)
     scheme = started(*make(turning=STILL))
     scheme.polymer.states[:, 0, 7] = 2.0
-    place = view(scheme.points.place)[7] + scheme.flow.origin
+    place = view(scheme.points.position)[7] + scheme.flow.origin
     with pytest.raises(DivergedError, match="changes more than 2-fold within a particle spacing") as error:
         scheme.advance()
     named = re.search(r"\((\S+), (\S+)\), step 1, t = ", str(error.value)).groups()
@@ -181,7 +181,7 @@ def test_samples_say_how_steep_the_stress_is():
     # P_xx = 2 x and P_xy = y: a change of sqrt(2^2 + 2 1^2) in a length of 1, wherever
     flow, places = make(turning=STILL)
     scheme = started(flow, places)
-    place = view(scheme.points.place)[: flow.particles]
+    place = view(scheme.points.position)[: flow.particles]
     scheme.polymer.states[:, 0] = 2.0 * place[:, 0]
     scheme.polymer.states[:, 1] = place[:, 1]
     scheme.polymer.slope()

@@ -12,7 +12,7 @@ from tisph import runtime
 from tisph.errors import DivergedError
 from tisph.exact.sliding_corner import DEGREE
 from tisph.least_squares import rows
-from tisph.neighbours.points import used
+from tisph.neighbours.point_cloud import active
 from tisph.runtime import ti, view
 from tisph.schemes._splitting import _scheme
 from tisph.schemes._splitting._corner_paths import CornerPaths
@@ -102,8 +102,8 @@ def test_ways_past_a_corner_that_moves_nothing_are_those_of_the_rest_of_the_velo
     scheme = make(24)
     paths = CornerPaths([still], (0.0, 0.0), scheme.history)
     found = paths.find(lambda part: [2.0 * part, *[0.0] * (VELOCITIES - 1)], 0.3)
-    velocity = used(scheme.history.carried)[:, :2]
-    expected = used(scheme.history.position) + 0.3 * velocity
+    velocity = active(scheme.history.carried)[:, :2]
+    expected = active(scheme.history.position) + 0.3 * velocity
     assert found == pytest.approx(expected, abs=1e-14)
 
 
@@ -194,7 +194,7 @@ def test_places_in_memory_change_nothing_that_is_seen(monkeypatch):
     monkeypatch.setattr(_scheme, "TIDYING", 2)
     scheme = make(24)
     tidied = bits(scheme, 6)
-    assert np.any(np.diff(used(scheme.history.number)) != 1)
+    assert np.any(np.diff(active(scheme.history.number)) != 1)
     for left, right in zip(kept, tidied, strict=True):
         assert np.abs(left - right).max() < 1e-5
 
@@ -232,15 +232,15 @@ def test_a_shift_takes_all_that_is_carried_along():
     # a sine by its Taylor series to second order, whose slopes have errors of (k dx)^4; without the second order 5e-4
     scheme = make(24)
     sine = lambda place: np.sin(2 * np.pi * place[:, 0]) * np.cos(2 * np.pi * place[:, 1])  # noqa: E731
-    place, moved = used(scheme.history.position).copy(), np.random.default_rng(1).uniform(-0.2, 0.2, (576, 2)) / 24
+    place, moved = active(scheme.history.position).copy(), np.random.default_rng(1).uniform(-0.2, 0.2, (576, 2)) / 24
     scheme.assemble(scheme.time)
-    used(scheme.history.carried)[:, 3] = sine(place)
+    active(scheme.history.carried)[:, 3] = sine(place)
     scheme.history.measure()
-    view(scheme.points.place)[:576] = place + moved
+    view(scheme.points.position)[:576] = place + moved
     view(scheme.shift.moved)[:576] = moved
     scheme.history.settle()
-    assert np.abs(used(scheme.history.carried)[:, 3] - sine(place + moved)).max() < 1e-4
-    assert np.abs(used(scheme.history.position) - (place + moved) % 1.0).max() < 1e-15
+    assert np.abs(active(scheme.history.carried)[:, 3] - sine(place + moved)).max() < 1e-4
+    assert np.abs(active(scheme.history.position) - (place + moved) % 1.0).max() < 1e-15
 
 
 def test_vortex_of_fifty_across():
@@ -251,7 +251,7 @@ def test_vortex_of_fifty_across():
     assert pressure < 1e-4
     assert abs(energy) < 2e-4
     steepest = float(view(scheme.history.steepest))
-    assert np.abs(used(scheme.history.divergence)).max() < 1e-4 * steepest
+    assert np.abs(active(scheme.history.divergence)).max() < 1e-4 * steepest
     assert scheme.steps < 100
 
 

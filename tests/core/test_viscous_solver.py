@@ -6,7 +6,7 @@ from implicit_case import IMPLICIT, SLOW, run
 
 from tisph.least_squares import rows
 from tisph.least_squares.lattice import WalledLattice
-from tisph.neighbours.points import used
+from tisph.neighbours.point_cloud import active
 from tisph.runtime import real, ti, view
 from tisph.schemes.implicit import _solver
 from tisph.simulation import checkpoint
@@ -54,7 +54,7 @@ def solved(scheme, known, viscous_number, residual=RESIDUAL):
 @pytest.fixture
 def lattice(assembled):
     scheme = assembled()
-    lattice = WalledLattice(scheme.points, scheme.channel)
+    lattice = WalledLattice(scheme.points, scheme.channel, scheme.channel.gap)
     return lattice, lattice.nodes(1), scheme.channel
 
 
@@ -97,7 +97,7 @@ class Carried:
 
     def __init__(self, lattice, nodes):
         self.lattice, self.nodes, self.points = lattice, nodes, lattice.points
-        self.given, self.found = (ti.Vector.field(1, real(), shape=self.points.most) for _ in range(2))
+        self.given, self.found = (ti.Vector.field(1, real(), shape=self.points.capacity) for _ in range(2))
 
     @ti.kernel
     def up(self):
@@ -126,7 +126,7 @@ def test_particles_get_from_the_nodes_by_the_weights_by_which_they_gave(lattice)
     # bilinear: waves as long as the box, at the places of the particles
     on_nodes(lattice, nodes)[...] = np.cos(2 * np.pi * np.arange(lattice.shape[1]) / lattice.shape[1])
     carried.down()
-    expected = np.cos(2 * np.pi * view(lattice.points.place)[:fluid, 0])
+    expected = np.cos(2 * np.pi * view(lattice.points.position)[:fluid, 0])
     assert np.abs(view(carried.found)[:fluid, 0] - expected).max() < 0.125 * (2 * np.pi / 12) ** 2  # f'' dx^2 / 8
 
 
@@ -138,10 +138,10 @@ def laplacian_of(scheme):
     solver, viscous, fluid = scheme.solver, scheme.viscous, scheme.points.fluid
     columns = []
     for i in range(fluid):
-        used(viscous.velocity)[0] = np.arange(fluid) == i
-        used(viscous.source)[:] = 0.0
+        active(viscous.velocity)[0] = np.arange(fluid) == i
+        active(viscous.source)[:] = 0.0
         viscous.begin(0)
-        columns.append(used(viscous.start_rate)[0] / float(view(viscous.viscosity)))
+        columns.append(active(viscous.start_rate)[0] / float(view(viscous.viscosity)))
     assert solver.parity == -1.0
     return np.stack(columns, 1)
 
@@ -177,7 +177,7 @@ def test_iterations_grow_neither_with_the_particles_nor_with_the_length_of_a_ste
     for across in (12, 48):
         scheme = make(*IMPLICIT, f"discretisation.particles_across={across}", jitter=0.2)
         scheme.assemble(0.0)
-        x, y = used(scheme.motion.position).T
+        x, y = active(scheme.motion.position).T
         known = np.random.default_rng(0).normal(size=across**2) + np.sin(np.pi * y) + np.cos(2 * np.pi * x)
         counts.append(max(solved(scheme, known, number)[1] for number in (1.0, LONG, across**2)))
     assert counts[1] <= 1.5 * counts[0]

@@ -20,7 +20,7 @@ class Box:
         return self.columns * self.spacing
 
     @property
-    def gap(self):
+    def height(self):
         """Period along y."""
         return self.rows * self.spacing
 

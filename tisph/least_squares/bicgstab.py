@@ -21,7 +21,7 @@ class BiCGStab:
     def __init__(self, rows, ghosts, parity):
         self.rows, self.ghosts, self.points = rows, ghosts, rows.points
         self.parity = parity
-        padded, slots = -(-self.points.most // LANES) * LANES, self.points.slots + 1
+        padded, slots = -(-self.points.capacity // LANES) * LANES, self.points.slots + 1
         self.x, self.search, self.half = (ti.field(real(), slots) for _ in range(3))
         self.b, self.residual, self.shadow, self.along, self.across = (ti.field(real(), padded) for _ in range(5))
         self.direction, self.inverse = (ti.field(real(), padded) for _ in range(2))
@@ -48,7 +48,7 @@ class BiCGStab:
     @ti.func
     def reflect(self, values, k):
         """Give ghost ``k`` its value."""
-        values[self.points.most + k] = self.parity * self.ghosts.value(values, k)
+        values[self.points.capacity + k] = self.parity * self.ghosts.value(values, k)
 
     @ti.func
     def spread(self, values: ti.template(), particles):

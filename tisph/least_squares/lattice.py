@@ -9,6 +9,7 @@ number of threads.
 
 import numpy as np
 
+from tisph.neighbours.counting_sort import counting_sort
 from tisph.runtime import integer, real, scalar, size_class, threads, ti, view
 
 
@@ -20,23 +21,23 @@ class Lattice:
     where in its ``cell`` a particle is, from 0 to 1 along each axis.
     """
 
-    def __init__(self, points, flow):
+    def __init__(self, points, flow, height):
         from scipy import fft  # not before it is needed: it takes as long to import as a small run
 
         self.fft = fft
         self.points = points
-        length, gap = flow.length, flow.gap
+        length = flow.length
         columns, rows = fft.next_fast_len(flow.columns, real=True), fft.next_fast_len(flow.rows)
         self.shape = rows, columns
         self.columns, self.rows = integer(columns), integer(rows)
-        self.per_x, self.per_y = scalar(columns / length), scalar(rows / gap)
+        self.per_x, self.per_y = scalar(columns / length), scalar(rows / height)
         self.share = scalar(rows * columns / (flow.rows * flow.columns))
         nodes = size_class(rows * columns + 2)
         self.begin = ti.field(ti.i32, nodes)
-        self.cell, self.members = (ti.field(ti.i32, points.most) for _ in range(2))
-        self.part = ti.field(ti.types.vector(2, real()), points.most)
+        self.cell, self.members = (ti.field(ti.i32, points.capacity) for _ in range(2))
+        self.part = ti.field(ti.types.vector(2, real()), points.capacity)
         wave_x = (2.0 * columns / length * np.sin(np.pi * np.arange(columns // 2 + 1) / columns)) ** 2
-        self.waves = self.waves_across(rows, gap)[:, None] + wave_x
+        self.waves = self.waves_across(rows, height)[:, None] + wave_x
         self.workers = threads()  # each transforms rows of its own: the bits do not depend on their number
 
     def nodes(self, width):
@@ -50,30 +51,15 @@ class Lattice:
         columns, rows = self.columns[None], self.rows[None]
         ti.loop_config(serialize=self.points.serial)
         for i in range(particles):
-            place = self.points.place[i]
-            x, y = self.points.domain.wrapped(place.x) * self.per_x[None], place.y * self.per_y[None]
+            place = self.points.position[i]
+            x, y = self.points.domain.wrap_x(place.x) * self.per_x[None], place.y * self.per_y[None]
             column = ti.max(0, ti.min(columns - 1, ti.cast(x, ti.i32)))
             row = ti.max(0, ti.min(rows - 1, ti.cast(y, ti.i32)))
             self.part[i] = [x - column, y - row]
             self.cell[i] = row * columns + column
         ti.loop_config(serialize=True)
         for _ in range(1):
-            self.count(particles, rows * columns)
-
-    @ti.func
-    def count(self, particles, cells):
-        """Sort the particles by cells, stably."""
-        for cell in range(cells + 1):
-            self.begin[cell] = 0
-        self.begin[cells + 1] = particles
-        for i in range(particles):
-            self.begin[self.cell[i] + 1] += 1
-        for cell in range(cells):
-            self.begin[cell + 1] += self.begin[cell]
-        for back in range(particles):
-            i = particles - 1 - back
-            self.begin[self.cell[i] + 1] -= 1
-            self.members[self.begin[self.cell[i] + 1]] = i
+            counting_sort(self.cell, self.begin, self.members, rows * columns, particles, ti.Vector([0, 0]))
 
     @ti.func
     def deposit(self, values: ti.template(), node):
@@ -104,9 +90,9 @@ class Lattice:
         upper = (1.0 - part.x) * values[above * columns + column] + part.x * values[above * columns + right]
         return (1.0 - part.y) * lower + part.y * upper
 
-    def waves_across(self, rows, gap):
+    def waves_across(self, rows, height):
         """Return what minus the second difference across makes of each wave."""
-        return (2.0 * rows / gap * np.sin(np.pi * np.arange(rows) / rows)) ** 2
+        return (2.0 * rows / height * np.sin(np.pi * np.arange(rows) / rows)) ** 2
 
     def invert(self, field, own, coefficient):
         """Replace the nodes' values f by (``own`` - ``coefficient`` Laplacian)^-1 f; the mean is 0 where own is 0."""
@@ -129,9 +115,9 @@ class WalledLattice(Lattice):
     """Nodes of a channel, for fields that mirror oddly in its walls: the first row of nodes, at the bottom wall, holds
     zeros, and stands for the row at the top wall too. Waves across are sines."""
 
-    def waves_across(self, rows, gap):
+    def waves_across(self, rows, height):
         """Return what minus the second difference across makes of each sine."""
-        return (2.0 * rows / gap * np.sin(0.5 * np.pi * np.arange(1, rows) / rows)) ** 2
+        return (2.0 * rows / height * np.sin(0.5 * np.pi * np.arange(1, rows) / rows)) ** 2
 
     def divide(self, values, symbol):
         """Divide the waves of ``values`` (rows, columns, width) by ``symbol``, in place."""

@@ -33,10 +33,10 @@ class MultilevelSolver:
     def __init__(self, rows, lattice, width, floating=False, ghosts=None):
         self.rows, self.lattice, self.points, self.ghosts = rows, lattice, rows.points, ghosts
         self.floating, self.closed = floating, ghosts is not None
-        self.number = self.points.particles if floating else self.points.liquid
+        self.number = self.points.particles if floating else self.points.n_fluid
         self.serial = rows.serial_light
         self.workers = 1 if self.serial else threads()
-        kind, most = ti.types.vector(width, real()), self.points.most
+        kind, most = ti.types.vector(width, real()), self.points.capacity
         self.x, self.smooth, self.result = (ti.field(kind, self.points.slots + 1) for _ in range(3))
         self.b, self.residual, self.shadow, self.direction, self.along = (ti.field(kind, most) for _ in range(5))
         self.given, self.image = (ti.field(kind, most) for _ in range(2))
@@ -87,7 +87,7 @@ class MultilevelSolver:
         if ti.static(self.closed):
             ti.loop_config(serialize=True)
             for k in range(self.ghosts.count[None]):
-                values[self.points.most + k] = -self.ghosts.value(values, k)
+                values[self.points.capacity + k] = -self.ghosts.value(values, k)
 
     @ti.func
     def product(self, values: ti.template(), i):

@@ -26,7 +26,7 @@ Three loops, each in the form that compiles to the fastest code:
 import numpy as np
 
 from tisph.least_squares.elimination import horner, moment_chains, moment_indices, moment_of_entries, powers, units
-from tisph.neighbours.points import LANES
+from tisph.neighbours.point_cloud import LANES
 from tisph.runtime import holding, integer, real, scalar, threads, ti, unrolled, view
 
 BLOCK = 16
@@ -68,8 +68,8 @@ class LeastSquaresRows:
     def __init__(self, points, support, order, smallest_pivot=SMALLEST_PIVOT, varying=False, curved=False):
         self.points, self.smallest_pivot = points, smallest_pivot
         self.serial = points.serial
-        self.serial_light = self.serial or points.most <= FEW
-        self.serial_numbers = self.serial or points.most <= FEW_NUMBERS
+        self.serial_light = self.serial or points.capacity <= FEW
+        self.serial_numbers = self.serial or points.capacity <= FEW_NUMBERS
         self.workers = 1 if self.serial else threads()
         moments = moment_indices(order)
         self.zeros = [0.0] * len(moments)
@@ -79,11 +79,11 @@ class LeastSquaresRows:
         self.places = list(range(self.unknowns))
         self.lanes = list(range(BLOCK))
         self.no_coefficients = [[0.0] * self.unknowns for _ in range(3)]
-        shape = (points.most, points.capacity)
+        shape = (points.capacity, points.row_capacity)
         self.laplacian, self.along, self.across = (ti.field(real(), shape) for _ in range(3))
-        self.diagonal = ti.field(real(), points.most)
+        self.diagonal = ti.field(real(), points.capacity)
         self.lane = ti.types.vector(BLOCK, real())
-        blocks, entries = -(-points.most // BLOCK), moment_of_entries(order)
+        blocks, entries = -(-points.capacity // BLOCK), moment_of_entries(order)
         self.moments = ti.field(self.lane, (blocks, len(moments)))
         self.coefficients = ti.field(self.lane, (blocks, 3, self.unknowns))
         self.lower = ti.field(self.lane, (self.workers, len(entries)))
@@ -94,10 +94,10 @@ class LeastSquaresRows:
         self.per_support = scalar(1.0 / support)
         self.varying = varying
         if varying:
-            self.stretch = ti.field(real(), points.most)
+            self.stretch = ti.field(real(), points.capacity)
         self.curved = curved
         if curved:
-            self.bend = ti.field(ti.types.vector(2, real()), points.most)
+            self.bend = ti.field(ti.types.vector(2, real()), points.capacity)
         self.reduced, self.dropped = integer(0), integer(0)
 
     @ti.kernel
@@ -127,7 +127,7 @@ class LeastSquaresRows:
         if ti.static(self.varying):
             scale /= self.stretch[i]
         for k in range(self.points.count[i]):
-            apart = self.points.separation(i, self.points.table[i, k]) * scale
+            apart = self.points.separation(i, self.points.neighbours[i, k]) * scale
             nearness = ti.max(0.0, 1.0 - apart.dot(apart))
             inside = ti.cast(nearness > 0.0, self.laplacian.dtype)  # powers of a sentinel's vector would overflow
             squared = nearness * nearness
@@ -265,7 +265,7 @@ class LeastSquaresRows:
         for group in unrolled(self.points.count[i] // LANES):
             for lane in ti.static(range(LANES)):
                 k = group * LANES + lane
-                total += rows[i, k] * (values[self.points.table[i, k]] - own)
+                total += rows[i, k] * (values[self.points.neighbours[i, k]] - own)
         return total
 
     def apply_to(self, chosen, rows, values):
@@ -273,7 +273,7 @@ class LeastSquaresRows:
 
         To the bit, since it adds up in the same order: what cancels there cancels here.
         """
-        table, listed = self.points.listed(chosen)
+        table, listed = self.points.listed_neighbours(chosen)
         entries = np.where(listed, view(rows)[chosen], 0.0)
         return np.cumsum(entries * (values[table] - values[chosen, None]), axis=1)[:, -1]
 

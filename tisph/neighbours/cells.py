@@ -1,14 +1,14 @@
-"""Cell binning by a stable counting sort.
+"""Particles of the explicit scheme, sorted into cells.
 
 The cells of the fluid fill the channel in rows 1 .. rows; row 0 lies below the bottom wall and row rows + 1
 above the top wall. Rows follow one another in memory as 1 .. rows, then rows + 1, then 0: the fluid comes
 first. In a box that is periodic both ways those two are empty, and stand for their copies inside; wall particles
-of bodies in it are in rows rows + 1 .. 2 rows, which cover the box once more. A stable sort, without atomics, gives
-the same order whatever the number of threads.
+of bodies in it are in rows rows + 1 .. 2 rows, which cover the box once more.
 """
 
 import numpy as np
 
+from tisph.neighbours.counting_sort import counting_sort
 from tisph.runtime import integer, size_class, ti
 
 
@@ -17,6 +17,7 @@ class Cells:
     """Cells no smaller than ``reach`` (the radius of the neighbour lists), fitted to the box.
 
     ``rows`` and ``columns`` are not compiled in; ``levels`` are these rows and those of wall particles.
+    ``order[n]`` is the slot of the n-th particle, cell by cell;
     ``start[place(row, column)]`` is the first slot of a cell and ``start[place(row, columns)]`` the end of its row, so
     that neighbouring cells of one row are one range of slots.
     """
@@ -27,18 +28,18 @@ class Cells:
         # counted in spacings, of which length and gap are whole numbers: no cell is lost to rounding
         columns = int(channel.columns / (reach / channel.spacing))
         rows = cell_rows(channel, reach)
-        if columns < 3 or (domain.open_across and rows < 3):
+        if columns < 3 or (domain.periodic_y and rows < 3):
             axis = f"{columns} cells along x" if columns < 3 else f"{rows} cells along y"
             raise ValueError(f"{axis}: a pair and its periodic copy would both be listed")
-        levels = 2 * rows + 1 if domain.open_across and particles.has_walls else rows + 2
+        levels = 2 * rows + 1 if domain.periodic_y and particles.has_walls else rows + 2
         self.rows, self.columns, self.levels = integer(rows), integer(columns), integer(levels)
         cells = size_class(levels * (columns + 1))
         self.start = ti.field(ti.i32, shape=cells)
         self.start.used = np.s_[: levels * (columns + 1)]
-        self.cursor = ti.field(ti.i32, shape=cells)
+        self.begin = ti.field(ti.i32, shape=size_class(levels * columns + 2))
         self.cell = ti.field(ti.i32, shape=particles.mobile_slots)
         self.order = ti.field(ti.i32, shape=particles.mobile_slots)
-        self.cursor.used = self.cell.used = self.order.used = None  # after a sort of no use
+        self.begin.used = self.cell.used = self.order.used = None  # after a sort of no use
 
     @ti.func
     def place(self, row, column):
@@ -55,9 +56,9 @@ class Cells:
     def row_of(self, y, k):
         """Return the row of particle ``k`` at height ``y``: 1 .. rows for fluid, more or 0 for wall particles."""
         rows = self.rows[None]
-        row = ti.max(0, ti.min(rows - 1, ti.cast(y / self.domain.gap[None] * rows, ti.i32))) + 1
+        row = ti.max(0, ti.min(rows - 1, ti.cast(y / self.domain.height[None] * rows, ti.i32))) + 1
         if k >= self.particles.first_wall:
-            row = row + rows if ti.static(self.domain.open_across) else ti.select(y < 0.0, 0, rows + 1)
+            row = row + rows if ti.static(self.domain.periodic_y) else ti.select(y < 0.0, 0, rows + 1)
         return row
 
     @ti.kernel
@@ -65,38 +66,29 @@ class Cells:
         """Wrap the particles into the period and fill ``order`` and ``start`` from their positions."""
         ti.loop_config(serialize=True)
         for _ in range(1):
-            rows, columns, mobile = self.levels[None], self.columns[None], self.particles.mobile_number[None]
-            for cell in range(rows * columns):
-                self.cursor[cell] = 0
+            levels, columns = self.levels[None], self.columns[None]
+            fluid, mobile = self.particles.fluid_number[None], self.particles.mobile_number[None]
             for number in range(mobile):
                 k = self.particles.slot(number)
                 self.wrap(now, k)
-                place = self.particles.mid_position[now, k]
-                rank = (self.row_of(place.y, k) + rows - 1) % rows
-                self.cell[k] = rank * columns + self.column_of(place.x)
-                self.cursor[self.cell[k]] += 1
-            slot = 0
-            for cell in range(rows * columns):
-                if cell == self.rows[None] * columns:
-                    slot = self.particles.first_wall
-                row = (cell // columns + 1) % rows
-                count = self.cursor[cell]
-                self.start[self.place(row, cell % columns)] = slot
-                self.cursor[cell] = slot
-                slot += count
-                self.start[self.place(row, cell % columns + 1)] = slot
-            for number in range(mobile):
-                k = self.particles.slot(number)
-                self.order[self.cursor[self.cell[k]]] = k
-                self.cursor[self.cell[k]] += 1
+                position = self.particles.mid_position[now, k]
+                rank = (self.row_of(position.y, k) + levels - 1) % levels
+                self.cell[k] = rank * columns + self.column_of(position.x)
+            walls = ti.Vector([mobile - fluid, self.particles.first_wall])
+            counting_sort(self.cell, self.begin, self.order, levels * columns, fluid, walls)
+            for cell in range(levels * columns):
+                row, column = (cell // columns + 1) % levels, cell % columns
+                offset = ti.select(cell < self.rows[None] * columns, 0, self.particles.first_wall - fluid)
+                self.start[self.place(row, column)] = self.begin[cell + 1] + offset
+                self.start[self.place(row, column + 1)] = self.begin[cell + 2] + offset
 
     @ti.func
     def wrap(self, now, k):
         """Move particle ``k`` by whole periods so that its mid-step position lies in the box."""
         place = self.particles.mid_position[now, k]
-        inside = ti.Vector([self.domain.wrapped(place.x), place.y])
-        if ti.static(self.domain.open_across):
-            inside = self.domain.inside(place)
+        inside = ti.Vector([self.domain.wrap_x(place.x), place.y])
+        if ti.static(self.domain.periodic_y):
+            inside = self.domain.wrap(place)
         self.particles.mid_position[now, k] = inside
         if k < self.particles.first_wall:
             self.particles.position[now, k] += inside - place

@@ -47,13 +47,13 @@ class VerletLists:
         self.table = ti.field(ti.i32, shape=(mobile, self.capacity))
         self.count = ti.field(ti.i32, shape=mobile)
         self.crosses = ti.field(ti.i32, shape=mobile)
-        if looks_inside and self.domain.open_across:
+        if looks_inside and self.domain.periodic_y:
             self.mirror = ti.field(ti.types.vector(2, real()), shape=mobile - fluid)
             self.mirror.used = None  # set before it is read
         self.longest = integer(0)
         self.built_position = ti.field(ti.types.vector(2, real()), shape=fluid)
         self.built_position.used = np.s_[: self.particles.fluid]
-        self.follows_shear = not self.domain.open_across
+        self.follows_shear = not self.domain.periodic_y
         if self.follows_shear:
             self.reference_velocity = ti.field(real(), shape=fluid)
             self.profile = ti.field(real(), shape=cells.start.shape)
@@ -108,7 +108,7 @@ class VerletLists:
     def largest_slope(self):
         """Return the steepest slope of the reference profile: its knots are the row centres and the walls."""
         rows = self.cells.rows[None]
-        height = self.domain.gap[None] / rows
+        height = self.domain.height[None] / rows
         steepest = 0.0
         for row in range(rows + 1):
             rise = ti.abs(self.profile[row + 1] - self.profile[row])
@@ -120,7 +120,7 @@ class VerletLists:
     def profile_at(self, y):
         """Return the reference profile at height ``y``, constant beyond the walls."""
         rows = self.cells.rows[None]
-        place = y / self.domain.gap[None] * rows + 0.5
+        place = y / self.domain.height[None] * rows + 0.5
         row = ti.max(0, ti.min(rows, ti.cast(place, ti.i32)))
         part = place - row
         if row == 0:
@@ -135,10 +135,10 @@ class VerletLists:
         """Fill row ``i`` of the table from the 3 x 3 cells around it and return how many it needed."""
         place = self.centre(now, i)
         column = self.cells.column_of(place.x)
-        row = self.cells.row_of(place.y, 0 if ti.static(self.looks_inside or self.domain.open_across) else i)
+        row = self.cells.row_of(place.y, 0 if ti.static(self.looks_inside or self.domain.periodic_y) else i)
         lowest = ti.max(row - 1, 0)
         highest = ti.min(row + 1, self.cells.rows[None] + 1)
-        if ti.static(not self.domain.open_across):  # noqa: SIM102 (Taichi would not see the static one)
+        if ti.static(not self.domain.periodic_y):  # noqa: SIM102 (Taichi would not see the static one)
             if i >= self.particles.first_wall:
                 lowest = ti.max(row - 1, 1)
                 highest = ti.min(row + 1, self.cells.rows[None])
@@ -146,10 +146,10 @@ class VerletLists:
         across = 0
         for near in range(lowest, highest + 1):
             level = near
-            if ti.static(self.domain.open_across):
-                level = self.domain.row_inside(near, self.cells.rows[None])
+            if ti.static(self.domain.periodic_y):
+                level = self.domain.wrap_row(near, self.cells.rows[None])
             found, across = self.append_level(now, i, column, level, level != near, found, across)
-            if ti.static(self.domain.open_across and self.particles.has_walls):  # noqa: SIM102
+            if ti.static(self.domain.periodic_y and self.particles.has_walls):  # noqa: SIM102
                 if i < self.particles.first_wall:
                     beyond = level + self.cells.rows[None]
                     found, across = self.append_level(now, i, column, beyond, level != near, found, across)
@@ -169,7 +169,7 @@ class VerletLists:
         begin = self.cells.start[first + ti.max(column - 1, 0)]
         end = self.cells.start[first + ti.min(column + 2, last)]
         before = found
-        if ti.static(self.domain.open_across):
+        if ti.static(self.domain.periodic_y):
             found = self.append(now, i, begin, end, found, True)
             across += ti.select(copied, found - before, 0)
         else:
@@ -187,10 +187,10 @@ class VerletLists:
         place = self.particles.mid_position[now, i]
         if ti.static(self.looks_inside):  # noqa: SIM102 (Taichi would not see the static one)
             if i >= self.particles.first_wall:
-                if ti.static(self.domain.open_across):
+                if ti.static(self.domain.periodic_y):
                     place = self.mirror[i - self.particles.first_wall]
                 else:
-                    place.y = ti.select(place.y < 0.0, -place.y, 2.0 * self.domain.gap[None] - place.y)
+                    place.y = ti.select(place.y < 0.0, -place.y, 2.0 * self.domain.height[None] - place.y)
         return place
 
     @ti.func
@@ -201,7 +201,7 @@ class VerletLists:
         for j in range(begin, end):
             apart = self.particles.mid_position[now, j] - place
             if ti.static(periodic):
-                apart = self.domain.shortest(apart)
+                apart = self.domain.minimum_image(apart)
             self.table[i, ti.min(found, self.capacity - 1)] = j
             found += ti.cast(apart.dot(apart) < limit, ti.i32) * ti.cast(j != i, ti.i32)
         return found

@@ -53,7 +53,7 @@ class PairOperators:
         """Return the vector from particle i to particle j."""
         apart = self.particles.mid_position[now, j] - self.particles.mid_position[now, i]
         if ti.static(periodic):
-            apart = self.domain.shortest(apart)
+            apart = self.domain.minimum_image(apart)
         return apart
 
     @ti.func

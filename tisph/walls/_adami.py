@@ -28,7 +28,7 @@ class KernelAverages(Dummies):
         for n in range(self.lists.count[k]):
             j = self.lists.table[k, n]
             apart = self.particles.mid_position[buffer, j] - position
-            apart = self.domain.shortest(apart)
+            apart = self.domain.minimum_image(apart)
             weight = self.value(ti.sqrt(apart.dot(apart)) * inverse_length)
             weights += weight
             pressure += weight * self.particles.mid_pressure[buffer, j]

@@ -21,6 +21,7 @@ Images are in cells of their own, in the order of their sources, so that image k
 import math
 from dataclasses import dataclass
 
+from tisph.neighbours.counting_sort import counting_sort
 from tisph.runtime import integer, real, ti, view
 from tisph.walls._solids import SolidWalls
 
@@ -49,6 +50,9 @@ class CircleImages(SolidWalls):
         view(self.radius)[:] = [body.shape.radius for body in bodies]
         view(self.side)[:] = [1.0 if body.shape.liquid == "outside" else -1.0 for body in bodies]
         self.image = ti.field(ti.i32, shape=(self.particles.first_wall, len(bodies)))
+        capacity = self.particles.slots - self.particles.first_wall
+        self.image_cell, self.image_order, self.image_slot = (ti.field(ti.i32, shape=capacity) for _ in range(3))
+        self.image_cell.used = self.image_order.used = self.image_slot.used = None  # of no use after a sort
         self.images = integer(0)
 
     @staticmethod
@@ -94,31 +98,28 @@ class CircleImages(SolidWalls):
     @ti.func
     def sort_images(self, now):
         """Give the images slots cell by cell, in the rows of cells of wall particles; those that find no room: none."""
-        rows, columns, fluid = self.cells.rows[None], self.cells.columns[None], self.particles.fluid_number[None]
-        for cell in range(rows * columns):
-            self.cells.cursor[cell] = 0
+        rows, columns, first_wall = self.cells.rows[None], self.cells.columns[None], self.particles.first_wall
+        fluid, capacity, number = self.particles.fluid_number[None], self.particles.slots - first_wall, 0
         for i in range(fluid):
             for body in range(ti.static(len(self.bodies))):
                 cell = self.cell_of(now, i, body)
-                self.image[i, body] = cell
+                self.image[i, body] = ti.select(cell >= 0 and number < capacity, number, -1)
                 if cell >= 0:
-                    self.cells.cursor[cell] += 1
-        slot = self.particles.first_wall
+                    self.image_cell[ti.min(number, capacity - 1)] = cell
+                    number += 1
+        self.images[None] = number
+        number = ti.min(number, capacity)
+        counting_sort(self.image_cell, self.cells.begin, self.image_order, rows * columns, number, ti.Vector([0, 0]))
         for cell in range(rows * columns):
             row, column = rows + 1 + cell // columns, cell % columns
-            count = self.cells.cursor[cell]
-            self.cells.start[self.cells.place(row, column)] = slot
-            self.cells.cursor[cell] = slot
-            slot += count
-            self.cells.start[self.cells.place(row, column + 1)] = slot
-        self.images[None] = slot - self.particles.first_wall
+            self.cells.start[self.cells.place(row, column)] = first_wall + self.cells.begin[cell + 1]
+            self.cells.start[self.cells.place(row, column + 1)] = first_wall + self.cells.begin[cell + 2]
+        for rank in range(number):
+            self.image_slot[self.image_order[rank]] = first_wall + rank
         for i in range(fluid):
             for body in range(ti.static(len(self.bodies))):
-                cell = self.image[i, body]
-                if cell >= 0:
-                    slot = self.cells.cursor[cell]
-                    self.image[i, body] = ti.select(slot < self.particles.slots, slot, -1)
-                    self.cells.cursor[cell] = slot + 1
+                if self.image[i, body] >= 0:
+                    self.image[i, body] = self.image_slot[self.image[i, body]]
 
     @ti.func
     def cell_of(self, now, i, body):
@@ -128,14 +129,14 @@ class CircleImages(SolidWalls):
         beyond = image.dot(away) / away.norm() - self.radius[body]
         cell = -1
         if beyond * beyond < self.lists.reach_squared[None]:
-            place = self.domain.inside(self.centre[body] + image)
+            place = self.domain.wrap(self.centre[body] + image)
             cell = (self.cells.row_of(place.y, 0) - 1) * self.cells.columns[None] + self.cells.column_of(place.x)
         return cell
 
     @ti.func
     def away(self, position, body):
         """Return the vector from the centre of a body to a place."""
-        return self.domain.shortest(position - self.centre[body])
+        return self.domain.minimum_image(position - self.centre[body])
 
     @ti.func
     def mirrored(self, away, body):

@@ -13,7 +13,7 @@ class Treatment(ImageWalls):
         super().__init__(lists, kernel, liquid, parameters)
         self.liquid = liquid
         self.tracks_walls = liquid.carries_stress
-        self.corrects = self.tracks_walls or self.domain.driven or self.domain.oscillates
+        self.corrects = self.tracks_walls or self.domain.has_body_force or self.domain.oscillates
         if self.tracks_walls:
             self.track = WallTrack(lists, liquid, self.domain.columns)
 
@@ -37,7 +37,7 @@ class Treatment(ImageWalls):
         """Return the velocity of the image of a particle: reflected about that of the wall, on a curved profile."""
         image = ti.Vector([2.0 * self.domain.wall_velocity(top) - velocity.x, -velocity.y])
         if ti.static(self.corrects):
-            distance = self.domain.inside(top, position.y)
+            distance = self.domain.wall_distance(top, position.y)
             image.x += distance * distance * self.curvature(top, position)
         return image
 
@@ -52,7 +52,7 @@ class Treatment(ImageWalls):
     @ti.func
     def image_stress(self, top: ti.template(), position, stress):
         """Return the polymer stress of the image: continued with its slope at the wall."""
-        height = self.domain.inside(top, position.y)
+        height = self.domain.wall_distance(top, position.y)
         if ti.static(top):
             height = -height
         return stress - 2.0 * height * self.track.slope_at(top, position.x)

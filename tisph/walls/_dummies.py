@@ -77,7 +77,7 @@ class DummyWalls(Dummies):
     @ti.func
     def depth(self, y):
         """Return the distance of a dummy particle at height ``y`` from its wall."""
-        return ti.select(y < 0.0, -y, y - self.domain.gap[None])
+        return ti.select(y < 0.0, -y, y - self.domain.height[None])
 
     @ti.func
     def wall_velocity(self, y):

@@ -21,7 +21,7 @@ class Treatment(DummyWalls):
         for n in range(self.lists.count[k]):
             j = self.lists.table[k, n]
             apart = self.particles.mid_position[buffer, j] - position
-            apart.x = self.domain.nearest(apart.x)
+            apart.x = self.domain.minimum_image_x(apart.x)
             squared = apart.dot(apart)
             if squared < shortest:
                 shortest = squared
@@ -36,7 +36,7 @@ class Treatment(DummyWalls):
         """Extrapolate from fluid particle ``j`` to image ``k``."""
         y = self.particles.mid_position[buffer, k].y
         height = self.particles.mid_position[buffer, j].y
-        inside = ti.max(ti.select(y < 0.0, height, self.domain.gap[None] - height), self.least_distance[None])
+        inside = ti.max(ti.select(y < 0.0, height, self.domain.height[None] - height), self.least_distance[None])
         fluid = self.particles.mid_velocity[buffer, j]
         wall = ti.Vector([self.wall_velocity(y), 0.0])
         velocity = fluid + (1.0 + self.depth(y) / inside) * (wall - fluid)

@@ -107,10 +107,11 @@ class LayerWalls(Dummies, SolidWalls):
     @ti.kernel
     def lay_out(self, now: ti.i32):
         """Follow a sort: find which particle each slot holds."""
-        first, count = self.particles.first_wall, self.particles.mobile_number[None] - self.particles.fluid_number[None]
+        first, fluid = self.particles.first_wall, self.particles.fluid_number[None]
+        count = self.particles.mobile_number[None] - fluid
         ti.loop_config(serialize=True)
         for k in range(count):
-            self.sorted[k] = self.number[self.cells.order[first + k] - first]
+            self.sorted[k] = self.number[self.cells.order[fluid + k] - first]
         ti.loop_config(serialize=True)
         for k in range(count):
             self.number[k] = self.sorted[k]

@@ -81,7 +81,7 @@ class WallTrack:
     @ti.func
     def along(self, top: ti.template(), k):
         """Return the place of point ``k`` along its wall, in [0, length)."""
-        return self.domain.wrapped(self.origin[top] + k * self.spacing[None])
+        return self.domain.wrap_x(self.origin[top] + k * self.spacing[None])
 
     @ti.func
     def follow(self, now, k, top: ti.template(), length, half):
@@ -109,7 +109,7 @@ class WallTrack:
     @ti.func
     def move(self, top: ti.template(), elapsed):
         """Carry the points of a wall along with it."""
-        self.origin[top] = self.domain.wrapped(self.origin[top] + self.domain.wall_velocity(top) * elapsed)
+        self.origin[top] = self.domain.wrap_x(self.origin[top] + self.domain.wall_velocity(top) * elapsed)
 
     @ti.func
     def gradient(self, now, k, top: ti.template()):
@@ -124,8 +124,8 @@ class WallTrack:
             cell = row + (self.column[top, k] + side + columns) % columns
             for j in range(self.cells.start[cell], self.cells.start[cell + 1]):
                 place = self.particles.mid_position[now, j]
-                along = self.domain.nearest(place.x - x)
-                distance = self.domain.inside(top, place.y)
+                along = self.domain.minimum_image_x(place.x - x)
+                distance = self.domain.wall_distance(top, place.y)
                 part = ti.max(0.0, 1.0 - (along * along + distance * distance) / self.radius_squared[None])
                 weight = part * part * distance
                 faster = self.particles.mid_velocity[now, j] - wall
@@ -154,7 +154,7 @@ class WallTrack:
     @ti.func
     def place(self, top: ti.template(), x):
         """Return the point before ``x`` and how far ``x`` is on the way to the next."""
-        along = self.domain.wrapped(x - self.origin[top]) / self.spacing[None]
+        along = self.domain.wrap_x(x - self.origin[top]) / self.spacing[None]
         k = ti.cast(along, ti.i32)
         part = along - k
         return k % self.count[None], part

@@ -64,7 +64,7 @@ class Reflections(Dummies):
     def weighted_basis(self, buffer, k, j):
         """Return the weight of fluid particle ``j`` at the virtual point of image ``k``, and (1, x, y) around it."""
         apart = self.particles.mid_position[buffer, j] - self.lists.centre(buffer, k)
-        apart = self.domain.shortest(apart) / self.radius[None]
+        apart = self.domain.minimum_image(apart) / self.radius[None]
         weight = self.value(self.support * ti.sqrt(apart.dot(apart)))
         return weight, ti.Vector([1.0, apart.x, apart.y])
 

@@ -52,7 +52,7 @@ def _flow(scene):
     box = box_around(corners, scene.spacing, scene.periodic, margin)
     walls = Walls(scene.bodies, scene.spacing, box.origin)
     driven = {"acceleration": (scene.acceleration, 0.0), "corners": scene.corners}
-    return BoundedFlow(liquid=scene.particles, walls=walls, **driven, **vars(box), **liquid)
+    return BoundedFlow(n_fluid=scene.particles, walls=walls, **driven, **vars(box), **liquid)
 
 
 def _steps(config):

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from tisph.neighbours.points import used
+from tisph.neighbours.point_cloud import active
 from tisph.runtime import view
 from tisph.schemes._splitting._closure import Closure
 from tisph.schemes._splitting._corners import Corners
@@ -35,20 +35,20 @@ class Bounds:
         self.flow, self.walls, self.support, self.skin = flow, flow.walls, support, skin * flow.spacing
         self.history, self.points, self.shift = history, history.points, shift
         self.closure = Closure(history.rows, flow.walls, flow.spacing)
-        self.slots = slice(flow.liquid, flow.particles)
+        self.slots = slice(flow.n_fluid, flow.particles)
         self.corners = Corners(flow.corners, flow.origin, history) if flow.corners else None
         self.twists, self.loads, self.normals = [], [], []
         self.normal = self.velocity = None
 
     def place(self, time):
         """Put the points where they are at ``time``, and let the particles see the walls."""
-        places = view(self.points.place)
+        places = view(self.points.position)
         place, self.normal, self.velocity = self.walls.at(time)
-        places[self.slots] = place % [self.flow.length, self.flow.gap]
+        places[self.slots] = place % [self.flow.length, self.flow.height]
         planes, distances, curvatures = self.walls.seen(places[: self.flow.particles], time)
         if self.history.rows.curved:
             view(self.history.rows.bend)[: self.flow.particles] = self.walls.bend(planes, distances, curvatures)
-        view(self.shift.planes)[: self.flow.liquid] = planes[: self.flow.liquid]
+        view(self.shift.planes)[: self.flow.n_fluid] = planes[: self.flow.n_fluid]
         spacing = self.flow.spacing
         stretch = self.walls.stretch(distances, self.support)
         stretch[self.slots] += FARTHEST / self.support
@@ -69,19 +69,19 @@ class Bounds:
     @property
     def places(self):
         """Where particles and points are (points, 2)."""
-        return view(self.points.place)[: self.flow.particles].astype(float)
+        return view(self.points.position)[: self.flow.particles].astype(float)
 
     @property
     def rests(self):
         """Velocities (points, ages, 2) that all carry, in place: less those of the flow in the corners."""
-        return used(self.history.carried)[: self.flow.particles, : 2 * VELOCITIES].reshape(-1, VELOCITIES, 2)
+        return active(self.history.carried)[: self.flow.particles, : 2 * VELOCITIES].reshape(-1, VELOCITIES, 2)
 
     def predict(self, times, length):
         """Put the particles where they are after a step of this ``length``, where the flow in the corners counts."""
         if self.corners:
             weights = lambda part: times.at((1.0 - part) * length, VELOCITIES)  # noqa: E731
             place = self.corners.paths.find(weights, length)
-            view(self.points.place)[: self.flow.liquid] = place % [self.flow.length, self.flow.gap]
+            view(self.points.position)[: self.flow.n_fluid] = place % [self.flow.length, self.flow.height]
 
     def jump(self, time):
         """Let the points have the velocities of the walls after ``time``, at which these jump."""
@@ -91,7 +91,7 @@ class Bounds:
     def find_fastest(self):
         """Take up the largest velocity relative to the mean, of which those carried are a part."""
         if self.corners:
-            liquid = self.flow.liquid
+            liquid = self.flow.n_fluid
             velocity = self.rests[:liquid, 0] + self.corners.velocity(self.places[:liquid])
             view(self.history.fastest)[()] = np.linalg.norm(velocity - velocity.mean(axis=0), axis=1).max()
 
@@ -125,7 +125,7 @@ class Bounds:
 
     def measure(self, time, polymer=None):
         """Take up the force and torque on each body, from what the points carry at the end of a step at ``time``."""
-        carried, normal = used(self.history.carried)[self.slots].astype(float), self.normal
+        carried, normal = active(self.history.carried)[self.slots].astype(float), self.normal
         along, across = (
             view(field)[self.slots, :2].astype(float) for field in (self.history.along, self.history.across)
         )

@@ -22,7 +22,7 @@ class Closure:
 
     def __init__(self, rows, walls, spacing):
         self.rows, self.points = rows, rows.points
-        vector, most = ti.types.vector(2, real()), self.points.most
+        vector, most = ti.types.vector(2, real()), self.points.capacity
         self.normal = ti.field(vector, most)
         self.twist, self.vorticity = (ti.field(real(), size) for size in (most, self.points.slots + 1))
         weight, self.slots = np.zeros(most), slice(self.points.fluid - walls.count, self.points.fluid)
@@ -38,7 +38,7 @@ class Closure:
     def turn(self):
         """Let the rows of the Laplacian be those of the slope along the normal times the weight."""
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.points.liquid[None], self.points.particles[None]):
+        for i in range(self.points.n_fluid[None], self.points.particles[None]):
             normal, total = self.weight[i] * self.normal[i], 0.0
             for k in range(self.points.count[i]):
                 slope = normal.x * self.rows.along[i, k] + normal.y * self.rows.across[i, k]
@@ -53,11 +53,11 @@ class Closure:
         for i in range(self.points.particles[None]):
             own, total = velocity[i], 0.0
             for k in range(self.points.count[i]):
-                apart = velocity[self.points.table[i, k]] - own
+                apart = velocity[self.points.neighbours[i, k]] - own
                 total += self.rows.along[i, k] * apart.y - self.rows.across[i, k] * apart.x
             self.vorticity[i] = total
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.points.liquid[None], self.points.particles[None]):
+        for i in range(self.points.n_fluid[None], self.points.particles[None]):
             self.twist[i] = self.curl(i)
 
     @ti.func
@@ -66,7 +66,7 @@ class Closure:
         own, normal, total = self.vorticity[i], self.normal[i], 0.0
         for k in range(self.points.count[i]):
             slope = normal.x * self.rows.across[i, k] - normal.y * self.rows.along[i, k]
-            total += slope * (self.vorticity[self.points.table[i, k]] - own)
+            total += slope * (self.vorticity[self.points.neighbours[i, k]] - own)
         return total
 
     @property

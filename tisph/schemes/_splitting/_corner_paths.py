@@ -45,13 +45,13 @@ class CornerPaths:
         """
         view(self.weights)[...] = [weights(moment / (MOMENTS - 1)) for moment in range(MOMENTS)]
         self.go(length / PARTS)
-        return view(self.there)[: int(view(self.points.liquid))].astype(float)
+        return view(self.there)[: int(view(self.points.n_fluid))].astype(float)
 
     @ti.kernel
     def go(self, step: float):
         """Find all ways, in parts of a length of ``step``."""
         ti.loop_config(serialize=self.points.serial)
-        for i in range(self.points.liquid[None]):
+        for i in range(self.points.n_fluid[None]):
             start = self.history.position[i]
             place, total = start, ti.Vector([0.0, 0.0])
             for stage in range(4 * PARTS):

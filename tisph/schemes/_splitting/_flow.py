@@ -44,20 +44,20 @@ class PeriodicFlow(_Flow):
     """A particle in each cell of a box without walls."""
 
     @property
-    def liquid(self):
+    def n_fluid(self):
         """Number of particles of liquid."""
         return self.columns * self.rows
 
-    particles = liquid
+    particles = n_fluid
 
 
 @dataclass(frozen=True, kw_only=True)
 class BoundedFlow(_Flow):
-    """``liquid`` particles between ``walls``, beyond which the box goes on by more than operators reach."""
+    """``n_fluid`` particles between ``walls``, beyond which the box goes on by more than operators reach."""
 
-    liquid: int
+    n_fluid: int
 
     @property
     def particles(self):
         """Number of points that have operators: particles of liquid, and points on walls."""
-        return self.liquid + self.walls.count
+        return self.n_fluid + self.walls.count

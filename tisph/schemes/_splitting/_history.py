@@ -2,7 +2,7 @@
 
 import math
 
-from tisph.neighbours.points import used
+from tisph.neighbours.point_cloud import active
 from tisph.runtime import holding, real, scalar, ti, view
 
 VELOCITIES = 4
@@ -19,7 +19,7 @@ def slopes(rows: ti.template(), values: ti.template(), i):
     own = values[i]
     along, across = 0.0 * own, 0.0 * own
     for k in range(rows.points.count[i]):
-        difference = values[rows.points.table[i, k]] - own
+        difference = values[rows.points.neighbours[i, k]] - own
         along += rows.along[i, k] * difference
         across += rows.across[i, k] * difference
     return along, across
@@ -31,7 +31,7 @@ def change(rows: ti.template(), along: ti.template(), across: ti.template(), i, 
     own = moved.x * along[i] + moved.y * across[i]
     result = own
     for k in range(rows.points.count[i]):
-        j = rows.points.table[i, k]
+        j = rows.points.neighbours[i, k]
         weight = moved.x * rows.along[i, k] + moved.y * rows.across[i, k]
         result += 0.5 * weight * (moved.x * along[j] + moved.y * across[j] - own)
     return result
@@ -65,11 +65,11 @@ class History:
     def predict(self):
         """Put the points where the particles are at the end of a step, by the weights ``path`` of their velocities."""
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.points.liquid[None]):
+        for i in range(self.points.n_fluid[None]):
             place = self.position[i]
             for age in ti.static(range(VELOCITIES)):
                 place += self.path[age] * self.velocity(age, i)
-            self.points.place[i] = self.points.domain.inside(place)
+            self.points.position[i] = self.points.domain.wrap(place)
 
     @ti.func
     def velocity(self, age: ti.template(), i):
@@ -100,7 +100,7 @@ class History:
             self.divergence[i] = along[0] + across[1]
         ti.loop_config(serialize=True)
         for _ in range(1):
-            self.add_up(self.points.liquid[None])
+            self.add_up(self.points.n_fluid[None])
 
     @ti.func
     def add_up(self, particles):
@@ -133,19 +133,19 @@ class History:
         ti.loop_config(serialize=self.rows.serial)
         for i in range(particles):
             self.carried[i] += change(self.rows, self.along, self.across, i, self.shift.moved[i])
-            self.position[i] = self.points.domain.inside(self.points.place[i])
+            self.position[i] = self.points.domain.wrap(self.points.position[i])
 
     def tidy(self, others):
         """Put the particles, and ``others`` of their fields, in the order of the cells of the last search."""
-        liquid, order = int(view(self.points.liquid)), view(self.points.order)[: self.points.fluid]
+        liquid, order = int(view(self.points.n_fluid)), view(self.points.order)[: self.points.fluid]
         order = order[order < liquid]
         for field in (self.position, self.carried, self.divergence, self.number, *others):
-            used(field)[:liquid] = used(field)[order]
+            active(field)[:liquid] = active(field)[order]
 
     @property
     def divergence_scale(self):
         """Root mean square of the divergence of the newest velocities."""
-        return math.sqrt(float(view(self.divergence_squared)) / int(view(self.points.liquid)))
+        return math.sqrt(float(view(self.divergence_squared)) / int(view(self.points.n_fluid)))
 
     @property
     def residual(self):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tisph.neighbours.points import used
+from tisph.neighbours.point_cloud import active
 from tisph.schemes._splitting._history import PRESSURES, VELOCITIES
 from tisph.schemes._splitting._series import Times
 from tisph.snapshot import STRESSES, Snapshot
@@ -10,15 +10,15 @@ from tisph.snapshot import STRESSES, Snapshot
 
 def carried_in_order(scheme):
     """Return what the particles of liquid carry, where they are, and tensors, in the order of creation."""
-    history, liquid = scheme.history, scheme.flow.liquid
+    history, liquid = scheme.history, scheme.flow.n_fluid
     created = _order(scheme)
     fields = [history.carried, history.position, *([scheme.polymer.tensors] if scheme.polymer else [])]
-    return [used(field)[:liquid][created].astype(float) for field in fields]
+    return [active(field)[:liquid][created].astype(float) for field in fields]
 
 
 def _order(scheme):
     """Return where the particles lie in memory (n,), in the order of creation."""
-    return np.argsort(used(scheme.history.number)[: scheme.flow.liquid])
+    return np.argsort(active(scheme.history.number)[: scheme.flow.n_fluid])
 
 
 def state(scheme, time):
@@ -44,7 +44,7 @@ def state(scheme, time):
         t=time,
         step=scheme.steps,
         x=position[:, 0] % flow.length + flow.origin[0],
-        y=position[:, 1] % flow.gap + flow.origin[1],
+        y=position[:, 1] % flow.height + flow.origin[1],
         u=velocity[:, 0].copy(),
         v=velocity[:, 1].copy(),
         density=np.full(len(position), flow.density),

@@ -42,7 +42,7 @@ class Polymer:
 
     def __init__(self, history, flow):
         self.history, self.rows, self.points = history, history.rows, history.points
-        self.walls, self.liquid, self.origin, self.spacing = flow.walls, flow.liquid, flow.origin, flow.spacing
+        self.walls, self.n_fluid, self.origin, self.spacing = flow.walls, flow.n_fluid, flow.origin, flow.spacing
         self.initial_deviations = flow.initial_deviations
         self.modes = Modes(flow.rheology, flow.kinematic_viscosity, deviation)
         self.size = self.modes.components
@@ -50,9 +50,9 @@ class Polymer:
         self.now, self.now_along, self.now_across = self._three(self.size)
         self.tensors.used = slice(self.points.fluid)
         self.along.used = self.across.used = None
-        self.gradient = ti.field(ti.types.vector(4, real()), self.points.most)
+        self.gradient = ti.field(ti.types.vector(4, real()), self.points.capacity)
         self.strained = ti.field(ti.types.vector(3, real()), self.points.slots + 1)
-        self.force, self.pull = (ti.field(ti.types.vector(2, real()), self.points.most) for _ in range(2))
+        self.force, self.pull = (ti.field(ti.types.vector(2, real()), self.points.capacity) for _ in range(2))
         for field in (self.gradient, self.strained, self.force, self.pull, self.now, self.now_along, self.now_across):
             field.used = None
 
@@ -71,7 +71,7 @@ class Polymer:
         """Start from rest, without stress, or from what the flow says."""
         view(self.tensors)[...] = 0.0
         if self.initial_deviations:
-            places = view(self.points.place)[: self.points.fluid].astype(float) + self.origin
+            places = view(self.points.position)[: self.points.fluid].astype(float) + self.origin
             modes = self.initial_deviations(*places.T)
             self.states[0] = np.concatenate([logarithm(deviations) for deviations in modes])
 
@@ -81,7 +81,7 @@ class Polymer:
         self.time, self.duration = time, length / leading
         states, elapsed = self.states.astype(float), (times.unit * times.ages)[:ORDER]
         if self.walls:
-            states[..., self.liquid :] = self.walls.carried(states[..., self.liquid :], elapsed, self.time)
+            states[..., self.n_fluid :] = self.walls.carried(states[..., self.liquid :], elapsed, self.time)
         self.known = np.einsum("a,acn->cn", back[:ORDER], states) / leading
         self.found, self.slopes = states[0], [None for _ in self.modes.laws]
         self.viscosity = sum(
@@ -108,7 +108,7 @@ class Polymer:
         gradient = self.gradients = view(self.gradient)[: self.points.fluid].T.astype(float)
         gradient[[0, 3]] -= 0.5 * (gradient[0] + gradient[3])  # what divergence there is, is an error
         if self.walls:
-            points = gradient[:, self.liquid :]
+            points = gradient[:, self.n_fluid :]
             points[...] = self.walls.gradients(points.reshape(2, 2, -1), self.time).reshape(4, -1)
         for mode, (law, part) in enumerate(self.modes):
             way = lambda p, law=law: rate(law, p, gradient)  # noqa: E731
@@ -142,12 +142,12 @@ class Polymer:
         sums = [squares[:, part] @ weights[: part.stop - part.start] for part in self.modes.parts]
         worst = np.max(sums, axis=0)
         place = int(np.argmax(np.where(np.isnan(worst), np.inf, worst)))
-        where = view(self.points.place)[place] + self.origin
+        where = view(self.points.position)[place] + self.origin
         return self.spacing * math.sqrt(worst[place]), *where.tolist()
 
     def wall_stress(self):
         """Return the stress (3, count) at the points on walls."""
-        return self.modes.stress(self.states[0][:, self.liquid :].astype(float))
+        return self.modes.stress(self.states[0][:, self.n_fluid :].astype(float))
 
     def at(self, times, age, tensors):
         """Return the stresses (3, n) ``age`` before the end of the last step, of ``tensors`` (n, ages and numbers)."""

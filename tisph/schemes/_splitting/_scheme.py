@@ -8,8 +8,8 @@ from tisph.errors import DivergedError
 from tisph.least_squares import SKIN
 from tisph.least_squares.lattice import Lattice
 from tisph.least_squares.rows import LeastSquaresRows
-from tisph.neighbours.points import Points, used
-from tisph.periodic import PeriodicBox
+from tisph.neighbours.point_cloud import PointCloud, active
+from tisph.periodic import PeriodicDomain
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes._overflow import clustered
 from tisph.schemes._splitting._bounds import Bounds
@@ -73,16 +73,16 @@ class Scheme:
         bounded, reach = flow.walls is not None, (SUPPORT + SKIN) * flow.spacing
         if bounded:
             reach = reach, reach + (SEEN * FARTHER + FARTHEST) * flow.spacing
-        self.points = Points(flow, PeriodicBox(flow.length, flow.gap), reach, 0, serial)
+        self.points = PointCloud(flow, PeriodicDomain(flow.length, flow.height), reach, 0, serial)
         # in polar coordinates points lie in layers: near walls rows then have 70 times the rounding errors
         curved = bounded and flow.walls.curved and real() == ti.f64
         self.rows = LeastSquaresRows(self.points, SUPPORT * flow.spacing, 4, SMALLEST_PIVOT, bounded, curved)
-        self.lattice = Lattice(self.points, flow)
+        self.lattice = Lattice(self.points, flow, flow.height)
         self.shift = Shift(self.points, flow.spacing, SEEN if bounded else 0)
         self.history = History(self.rows, self.shift)
         self.bounds = None
         if bounded:
-            self.points.liquid = integer(flow.liquid)
+            self.points.n_fluid = integer(flow.n_fluid)
             self.bounds = Bounds(flow, self.history, self.shift, SUPPORT, SKIN)
         closure = self.bounds.closure if bounded else None
         self.polymer = Polymer(self.history, flow) if flow.rheology else None
@@ -106,11 +106,11 @@ class Scheme:
         Polymers start without ``stress``.
         """
         self.initial_momentum = float(velocity[:, 0].sum())
-        liquid = self.flow.liquid
-        used(self.history.position)[:liquid] = position - np.array(self.flow.origin)
-        used(self.history.carried)[...] = 0.0
-        used(self.history.carried)[:liquid, :2] = velocity
-        used(self.history.number)[:liquid] = np.arange(len(position))
+        liquid = self.flow.n_fluid
+        active(self.history.position)[:liquid] = position - np.array(self.flow.origin)
+        active(self.history.carried)[...] = 0.0
+        active(self.history.carried)[:liquid, :2] = velocity
+        active(self.history.number)[:liquid] = np.arange(len(position))
         view(self.history.path)[...] = 0.0
         self.history.predict()
         self.assemble(self.time)
@@ -255,7 +255,7 @@ class Scheme:
         """Return the ``change`` of momentum along x up to ``time`` [mass * velocity per length], which has no cause."""
         if self.bounds:  # walls push and pull: their forces are in the samples
             return {}
-        gained = float(used(self.history.carried)[:, 0].sum(dtype=float)) - self.initial_momentum
+        gained = float(active(self.history.carried)[:, 0].sum(dtype=float)) - self.initial_momentum
         return {"change": self.flow.density * self.flow.spacing**2 * gained}
 
     def numbers(self):

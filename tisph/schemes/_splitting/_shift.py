@@ -42,10 +42,10 @@ class Shift:
     def __init__(self, points, spacing, walls=0):
         self.points, self.scatter, self.walls = points, SCATTER * spacing, walls
         if walls:
-            self.planes = ti.field(ti.types.vector(3, real()), (points.most, walls))
+            self.planes = ti.field(ti.types.vector(3, real()), (points.capacity, walls))
             self.near = scalar(SUPPORT * spacing)
         vector = ti.types.vector(2, real())
-        self.move, self.moved = ti.field(vector, points.most), ti.field(vector, points.most)
+        self.move, self.moved = ti.field(vector, points.capacity), ti.field(vector, points.capacity)
         self.per_support = scalar(1.0 / (SUPPORT * spacing))
         # slope of the kernel over the distance in supports: 7/pi (1 - q)^4 (1 + 4 q) has -140/pi (1 - q)^3
         self.full = RATE * spacing**2 * 140.0 / math.pi / (SUPPORT * spacing) ** 3 * spacing**2
@@ -58,19 +58,19 @@ class Shift:
         ``first``: after scattering them, the same way in every run.
         """
         view(self.strength)[()] = part * self.full
-        fluid = int(view(self.points.liquid))
+        fluid = int(view(self.points.n_fluid))
         view(self.moved)[: self.points.fluid] = 0.0
         if first:
             scattered = np.random.default_rng(0).uniform(-self.scatter, self.scatter, (fluid, 2))
             view(self.moved)[:fluid] = scattered
-            view(self.points.place)[:fluid] += scattered
+            view(self.points.position)[:fluid] += scattered
         for _ in range(SWEEPS):
             self.sweep()
 
     @ti.kernel
     def sweep(self):
         """One move of all points."""
-        particles = self.points.liquid[None]
+        particles = self.points.n_fluid[None]
         ti.loop_config(serialize=self.points.serial)
         for i in range(particles):
             push = ti.Vector([0.0, 0.0])
@@ -78,13 +78,13 @@ class Shift:
                 push = self.push_between_walls(i)
             else:
                 for k in range(self.points.count[i]):
-                    push += self.push(self.points.separation(i, self.points.table[i, k]))
+                    push += self.push(self.points.separation(i, self.points.neighbours[i, k]))
             push *= self.strength[None]
             size = ti.sqrt(push.dot(push))
             self.move[i] = push * ti.min(1.0, self.largest[None] / ti.max(size, self.largest[None]))
         ti.loop_config(serialize=self.points.serial)
         for i in range(particles):
-            self.points.place[i] += self.move[i]
+            self.points.position[i] += self.move[i]
             self.moved[i] += self.move[i]
 
     @ti.func
@@ -97,14 +97,14 @@ class Shift:
     @ti.func
     def push_between_walls(self, i):
         """Return the push of the neighbours of particle ``i``, of their images and of its own."""
-        liquid, near = self.points.liquid[None], False
+        liquid, near = self.points.n_fluid[None], False
         for wall in ti.static(range(self.walls)):
             near = near or self.distance(i, wall) < self.near[None]
         push = ti.Vector([0.0, 0.0])
         if near:
             push += self.push_of_images(i, i)
         for k in range(self.points.count[i]):
-            j = self.points.table[i, k]
+            j = self.points.neighbours[i, k]
             if j < liquid:
                 push += self.push(self.points.separation(i, j))
                 if near:
@@ -114,7 +114,7 @@ class Shift:
     @ti.func
     def distance(self, i, wall):
         """Return how far particle ``i`` is from a wall."""
-        plane, place = self.planes[i, wall], self.points.place[i]
+        plane, place = self.planes[i, wall], self.points.position[i]
         return plane.x * place.x + plane.y * place.y - plane.z
 
     @ti.func

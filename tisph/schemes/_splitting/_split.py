@@ -76,7 +76,7 @@ class Split:
 
     def error(self):
         """Return the root mean square of what the new velocities differ by from those expected."""
-        return math.sqrt(float(view(self.defect)) / int(view(self.points.liquid)))
+        return math.sqrt(float(view(self.defect)) / int(view(self.points.n_fluid)))
 
     def begin(self, viscosity, tolerance):
         """Solve L p = - grad u : grad u for the pressure of the velocities that there are; return whether it could be.
@@ -108,14 +108,14 @@ class Split:
             self.pressure.x[i] = [0.0]
             self.pressure.b[i] = [0.0]
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.points.liquid[None], self.points.particles[None]):
+        for i in range(self.points.n_fluid[None], self.points.particles[None]):
             self.pressure.b[i] = [self.closure.right_side(i, -self.velocity.x[i], 0.0)]
 
     @ti.kernel
     def yield_way(self):
         """Let the impulse change the velocities that the particles carry."""
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.points.liquid[None]):
+        for i in range(self.points.n_fluid[None]):
             slope = self.slope(i)
             self.history.carried[i][0] -= slope.x
             self.history.carried[i][1] -= slope.y
@@ -125,7 +125,7 @@ class Split:
         """Return the slope of the pressure, or of the impulse, at a particle."""
         own, slope = self.pressure.x[i][0], ti.Vector([0.0, 0.0])
         for k in range(self.points.count[i]):
-            difference = self.pressure.x[self.points.table[i, k]][0] - own
+            difference = self.pressure.x[self.points.neighbours[i, k]][0] - own
             slope += difference * ti.Vector([self.rows.along[i, k], self.rows.across[i, k]])
         return slope
 
@@ -166,10 +166,10 @@ class Split:
     def divide(self, length: float, kept: float):
         """Right side of the pressure's equation."""
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.points.liquid[None]):
+        for i in range(self.points.n_fluid[None]):
             own, divergence = self.known[i], 0.0
             for k in range(self.points.count[i]):
-                difference = self.known[self.points.table[i, k]] - own
+                difference = self.known[self.points.neighbours[i, k]] - own
                 divergence += self.rows.along[i, k] * difference.x + self.rows.across[i, k] * difference.y
             self.pressure.b[i] = [(kept * self.history.divergence[i] - divergence) / length]
 
@@ -177,7 +177,7 @@ class Split:
     def bound(self, length: float, leading: float, viscosity: float):
         """Right side of the pressure's equation at walls, where the velocities at the end are known."""
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.points.liquid[None], self.points.particles[None]):
+        for i in range(self.points.n_fluid[None], self.points.particles[None]):
             push = (self.known[i] - leading * self.velocity.x[i]) / length + self.acceleration[None]
             self.pressure.b[i] = [self.closure.right_side(i, push, viscosity)]
 
@@ -185,7 +185,7 @@ class Split:
     def push(self, length: float):
         """Right side of the velocities' equation."""
         ti.loop_config(serialize=self.rows.serial_light)
-        for i in range(self.points.liquid[None]):
+        for i in range(self.points.n_fluid[None]):
             slope = self.slope(i)
             if ti.static(self.driven):
                 slope -= self.acceleration[None]
@@ -197,7 +197,7 @@ class Split:
         ti.loop_config(serialize=True)
         for _ in range(1):
             total = 0.0
-            for i in range(self.points.liquid[None]):
+            for i in range(self.points.n_fluid[None]):
                 difference = self.velocity.x[i] - self.expected[i]
                 total += difference.dot(difference)
             self.defect[None] = total

@@ -41,13 +41,13 @@ class Across:
         source = np.arange(self.points.slots + 1)
         ghosts = self.ghosts.part(source)
         ghosts[...] = view(self.ghosts.source)[: ghosts.size]
-        source[self.points.most + ghosts.size :] = source[self.points.fluid : self.points.most] = 0
-        table, self.listed = self.points.listed(self.seen)
+        source[self.points.capacity + ghosts.size :] = source[self.points.fluid : self.points.capacity] = 0
+        table, self.listed = self.points.listed_neighbours(self.seen)
         signs = np.ones(self.points.slots + 1)
         ghosts = self.ghosts.part(signs)
         ghosts[...] = self.ghosts.sign()
         self.others, self.even = source[table], signs[table]
-        self.odd = np.where(table >= self.points.most, -self.even, self.even)
+        self.odd = np.where(table >= self.points.capacity, -self.even, self.even)
         self.laplacian, self.inverted = self.matrix(self.rows.laplacian, self.odd), None
 
     def _first(self, most):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tisph.neighbours.points import used
+from tisph.neighbours.point_cloud import active
 
 TOGETHER = 2**20
 """Places of particles at various times that are looked at together."""
@@ -66,7 +66,7 @@ class DenseOutput:
     def _read(self):
         viscous, motion = self.viscous, self.motion
         fields = (motion.start_velocity, viscous.end, viscous.start_rate, viscous.end_rate)
-        return [used(field).astype(float) for field in (*fields, motion.start_position, *self.others)]
+        return [active(field).astype(float) for field in (*fields, motion.start_position, *self.others)]
 
 
 def hermite(part, length, start, end, start_rate, end_rate):

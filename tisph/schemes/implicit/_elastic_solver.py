@@ -8,7 +8,7 @@ mirror image of the gradient, and of the stress, is even where that of the veloc
 import numpy as np
 
 from tisph.least_squares.bicgstab import BiCGStab
-from tisph.neighbours.points import LANES
+from tisph.neighbours.point_cloud import LANES
 from tisph.runtime import real, ti, view
 from tisph.schemes.implicit._across import ElasticAcross
 from tisph.schemes.implicit._elastic_stages import even_fit, image_of_stress, polynomial
@@ -41,7 +41,7 @@ class ElasticSolver(BiCGStab):
     @ti.func
     def reflect_pull(self, k):
         """Give ghost ``k`` its ``pull``."""
-        self.pull[self.points.most + k] = self.ghosts.value(self.pull, k)
+        self.pull[self.points.capacity + k] = self.ghosts.value(self.pull, k)
 
     @ti.func
     def product(self, values, i):
@@ -50,7 +50,7 @@ class ElasticSolver(BiCGStab):
         for group in range(self.points.count[i] // LANES):
             for lane in ti.static(range(LANES)):  # both sums at once: what they read is the same
                 k = group * LANES + lane
-                j = self.points.table[i, k]
+                j = self.points.neighbours[i, k]
                 viscous = self.coefficient[None] * self.rows.laplacian[i, k] * (values[j] - own)
                 total += viscous + self.rows.across[i, k] * (self.pull[j] - pulled)
         return self.own[None] * own - total

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from tisph.neighbours.points import used
+from tisph.neighbours.point_cloud import active
 from tisph.runtime import real, ti, view
 
 EVENED = 0.5
@@ -25,8 +25,8 @@ class VelocityField:
         self.curvature = self.points.field(ti.types.vector(3, real()), 2)
         self.volume = self.points.field(real())
         self.values = ti.field(ti.types.vector(2, real()), self.points.slots + 1)
-        self.found = ti.field(ti.types.matrix(2, 2, real()), self.points.most)
-        self.volumes = ti.field(real(), self.points.most)
+        self.found = ti.field(ti.types.matrix(2, 2, real()), self.points.capacity)
+        self.volumes = ti.field(real(), self.points.capacity)
         self.values.used = self.found.used = self.volumes.used = None
         self.steepest = self.divergence_squared = self.gradient_squared = 0.0
 
@@ -36,10 +36,10 @@ class VelocityField:
         ``transverse``: whether there are velocities across the channel.
         """
         self.ghosts.prescribe(*self.viscous.wall_series(time))
-        slope, curvature = used(self.slope), used(self.curvature)
+        slope, curvature = active(self.slope), active(self.curvature)
         both = self.ghosts.parities(-1.0, -1.0)
         both[..., 1] = -1.0  # across the channel every wall is at rest
-        slope[...] = self.gradients(used(self.viscous.end).T, both, [self.ghosts.given(), 0.0])
+        slope[...] = self.gradients(active(self.viscous.end).T, both, [self.ghosts.given(), 0.0])
         for component in range(1 + transverse):
             given = self.ghosts.series_slope() if component == 0 else 0.0  # the walls drive the first alone
             parity = self.ghosts.parities(-1.0, 1.0) if component == 0 else np.array([-1.0, 1.0])
@@ -98,8 +98,8 @@ class VelocityField:
         for i in range(particles):
             total, number = 0.0, 0
             for k in range(self.points.count[i]):
-                j = self.points.table[i, k]
-                if j < self.points.most:
+                j = self.points.neighbours[i, k]
+                if j < self.points.capacity:
                     total += self.volumes[j]
                     number += 1
             mean = total / ti.max(number, 1)

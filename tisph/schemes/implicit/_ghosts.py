@@ -54,9 +54,9 @@ class Ghosts:
         self.near = np.flatnonzero((height < self.reach) | (self.gap - height < self.reach))
         below = height[self.near].astype(float)
         self.offset = np.stack([below, self.gap - below])
-        table, listed = self.points.listed(self.near)
-        self.row, self.entry = np.nonzero(listed & (table >= self.points.most) & (table < self.points.slots))
-        self.listed = table[self.row, self.entry] - self.points.most
+        table, listed = self.points.listed_neighbours(self.near)
+        self.row, self.entry = np.nonzero(listed & (table >= self.points.capacity) & (table < self.points.slots))
+        self.listed = table[self.row, self.entry] - self.points.capacity
 
     def sums(self, rows, differences):
         """Return the sums of what ghosts contribute to ``rows``, by near particle and by wall.
@@ -68,15 +68,15 @@ class Ghosts:
 
     def heights(self):
         """Return the y of the particles (fluid), in place."""
-        return view(self.points.place)[: self.points.fluid, 1]
+        return view(self.points.position)[: self.points.fluid, 1]
 
     def part(self, values):
         """Return the part of an array over the slots that belongs to the ghosts, in place."""
-        return values[self.points.most :][: self.side.size]
+        return values[self.points.capacity :][: self.side.size]
 
     def overflow(self):
         """Return the number of ghosts if there was no room for them, else 0."""
-        return self.needed if self.needed > self.points.room else 0
+        return self.needed if self.needed > self.points.ghost_capacity else 0
 
     def prescribe(self, bottom, top):
         """Take up the series of each wall, c0 + c1 d^2 + c2 d^4: three numbers; d times that where it is turned."""
@@ -115,7 +115,7 @@ class MirrorGhosts(Ghosts):
 
     def __init__(self, points, channel, reach):
         super().__init__(points, channel, reach)
-        self.source = ti.field(ti.i32, shape=points.most_ghosts)
+        self.source = ti.field(ti.i32, shape=points.ghost_slots)
 
     @staticmethod
     def room(channel, reach):
@@ -128,7 +128,7 @@ class MirrorGhosts(Ghosts):
         height = self.heights()
         sources = [np.flatnonzero(height < self.reach), np.flatnonzero(self.gap - height < self.reach)]
         self.needed = sum(map(len, sources))
-        count = min(self.needed, self.points.most_ghosts)
+        count = min(self.needed, self.points.ghost_slots)
         self.side = np.repeat([0, 1], list(map(len, sources)))[:count]
         view(self.source)[:count] = np.concatenate(sources)[:count]
         view(self.count)[()] = count
@@ -136,7 +136,7 @@ class MirrorGhosts(Ghosts):
 
     def follow(self):
         """Place the ghosts where the mirror images of their sources are."""
-        count, first, places = self.side.size, self.points.most, view(self.points.place)
+        count, first, places = self.side.size, self.points.capacity, view(self.points.position)
         place = places[view(self.source)[:count]]
         height, top = place[:, 1].astype(float), self.side == 1
         self.depth = np.where(top, self.gap - height, height)

@@ -12,7 +12,7 @@ which is what the layer that the particles cannot resolve yet has taken up (the 
 
 import numpy as np
 
-from tisph.neighbours.points import used
+from tisph.neighbours.point_cloud import active
 from tisph.runtime import view
 
 
@@ -30,7 +30,7 @@ class Kick:
             if jump != 0.0 or rate != 0.0:
                 gained = self.spread([0.0, jump, rate / nu / 12.0], side)
                 gained += self.laplacian(self.spread([0.0, 0.0, jump / 12.0], side))
-                used(self.viscous.velocity)[0] += gained
+                active(self.viscous.velocity)[0] += gained
                 gains[side] = float(gained.sum(dtype=float))
         return gains
 
@@ -45,9 +45,9 @@ class Kick:
 
     def laplacian(self, values):
         """Return the Laplacian of values that mirror oddly in the walls."""
-        velocity, source = used(self.viscous.velocity)[0], used(self.viscous.source)
+        velocity, source = active(self.viscous.velocity)[0], active(self.viscous.source)
         before = velocity.copy()
         velocity[:], source[:] = values, 0.0
         self.viscous.begin(0)
         velocity[:] = before
-        return used(self.viscous.start_rate)[0] / self.viscosity
+        return active(self.viscous.start_rate)[0] / self.viscosity

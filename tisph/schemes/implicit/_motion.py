@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tisph.neighbours.points import used
+from tisph.neighbours.point_cloud import active
 from tisph.runtime import real, ti, view
 
 
@@ -18,9 +18,9 @@ class Motion:
 
     def predict(self, half):
         """Put the points where the particles are in the middle of a step twice as long as ``half``."""
-        place = used(self.position) + half * used(self.viscous.velocity).T
+        place = active(self.position) + half * active(self.viscous.velocity).T
         place[:, 0] = self.wrapped(place[:, 0])
-        view(self.points.place)[: self.points.fluid] = place
+        view(self.points.position)[: self.points.fluid] = place
 
     def take_along(self, half):
         """Let positions and velocities follow the shift of the points: by the Taylor series of the velocities.
@@ -30,20 +30,20 @@ class Motion:
         shift = view(self.shift.moved)[: self.points.fluid]
         moved = np.flatnonzero(shift.any(axis=1))
         x, y = shift[moved].T
-        slope, curvature = used(self.field.slope)[:, moved], used(self.field.curvature)[:, moved]
+        slope, curvature = active(self.field.slope)[:, moved], active(self.field.curvature)[:, moved]
         x = x - half * slope[0, :, 1] * y
         squares = np.stack([0.5 * x * x, x * y, 0.5 * y * y], axis=1)
         change = slope[..., 0] * x + slope[..., 1] * y + np.einsum("cnk,nk->cn", curvature, squares)
         self.viscous.follow(moved, y)
-        velocity = used(self.viscous.velocity)
+        velocity = active(self.viscous.velocity)
         velocity[:, moved] += change
-        used(self.position)[moved] = view(self.points.place)[moved] - half * velocity[:, moved].T
+        active(self.position)[moved] = view(self.points.position)[moved] - half * velocity[:, moved].T
 
     def move(self, length):
         """Move the particles over the step and take up the velocities at its end."""
-        position, velocity, end = (used(field) for field in (self.position, self.viscous.velocity, self.viscous.end))
-        used(self.start_position)[...] = position
-        used(self.start_velocity)[...] = velocity
+        position, velocity, end = (active(field) for field in (self.position, self.viscous.velocity, self.viscous.end))
+        active(self.start_position)[...] = position
+        active(self.start_velocity)[...] = velocity
         position += (0.5 * length) * (velocity + end).T
         position[:, 0] = self.wrapped(position[:, 0])
         self.viscous.accept()

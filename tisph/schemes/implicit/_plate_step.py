@@ -21,18 +21,18 @@ class PlateSolver(ElasticSolver):
     @ti.func
     def own_sign(self, k):
         """Return 1, or -1 for a ghost beyond the driven wall."""
-        upper = ti.cast(self.points.place[self.points.most + k].y > self.middle[None], ti.i32)
+        upper = ti.cast(self.points.position[self.points.capacity + k].y > self.middle[None], ti.i32)
         return self.turned[upper]
 
     @ti.func
     def reflect(self, values, k):
         """Give ghost ``k`` its value."""
-        values[self.points.most + k] = self.parity * self.own_sign(k) * self.ghosts.value(values, k)
+        values[self.points.capacity + k] = self.parity * self.own_sign(k) * self.ghosts.value(values, k)
 
     @ti.func
     def reflect_pull(self, k):
         """Give ghost ``k`` its ``pull``."""
-        self.pull[self.points.most + k] = self.own_sign(k) * self.ghosts.value(self.pull, k)
+        self.pull[self.points.capacity + k] = self.own_sign(k) * self.ghosts.value(self.pull, k)
 
     def more(self, side, slope, third):
         """Return what each image beyond one wall has of the stress more than its source (ghosts).

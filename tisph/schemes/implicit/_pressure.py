@@ -37,7 +37,7 @@ class Projection:
             self.values[i] = self.pressure[i]
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
-            self.values[self.points.most + k] = self.ghosts.value(self.values, k)
+            self.values[self.points.capacity + k] = self.ghosts.value(self.values, k)
 
     @ti.kernel
     def push(self, component: ti.i32):

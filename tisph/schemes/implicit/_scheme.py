@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from tisph.domain import Domain
+from tisph.domain import ChannelDomain
 from tisph.errors import DivergedError
 from tisph.least_squares import SKIN, SUPPORT
 from tisph.least_squares.rows import LeastSquaresRows
-from tisph.neighbours.points import Points, used
+from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.runtime import view
 from tisph.schemes._momentum import MomentumBalance
 from tisph.schemes._overflow import clustered
@@ -60,10 +60,10 @@ class Scheme:
         order = config.scheme.operators.order
         reach = (SUPPORT[order] + SKIN) * channel.spacing
         self.channel = channel
-        self.domain = Domain(channel)
+        self.domain = ChannelDomain(channel)
         treatment = config.walls.treatment.type
         kind = VirtualGhosts if treatment == "virtual_image" else MirrorGhosts
-        self.points = Points(channel, self.domain, reach, kind.room(channel, reach), serial, kind.mirrors)
+        self.points = PointCloud(channel, self.domain, reach, kind.room(channel, reach), serial, kind.mirrors)
         self.ghosts = kind(self.points, channel, reach)
         self.rows = LeastSquaresRows(self.points, SUPPORT[order] * channel.spacing, order)
         if config.fluid.rheology.type == "newtonian" and channel.driven_side is None:
@@ -90,15 +90,15 @@ class Scheme:
         self.transverse = False
         self.shortest, self.longest = math.inf, 0.0
         self.momentum = MomentumBalance(self.time)
-        used(self.field.volume)[...] = 0.0
-        used(self.projection.pressure)[...] = 0.0
+        active(self.field.volume)[...] = 0.0
+        active(self.projection.pressure)[...] = 0.0
         self.viscous.push = None
         self.walls.enter(self.time)
 
     def start(self, position, velocity, _stress=None):
         """Place the particles, (particles, 2) arrays; what they remember, more than a stress, the channel knows."""
-        used(self.motion.position)[...] = position
-        used(self.viscous.velocity)[...] = velocity.T
+        active(self.motion.position)[...] = position
+        active(self.viscous.velocity)[...] = velocity.T
         self.momentum.initial = float(velocity[:, 0].sum())
         self.transverse = bool(np.any(velocity[:, 1] != 0.0))
         self.viscous.begin_with(position[:, 1])
@@ -220,7 +220,7 @@ class Scheme:
         if time is None or time == self.time:
             time = self.time
             fields = (self.motion.position, self.viscous.velocity, self.field.volume, self.projection.pressure)
-            position, velocity, volume, pressure = (used(field).astype(float) for field in fields)
+            position, velocity, volume, pressure = (active(field).astype(float) for field in fields)
             stresses = self.viscous.stress()
         else:
             position, velocity, volume, pressure = self.dense.at(time)
@@ -248,7 +248,7 @@ class Scheme:
 
     def momentum_balance(self):
         """Return the balance of momentum along x up to ``time``, see ``MomentumBalance.report``."""
-        total = used(self.viscous.velocity)[0].sum(dtype=float)
+        total = active(self.viscous.velocity)[0].sum(dtype=float)
         return self.momentum.report(self.channel, self.time, float(total))
 
     def numbers(self):

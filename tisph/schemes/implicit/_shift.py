@@ -29,7 +29,7 @@ class Shift:
         self.points, self.ghosts = points, ghosts
         self.spacing = scalar(spacing)
         vector = ti.types.vector(2, real())
-        self.move, self.moved = ti.field(vector, points.most), ti.field(vector, points.most)
+        self.move, self.moved = ti.field(vector, points.capacity), ti.field(vector, points.capacity)
         self.farthest = scalar(0.0)
 
     def spread(self):
@@ -53,7 +53,7 @@ class Shift:
             reach = DIAMETER * self.spacing[None]
             push = ti.Vector([0.0, 0.0])
             for k in range(self.points.count[i]):
-                apart = self.points.separation(i, self.points.table[i, k])
+                apart = self.points.separation(i, self.points.neighbours[i, k])
                 distance = ti.sqrt(apart.dot(apart)) + 1e-30
                 push -= SOFTNESS * ti.max(0.0, reach - distance) / distance * apart
             size = ti.sqrt(push.dot(push)) / self.spacing[None]
@@ -62,5 +62,5 @@ class Shift:
             ti.atomic_max(self.farthest[None], size)
         ti.loop_config(serialize=self.points.serial)
         for i in range(particles):
-            self.points.place[i] += self.move[i]
+            self.points.position[i] += self.move[i]
             self.moved[i] += self.move[i]

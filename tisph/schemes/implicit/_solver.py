@@ -57,5 +57,7 @@ class ViscousSolver(BiCGStab):
         from tisph.least_squares.lattice import WalledLattice  # of no use to most channels
         from tisph.least_squares.multilevel import MultilevelSolver
 
-        self.smooth = MultilevelSolver(self.rows, WalledLattice(self.points, self.channel), 1, ghosts=self.ghosts)
+        self.smooth = MultilevelSolver(
+            self.rows, WalledLattice(self.points, self.channel, self.channel.gap), 1, ghosts=self.ghosts
+        )
         return self.smooth

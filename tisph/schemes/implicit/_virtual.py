@@ -26,7 +26,7 @@ class VirtualGhosts(Ghosts):
 
     def __init__(self, points, channel, reach):
         super().__init__(points, channel, reach)
-        self.share = ti.field(real(), shape=(points.most_ghosts, points.capacity))
+        self.share = ti.field(real(), shape=(points.ghost_slots, points.row_capacity))
         self.radius = scalar(reach)
         self.vector, self.matrix = ti.types.vector(UNKNOWNS, real()), ti.types.matrix(UNKNOWNS, UNKNOWNS, real())
         self.settle(channel)
@@ -38,13 +38,13 @@ class VirtualGhosts(Ghosts):
 
     def settle(self, channel):
         """Lay out the layers; they stay where they are."""
-        layers = self.points.room // (2 * channel.columns)
+        layers = self.points.ghost_capacity // (2 * channel.columns)
         layer, column = np.divmod(np.arange(layers * channel.columns), channel.columns)
         x, depth = (column + 0.5) * channel.spacing, (layer + 0.5) * channel.spacing
         heights, mirrored = np.concatenate([-depth, channel.gap + depth]), np.concatenate([depth, channel.gap - depth])
-        count, first = heights.size, self.points.most
-        holding(self.points.place, _padded(np.stack([np.tile(x, 2), heights], 1), first, self.points.slots + 1))
-        holding(self.points.mirror, _padded(np.stack([np.tile(x, 2), mirrored], 1), 0, self.points.most_ghosts))
+        count, first = heights.size, self.points.capacity
+        holding(self.points.position, _padded(np.stack([np.tile(x, 2), heights], 1), first, self.points.slots + 1))
+        holding(self.points.mirror, _padded(np.stack([np.tile(x, 2), mirrored], 1), 0, self.points.ghost_slots))
         holding(self.count, count)
         self.depth, self.side = np.tile(depth, 2), np.repeat([0, 1], depth.size)
 
@@ -58,21 +58,21 @@ class VirtualGhosts(Ghosts):
         """Compute all shares."""
         ti.loop_config(serialize=self.points.serial)
         for k in range(self.count[None]):
-            row = self.points.most + k
+            row = self.points.capacity + k
             moments = self.matrix(0.0)
             for n in range(self.points.count[row]):
-                basis, weight = self.weighted_basis(k, self.points.table[row, n])
+                basis, weight = self.weighted_basis(k, self.points.neighbours[row, n])
                 moments += weight * basis.outer_product(basis)
             coefficients = self.solved(moments)
             for n in range(self.points.count[row]):
-                basis, weight = self.weighted_basis(k, self.points.table[row, n])
+                basis, weight = self.weighted_basis(k, self.points.neighbours[row, n])
                 self.share[k, n] = weight * coefficients.dot(basis)
 
     @ti.func
     def weighted_basis(self, k, j):
         """Return basis and weight of point ``j`` around mirror point ``k``; the sentinel has the weight 0."""
-        apart = self.points.place[j] - self.points.mirror[k]
-        x, y = self.points.domain.nearest(apart.x) / self.radius[None], apart.y / self.radius[None]
+        apart = self.points.position[j] - self.points.mirror[k]
+        x, y = self.points.domain.minimum_image_x(apart.x) / self.radius[None], apart.y / self.radius[None]
         nearness = ti.max(0.0, 1.0 - x * x - y * y)
         inside = ti.cast(nearness > 0.0, self.share.dtype)
         x, y = x * inside, y * inside
@@ -102,16 +102,16 @@ class VirtualGhosts(Ghosts):
     def taken(self, values):
         """Return the values at the mirror points, of an array over the slots or of two, (slots + 1, 2)."""
         count = self.side.size
-        table, listed = self.points.listed(slice(self.points.most, self.points.most + count))
+        table, listed = self.points.listed_neighbours(slice(self.points.capacity, self.points.capacity + count))
         return np.einsum("nk,nk...->n...", np.where(listed, view(self.share)[:count], 0.0), values[table])
 
     @ti.func
     def value(self, values: ti.template(), k):
         """Return the value at the mirror point of ghost ``k``."""
-        row = self.points.most + k
+        row = self.points.capacity + k
         total = 0.0 * values[0]
         for n in range(self.points.count[row]):
-            total += self.share[k, n] * values[self.points.table[row, n]]
+            total += self.share[k, n] * values[self.points.neighbours[row, n]]
         return total
 
 

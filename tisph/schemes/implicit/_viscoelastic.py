@@ -6,7 +6,7 @@ steps, shifting and checkpoints.
 
 import numpy as np
 
-from tisph.neighbours.points import used
+from tisph.neighbours.point_cloud import active
 from tisph.runtime import view
 from tisph.schemes.implicit._dense import hermite
 from tisph.schemes.implicit._driven import slides_freely, stages
@@ -48,12 +48,12 @@ class ViscoelasticStep(ViscousStep):
         """Let walls that change at once give their impulse to velocities and states; see ``ViscousStep``."""
         flow = self.flow()
         gains = self.stages.turn(flow, time)
-        used(self.velocity)[0], self.carried.state[...] = flow.velocity, flow.state
+        active(self.velocity)[0], self.carried.state[...] = flow.velocity, flow.state
         return gains
 
     def flow(self):
         """Return copies of the velocities along the channel, states and shear rates, in double precision."""
-        return Flow(used(self.velocity)[0].astype(float), self.carried.state.copy(), self.carried.shear_rate.copy())
+        return Flow(active(self.velocity)[0].astype(float), self.carried.state.copy(), self.carried.shear_rate.copy())
 
     def advance(self, component, time, length, tolerance):
         """Compute the ends of one component, and with the first those of C; return the estimated error."""
@@ -63,8 +63,8 @@ class ViscoelasticStep(ViscousStep):
         self.solver.assemble()
         end, error = self.stages.advance(start, time, length, tolerance)
         if end is not None:
-            used(self.end)[0], used(self.end_rate)[0] = end.velocity, end.velocity_rate
-            used(self.start_rate)[0] = start.velocity_rate
+            active(self.end)[0], active(self.end_rate)[0] = end.velocity, end.velocity_rate
+            active(self.start_rate)[0] = start.velocity_rate
             carried.end[...], carried.end_rate[...], carried.end_shear_rate[...] = (
                 end.state,
                 end.state_rate,

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from tisph.neighbours.points import used
+from tisph.neighbours.point_cloud import active
 from tisph.runtime import holding, real, scalar, ti, view
 from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, TIMES, WEIGHTS, guesses
 from tisph.schemes.implicit._kick import Kick
@@ -60,7 +60,7 @@ class ViscousStep:
 
     def accept(self):
         """Take up the end of the step as the start of the next."""
-        used(self.velocity)[...] = used(self.end)
+        active(self.velocity)[...] = active(self.end)
 
     def turn(self, time):
         """Let walls that change at once at ``time`` give their impulse; return what is gained from each: ``Kick``."""
@@ -103,7 +103,7 @@ class ViscousStep:
 
     def set_source(self, component, time):
         """Evaluate what drives a component at ``time``: the walls' part of the ghosts, body acceleration, pressure."""
-        source = used(self.source)
+        source = active(self.source)
         source[...] = 0.0  # across the channel nothing drives
         if component == 0:
             self.ghosts.prescribe(*self.wall_series(time))

@@ -6,7 +6,7 @@ import numpy as np
 
 from tisph import registry
 from tisph.geometry.box import box_around
-from tisph.periodic import PeriodicBox
+from tisph.periodic import PeriodicDomain
 from tisph.runtime import view
 from tisph.schemes._supported import AROUND_BODIES
 from tisph.schemes.wcsph._loads import Loads
@@ -33,7 +33,7 @@ class SolidBodies(OpenBox):
         self.slots = self.layers.slots
         corners = scene.origin, np.add(scene.origin, scene.extent)
         self.box = box_around(corners, scene.spacing, scene.periodic, 2.0 * radius)
-        self.origin, self.domain = self.box.origin, PeriodicBox(self.box.length, self.box.gap)
+        self.origin, self.domain = self.box.origin, PeriodicDomain(self.box.length, self.box.height)
         self.radii = [self.layers.radius(number, self.treatment.looks_inside) for number in range(len(scene.bodies))]
         self.middle = self.built = scene.start_time
         self.compression = 0.0

@@ -30,7 +30,7 @@ class ImpulsiveStart:
         self.silent = [stepper.operators.shift_speed]
         if stepper.operators.has_artificial_viscosity:
             self.silent.append(stepper.operators.artificial_viscosity)
-        if self.domain.driven:
+        if self.domain.has_body_force:
             self.silent.append(self.domain.acceleration)
         particles = self.particles
         self.unchanged = [particles.position, particles.mid_position, particles.compression]
@@ -64,7 +64,7 @@ class ImpulsiveStart:
             view(field)[other] = 0.0
         images = slice(particles.first_wall, particles.first_wall + self.walls.present_images())
         y = view(particles.mid_position)[now, images, 1]
-        depth = y - view(self.domain.gap) if top else -y
+        depth = y - view(self.domain.height) if top else -y
         displacement = depth * depth * jump / view(self.liquid.kinematic_viscosity)
         view(particles.mid_velocity)[other, images, 0] = np.where(depth > 0.0, displacement, 0.0)
 

@@ -56,7 +56,7 @@ class Stepper:
         """Finish the pending step of particle ``i``, publish its next middle, and measure."""
         rates = self.operators.rates(now, i)
         acceleration = rates.acceleration
-        if ti.static(self.domain.driven):
+        if ti.static(self.domain.has_body_force):
             acceleration.x += self.domain.acceleration[None]
         middle_velocity = self.particles.mid_velocity[now, i]
         position = self.particles.position[now, i] + length * (middle_velocity + rates.transport)

@@ -6,8 +6,8 @@ much farther wall particles go than the liquid that they are images of.
 """
 
 from tisph import registry
-from tisph.domain import Domain
-from tisph.periodic import PeriodicBox
+from tisph.domain import ChannelDomain
+from tisph.periodic import PeriodicDomain
 from tisph.schemes._momentum import MomentumBalance, WallForces
 from tisph.schemes.wcsph._impulse import ImpulsiveStart
 from tisph.walls._treatment import WallTreatment
@@ -27,7 +27,7 @@ class PlaneWalls:
         self.box = channel
         self.treatment = registry.compiled("walls", self.parameters.type).Treatment
         self.slots = self.treatment.wall_slots(channel, radius)
-        self.domain = Domain(channel)
+        self.domain = ChannelDomain(channel)
         self.balance = MomentumBalance(channel.start_time)
         self.drift, self.built_velocity = [0.0, 0.0], [0.0, 0.0]
 
@@ -97,7 +97,7 @@ class OpenBox:
     def __init__(self, config, scene):
         self.box = scene
         self.particle_mass = scene.density * scene.spacing**2
-        self.domain = PeriodicBox(*scene.extent)
+        self.domain = PeriodicDomain(*scene.extent)
         self.initial = 0.0
 
     def surround(self, operators, kernel):

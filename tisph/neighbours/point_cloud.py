@@ -1,0 +1,190 @@
+"""Points and their neighbours, found anew for each arrangement: for steps so long that no list outlives one.
+
+Fluid particles 0 .. fluid-1 keep their numbers, so that nothing is copied; ghost points beyond the walls follow from
+``capacity`` on, then one sentinel far away that pads rows. In shear flow the layers of particles move past one another
+as wholes, and what is near in space stays near in memory.
+"""
+
+import math
+
+import numpy as np
+
+from tisph.neighbours.counting_sort import counting_sort, slot_of
+from tisph.runtime import integer, real, scalar, size_class, ti, view
+
+LANES = 4
+"""Rows are padded to a multiple of this with the sentinel, so that loops over them can be unrolled."""
+
+CAPACITY_FACTOR = 1.6
+"""Capacity of a row over the mean number of neighbours within the cutoff."""
+
+WALL_FACTOR = 1.3
+"""That mean near walls, where some reach farther, over the one elsewhere."""
+
+
+def active(field):
+    """Return what the fluid particles use of a field that ``PointCloud`` made for them, in place: (..., fluid)."""
+    return view(field)[field.used]
+
+
+@ti.data_oriented
+class PointCloud:
+    """Positions of all points, of which fluid particle i has slot i and ghost k slot ``capacity`` + k.
+
+    ``domain`` is that of a channel or a ``PeriodicDomain``, without ghosts; there positions must be inside the box.
+    ``particles`` and ``ghosts`` are their numbers at present; there is space for ``ghost_capacity``. ``capacity``,
+    ``slots`` and the ``sentinel`` after them depend on the size class alone and may be compiled in, ``fluid`` may not.
+    ``fluid`` and ``particles`` count points on walls, too, where there are any: ``n_fluid`` does not. Neighbours of
+    particle i within the ``cutoff`` are ``neighbours[i, k]``, k < ``count[i]``. With ``mirrors`` that table goes on
+    with a row for each ghost, in its slot: the fluid particles around its mirror point ``mirror[k]``. Where ``cutoff``
+    is a pair, the usual and the largest one, less than twice that, each point has its own, ``radius``.
+    """
+
+    def __init__(self, channel, domain, cutoff, ghost_capacity, serial, mirrors=False):
+        self.domain = domain
+        self.serial = serial
+        self.fluid, self.ghost_capacity = channel.particles, ghost_capacity
+        self.particles, self.ghosts = integer(self.fluid), integer(0)
+        self.n_fluid = self.particles
+        self.capacity, self.ghost_slots = size_class(self.fluid), size_class(self.ghost_capacity)
+        self.slots = self.sentinel = self.capacity + self.ghost_slots
+        self.varying = isinstance(cutoff, tuple)
+        cutoff, largest = cutoff if self.varying else (cutoff, cutoff)
+        self.cutoff_squared = scalar(cutoff**2)
+        if self.varying:
+            self.radius = ti.field(real(), shape=self.capacity)
+        # counted in spacings, of which length and gap are whole numbers: no cell is lost to rounding
+        columns = int(channel.columns * channel.spacing / cutoff * (1 + 1e-12))
+        rows = max(1, int(channel.rows * channel.spacing / cutoff * (1 + 1e-12)))
+        least = 5 if largest > cutoff else 3
+        if columns < least or (domain.periodic_y and rows < least):
+            axis = f"{columns} cells along x" if columns < 3 else f"{rows} cells along y"
+            raise ValueError(f"{axis}: a pair and its periodic copy would both be listed")
+        self.columns, self.rows = integer(columns), integer(rows)
+        mean = math.pi * (cutoff / channel.spacing) ** 2 * (WALL_FACTOR if self.varying else 1.0)
+        self.row_capacity = math.ceil((CAPACITY_FACTOR * mean + LANES) / LANES) * LANES
+        self.position = ti.field(ti.types.vector(2, real()), shape=self.slots + 1)
+        self.mirrors = mirrors
+        listed = self.slots if mirrors else self.capacity
+        self.neighbours = ti.field(ti.i32, shape=(listed, self.row_capacity))
+        self.count = ti.field(ti.i32, shape=listed)
+        if mirrors:
+            self.mirror = ti.field(ti.types.vector(2, real()), shape=self.ghost_slots)
+        self.longest = integer(0)
+        self.start = ti.field(ti.i32, shape=size_class((rows + 2) * columns + 2))
+        self.cell = ti.field(ti.i32, shape=self.slots)
+        self.order = ti.field(ti.i32, shape=self.slots)
+        self.far = scalar(1e3 * channel.spacing * (channel.rows + channel.columns))
+
+    def field(self, kind, *axes):
+        """Return a field of ``kind`` with a number for each fluid particle along its last axis; see ``active``."""
+        field = ti.field(kind, (*axes, self.capacity))
+        field.used = (*[slice(None)] * len(axes), slice(self.fluid))
+        return field
+
+    @ti.kernel
+    def find_neighbours(self):
+        """Sort all points into cells, stably, and list the neighbours of the fluid particles."""
+        self.longest[None] = 0
+        particles = self.particles[None]
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            self.sort(particles)
+        ti.loop_config(serialize=self.serial)
+        for i in range(particles):
+            ti.atomic_max(self.longest[None], self.gather(i, self.position[i], self.slots))
+        if ti.static(self.mirrors):
+            ti.loop_config(serialize=self.serial)
+            for k in range(self.ghosts[None]):
+                ti.atomic_max(self.longest[None], self.gather(self.capacity + k, self.mirror[k], self.capacity))
+
+    @ti.func
+    def sort(self, particles):
+        """Fill ``order`` with the points cell by cell, row by row of cells, and ``start`` with where a cell begins."""
+        self.position[self.sentinel] = [self.far[None], self.far[None]]
+        ghosts = self.ghosts[None]
+        for number in range(particles + ghosts):
+            k = slot_of(number, particles, self.capacity)
+            position = self.position[k]
+            self.cell[k] = self.row_of(position.y, k) * self.columns[None] + self.column_of(position.x)
+        cells = (self.rows[None] + 2) * self.columns[None]
+        counting_sort(self.cell, self.start, self.order, cells, particles, ti.Vector([ghosts, self.capacity]))
+
+    @ti.func
+    def column_of(self, x):
+        """Return the column of cells of ``x``, kept inside even where ``x`` is not a number."""
+        columns = self.columns[None]
+        column = ti.cast(self.domain.wrap_x(x) / self.domain.length[None] * columns, ti.i32)
+        return ti.max(0, ti.min(columns - 1, column))
+
+    @ti.func
+    def row_of(self, y, k):
+        """Return the row of cells of point ``k`` at height ``y``: 1 .. rows for fluid, beyond them for ghosts."""
+        rows = self.rows[None]
+        row = ti.max(0, ti.min(rows - 1, ti.cast(y / self.domain.height[None] * rows, ti.i32))) + 1
+        if k >= self.capacity:
+            row = ti.select(y < 0.0, 0, rows + 1)
+        return row
+
+    @ti.func
+    def gather(self, i, centre, end):
+        """Fill row ``i`` of the table with the points before ``end`` around ``centre``; return how many it needed.
+
+        They come from the 3 x 3 cells around it, or 5 x 5: in a row those before the end of the period, then those
+        beyond it.
+        """
+        columns, column, row = self.columns[None], self.column_of(centre.x), self.row_of(centre.y, 0)
+        found, span = 0, 1
+        if ti.static(self.varying):
+            span = ti.select(self.radius[i] ** 2 > self.cutoff_squared[None], 2, 1)
+        for level in range(row - span, row + span + 1):
+            near = level
+            if ti.static(self.domain.periodic_y):
+                near = self.domain.wrap_row(level, self.rows[None])
+            first, last = ti.max(column - span, 0), ti.min(column + span + 1, columns)
+            for _ in range(ti.select(column < span or column >= columns - span, 2, 1)):
+                begin = self.start[near * columns + first + 1]
+                found = self.append(i, centre, end, begin, self.start[near * columns + last + 1], found)
+                before = column < span
+                first = ti.select(before, columns + column - span, 0)
+                last = ti.select(before, columns, column + span + 1 - columns)
+        filled = ti.min(found, self.row_capacity)
+        padded = (filled + LANES - 1) // LANES * LANES
+        for k in range(filled, padded):
+            self.neighbours[i, k] = self.sentinel
+        self.count[i] = padded
+        return found
+
+    @ti.func
+    def append(self, i, centre, end, first, last, found):
+        """Append what is within the cutoff of ``order[first .. last-1]``, without a branch; return the new count."""
+        limit = self.cutoff_squared[None]
+        if ti.static(self.varying):
+            limit = self.radius[i] ** 2
+        for s in range(first, last):
+            j = self.order[s]
+            apart = self.domain.minimum_image(self.position[j] - centre)
+            self.neighbours[i, ti.min(found, self.row_capacity - 1)] = j
+            near = ti.cast(apart.dot(apart) < limit, ti.i32) * ti.cast(j != i, ti.i32)
+            found += near * ti.cast(j < end, ti.i32)
+        return found
+
+    @ti.func
+    def separation(self, i, j):
+        """Return the vector from point ``i`` to point ``j``, to its nearest periodic copy."""
+        return self.domain.minimum_image(self.position[j] - self.position[i])
+
+    def listed_neighbours(self, rows):
+        """Return the table of the chosen ``rows`` and where it holds points and no left-overs, (chosen, capacity)."""
+        return view(self.neighbours)[rows], np.arange(self.row_capacity) < view(self.count)[rows, None]
+
+    def mean_length(self):
+        """Return the mean number of neighbours within the cutoff of a fluid particle, padding not counted."""
+        count, table = view(self.count)[: self.fluid], view(self.neighbours)[: self.fluid]
+        listed = sum(np.count_nonzero((table[:, k] != self.sentinel) & (count > k)) for k in range(self.row_capacity))
+        return listed / self.fluid
+
+    def overflow(self):
+        """Return the longest row if it may not have fitted into the table, else 0."""
+        longest = int(view(self.longest))
+        return longest if longest >= self.row_capacity else 0

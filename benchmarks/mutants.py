@@ -1,6 +1,6 @@
 """Change the program in small ways, one at a time, and count the changes that the tests notice.
 
-    python benchmarks/mutants.py exact verification --count 60 --out mutants
+    python benchmarks/mutants.py exact measures --count 60 --out mutants
     python benchmarks/mutants.py --count 200 --out mutants     # all folders of FOLDERS; goes on where it was stopped
 
 Each change is applied to a copy of the repository, on which the tests of TESTS run until one fails. What survives is
@@ -24,7 +24,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-FOLDERS = ["exact", "least_squares", "operators", "rheology", "schemes", "verification", "walls"]
+FOLDERS = ["exact", "least_squares", "measures", "operators", "rheology", "schemes", "walls"]
 
 MEMORY = 6 << 30
 """Bytes a test run may use; the tests need a sixth of it."""
@@ -47,15 +47,15 @@ TESTS = {
     "exact/scheduled": [UNIT + "schedule", UNIT + "scene_flows"],
     "exact/sliding": [UNIT + "exact_sliding_corner", UNIT + "exact_cavity"],
     "exact/uniform_shear": [UNIT + "rheometry_schedules"],
-    "verification": [UNIT + "metrics*", UNIT + "study_walls", UNIT + "verification*", UNIT + "extrapolation"],
-    "verification/fits": [UNIT + "verification*", UNIT + "report_*", CORE + "bodies_in_flow", CORE + "curved_walls"],
-    "verification/resolution": [UNIT + "resolution"],
-    "verification/suite": [UNIT + "metrics_suite"],
-    "verification/steady": [UNIT + "scene_cell", CORE + "cavity", CORE + "run"],
-    "verification/_": [UNIT + "rheometry*", CORE + "scheduled_cylinders"],
-    "verification/rheometry": [UNIT + "rheometry*", CORE + "scheduled_*"],
-    "verification/wall_shear": [UNIT + "metrics_wall_shear", UNIT + "metrics*"],
-    "verification/mean": [UNIT + "metrics*", UNIT + "verification*", CORE + "bodies_in_flow", CORE + "curved_walls"],
+    "measures": [UNIT + "metrics*", UNIT + "study_walls", UNIT + "verification*", UNIT + "extrapolation"],
+    "measures/fits": [UNIT + "verification*", UNIT + "report_*", CORE + "bodies_in_flow", CORE + "curved_walls"],
+    "measures/resolution": [UNIT + "resolution"],
+    "studies/verification": [UNIT + "metrics_suite"],
+    "measures/steady": [UNIT + "scene_cell", CORE + "cavity", CORE + "run"],
+    "measures/_": [UNIT + "rheometry*", CORE + "scheduled_cylinders"],
+    "measures/rheometry": [UNIT + "rheometry*", CORE + "scheduled_*"],
+    "measures/wall_shear": [UNIT + "metrics_wall_shear", UNIT + "metrics*"],
+    "measures/mean": [UNIT + "metrics*", UNIT + "verification*", CORE + "bodies_in_flow", CORE + "curved_walls"],
     "least_squares": [CORE + "least_squares", CORE + "multilevel", CORE + "viscous_solver", *IMPLICIT],
     "least_squares/rows": [CORE + "least_squares", CORE + "curved_walls", *IMPLICIT],
     "least_squares/lattice": [CORE + "multilevel", CORE + "viscous_solver"],

@@ -1,4 +1,4 @@
-"""Errors of the layer at a wall by its depth in particle spacings: what ``verification/resolution.py`` rests on.
+"""Errors of the layer at a wall by its depth in particle spacings: what ``measures/resolution.py`` rests on.
 
     python benchmarks/resolution.py
 
@@ -15,7 +15,7 @@ from pathlib import Path
 
 from tisph import simulation
 from tisph.config import load, yaml_text
-from tisph.verification.flows import NEWTONIAN, across, implicit, merged, oldroyd_b, state, walls
+from tisph.studies.flows import NEWTONIAN, across, implicit, merged, oldroyd_b, state, walls
 
 DEPTHS = (0.5, 1.0, 2.0, 3.0, 4.0)
 ROWS = 40

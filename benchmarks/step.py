@@ -20,7 +20,7 @@ import pyperf
 from tisph import runtime, scenes, schemes
 from tisph.config import load
 from tisph.simulation.run import start_values
-from tisph.verification.flows import drive, jitter, merged, oldroyd_b
+from tisph.studies.flows import drive, jitter, merged, oldroyd_b
 
 COUETTE = {
     "scene": "channel",

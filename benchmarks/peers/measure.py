@@ -29,8 +29,8 @@ import numpy as np
 
 from tisph import config, scenes
 from tisph.exact import couette, taylor_green
+from tisph.studies.flows import across, merged
 from tisph.studies.frontier import cases
-from tisph.verification.flows import across, merged
 
 HERE = Path(__file__).resolve().parent
 

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from tisph import config, registry, runtime, schemes, simulation
 from tisph.cli.check import estimates
 from tisph.errors import ConfigError, DivergedError
+from tisph.measures.metrics import sample_metrics
 from tisph.observers.guard import Guard
 from tisph.scenes.channel import Channel
 from tisph.simulation.run import start_values
-from tisph.verification.metrics import sample_metrics
 
 STEPS = {"wcsph": 50, "implicit": 5}
 """How far a config is run, by the scheme that it means."""

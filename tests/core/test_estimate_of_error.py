@@ -6,7 +6,7 @@ import pytest
 
 from tisph import simulation
 from tisph.config import load
-from tisph.study.error_estimate import Coarser
+from tisph.studies.error_estimate import Coarser
 
 CASE = """
 scene: taylor_green
@@ -53,7 +53,7 @@ def test_the_error_of_a_vortex_is_stated(config, tmp_path, monkeypatch):
         # what tisph verify holds estimates to
         assert 1 / 3 < found["fields"]["velocity"]["error"] / true["l2"] < 3
     assert "estimated error, from 14, 20 and 28 particles across" in text
-    monkeypatch.setattr("tisph.study.store.Store.launch", None)  # what has run is kept
+    monkeypatch.setattr("tisph.studies.store.Store.launch", None)  # what has run is kept
     coarser.run()
 
 
@@ -61,7 +61,7 @@ def test_a_coarser_run_that_fails_leaves_no_estimate(config, tmp_path, monkeypat
     def ended(names, launch, most):
         yield names[0], None, "too bad"
 
-    monkeypatch.setattr("tisph.study.store.run_side_by_side", ended)
+    monkeypatch.setattr("tisph.studies.store.run_side_by_side", ended)
     coarser = Coarser(config(), tmp_path)
     coarser.run()
     (tmp_path / "summary.json").write_text('{"status": "done", "samples": []}')

@@ -8,9 +8,9 @@ from tisph import config, registry, runtime, scenes
 from tisph.errors import ConfigError
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
+from tisph.measures.metrics import field_error, relative_error, sample_metrics
 from tisph.runtime import view
 from tisph.simulation.start import start_values
-from tisph.verification.metrics import field_error, relative_error, sample_metrics
 from tisph.walls._layers import layers_in
 from tisph.walls._virtual_image import RADIUS
 

@@ -5,9 +5,9 @@ import pytest
 from same_bits import check_resuming, check_threads, state
 
 from tisph import config, registry, runtime, scenes
+from tisph.measures.metrics import relative_error
 from tisph.runtime import view
 from tisph.simulation.start import start_values
-from tisph.verification.metrics import relative_error
 
 VORTEX = """
 scene: taylor_green

@@ -10,11 +10,11 @@ from tisph.exact.circular_start_up import CircularStartUp
 from tisph.exact.start_up import Polymer
 from tisph.geometry.motion import WallMotion
 from tisph.geometry.schedule import Schedule
+from tisph.measures.rheometry import read
 from tisph.schemes._splitting._forecast import Walk
 from tisph.schemes._splitting._scheme import COURANT, Scheme
 from tisph.schemes._splitting._step_limits import viscous_step
 from tisph.simulation import checkpoint
-from tisph.verification.rheometry import read
 
 PULSE = Schedule((0.0, 0.1, 0.1), (1.0, 1.0, 0.0))
 END = 0.15

@@ -6,12 +6,12 @@ from implicit_case import channel_of, rows, run
 
 from tisph import registry, runtime
 from tisph.exact import oldroyd_b
+from tisph.measures.wall_shear import _slope
 from tisph.schemes._forecast.elastic_rows import ElasticRows
 from tisph.schemes.implicit._elastic_stages import Flow
 from tisph.schemes.implicit._scheme import control
 from tisph.schemes.implicit._walls import WallSeries
 from tisph.simulation.run import start_values
-from tisph.verification.wall_shear import _slope
 
 CASE = """
 scene: channel

@@ -8,11 +8,11 @@ import pytest
 
 from tisph import config, simulation
 from tisph.folder import Folder
+from tisph.measures.metrics import sample_metrics
 from tisph.observers.history import read_history
 from tisph.observers.samples import read_samples
 from tisph.scenes.annulus import Annulus
 from tisph.simulation.start import start_snapshot, start_values
-from tisph.verification.metrics import sample_metrics
 
 CASE = """
 scene: channel

@@ -8,7 +8,7 @@ import time
 import h5py
 import numpy as np
 
-from tisph.study import processes
+from tisph.studies import processes
 
 CASE = """
 scene: channel

@@ -4,7 +4,7 @@ import pytest
 from fake_runs import FakeRuns, make_result
 
 from tisph.config import load
-from tisph.study import processes
+from tisph.studies import processes
 
 COUETTE = """\
 scene: channel

@@ -7,8 +7,8 @@ import time
 
 from distributed import Worker
 
-from tisph.study.sweep import cluster
-from tisph.verification.criteria import Result
+from tisph.studies.processes import Result
+from tisph.studies.sweep import cluster
 
 
 def summary(config):

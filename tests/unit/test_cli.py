@@ -104,7 +104,7 @@ def test_run_passes_overrides_on(case, simulation):
 
 
 def test_run_estimates_its_error_after_coarser_runs(case, simulation, monkeypatch):
-    from tisph.study import error_estimate
+    from tisph.studies import error_estimate
 
     def report(self):
         assert (self.root / "summary.json").is_file()
@@ -274,10 +274,10 @@ def test_list(case):
 def test_verify_tells_by_its_status(monkeypatch, passed, status):
     calls = []
     suite = types.SimpleNamespace(run=lambda **options: calls.append(options) or passed)
-    monkeypatch.setitem(sys.modules, "tisph.study.verify", suite)
-    import tisph.study
+    monkeypatch.setitem(sys.modules, "tisph.studies.verify", suite)
+    import tisph.studies
 
-    monkeypatch.setattr(tisph.study, "verify", suite, raising=False)
+    monkeypatch.setattr(tisph.studies, "verify", suite, raising=False)
     assert tisph_command("verify", "--quick").exit_code == status
     assert calls == [{"quick": True, "page": False}]
 

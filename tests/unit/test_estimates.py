@@ -16,11 +16,11 @@ from tisph.cli.check import estimates, forecast
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.schemes._forecast import Forecast
-from tisph.study import estimates as study
-from tisph.study import processes
-from tisph.study.store import config_text
-from tisph.study.stress import matrix
-from tisph.study.stress.cells import FLOWS, Cell
+from tisph.studies import estimates as study
+from tisph.studies import processes
+from tisph.studies.stability import matrix
+from tisph.studies.stability.cells import FLOWS, Cell
+from tisph.studies.store import config_text
 
 DATA = Path(__file__).parent / "data"
 CONFIGS = Path(__file__).resolve().parents[2] / "configs"

@@ -12,10 +12,10 @@ from tisph.errors import ConfigError
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion
+from tisph.measures.metrics import relative_error, sample_metrics
 from tisph.scenes._motion import WallMotion
 from tisph.simulation.start import seen_from_config
 from tisph.snapshot import Bodies
-from tisph.verification.metrics import relative_error, sample_metrics
 
 SPEED = 1.0
 """Of the frame: two hundred times that of the walls, whose digits are lost by as much (2e-16 * 200), and by ten times

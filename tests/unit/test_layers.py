@@ -14,9 +14,9 @@ PACKAGE = Path(tisph.__file__).parent
 
 # Each part may import the parts in the levels below its own, and itself. Parts of one level are independent.
 LEVELS = [
-    ["endings", "errors", "folder", "snapshot", "registry"],
+    ["endings", "errors", "folder", "snapshot", "registry", "text_table"],
     ["config", "exact", "geometry"],
-    ["equation_of_state", "verification"],
+    ["equation_of_state", "measures"],
     ["bodies"],
     ["scenes"],
     ["report"],
@@ -29,15 +29,14 @@ LEVELS = [
     ["schemes"],
     ["observers"],
     ["simulation"],
-    ["study", "assessment"],
-    ["studies"],
+    ["studies", "assessment"],
     ["results"],
     ["cli"],
     ["__main__"],
     ["interface"],
 ]
 LEVEL_OF = {part: level for level, parts in enumerate(LEVELS) for part in parts}
-WITHOUT_TAICHI = ["bodies", "config", "scenes", "exact", "geometry", "verification", "report", "assessment", "kernels"]
+WITHOUT_TAICHI = ["bodies", "config", "scenes", "exact", "geometry", "measures", "report", "assessment", "kernels"]
 FILES = sorted(PACKAGE.rglob("*.py"))
 BY_NAME = {"tisph/registry.py", "tisph/__init__.py", "tisph/assessment/reading.py"}
 BY_NAME |= {"tisph/results/export/__init__.py"}

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tisph.measures.interpolation import Probes, interpolate
+from tisph.measures.metrics import ROUNDINGS, fit_line, relative_error, sample_metrics
 from tisph.scenes._motion import Polymer, WallMotion
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Snapshot
-from tisph.verification.interpolation import Probes, interpolate
-from tisph.verification.metrics import ROUNDINGS, fit_line, relative_error, sample_metrics
 
 
 def make_channel(rows=50, **changes):

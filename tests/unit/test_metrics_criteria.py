@@ -7,7 +7,16 @@ import numpy as np
 import pytest
 from fake_runs import make_result
 
-from tisph.verification.criteria import at_least, at_most, closes, near, order, same_bits, same_velocities, share
+from tisph.studies.verification.criteria import (
+    at_least,
+    at_most,
+    closes,
+    near,
+    order,
+    same_bits,
+    same_velocities,
+    share,
+)
 
 
 def test_a_bound_passes_at_the_bound_and_fails_above():

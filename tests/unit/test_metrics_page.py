@@ -3,9 +3,9 @@
 import pytest
 
 from tisph.errors import ConfigError
-from tisph.study import verify
-from tisph.verification import page
-from tisph.verification.table import format_table
+from tisph.studies import verify
+from tisph.studies.verification import page
+from tisph.text_table import format_table
 
 
 def test_a_table_is_aligned_markdown():

@@ -9,10 +9,10 @@ import pytest
 from ruamel.yaml import YAML
 
 from tisph.config import load
-from tisph.study import verify
-from tisph.verification import suite
-from tisph.verification.criteria import Result, at_most, ends_at, near
-from tisph.verification.suite import turning_polymers
+from tisph.studies import verify
+from tisph.studies.processes import Result
+from tisph.studies.verification import suite, two_dimensional_polymers
+from tisph.studies.verification.criteria import at_most, ends_at, near
 
 
 def listed(quick):
@@ -69,11 +69,11 @@ def test_orders_are_those_of_the_spacings_that_the_runs_have(quick):
 
 def test_the_drag_of_a_confined_cylinder_is_that_of_the_literature_at_the_weissenberg_number_of_the_flow():
     """117.78 at Wi = 0.6 (Hulsen et al. 2005), over viscosity and velocity; the drive pushes the area, pi, too."""
-    criterion = turning_polymers._drag("confined_cylinder")
-    fluid = turning_polymers.CONFINED["fluid"]
+    criterion = two_dimensional_polymers._drag("confined_cylinder")
+    fluid = two_dimensional_polymers.CONFINED["fluid"]
     velocity = 0.6 / fluid["rheology"]["relaxation_time"]
     force = 117.78 * fluid["kinematic_viscosity"] * velocity
-    pushed = force - math.pi * turning_polymers.CONFINED["drive"]["acceleration"]
+    pushed = force - math.pi * two_dimensional_polymers.CONFINED["drive"]["acceleration"]
     result = SimpleNamespace(last={"superficial_velocity": velocity, "drag": pushed})
     assert criterion.value(result) == pytest.approx(0.0, abs=1e-9)
 

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from tisph.config import load
+from tisph.measures.wall_shear import wall_shear, wall_shear_error, wall_velocity
 from tisph.scenes._motion import Polymer, WallMotion
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Snapshot
-from tisph.study.store import config_text
-from tisph.verification import flows
-from tisph.verification.wall_shear import wall_shear, wall_shear_error, wall_velocity
+from tisph.studies import flows
+from tisph.studies.store import config_text
 
 FLOWS = {name: flow for name, flow in vars(flows).items() if isinstance(flow, flows.Flow)}
 

@@ -8,11 +8,11 @@ from fake_runs import make_result
 
 from tisph import registry
 from tisph.config import load
-from tisph.study.store import config_text
-from tisph.verification import walls
-from tisph.verification.criteria import Result
-from tisph.verification.walls import Case, Row
-from tisph.verification.walls_table import Columns, recommendation, standings_table, stopped_lines
+from tisph.studies import walls_cases as walls
+from tisph.studies.processes import Result
+from tisph.studies.store import config_text
+from tisph.studies.walls_cases import Case, Row
+from tisph.studies.walls_table import Columns, recommendation, standings_table, stopped_lines
 
 TREATMENTS = ("comoving_image", "consistent_image")
 

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 from report_scene import END, make_channel, make_snapshot, make_video, particles
 
+from tisph.measures.metrics import relative_error
 from tisph.report import style
 from tisph.report.error_label import velocity_error_label
 from tisph.report.painter import FramePainter
 from tisph.scenes._motion import WallMotion
-from tisph.verification.metrics import relative_error
 
 WIDTH, HEIGHT = 960, 480
 VIDEO = make_video(WIDTH, HEIGHT)

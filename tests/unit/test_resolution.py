@@ -6,10 +6,10 @@ from dataclasses import replace
 import pytest
 from report_scene import make_channel, make_snapshot
 
+from tisph.measures.metrics import sample_metrics
+from tisph.measures.resolution import LEAST_DEPTH, resolution
 from tisph.report.error_label import velocity_error_label
 from tisph.scenes._motion import Polymer, WallMotion
-from tisph.verification.metrics import sample_metrics
-from tisph.verification.resolution import LEAST_DEPTH, resolution
 
 NU = 1e-6  # of make_channel, with a spacing of 1e-3
 AT_REST = WallMotion(0.0)

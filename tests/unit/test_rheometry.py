@@ -12,9 +12,9 @@ from tisph.exact.circular_start_up import CircularStartUp
 from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity, cylinder_impedance, impedance
 from tisph.exact.start_up import Polymer, Wall
 from tisph.geometry.plate import Plate
+from tisph.measures._cylinders import as_plane
+from tisph.measures.rheometry import _amplitudes, _creep, _oscillation, _slowest_pair, _start_up, _window
 from tisph.scenes._motion import WallMotion
-from tisph.verification._cylinders import as_plane
-from tisph.verification.rheometry import _amplitudes, _creep, _oscillation, _slowest_pair, _start_up, _window
 
 LIQUID = Spectrum(0.1, ((0.6, 1.0), (0.3, 0.1)))
 NORMALS = {"inner": 1.01, "inner_exact": 1.0, "outer": 7.0, "outer_exact": 7.0}

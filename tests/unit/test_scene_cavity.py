@@ -8,11 +8,11 @@ import pytest
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.exact.cavity import RegularCavity, centre_lines, extremes
+from tisph.measures.metrics import sample_metrics
 from tisph.report import style
 from tisph.report.profiles import plot_profiles
 from tisph.scenes.cavity import Scene
 from tisph.simulation.start import start_snapshot, start_values
-from tisph.verification.metrics import sample_metrics
 
 GOOD = """
 scene: cavity

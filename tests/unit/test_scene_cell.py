@@ -11,11 +11,11 @@ import pytest
 from tisph import scenes
 from tisph.config import load
 from tisph.errors import ConfigError
+from tisph.measures.mean_velocity import _rule, cell_mean
+from tisph.measures.steady import steadiness, steady_since
 from tisph.scenes._cell.scene import Cell
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Snapshot
-from tisph.verification.mean_velocity import _rule, cell_mean
-from tisph.verification.steady import steadiness, steady_since
 
 LIQUID = "fluid: {density: 2.0, kinematic_viscosity: 0.5}\ntime: {end: 1.0}\n"
 LATTICE = f"""

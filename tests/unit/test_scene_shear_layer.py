@@ -9,6 +9,7 @@ from report_scene import make_video
 
 from tisph.config import load
 from tisph.errors import ConfigError
+from tisph.measures.metrics import sample_metrics
 from tisph.observers.history import History, read_history
 from tisph.observers.samples import Samples, read_samples
 from tisph.report.history import plot_history
@@ -16,7 +17,6 @@ from tisph.report.painter import FramePainter
 from tisph.report.profiles import plot_profiles
 from tisph.scenes.shear_layer import Scene
 from tisph.simulation.start import start_snapshot, start_values
-from tisph.verification.metrics import sample_metrics
 
 GOOD = """\
 scene: shear_layer

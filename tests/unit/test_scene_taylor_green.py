@@ -12,6 +12,7 @@ from report_scene import make_video
 from vortices import make_scene, make_snapshot, scaled
 
 from tisph.errors import DivergedError
+from tisph.measures.metrics import sample_metrics
 from tisph.observers.frames import Frames, read_frames
 from tisph.observers.guard import Guard
 from tisph.observers.history import History, read_history
@@ -20,7 +21,6 @@ from tisph.report.history import plot_history
 from tisph.report.painter import FramePainter
 from tisph.report.profiles import plot_profiles
 from tisph.simulation.start import start_snapshot, start_values
-from tisph.verification.metrics import sample_metrics
 
 ROUNDING = 1e-13  # relative, of sums over hundreds of particles of values with 1e-16
 

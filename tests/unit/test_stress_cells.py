@@ -10,10 +10,10 @@ from tisph import scenes
 from tisph.cli.check import estimates
 from tisph.config import load
 from tisph.scenes.channel import Channel
-from tisph.study.stress import matrix
-from tisph.study.stress.cells import FINISHED, HONEST, REFUSED, STABLE, Cell
-from tisph.study.stress.covering import covering_set
-from tisph.study.stress.flows import FLOWS
+from tisph.studies.stability import matrix
+from tisph.studies.stability.cells import FINISHED, HONEST, REFUSED, STABLE, Cell
+from tisph.studies.stability.covering import covering_set
+from tisph.studies.stability.flows import FLOWS
 
 FULL = matrix.sub_matrices()
 QUICK = matrix.sub_matrices(quick=True)

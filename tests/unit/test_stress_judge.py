@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from tisph.study.stress import judge
-from tisph.study.stress.cells import REFUSED, Cell
-from tisph.study.stress.plan import Plan
+from tisph.studies.stability import judge
+from tisph.studies.stability.cells import REFUSED, Cell
+from tisph.studies.stability.plan import Plan
 
 PLAN = Plan(Cell(jitter=0.3), {}, t_star=1.0, stated=1e-3)
 CALM = (4e-4, 3e-4, 2e-4, 1e-4)

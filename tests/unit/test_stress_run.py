@@ -9,11 +9,11 @@ from fake_runs import FakeRuns, make_result, sleeper
 from PIL import Image
 
 from tisph.errors import ConfigError
-from tisph.study import processes
-from tisph.study.stress import judge, limits, maps, matrix
-from tisph.study.stress import run as stress
-from tisph.study.stress.cells import FINISHED, STABLE, Cell
-from tisph.study.stress.plan import BUDGET, PROMISED_BUDGET, Plan, plan
+from tisph.studies import processes
+from tisph.studies.stability import judge, limits, maps, matrix
+from tisph.studies.stability import run as stress
+from tisph.studies.stability.cells import FINISHED, STABLE, Cell
+from tisph.studies.stability.plan import BUDGET, PROMISED_BUDGET, Plan, plan
 
 JITTERS = (0.0, 0.3)
 PARTS = [

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from tisph.study.stress import judge, spread
-from tisph.study.stress.cells import Cell
-from tisph.study.stress.plan import Plan
+from tisph.studies.stability import judge, spread
+from tisph.studies.stability.cells import Cell
+from tisph.studies.stability.plan import Plan
 
 VORTEX = Plan(Cell(flow="taylor_green", scheme="implicit 4", t_star=2.0), {}, t_star=2.0, stated=None)
 LAYER = replace(VORTEX, cell=replace(VORTEX.cell, flow="shear_layer"))

@@ -12,7 +12,7 @@ import multiprocessing, sys, time
 from pathlib import Path
 import typer
 from tisph.cli.outcome import reported
-from tisph.study import processes, starting
+from tisph.studies import processes, starting
 
 def sleeper(*_):
     starting.prepare()

@@ -10,9 +10,9 @@ from PIL import Image
 
 from tisph import registry
 from tisph.errors import ConfigError
-from tisph.study import processes, store, walls
-from tisph.study.walls_picture import plot_walls
-from tisph.verification.walls import FULL, Case, Extent, Row
+from tisph.studies import processes, store, walls
+from tisph.studies.walls_cases import FULL, Case, Extent, Row
+from tisph.studies.walls_picture import plot_walls
 
 TREATMENTS = ["comoving_image", "consistent_image"]
 SMALL = Extent((25, 50), 50, ("lattice", "jitter 0.2"), repeats=2)

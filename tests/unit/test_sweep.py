@@ -19,10 +19,10 @@ from sweep_worker import summary
 from tisph.cli.check import forecast
 from tisph.errors import ConfigError
 from tisph.folder import held
-from tisph.study import processes
-from tisph.study.store import fingerprint
-from tisph.study.sweep import cluster, picture, plan, table
-from tisph.study.sweep.run import run
+from tisph.studies import processes
+from tisph.studies.store import fingerprint
+from tisph.studies.sweep import cluster, picture, plan, table
+from tisph.studies.sweep.run import run
 
 CASE = """\
 scene: channel

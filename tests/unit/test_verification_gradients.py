@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tisph.verification.fits import interpolated
-from tisph.verification.gradients import velocity_gradients
-from tisph.verification.spread import largest_hole, nearest_two
+from tisph.measures.distribution import largest_hole, nearest_two
+from tisph.measures.fits import interpolated
+from tisph.measures.gradients import velocity_gradients
 
 WAVE = 2 * np.pi
 

@@ -5,7 +5,7 @@ import pytest
 from tisph.studies.frontier import measurement
 from tisph.studies.frontier.cases import points
 from tisph.studies.frontier.pareto import fastest
-from tisph.study.store import Store
+from tisph.studies.store import Store
 
 
 @pytest.mark.slow

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from tisph.cli.check import forecast
-from tisph.study.stress import matrix, run
+from tisph.studies.stability import matrix, run
 
 
 @pytest.mark.slow

@@ -1,7 +1,7 @@
 """Runs against exact solutions: the bounds of the verification suite, one test each.
 
-The bounds and where they come from stand in ``tisph.verification.suite``. A run is simulated once, when the first test
-asks for it, and all processes of the tests read what it left.
+The bounds and where they come from stand in ``tisph.studies.verification``. A run is simulated once, when the first
+test asks for it, and all processes of the tests read what it left.
 """
 
 import pytest
@@ -9,9 +9,9 @@ from filelock import FileLock
 
 from tisph import config, simulation
 from tisph.errors import DivergedError
-from tisph.study import verify
-from tisph.study.processes import read_result, run_config
-from tisph.verification import suite
+from tisph.studies import verify
+from tisph.studies.processes import read_result, run_config
+from tisph.studies.verification import suite
 
 HERE = {"runtime": {"threads": 1}, "output": {"video": None}}
 """Of a run in the tests' own process. One thread gives the bits of several, and costs less beside other tests."""

@@ -8,8 +8,8 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from tisph.errors import ConfigError
+from tisph.measures.metrics import root_mean_square
 from tisph.snapshot import STRESSES, Bodies, Snapshot
-from tisph.verification.metrics import root_mean_square
 
 AXES = [(along, towards) for along in ("x", "-x", "y", "-y") for towards in ("y", "-y", "x", "-x")]
 ORIENTATIONS = [pair for pair in AXES if pair[0][-1] != pair[1][-1]]

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from tisph.assessment.faults import Fault, faults
-from tisph.verification.metrics import root_mean_square, velocities
+from tisph.measures.metrics import root_mean_square, velocities
 
 EXPLAINS = 0.3
 """A fault explains an error of which no more than that part remains with it: a tenth of its square."""

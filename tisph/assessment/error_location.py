@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tisph.verification.metrics import root_mean_square, velocities
+from tisph.measures.metrics import root_mean_square, velocities
 
 STANDS_OUT = 2.0
 """A third of the channel has the error where its root mean square is that many times those of the others."""

@@ -10,8 +10,7 @@ from tisph import scenes
 from tisph.assessment import alignment, columns, diagnosis, reading, units
 from tisph.assessment.error_location import error_location, trend
 from tisph.errors import ConfigError
-from tisph.verification.criteria import fitted_order
-from tisph.verification.metrics import sample_metrics
+from tisph.measures.metrics import fitted_order, sample_metrics
 
 
 @dataclass(frozen=True)

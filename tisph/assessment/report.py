@@ -3,7 +3,7 @@
 import json
 
 from tisph.report.profiles import plot_profiles
-from tisph.verification.table import format_table
+from tisph.text_table import format_table
 
 NUMBERS, PICTURE = "comparison.json", "comparison.png"
 

@@ -8,8 +8,8 @@ import typer
 
 from tisph.cli.options import ConfigFile, Overrides
 from tisph.errors import ConfigError
+from tisph.measures.resolution import resolution
 from tisph.schemes._limits import DISORDERED_OF_ORDER_2, DISORDERED_SOLVENT, RESOLVED, STIFF
-from tisph.verification.resolution import resolution
 
 HIGHEST_MACH = 0.1
 """Density varies by about Mach^2: above this the liquid is no longer nearly incompressible."""

@@ -24,9 +24,9 @@ def rheometry(
       tisph rheometry runs/oscillation_*
     """
     from tisph import scenes
+    from tisph.measures.rheometry import read
     from tisph.report.rheometry import plot_reading
     from tisph.results import open_run
-    from tisph.verification.rheometry import read
 
     for run_dir in run_dirs:
         run = open_run(run_dir)

@@ -95,7 +95,7 @@ def _partial_results_named(folder: Path, coarser: Any) -> Iterator[None]:
 
 
 def _coarser(config: Any, folder: Path) -> Any:
-    from tisph.study.error_estimate import Coarser
+    from tisph.studies.error_estimate import Coarser
 
     return Coarser(config, folder)
 

@@ -37,7 +37,7 @@ def stress(
     """
     from tisph import runtime
     from tisph.cli.check import forecast
-    from tisph.study.stress import matrix, run
+    from tisph.studies.stability import matrix, run
 
     try:
         parts = matrix.sub_matrices(quick, only)

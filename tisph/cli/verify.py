@@ -56,11 +56,11 @@ def verify(
     if estimates:
         passed = _estimates(out, quick)
     elif walls:
-        from tisph.study import walls as comparison
+        from tisph.studies import walls as comparison
 
         passed = comparison.run(out or WALLS_FOLDER, quick=quick)
     else:
-        from tisph.study import verify as suite
+        from tisph.studies import verify as suite
 
         passed = suite.run(quick=quick, page=page)
     if not passed:
@@ -71,7 +71,7 @@ def _estimates(out: Path | None, quick: bool) -> bool:
     from tisph import runtime
     from tisph.cli.check import forecast
     from tisph.cli.stress import FOLDER
-    from tisph.study import estimates as comparison
+    from tisph.studies import estimates as comparison
 
     default = FOLDER.with_name("stress-quick") if quick else FOLDER
     return comparison.run(out or default, forecast, runtime.available_threads(), quick=quick)

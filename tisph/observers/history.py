@@ -6,9 +6,9 @@ import os
 
 import numpy as np
 
+from tisph.measures.resolution import resolution
 from tisph.observers._files import readable, replaced, written
 from tisph.observers._schedule import Schedule, even_times
-from tisph.verification.resolution import resolution
 
 RECORDS = 401
 """Lines of the history, evenly spaced in time."""
@@ -21,7 +21,7 @@ class History:
     """Appends a line ``t, NUMBERS, resolved`` at evenly spaced times from the start of the run to ``end``.
 
     ``followed`` (``scenes/_views.py: Followed``) says which numbers. ``resolved`` is 1 or 0, see
-    ``verification/resolution.py``. ``close`` adds their references, of all lines at once, which costs little.
+    ``measures/resolution.py``. ``close`` adds their references, of all lines at once, which costs little.
     What the scene has ``monitored`` stands after ``resolved``, in the same lines.
     Lines of an interrupted run up to ``resumed_at`` are kept. ``about`` is the ``Description`` of the run, if the file
     is to say what it is, in lines that begin with ``#``. A cell is empty where there is no number.

@@ -1,8 +1,8 @@
 """Samples: the whole state at exact times, in ``samples.h5``."""
 
+from tisph.measures.reference import with_reference
 from tisph.observers._schedule import Schedule
 from tisph.observers._storage import Storage, read_snapshots
-from tisph.verification.reference import with_reference
 
 CONTENT = "particles at the times of the samples"
 

@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 
+from tisph.measures.metrics import field_error, relative_error, rms_error
+from tisph.measures.resolution import layer_spacings, resolution
 from tisph.report.labels import scientific
 from tisph.snapshot import Snapshot
-from tisph.verification.metrics import field_error, relative_error, rms_error
-from tisph.verification.resolution import layer_spacings, resolution
 
 
 def velocity_error_label(scene) -> Callable[[Snapshot], str]:

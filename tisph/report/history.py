@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
+from tisph.measures.resolution import resolution
 from tisph.report import style
 from tisph.report.labels import axis_exponent, axis_label, number, tick_text, unit_label
 from tisph.report.margins import set_margins
-from tisph.verification.resolution import resolution
 
 _MARKERS = 40  # a number
 _MARKERS_A_PERIOD = 12  # at least, where a wall oscillates: with fewer the eye sees another oscillation

@@ -8,12 +8,12 @@ so psi may grow from one side of a periodic box to the other, as it does where l
 
 import numpy as np
 
+from tisph.measures.fits import with_walls
 from tisph.report import style
 from tisph.report.layout import Layout
 from tisph.report.raster import Discs, blend, dense_line
 from tisph.report.vectors import mean_velocity
 from tisph.snapshot import Snapshot
-from tisph.verification.fits import with_walls
 
 _LINES = 10  # between the least and the largest stream function
 _FINEST = 0.5  # spacings between nodes: pieces of lines that look smooth

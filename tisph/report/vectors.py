@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from tisph.measures.fits import periodic_tree
 from tisph.report import style
 from tisph.report.layout import Layout
 from tisph.report.raster import blend, filled
 from tisph.snapshot import Snapshot
-from tisph.verification.fits import periodic_tree
 
 _PITCH = 30.0  # pixels in a frame of 1280 x 640: distance of arrows, and length of one of the reference velocity
 _LONGEST = 1.5  # pitches

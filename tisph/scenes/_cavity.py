@@ -12,10 +12,10 @@ from tisph.exact.sliding_corner import SlidingCorner
 from tisph.geometry.body import Body
 from tisph.geometry.line import Line
 from tisph.geometry.sliding import SlidingWall
+from tisph.measures.fits import interpolated, with_walls
+from tisph.measures.steady import steadiness
 from tisph.scenes import _turning
 from tisph.scenes._filled import Filled
-from tisph.verification.fits import interpolated, with_walls
-from tisph.verification.steady import steadiness
 
 REACH, VISCOUS_REACH, LEAST_REACH = 0.5, 100.0, 4.0
 """Of the inertial part of the flow in the corners: the most in shorter sides and nu/U, the least in spacings."""
@@ -135,7 +135,7 @@ class Cavity(Filled):
     def lines(self, snapshot, coordinate):
         """Velocity u on the vertical centre line and v on the other, at a ``coordinate`` (n,) from 0 to 1 along both.
 
-        Between particles, and points on the walls with their velocities, by ``verification/fits.py``.
+        Between particles, and points on the walls with their velocities, by ``measures/fits.py``.
         """
         upright = np.stack([np.full(len(coordinate), 0.5), coordinate], 1)
         points = np.concatenate([upright, upright[:, ::-1]]) * self.extent
@@ -149,7 +149,7 @@ class Cavity(Filled):
         each also ``_exact``, over the width and the speed of the lid as all else. ``centre_line_error``: largest
         difference of u and v from the tables; with the regular lid ``l2``, ``rms`` and ``linf`` of the velocities.
         ``kinetic_energy`` per mass; ``energy_change``, ``steady`` and ``steady_reason``, see
-        ``verification/steady.py``.
+        ``measures/steady.py``.
         """
         u, v = (line / self.velocity for line in self.lines(snapshot, np.linspace(0.0, 1.0, POINTS)))
         exact = self.extremes()

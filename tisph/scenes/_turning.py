@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from tisph.measures.distribution import largest_hole, nearest_two
+from tisph.measures.gradients import velocity_gradients
 from tisph.scenes._views import Followed, Line, Profile, Shown
-from tisph.verification.gradients import velocity_gradients
-from tisph.verification.spread import largest_hole, nearest_two
 
 
 def centre_line(scene, along):
@@ -90,9 +90,9 @@ def measures(scene, snapshot):
     """Return the mean square of the vorticity, and the numbers of a sample that need no reference.
 
     ``divergence_over_gradient``: largest |div u| over the largest velocity gradient (Frobenius norm), None at rest;
-    ``nearest_two`` and ``largest_hole``, see ``verification/spread.py``; ``density_variation`` = max |density/density_0
-    - 1|. Gradients are those of ``verification/gradients.py``, whose own errors are about 1e-4 of the largest at 50
-    particles a wave, and fall with the fourth power of the spacing.
+    ``nearest_two`` and ``largest_hole``, see ``measures/distribution.py``; ``density_variation`` = max
+    |density/density_0 - 1|. Gradients are those of ``measures/gradients.py``, whose own errors are about 1e-4
+    of the largest at 50 particles a wave, and fall with the fourth power of the spacing.
     """
     slopes = velocity_gradients(scene, snapshot)
     largest = np.max(np.linalg.norm(slopes, axis=0))

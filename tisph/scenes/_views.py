@@ -121,7 +121,7 @@ class Followed:
     names in ``history.csv``, ``exact_columns`` those of their references, which ``exact`` returns for times (records,)
     as an array (records, numbers), or None; ``labels`` are pairs for the legend: a name, and a value or None. ``name``
     and ``unit`` are for the axis of the plot, ``scale`` is the size of the values, ``angular_frequency`` that of their
-    fastest oscillation, or 0. ``probes`` (``verification/interpolation.py``) read them from the particles around some
+    fastest oscillation, or 0. ``probes`` (``measures/interpolation.py``) read them from the particles around some
     places, if they are velocities at places: a scheme need not give the others then. ``sizes``: what the plot divides
     each of the numbers by, where they are of different kinds.
     """

@@ -14,10 +14,10 @@ from pydantic import Field
 from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem
 from tisph.exact import taylor_green
+from tisph.measures.metrics import field_error, velocities
 from tisph.scenes import _turning
 from tisph.scenes._scene import Scene as AnyScene
 from tisph.scenes._views import Followed, Profile, Shown
-from tisph.verification.metrics import field_error, velocities
 
 Cells = Annotated[int, Field(ge=1, le=1000)]
 

@@ -4,13 +4,13 @@ import math
 import time
 
 import tisph
+from tisph.measures.metrics import sample_metrics
+from tisph.measures.steady import steady_since
 from tisph.observers._files import hdf5_file, replaced
 from tisph.observers._storage import write_snapshot
 from tisph.observers.history import read_history
 from tisph.simulation.drawing import begin_still
 from tisph.simulation.results import peak_memory_mb, provenance
-from tisph.verification.metrics import sample_metrics
-from tisph.verification.steady import steady_since
 
 
 def summarise(job):

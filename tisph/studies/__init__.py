@@ -1,1 +1,1 @@
-"""Studies: many runs of one program, judged and drawn together."""
+"""Studies of many runs: sweeps, verification, the stability matrix, comparisons, run time against error."""

@@ -11,12 +11,12 @@ from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.schedule import Schedule
+from tisph.measures.metrics import field_error, relative_difference
 from tisph.scenes import _turning
 from tisph.scenes._annulus import views
 from tisph.scenes._annulus.flow import NewtonianFlow, SolvedFlow, cartesian, polar
 from tisph.scenes._filled import Filled
 from tisph.snapshot import STRESSES
-from tisph.verification.metrics import field_error, relative_difference
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from tisph.measures.mean_velocity import cell_mean
 from tisph.scenes import _turning
-from tisph.verification.mean_velocity import cell_mean
 
 LOADS = ("drag", "lift", "torque")
 """Of the liquid on a body: force along x and along y, torque around its centre, per length across the plane."""

@@ -6,9 +6,9 @@ symmetric about mid-gap. It is given, and always beside the errors of the whole 
 
 import numpy as np
 
-from tisph.verification.interpolation import interpolate
-from tisph.verification.metrics import fit_line, relative_difference
-from tisph.verification.wall_shear import wall_shear, wall_velocity
+from tisph.measures.interpolation import interpolate
+from tisph.measures.metrics import fit_line, relative_difference
+from tisph.measures.wall_shear import wall_shear, wall_velocity
 
 CENTRELINE_POINTS = 32
 """Points along the channel over which the velocity at mid-gap is averaged."""

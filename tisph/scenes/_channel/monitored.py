@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from tisph.measures.wall_shear import integral, wall_shear, wall_velocity
 from tisph.scenes._views import Monitored
-from tisph.verification.wall_shear import integral, wall_shear, wall_velocity
 
 SIDES = ("bottom", "top")
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from tisph.measures.interpolation import Probes
 from tisph.scenes._views import Followed, Line, Profile, Shown
-from tisph.verification.interpolation import Probes
 
 MINUS = "\N{MINUS SIGN}"
 _TIMES, _HEIGHTS = 40, 51  # at which it is looked for a flow that turns round

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tisph.measures.metrics import relative_error, rms_error
 from tisph.schemes._forecast import beyond, explicit_rows
 from tisph.schemes._plan import steps_between
-from tisph.verification.metrics import relative_error, rms_error
 
 MOST_ROWS = {"newtonian": 128, "polymer": 50}
 """Rows of the explicit scheme that are computed with; of a finer lattice the error is taken to go with the square of
@@ -37,7 +37,7 @@ DIGITS = 1e-13
 class Forecast:
     """Estimates of one sample: its time ``t``, the number of ``steps`` up to it, errors as in the summary.
 
-    ``l2`` and ``rms``, see ``verification/metrics.py``, are None where the model cannot tell, ``l2`` also where the
+    ``l2`` and ``rms``, see ``measures/metrics.py``, are None where the model cannot tell, ``l2`` also where the
     liquid rests, or nearly so. ``at_most``: they are what may add up and may as well cancel: the run may err less.
     ``known``: the steps are an estimate; else no more than a guess, from the speed that the config gives.
     """

@@ -1,14 +1,14 @@
 """What the liquid does to bodies, as the particles show it: the scheme itself needs no stress at a wall.
 
 Around points of the walls, a spacing apart, the velocities of the nearest particles and of these points themselves are
-fitted by a polynomial of ``DEGREE`` (``verification/fits.py``), from which follow velocity gradients, and the pressures
+fitted by a polynomial of ``DEGREE`` (``measures/fits.py``), from which follow velocity gradients, and the pressures
 of the particles alone by a linear function.
 """
 
 import numpy as np
 
+from tisph.measures.fits import local_fits, parts, periodic_tree, with_walls
 from tisph.schemes._splitting._walls import Walls
-from tisph.verification.fits import local_fits, parts, periodic_tree, with_walls
 
 DEGREE, NEAREST = 4, 44
 """Of the velocities' fit, and how many it takes: three times as many as coefficients."""

@@ -4,10 +4,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from tisph.exact import cavity
-from tisph.verification import flows
-from tisph.verification.suite import bodies, circular_couette, turning_polymers
-from tisph.verification.suite.cavity import SHARP
-from tisph.verification.suite.turning import TAYLOR_GREEN
+from tisph.studies import flows
+from tisph.studies.verification import bodies, circular_couette
+from tisph.studies.verification import two_dimensional_polymers as turning_polymers
+from tisph.studies.verification.cavity import SHARP
+from tisph.studies.verification.two_dimensional import TAYLOR_GREEN
 
 LENGTH = {"geometry": {"length": 2.0}}
 """That of the peers' case: two gaps."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from tisph.studies.frontier.cases import BENCHMARKS
 from tisph.studies.frontier.pareto import Measured, fastest
-from tisph.verification.table import format_table
+from tisph.text_table import format_table
 
 HEADER = ("peer", "across", "its L2", "its time [s]", "tisph to the same or smaller L2", "ratio", "bound", "")
 EQUAL_HEADER = (

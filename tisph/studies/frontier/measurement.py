@@ -26,8 +26,8 @@ from tisph.studies.frontier.comparison import (
 )
 from tisph.studies.frontier.pareto import Measured, pareto_front
 from tisph.studies.frontier.picture import plot_frontier
-from tisph.study.store import Store
-from tisph.verification.table import format_header, format_row
+from tisph.studies.store import Store
+from tisph.text_table import format_header, format_row
 
 HEADER = ("flow", "method", "across", "threads", "steps", "error", "loop [s]", "process [s]", "front")
 WIDTHS = (25, 6, 7, 5, 7, 26, 23, 5)

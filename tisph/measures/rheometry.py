@@ -1,0 +1,259 @@
+"""What a rheologist reads of a run: from the columns of its ``history.csv``, beside theory and reference.
+
+A reading has a ``title``, lines of text, and curves for a picture. "As read" is the usual evaluation of a rheometer:
+stress at the moving wall over the nominal shear rate (its speed over the gap), as if the shear rate were uniform and
+the liquid had no inertia. What that is off is the difference from the linear theory of the liquid. Between cylinders
+the torque gives the stress (``_cylinders.py``).
+"""
+
+import numpy as np
+
+from tisph.errors import ConfigError
+from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity
+from tisph.geometry.schedule import Schedule
+from tisph.measures._cylinders import as_plane
+from tisph.measures._reading import Reading, normal_curves, normal_stress, over_time
+from tisph.measures._schedules import read_schedule
+from tisph.measures.wall_shear import integral
+
+LINEAR = 1e-2
+"""Third harmonic of the stress over the first below which the strain is small: it grows with the square of the strain,
+and moduli fall by as much."""
+
+HARMONICS = (1, 2, 3, 5)
+SETTLED = 1e-6
+"""What may be left of the start where an oscillation is read; else a polynomial is taken off with it."""
+
+DEGREE = 5
+"""Of that polynomial."""
+
+FADED = 15.0
+"""Longest relaxation times after which nothing is left of the start."""
+
+
+def spectrum(rheology, channel):
+    """``Spectrum`` of a liquid at small deformations."""
+    if not rheology.carries_stress:
+        law = rheology.law(channel.kinematic_viscosity, channel.density)
+        return Spectrum(channel.density * float(law.viscosity(0.0)))
+    laws = rheology.laws(channel.dynamic_viscosity)
+    modes = tuple((law.polymer_viscosity, law.relaxation_time) for law in laws)
+    return Spectrum(channel.density * channel.solvent_viscosity, modes)
+
+
+def read(config, channel, table):
+    """Return the ``Reading`` of a run; ``table`` has the columns of its history by name.
+
+    ConfigError where it is none of what a rheometer does.
+    """
+    if config.scene == "annulus":
+        liquid = spectrum(config.fluid.rheology, channel)
+        plane, wall, table = as_plane(channel, table)
+        return _by_velocity(config, plane, liquid, wall, table)
+    if channel.monitored is None or "strain" not in table:
+        raise ConfigError("RUN_DIR: its history has no wall stress: it is of a Newtonian liquid, or has not ended")
+    liquid = spectrum(config.fluid.rheology, channel)
+    if channel.driven_side is not None:
+        return _creep(channel, liquid, table)
+    moving = [side for side, wall in (("bottom", channel.bottom), ("top", channel.top)) if wall.largest_speed]
+    if len(moving) != 1 or channel.acceleration:
+        raise ConfigError("RUN_DIR: a rheometer has one moving wall, a wall at rest and no drive")
+    wall = getattr(channel, moving[0])
+    table = _as_if_upper(table, moving[0])
+    return _by_velocity(config, channel, liquid, wall, table)
+
+
+def _by_velocity(config, channel, liquid, wall, table):
+    """The reading of a ``wall`` with a velocity."""
+    if isinstance(wall, Schedule):
+        return read_schedule(config, channel, liquid, wall, table)
+    return _oscillation(channel, liquid, wall, table) if wall.oscillates else _start_up(channel, liquid, wall, table)
+
+
+def _as_if_upper(table, side):
+    """The columns with the moving wall as the upper one: stress and strain of a lower one have the other sign."""
+    sign = 1.0 if side == "top" else -1.0
+    names = {name.replace(f"_{side}", ""): sign * values for name, values in table.items() if "shear" in name}
+    return {**table, **names, "strain": table["strain"], "t": table["t"]}
+
+
+def _oscillation(channel, liquid, wall, table):
+    frequency, gap = wall.angular_frequency, channel.gap
+    rate = np.hypot(wall.cosine, wall.sine) / gap
+    t, first = _window(table["t"], frequency, liquid.longest_time)
+    settled = np.exp(-t[0] / liquid.longest_time) < SETTLED if liquid.longest_time else True
+    degree = 0 if settled else DEGREE
+    nominal = (wall.cosine - 1j * wall.sine) / gap
+    stress, exact = (_amplitudes(t, table[name][first:], frequency, degree) for name in _both("wall_shear"))
+    as_read, reference = stress[1] / nominal, exact[1] / nominal
+    theory = liquid.complex_viscosity(1j * frequency)
+    corrected = corrected_viscosity(as_read, lambda eta: channel.impedance(eta, frequency), theory)
+    modulus = {
+        "as read": 1j * frequency * as_read,
+        "reference, as read": 1j * frequency * reference,
+        "corrected for inertia": 1j * frequency * corrected,
+        "linear theory": 1j * frequency * theory,
+    }
+    lines = [f"angular frequency {frequency:.6g}, strain amplitude {rate / frequency:.4g}"]
+    lines += [f"  {name:24} G' = {value.real:.6g}   G'' = {value.imag:.6g}" for name, value in modulus.items()]
+    third, third_exact = (float(abs(each[3] / each[1])) for each in (stress, exact))
+    lines += _compared(modulus, third_exact < LINEAR)
+    lines.append(f"  third harmonic of the stress over the first: {third:.4g} (reference {third_exact:.4g})")
+    if degree and (t[-1] - t[0]) * frequency < 3.0 * np.pi:  # a polynomial is much like a single wave
+        lines.append(f"  unsure, of one period with the start in it: run four, or {FADED:g} relaxation times")
+    numbers = {"angular_frequency": frequency, "third_harmonic": third}
+    for name, value in modulus.items():
+        key = name.replace(",", "").replace(" ", "_")
+        numbers |= {f"storage_modulus_{key}": float(value.real), f"loss_modulus_{key}": float(value.imag)}
+    strain = table["strain"][first:] if wall is channel.top else -table["strain"][first:]
+    axis = "strain", "shear stress at the moving wall"
+    curves = [
+        (axis, "run", strain, table["wall_shear"][first:], "."),
+        (axis, "reference", strain, table["wall_shear_exact"][first:], "-"),
+    ]
+    return Reading("oscillation", lines, numbers, curves)
+
+
+def _compared(modulus, linear):
+    """Lines of what each way to read a modulus is off another; ``linear``: whether the strain is small."""
+    if linear:
+        pairs = {
+            "the usual evaluation errs by inertia": ("as read", "linear theory"),
+            "corrected, it is off the linear theory by": ("corrected for inertia", "linear theory"),
+        }
+    else:
+        pairs = {
+            "large strain: it takes off the linear theory": ("reference, as read", "linear theory"),
+            "the run is off its reference by": ("as read", "reference, as read"),
+        }
+    return [_off(words, *(modulus[name] for name in names)) for words, names in pairs.items()]
+
+
+def _window(t, frequency, longest):
+    """Times from which an oscillation is read, and the index of the first: whole periods at the end of the run."""
+    period = 2.0 * np.pi / frequency
+    whole = (t[-1] - t[0]) / period
+    if whole < 2.0 * (1.0 - 1e-9):
+        raise ConfigError(f"RUN_DIR: the run has {whole:.3g} periods of the wall; an oscillation is read from two on")
+    late = int((t[-1] - FADED * longest) / period)
+    count = min(int(whole / 2 + 1e-9), late) if late >= 1 else int(whole / 2 + 1e-9)
+    first = int(np.searchsorted(t, t[-1] - count * period * (1.0 + 1e-9)))
+    return t[first:], first
+
+
+def _amplitudes(t, values, frequency, degree):
+    """Complex amplitudes of the harmonics by number, from a least-squares fit with a polynomial of a ``degree``."""
+    angle, middle = frequency * t, (t - t.mean()) / max(np.ptp(t), 1e-300)
+    columns = [middle**power for power in range(degree + 1)]
+    for number in HARMONICS:
+        columns += [np.cos(number * angle), -np.sin(number * angle)]
+    found = np.linalg.lstsq(np.stack(columns, 1), values, rcond=None)[0][degree + 1 :]
+    return {number: complex(*found[2 * k : 2 * k + 2]) for k, number in enumerate(HARMONICS)}
+
+
+def _both(name):
+    return name, f"{name}_exact"
+
+
+def _off(words, value, best):
+    """A line that says by how much a complex modulus is off the ``best``, part by part."""
+    elastic = value.real / best.real - 1.0 if best.real else np.nan
+    return f"  {words}: {elastic:+.2e} of G', {value.imag / best.imag - 1.0:+.2e} of G''"
+
+
+def _start_up(channel, liquid, wall, table):
+    rate = wall.cosine / channel.gap
+    before = (wall.before or 0.0) / channel.gap
+    steady = before or rate
+    t = table["t"][1:]
+    growth = liquid.growth(t)
+    theory = growth if rate else liquid.viscosity - growth
+    found, exact = (table[name][1:] / steady for name in _both("wall_shear"))
+    what = "viscosity growth eta+" if rate else "stress after cessation, over the rate before"
+    lines = [f"{what}; shear rate {rate:.6g}, before {before:.6g}"]
+    lines += over_time(t, {"as read": found, "reference": exact, "no inertia": theory})
+    numbers = {"viscosity_at_the_end": float(found[-1]), "viscosity_at_the_end_reference": float(exact[-1])}
+    axis = "time", what
+    curves = [
+        (axis, "run", t, found, "."),
+        (axis, "reference", t, exact, "-"),
+        (axis, "linear theory without inertia", t, theory, "--"),
+    ]
+    normal = normal_stress(table)
+    if normal is not None:
+        line, name = "  N1 over the square of the rate at the end:", "normal_stress_coefficient_at_the_end"
+        numbers[name] = float(normal[-1] / steady**2)
+        lines.append(f"{line} {numbers[name]:.6g}")
+        if "n1_exact" in table:
+            numbers[f"{name}_reference"] = float(table["n1_exact"][-1] / steady**2)
+            lines[-1] += f" (reference {numbers[f'{name}_reference']:.6g})"
+        axis = "time", "N1 over the square of the rate"
+        curves += normal_curves(table, axis, t, slice(1, None), steady**2)
+        if rate:
+            curves.append((axis, "upper-convected modes, without inertia", t, liquid.normal_growth(t), "--"))
+    return Reading("start-up" if rate else "cessation", lines, numbers, curves)
+
+
+def _creep(channel, liquid, table):
+    side = ("bottom", "top")[channel.driven_side]
+    plate = getattr(channel, side)
+    t, sign = table["t"], 1.0 if side == "top" else -1.0
+    stress = float(plate.stress(t[1] * 0.5))
+    if not stress or plate.oscillates:
+        raise ConfigError("RUN_DIR: creep is read from a stress that is constant from t = 0 on, for a while")
+    strain = sign * table["strain"]
+    exact = integral(t, table[f"wall_velocity_{side}_exact"]) / channel.gap
+    end = min(plate.changes, default=t[-1])
+    during = (t > 0) & (t <= end * (1 + 1e-12))
+    found, known, theory = strain[during] / stress, exact[during] / stress, liquid.compliance(t[during])
+    lines = [f"creep compliance J under the stress {stress:.6g}"]
+    lines += over_time(t[during], {"run": found, "reference": known, "no inertia": theory})
+    axis = "time", "strain over stress"
+    curves = [
+        (axis, "run", t, strain / stress, "."),
+        (axis, "reference", t, exact / stress, "-"),
+        (axis, "linear theory without inertia", t[during], theory, "--"),
+    ]
+    numbers = {"compliance_at_the_end": float(found[-1]), "compliance_at_the_end_reference": float(known[-1])}
+    if plate.changes and plate.stress(end) == 0.0:
+        recovered = [float(one[during][-1] - one[-1]) for one in (strain, exact)]
+        lines.append(f"  recovered strain {recovered[0]:.6g} (reference {recovered[1]:.6g})")
+        numbers |= {"recovered_strain": recovered[0], "recovered_strain_reference": recovered[1]}
+    if plate.mass_per_area:
+        velocities = [table[f"wall_velocity_{side}{end}"][during] for end in ("", "_exact")]
+        _ring(channel, liquid, plate, t[during], velocities, lines, numbers)
+    return Reading("creep", lines, numbers, curves)
+
+
+def _ring(channel, liquid, plate, t, velocities, lines, numbers):
+    """Add the frequency and damping with which the plate rings, of run and reference, and by theory."""
+    found, known = (_slowest_pair(t, one) for one in velocities)
+    if found is None or known is None:
+        return
+    theory = liquid.ringing(known, channel.density, channel.gap, plate.mass_per_area)
+    lines.append("  ringing, e^(-d t) cos(w t):")
+    for name, root in (("run", found), ("reference", known), ("linear theory", theory)):
+        lines.append(f"    {name:14} w = {root.imag:.6g}   d = {-root.real:.6g}")
+        key = name.replace(" ", "_")
+        numbers |= {f"ringing_frequency_{key}": float(root.imag), f"ringing_damping_{key}": float(-root.real)}
+
+
+PENCIL = 7
+"""Exponentials that a velocity is taken apart into: the steady speed and three pairs."""
+
+
+def _slowest_pair(t, velocity):
+    """Root s, with an imaginary part, of the largest of the exponentials e^(s t) that a velocity is made of, or None.
+
+    By the matrix pencil (Y. Hua and T. K. Sarkar, IEEE Trans. Acoust. 38 (1990) 814-824), from a tenth of the time on.
+    """
+    late = t > t[0] + 0.1 * np.ptp(t)
+    t, velocity = t[late], velocity[late]
+    step, size = np.ptp(t) / (len(t) - 1), len(t) // 3
+    windows = np.lib.stride_tricks.sliding_window_view(velocity, size + 1)
+    _, _, rows = np.linalg.svd(windows, full_matrices=False)
+    rows = rows[:PENCIL].T
+    roots = np.log(np.linalg.eigvals(np.linalg.lstsq(rows[:-1], rows[1:], rcond=None)[0]).astype(complex)) / step
+    sizes = np.linalg.lstsq(np.exp(np.outer(t - t[0], roots)), velocity.astype(complex), rcond=None)[0]
+    pairs = [(abs(size), root) for size, root in zip(sizes, roots, strict=True) if root.imag > 1e-6 / step]
+    return max(pairs, key=lambda pair: pair[0])[1] if pairs else None

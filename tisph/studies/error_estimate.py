@@ -1,0 +1,186 @@
+"""``tisph run --estimate-error``: the error of a run, stated from the run itself and two coarser ones.
+
+The coarser runs have 1/2 and 1/sqrt(2) of the particles across, or what is nearest and fills the box, and steps longer
+by the same factor (``schemes.coarsen_steps``). They are processes of their own, kept in a folder beside the results.
+
+Fields are compared where the particles of the coarsest run are, so that only the finer two are interpolated. Of each
+field at each sample there is an observed order; that of the run is their median, and with it errors are stated:
+disorder makes single orders scatter by one and more. Numbers are extrapolated each with its own order.
+"""
+
+import statistics
+from contextlib import closing, suppress
+from dataclasses import asdict
+
+import numpy as np
+from pydantic import ValidationError
+
+from tisph import scenes, schemes
+from tisph.errors import ConfigError
+from tisph.folder import Folder
+from tisph.measures.fits import interpolated
+from tisph.observers._storage import STRESSES, read_snapshots
+from tisph.simulation.results import write_summary
+from tisph.studies.extrapolation import PAIRS, of_norms, of_number
+from tisph.studies.processes import read_result
+from tisph.studies.store import Store
+from tisph.text_table import format_table
+
+FOLDER = "coarser"
+"""Of the coarser runs, in that of the results."""
+
+FACTORS = 2.0, 2.0**0.5
+
+NEAR = 1.1
+"""Factor within which the particles across may differ from the wanted ones: less than half the way to the next."""
+
+
+class Coarser:
+    """The coarser runs of a ``config``, to be kept in the results folder ``root``.
+
+    ConfigError where the config allows none.
+    """
+
+    def __init__(self, config, root):
+        self.config, self.root = config, root
+        self.configs = [_coarser(config, factor) for factor in FACTORS]
+        self.names = [f"across_{each['discretisation']['particles_across']}" for each in self.configs]
+        self.message = None
+
+    def run(self):
+        """Run them one after the other, but for those that have run; ``message`` says then what did not end, if any."""
+        store = Store(self.root / FOLDER)
+        configs = dict(zip(self.names, self.configs, strict=True))
+        with closing(store.outcomes(configs, 1)) as ended:
+            for name, _, message in ended:
+                if message:
+                    self.message = f"the coarser run {name} did not finish: {message}"
+
+    def report(self):
+        """Write the estimates into the ``summary.json`` of the finished run, and return them as text."""
+        estimate = {"reason": self.message}
+        if not self.message:
+            folders = [*(self.root / FOLDER / name for name in self.names), self.root]
+            estimate |= compare([read_result(folder) for folder in folders], [*self._all()])
+        summary = read_result(self.root).summary
+        write_summary(Folder(self.root).summary, {**summary, "error_estimate": estimate})
+        return text(estimate, self.config)
+
+    def _all(self):
+        yield from (_validated(self.config, each) for each in self.configs)
+        yield self.config
+
+
+def _coarser(config, factor):
+    """Return the config, a plain dict without its name, of a run with about 1/``factor`` of the particles across."""
+    resolved, wanted = schemes.resolve(config)[0], config.particles_across / factor
+    near = range(int(wanted / NEAR), int(wanted * NEAR) + 2)
+    for across in sorted((n for n in near if wanted / NEAR < n < wanted * NEAR), key=lambda n: abs(n - wanted)):
+        changed = schemes.coarsen_steps(resolved, config.particles_across / across)
+        data = changed.resolved()
+        data["discretisation"] |= {"particles_across": across, "spacing": None}
+        data["output"] = {"video": None}
+        del data["name"]
+        with suppress(ValidationError):
+            _validated(config, data)
+            return data
+    text = f"--estimate-error: needs a run with about {wanted:.0f} particles across, which this config does not allow"
+    raise ConfigError(f"{text}; give more particles across, or a box that they fill")
+
+
+def _validated(config, data):
+    return type(config).model_validate({"name": config.name, **data})
+
+
+def compare(results, configs):
+    """Return the estimates of the last of three runs from their ``Result`` and configs, as in ``summary.json``."""
+    compared = [scenes.of(each) for each in configs]
+    spacings, believed = [scene.spacing for scene in compared], schemes.orders(schemes.resolve(configs[-1])[0])
+    snapshots = zip(*(read_snapshots(Folder(result.folder).samples) for result in results), strict=True)
+    norms = [{**_fields(compared, each), **_profiles(compared, each)} for each in snapshots]
+    observed = [of_norms(spacings, each, believed) for sample in norms for each in sample.values()]
+    orders = [each.order for each in observed if each.error is not None]
+    order = statistics.median(orders) if orders else None
+    samples = []
+    for fields, *numbers in zip(norms, *(result.summary["samples"] for result in results), strict=True):
+        stated = {name: of_norms(spacings, each, believed, order=order) for name, each in fields.items()}
+        values = {name: [each[name] for each in numbers] for name in compared[-1].flow_numbers}
+        values = {name: each for name, each in values.items() if None not in each}
+        found = {name: of_number(spacings, each, believed) for name, each in values.items()}
+        samples.append({"t": numbers[-1]["t"], "fields": _plain(stated), "numbers": _plain(found)})
+    return {"particles_across": [each.particles_across for each in configs], "order": order, "samples": samples}
+
+
+def _plain(found):
+    return {name: asdict(each) for name, each in found.items()}
+
+
+def _fields(compared, snapshots):
+    """Norms of the differences of the fields between the runs, over the norm of each field, by name."""
+    names = {"velocity": ("u", "v")}
+    if not compared[0].parallel:
+        names["pressure"] = ("pressure",)
+    if compared[0].polymer:
+        names["polymer_stress"] = STRESSES
+    coarsest = snapshots[0]
+    points = np.stack([coarsest.x, coarsest.y], axis=1).astype(float)
+    found = {}
+    for name, parts in names.items():
+        values = [np.stack([getattr(each, part) for part in parts], axis=1).astype(float) for each in snapshots]
+        values = [
+            values[0],
+            *(_at(*each, points) for each in zip(compared[1:], snapshots[1:], values[1:], strict=True)),
+        ]
+        if name == "pressure":  # of which only differences count
+            values = [each - each.mean() for each in values]
+        if name == "velocity":
+            values = [each - [compared[0].frame_velocity, 0.0] for each in values]
+        found[name] = _norms(values)
+    return found
+
+
+def _profiles(compared, snapshots):
+    """The same of the profiles of the scene, at as many points as there are particles on the line in the coarsest."""
+    found = {}
+    for profiles in zip(*(scene.profiles() for scene in compared), strict=True):
+        line = profiles[0].line
+        count = round((line.ends[1] - line.ends[0]) / compared[0].spacing)
+        x, y = np.broadcast_arrays(*line.points(line.coordinates(2 * count + 1)[1::2]))
+        points, values = np.stack([x, y], axis=1), []
+        for scene, profile, snapshot in zip(compared, profiles, snapshots, strict=True):
+            values.append(_at(scene, snapshot, np.asarray(profile.of(snapshot), float)[:, None], points))
+        found[f"{profiles[0].name} along {line.along}"] = _norms(values)
+    return found
+
+
+def _at(scene, snapshot, values, points):
+    places = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
+    return interpolated(scene, places, values, points)
+
+
+def _norms(values):
+    size = np.linalg.norm(values[-1]) or 1.0
+    return [float(np.linalg.norm(values[one] - values[other]) / size) for one, other in PAIRS]
+
+
+def text(estimate, config):
+    """Return the estimates as a table, and what there is to say of the run."""
+    if estimate["reason"]:
+        return f"no estimate of the error: {estimate['reason']}"
+    across = estimate["particles_across"]
+    rows = [
+        (f"{sample['t']:g} {config.units.time}", name, *_cells(found, sort))
+        for sample in estimate["samples"]
+        for sort in ("fields", "numbers")
+        for name, found in sample[sort].items()
+    ]
+    order = "none" if estimate["order"] is None else f"{estimate['order']:.2g}"
+    head = f"estimated error, from {across[0]}, {across[1]} and {across[2]} particles across; order {order}"
+    return f"{head}\n{format_table(('t', 'quantity', 'error', 'order', 'remark'), rows)}"
+
+
+def _cells(found, sort):
+    order = "" if found["order"] is None else f"{found['order']:.2g}"
+    if found["error"] is None:
+        return "none", order, found["reason"]
+    return f"{found['error']:.1e}", order, "relative, L2" if sort == "fields" else "absolute"

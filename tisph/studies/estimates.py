@@ -1,0 +1,175 @@
+"""What ``tisph check`` states against what runs find: error and steps of every sample, over configs and stress cells.
+
+Every run is a process of its own on one thread; those of the cells are the runs of ``tisph stress``, kept in the same
+folder and used by both.
+"""
+
+import json
+import math
+import tempfile
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+from ruamel.yaml import YAML
+
+from tisph.config import load
+from tisph.errors import ConfigError
+from tisph.studies.stability import matrix
+from tisph.studies.stability.plan import plan
+from tisph.studies.store import Store, claimed, config_text
+from tisph.text_table import format_header, format_row
+
+ERROR, FIRST_MOMENTS, STEPS = 3.0, 10.0, 1.5
+"""Largest factors between stated and found: of the error, where a sample is resolved and where it is not, and of the
+number of steps."""
+
+HEADER = ("case", "t", "rms stated", "found", "factor", "steps stated", "found", "factor", "verdict")
+NUMBERS = "estimates.json"
+VERDICTS = ("pass", "FAIL", "no estimate", "stopped", "refused")
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A sample as it was stated (a ``Forecast``) and as it was found, a dict of ``summary.json``.
+
+    The error is the root mean square over the reference velocity, which there is at every time.
+    """
+
+    stated: object
+    found: dict
+
+    @property
+    def error(self):
+        """Error found over the stated one; None where none is stated, 1 where less may be found than was stated."""
+        if self.stated.rms is None:
+            return None
+        factor = self.found["rms"] / self.stated.rms
+        return 1.0 if self.stated.at_most and factor < 1.0 else factor
+
+    @property
+    def steps(self):
+        """Steps found over the stated ones; None where these are a guess."""
+        return self.found["step"] / self.stated.steps if self.stated.known else None
+
+    @property
+    def verdict(self):
+        """``pass``, ``FAIL`` or ``no estimate``: of the error; the steps may fail all the same."""
+        largest = ERROR if self.found["resolved"] else FIRST_MOMENTS
+        factors = (self.steps, STEPS), (self.error, largest)
+        if not all(factor is None or within(factor, most) for factor, most in factors):
+            return "FAIL"
+        return "pass" if self.error is not None else "no estimate"
+
+    @property
+    def badness(self):
+        """What the worst sample of a case has most of."""
+        error = 0.0 if self.error is None else abs(math.log(max(self.error, 1e-9))) / math.log(ERROR)
+        return (self.verdict == "FAIL", self.verdict == "no estimate", error)
+
+
+def within(factor, largest):
+    """Tell whether a factor is no farther from 1 than ``largest``, up or down."""
+    return 1.0 / largest <= factor <= largest
+
+
+def compare(forecasts, samples):
+    """Return a ``Comparison`` of every sample that a run took steps to; a run that was stopped has fewer."""
+    pairs = zip(forecasts[: len(samples)], samples, strict=True)
+    return [Comparison(stated, found) for stated, found in pairs if stated.steps and found["step"]]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A run: its ``name`` and config, a plain dict, what is stated of its samples, and why it is refused, if it is."""
+
+    name: str
+    config: dict
+    samples: tuple
+    refusal: str | None = None
+
+
+def run(folder, forecast, processes, quick=False):
+    """Print the table of all cases (``quick``: those of ``tisph stress --quick``) and leave numbers in ``folder``.
+
+    ``forecast(config)`` returns the numbers and the warnings of ``tisph check``. Returns True if nothing fails. Raises
+    ConfigError where ``folder`` cannot be used, and where the configs are not found.
+    """
+    folder = Path(folder)
+    with claimed(folder, "another command keeps its runs there"):
+        return _run(folder, forecast, processes, quick)
+
+
+def _run(folder, forecast, processes, quick):
+    with tempfile.TemporaryDirectory() as scratch, Console(stderr=True).status("checking the configs"):
+        cases = {case.name: case for case in [*_configs(forecast), *_cells(forecast, Path(scratch), quick)]}
+    widths = [max(map(len, cases)), *(max(len(title), 9) for title in HEADER[1:-1]), len("no estimate")]
+    print(format_header(HEADER, widths))
+    counts, numbers = dict.fromkeys(VERDICTS, 0), {}
+    with closing(_outcomes(cases, Store(folder / "runs"), processes)) as outcomes:
+        for name, summary in outcomes:
+            verdict, cells = _line(cases[name], summary)
+            print(format_row(cells, widths), flush=True)
+            counts[verdict] += 1
+            if summary:
+                numbers[name] = _measured(cases[name], summary)
+    (folder / NUMBERS).write_text(json.dumps(numbers, indent=0), encoding="utf-8")
+    print(f"\n{len(cases)} cases: {', '.join(f'{count} {verdict}' for verdict, count in counts.items())}")
+    return counts["FAIL"] == 0
+
+
+def _configs(forecast):
+    """Yield a ``Case`` for every config in ``configs`` of the working directory or of the checkout with this file."""
+    roots = (Path.cwd(), Path(__file__).resolve().parents[2])
+    paths = next((found for root in roots if (found := sorted((root / "configs").glob("*.yaml")))), None)
+    if not paths:
+        raise ConfigError("configs/*.yaml not found: run this from a checkout of the source")
+    for path in paths:
+        config = YAML(typ="safe", pure=True).load(path)
+        config.pop("name", None)
+        yield Case(f"configs-{path.stem}", config, tuple(forecast(load(path))[0]["samples"]))
+
+
+def _cells(forecast, scratch, quick):
+    """Yield a ``Case`` for every cell of the stability matrix."""
+    for cell in matrix.cells(matrix.sub_matrices(quick)):
+        found, samples = plan(cell, forecast, scratch), ()
+        if found.refusal is None:  # the plan is about the last sample only, by which the cell is judged
+            path = scratch / "config.yaml"
+            path.write_text(config_text(cell.name, found.config), encoding="utf-8")
+            samples = tuple(forecast(load(path))[0]["samples"])
+        yield Case(cell.name, found.config, samples, found.refusal)
+
+
+def _outcomes(cases, store, processes):
+    """Yield names and summaries of the runs; first of the cases that are refused, None, and of those that are kept."""
+    configs = {name: case.config for name, case in cases.items() if not case.refusal}
+    yield from ((name, None) for name in cases if name not in configs)
+    with closing(store.outcomes(configs, processes)) as ended:
+        for name, result, _ in ended:
+            yield name, result.summary
+
+
+def _line(case, summary):
+    """Return the verdict of a case, and its line of the table: of its worst sample."""
+    if summary is None or summary["status"] != "done":
+        verdict = "refused" if summary is None else "stopped"
+        return verdict, (case.name, *[""] * (len(HEADER) - 2), verdict)
+    worst = max(compare(case.samples, summary["samples"]), key=lambda each: each.badness)
+    stated, found = worst.stated, worst.found
+    error = ("-", "-" if found["rms"] is None else f"{found['rms']:.1e}", "-")
+    if stated.rms is not None:
+        sign = "< " if stated.at_most else ""
+        error = (f"{sign}{stated.rms:.1e}", error[1], f"{found['rms'] / stated.rms:.2g}")
+    steps = ("-", str(found["step"]), "-")
+    if stated.known:
+        steps = (str(stated.steps), str(found["step"]), f"{worst.steps:.3g}")
+    return worst.verdict, (case.name, f"{stated.t:.3g}", *error, *steps, worst.verdict)
+
+
+def _measured(case, summary):
+    """What is kept of a run: its end, which for a cell depends on its cost, and numbers of its samples."""
+    kept = ("t", "step", "rms", "resolved")
+    samples = [{key: each[key] for key in kept} for each in summary["samples"]]
+    return {"end": case.config["time"]["end"], "status": summary["status"], "samples": samples}

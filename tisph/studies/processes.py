@@ -1,0 +1,176 @@
+"""Runs as processes of their own, so that none can touch another."""
+
+import json
+import math
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+
+from tisph.folder import Folder
+from tisph.measures.wall_shear import wall_shear_error
+from tisph.studies.starting import start
+
+POLL_SECONDS = 0.02
+
+OFF_EXACT = " off exact"
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a run left behind: its folder and the contents of its ``summary.json``."""
+
+    folder: Path
+    summary: dict
+
+    def measure(self, t_star, quantity):
+        """Number ``quantity`` of the sample at dimensionless time ``t_star``; NaN where there is none.
+
+        ``transverse`` is ``max_transverse_velocity`` over the reference velocity, ``wall_shear`` the error of
+        ``wall_shear_error``, ``NAME off exact`` the relative difference of NAME from NAME_exact.
+        """
+        for sample in self.summary.get("samples", []):
+            if math.isclose(sample["t_star"], t_star, rel_tol=1e-9):
+                value = self._value(sample, quantity)
+                return math.nan if value is None else value
+        return math.nan
+
+    def _value(self, sample, quantity):
+        if quantity == "transverse":
+            return sample["max_transverse_velocity"] / self.reference_velocity
+        if quantity == "wall_shear":
+            return wall_shear_error(sample)
+        name = quantity.removesuffix(OFF_EXACT)
+        if name == quantity:
+            return sample[name]
+        value, exact = sample[name], sample[f"{name}_exact"]
+        return None if value is None or exact is None else abs(value / exact - 1)
+
+    @property
+    def last(self):
+        """The sample at the end of the run; None where that was not reached."""
+        return self.summary["samples"][-1] if self.summary["status"] == "done" else None
+
+    @property
+    def closure(self):
+        """What the momentum balance of the run leaves open, as a fraction; NaN where there is no balance."""
+        closure = self.summary.get("momentum", {}).get("closure")
+        return math.nan if closure is None else closure
+
+    @property
+    def reference_velocity(self):
+        """Velocity by which the run's errors are divided."""
+        return self.summary["numbers"]["reference_velocity"]
+
+    def arrays(self):
+        """Contents of ``samples.h5`` as {"sample/dataset": array}; empty where there is no such file."""
+        path = self.folder / "samples.h5"
+        if not path.is_file():
+            return {}
+        found = {}
+
+        def take(name, item):
+            if isinstance(item, h5py.Dataset):
+                found[name] = item[()]
+
+        with h5py.File(path, "r") as file:
+            file.visititems(take)
+        return found
+
+
+class Process:
+    """``tisph run`` of the config ``config_path`` into ``folder``, in place of what an earlier run left there.
+
+    With ``resume`` it goes on from that one's checkpoint instead. It leaves no pictures.
+    """
+
+    def __init__(self, config_path, folder, resume=False):
+        self.folder = folder
+        self._messages = folder.with_name(f"{folder.name}.messages")  # a pipe could fill up; stop() removes it
+        command = ["run", config_path, "--out", folder, "--no-pictures", "--resume" if resume else "--overwrite"]
+        self._process = start(command, self._messages)
+
+    @property
+    def finished(self):
+        """Whether it has ended."""
+        return self._process.exitcode is not None
+
+    def outcome(self):
+        """``Result`` of the run and its error message, empty if it is done. Waits for the end."""
+        self._process.join()
+        status = self._process.exitcode
+        result = read_result(self.folder)
+        message = result.summary.get("message") or self._error() or f"exit status {status}"
+        return result, message if status else ""
+
+    def stop(self):
+        """End it after its present step, if it still runs."""
+        if not self.finished:
+            self._process.terminate()
+            self._process.join()
+        with suppress(OSError):
+            self._messages.unlink()
+
+    def _error(self):
+        """What it has written to standard error, without the lines of its progress."""
+        if not self._messages.exists():
+            return ""
+        text = self._messages.read_text(encoding="utf-8", errors="replace")
+        return text[max(text.rfind("error: "), 0) :].removeprefix("error: ").strip()
+
+
+def read_result(folder):
+    """``Result`` of the finished run in ``folder``; of status ``failed`` where it left no summary."""
+    path = folder / "summary.json"
+    if not path.is_file():
+        return Result(folder, {"status": "failed", "samples": []})
+    return Result(folder, json.loads(path.read_text(encoding="utf-8")))
+
+
+def run_config(config_path, folder):
+    """Run one config: its ``Result``, and its error message, empty if it is done."""
+    process = Process(config_path, folder)
+    try:
+        return process.outcome()
+    finally:
+        process.stop()
+
+
+def run_resumed(config_path, folder):
+    """Run one config that writes checkpoints, end it after its first one, and go on from there: as ``run_config``."""
+    first = Process(config_path, folder)
+    try:
+        while not (first.finished or Folder(folder).checkpoint.is_file()):
+            time.sleep(POLL_SECONDS)
+    finally:
+        first.stop()
+    second = Process(config_path, folder, resume=True)
+    try:
+        return second.outcome()
+    finally:
+        second.stop()
+
+
+def run_side_by_side(names, launch, most):
+    """Run ``launch(name)``, which returns a ``Process``, for each of ``names``, at most ``most`` at once.
+
+    Yields (name, ``Result``, message) as they end. Those that still run when the caller gives up are stopped.
+    """
+    waiting = list(names)
+    running = {}
+    try:
+        while waiting or running:
+            while waiting and len(running) < most:
+                name = waiting.pop(0)
+                running[name] = launch(name)
+            for name in [name for name, process in running.items() if process.finished]:
+                process = running.pop(name)
+                outcome = process.outcome()
+                process.stop()
+                yield (name, *outcome)
+            time.sleep(POLL_SECONDS)
+    finally:
+        for process in running.values():
+            process.stop()

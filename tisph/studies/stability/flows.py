@@ -1,0 +1,175 @@
+"""The flows of the stability matrix: a table of what a config says of each, and by what its runs are judged.
+
+Every flow has a length, a density and a reference velocity of 1, so that the viscosity is 1/Re.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from tisph.studies.flows import merged, oldroyd_b, walls
+
+SOLVENT_FRACTION = 0.1
+"""The smallest for which Oldroyd-B flow is verified with the explicit scheme."""
+
+PENETRATION = 1 / 3
+"""Depth sqrt(2 nu/w) to which an oscillating wall moves the liquid, in gaps."""
+
+THICKNESS = 1 / 30
+"""Of the shear layers, in sides of their square: the thick ones of the literature (``scenes/shear_layer.py``)."""
+
+PREDICTABLE = 5.0
+"""Time, in lengths over speed, up to which vortices can be compared at Reynolds numbers above 1000: disturbances of
+their size grow by a factor e in 2, there is nothing to damp them, and the exact flow is one that no run can stay on."""
+
+
+SLOW_TO_FAST = (0.1, 1.0, 10.0)
+"""Weissenberg numbers by gap and wall between cylinders."""
+
+MOBILITY = 0.2
+"""Of Giesekus liquids."""
+
+FAR = (0.01, 10.0, 100.0)
+"""Weissenberg numbers that the implicit scheme alone is tried at."""
+
+RADIUS, ACROSS, ALONG = 3, 16, 24
+"""Radius of a cylinder near the lower wall of a channel, height and length of the channel, in spacings."""
+
+
+@dataclass(frozen=True)
+class Flow:
+    """``change(nu)``: what a viscosity makes of the config.
+
+    ``measure``: the error that is judged, rms where the velocity crosses zero or dies away; None without a reference.
+    ``peak``: bound of the speed in reference velocities, see ``Scene.peak_velocity``. A flow that ``turns`` is in a
+    doubly periodic square; one with ``walls`` of any shape is told whole by ``change``; all others are in a channel.
+    ``largest``: error of a stable run between such walls, 12 particles across; ``refused``: whether none is allowed.
+    ``memory``: whether the liquid has polymer where the flow is no channel's.
+    """
+
+    change: Callable
+    measure: str | None = "l2"
+    peak: float = 1.0
+    turns: bool = False
+    walls: bool = False
+    largest: float = 0.0
+    refused: bool = False
+    memory: bool = False
+
+    def unit_time(self, reynolds):
+        """Return the time t* = 1 in lengths over reference velocity: in a channel the viscous time."""
+        return 1.0 if self.turns or self.walls else reynolds
+
+
+def digits(number):
+    """The number to twelve digits, so that it reads as it is meant."""
+    return float(f"{number:.12g}")
+
+
+def _couette(nu):
+    return merged(_viscosity(nu), walls(0.0, 1.0))
+
+
+def _poiseuille(nu):
+    """Mean speed g H^2 / (12 nu) = 1."""
+    return merged(_viscosity(nu), {"drive": {"acceleration": digits(12.0 * nu)}})
+
+
+def _backflow(nu):
+    """g H^2 / (2 nu U) = -4: the liquid flows back over three quarters of the gap."""
+    return merged(_viscosity(nu), walls(0.0, 1.0), {"drive": {"acceleration": digits(-8.0 * nu)}})
+
+
+def _oscillating(nu):
+    frequency = digits(2.0 * nu / PENETRATION**2)
+    return merged(_viscosity(nu), {"walls": {"top": {"amplitude": 1.0, "angular_frequency": frequency}}})
+
+
+def _polymer(weissenberg):
+    """Couette flow of an Oldroyd-B liquid; its relaxation time is the Weissenberg number."""
+    return lambda nu: merged(oldroyd_b(weissenberg, SOLVENT_FRACTION), _couette(nu))
+
+
+def _polymers(*weissenbergs):
+    return {f"oldroyd{weissenberg:g}": Flow(_polymer(weissenberg)) for weissenberg in weissenbergs}
+
+
+def _with_polymer(flow, weissenberg, law="oldroyd_b"):
+    """A ``flow`` from rest, or from its vortices, of a liquid with polymer."""
+    rheology = {"type": law, "relaxation_time": weissenberg, "solvent_fraction": SOLVENT_FRACTION}
+    if law == "giesekus":
+        rheology["mobility"] = MOBILITY
+    return lambda nu: merged(flow(nu), {"fluid": {"rheology": rheology}})
+
+
+def _started(flow):
+    """Return a ``flow`` from rest."""
+    return lambda nu: merged(flow(nu), {"initial": {"state": "rest"}})
+
+
+def _cylinders_with_polymer():
+    return {
+        f"annulus_{law}{weissenberg:g}": Flow(
+            _with_polymer(_started(_annulus(0.5)), weissenberg, law), walls=True, largest=1e-3, memory=True
+        )
+        for law in ("oldroyd_b", "giesekus")
+        for weissenberg in SLOW_TO_FAST
+    }
+
+
+def _vortices(nu):
+    return merged(_viscosity(nu), {"scene": "taylor_green", "initial": {"velocity": 1.0}})
+
+
+def _layers(nu):
+    start = {"velocity": 1.0, "thickness": digits(THICKNESS)}
+    return merged(_viscosity(nu), {"scene": "shear_layer", "initial": start})
+
+
+def _annulus(ratio):
+    """Steady flow between cylinders of a ratio of radii, of which the inner one turns; the gap is 1."""
+    inner, outer = (digits(radius / (1.0 - ratio)) for radius in (ratio, 1.0))
+    walls_given = {"inner": {"angular_velocity": digits(1.0 / inner)}}
+    scene = {"scene": "annulus", "initial": {"state": "developed"}}
+    cylinders = {"geometry": {"inner_radius": inner, "outer_radius": outer}, "walls": walls_given}
+    return lambda nu: merged(_viscosity(nu), scene, cylinders)
+
+
+def _cavity(profile):
+    scene = {"scene": "cavity", "geometry": {"width": 1.0, "height": 1.0}}
+    return lambda nu: merged(_viscosity(nu), scene, {"walls": {"lid": {"velocity": 1.0, "profile": profile}}})
+
+
+def _cylinder(gap):
+    """A cylinder at rest, ``gap`` spacings above a wall at rest, under one that moves."""
+    spacing = 1.0 / ACROSS
+    body = {"centre": [0.5 * ALONG * spacing, (RADIUS + gap) * spacing], "radius": RADIUS * spacing}
+    channel = {"scene": "channel", "geometry": {"gap": 1.0, "length": ALONG * spacing}, "bodies": [body]}
+    return lambda nu: merged(_viscosity(nu), channel, {"walls": {"top": {"velocity": 1.0}}})
+
+
+def _viscosity(nu):
+    return {"fluid": {"kinematic_viscosity": digits(nu)}}
+
+
+FLOWS = {
+    "couette": Flow(_couette),
+    "poiseuille": Flow(_poiseuille, peak=1.5),
+    "backflow": Flow(_backflow, "rms", peak=2.0),
+    "oscillating": Flow(_oscillating, "rms"),
+    **_polymers(*sorted((0.1, 1.0, 5.0, *FAR))),
+    "taylor_green": Flow(_vortices, "rms", turns=True),
+    "shear_layer": Flow(_layers, None, peak=1.25, turns=True),
+    "annulus0.2": Flow(_annulus(0.2), walls=True, largest=1e-3),
+    "annulus0.5": Flow(_annulus(0.5), walls=True, largest=1e-3),
+    "annulus0.9": Flow(_annulus(0.9), walls=True, largest=1e-3),
+    "regular_lid": Flow(_cavity("regular"), walls=True, largest=0.03),
+    "sharp_lid": Flow(_cavity("sharp"), "centre_line_error", walls=True, largest=0.02),
+    **_cylinders_with_polymer(),
+    "lid_oldroyd_b0.1": Flow(_with_polymer(_cavity("regular"), 0.1), None, walls=True, memory=True),
+    "layer_oldroyd_b1": Flow(_with_polymer(_layers, 1.0), None, peak=1.25, turns=True, memory=True),
+    "cylinder1.5": Flow(_cylinder(1.5), "unbalanced", walls=True, refused=True),
+    "cylinder2": Flow(_cylinder(2.0), "unbalanced", walls=True, largest=0.02),
+    "cylinder5": Flow(_cylinder(5.0), "unbalanced", walls=True, largest=0.02),
+}
+"""The number behind oldroyd, oldroyd_b and giesekus is Wi, that behind annulus the ratio of the radii, that behind
+cylinder the gap in spacings if there are ``ACROSS``."""

@@ -1,0 +1,119 @@
+"""Runs that outlive the command that asked for them: what has ended once is not run again."""
+
+import hashlib
+import time
+from contextlib import closing, contextmanager
+from io import StringIO
+from pathlib import Path
+
+from filelock import Timeout
+from ruamel.yaml import YAML
+
+import tisph
+from tisph.errors import ConfigError
+from tisph.folder import held
+from tisph.studies.processes import POLL_SECONDS, Process, read_result, run_side_by_side
+
+WITHOUT_EFFECT = ("cli/", "interface/", "assessment/", "report/", "results/", "studies/", "schemes/_forecast/")
+"""Parts of the package on which no number of a run depends."""
+
+
+def config_text(name, config):
+    """A config, a plain dict, as YAML under the name ``name``."""
+    stream = StringIO()
+    YAML(typ="safe", pure=True).dump({"name": name, **config}, stream)
+    return stream.getvalue()
+
+
+@contextmanager
+def claimed(folder, taken):
+    """Hold ``folder``, made if there is none, against other commands; on Ctrl-C say that runs are kept there.
+
+    Raises ConfigError, with the words ``taken`` where another command holds it, and where it cannot be written.
+    """
+    try:
+        with held(folder):
+            yield
+    except Timeout:
+        raise ConfigError(f"--out {folder}: {taken}; choose another folder") from None
+    except OSError as error:
+        raise ConfigError(f"--out {folder}: cannot be written: {error.strerror or error}") from None
+    except KeyboardInterrupt:
+        print(f"\nfinished runs are kept in {folder}; the same command goes on from them", flush=True)
+        raise
+
+
+class Store:
+    """Runs kept in ``folder``: NAME.yaml is the config of the run in NAME, with a mark of the code that it ran."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self._code = fingerprint()
+        folder.mkdir(exist_ok=True)
+
+    def kept(self, name, config):
+        """``Result`` and message of a run that ended, with this config and this code; None without one."""
+        path = self._path(name)
+        if not path.is_file() or path.read_text(encoding="utf-8") != self._text(name, config):
+            return None
+        result = read_result(self.folder / name)
+        if result.summary["status"] not in ("done", "diverged"):
+            return None
+        return result, result.summary.get("message", "")
+
+    def outcomes(self, configs, most, launch=None):
+        """Yield (name, ``Result``, message) of runs, their ``configs`` by name: first of those that are kept.
+
+        The others run ``most`` at once, started by ``launch(name)``, which is ``launch`` of this store if not given.
+        """
+        missing = []
+        for name, config in configs.items():
+            kept = self.kept(name, config)
+            if kept:
+                yield (name, *kept)
+            else:
+                missing.append(name)
+        start = launch or (lambda name: self.launch(name, configs[name]))
+        with closing(run_side_by_side(missing, start, most)) as ended:
+            yield from ended
+
+    def launch(self, name, config):
+        """Start the run as a ``Process``, in place of one that may be there, and after one that still runs."""
+        self._wait(name)
+        (self.folder / name / "summary.json").unlink(missing_ok=True)
+        self._path(name).write_text(self._text(name, config), encoding="utf-8")
+        return Process(self._path(name), self.folder / name)
+
+    def _wait(self, name):
+        """Wait until no run of an earlier command that was killed goes on in the folder of this one."""
+        while (self.folder / name).is_dir():
+            try:
+                with held(self.folder / name):
+                    return
+            except Timeout:
+                time.sleep(POLL_SECONDS)
+
+    def keep(self, name, config, files):
+        """``Result`` of a run that was made elsewhere: its ``files``, contents by name, kept as if it had run here."""
+        folder = self.folder / name
+        folder.mkdir(exist_ok=True)
+        for file, content in files.items():
+            (folder / file).write_bytes(content)
+        self._path(name).write_text(self._text(name, config), encoding="utf-8")
+        return read_result(folder)
+
+    def _path(self, name):
+        return self.folder / f"{name}.yaml"
+
+    def _text(self, name, config):
+        return f"# code {self._code}\n{config_text(name, config)}"
+
+
+def fingerprint():
+    """Hash of the source files on which the numbers of a run depend."""
+    root = Path(tisph.__file__).parent
+    paths = [path for path in root.rglob("*.py") if not path.relative_to(root).as_posix().startswith(WITHOUT_EFFECT)]
+    digest = hashlib.sha256()
+    for path in sorted(paths):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]

@@ -1,0 +1,1 @@
+"""What `tisph verify` runs, and what each run is held to."""

@@ -1,0 +1,185 @@
+"""What runs are held to: a bound on an error, nearness to another run or a share of its error, an order of
+convergence, equal results, a momentum balance that closes.
+
+A criterion names the runs that it needs and judges their results as a ``Check``. A run that stopped early
+lacks samples: its checks fail, with the value NaN.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from tisph.measures.metrics import fitted_order
+
+
+@dataclass(frozen=True)
+class Check:
+    """One line of the verification table; ``value`` is NaN where the runs gave none."""
+
+    case: str
+    quantity: str
+    value: float
+    bound: str
+    passed: bool
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """A number, computed from the results of ``runs`` (names), and the values of it that pass."""
+
+    case: str
+    quantity: str
+    bound: str
+    runs: tuple[str, ...]
+    value: Callable[..., float]
+    accepts: Callable[[float], bool]
+
+    def judge(self, *results):
+        """Check of the ``Result`` of each of ``runs``, in their order."""
+        value = float(self.value(*results))
+        return Check(self.case, self.quantity, value, self.bound, bool(self.accepts(value)))
+
+
+def at_most(case, t_star, quantity, bound):
+    """The sample's number ``quantity`` is at most ``bound`` at dimensionless time ``t_star``."""
+    return Criterion(
+        case,
+        f"{quantity} at t* = {t_star:g}",
+        f"<= {bound:g}",
+        runs=(case,),
+        value=lambda result: result.measure(t_star, quantity),
+        accepts=lambda value: value <= bound,
+    )
+
+
+def at_least(case, t_star, quantity, bound):
+    """The sample's number ``quantity`` is at least ``bound`` at dimensionless time ``t_star``."""
+    return Criterion(
+        case,
+        f"{quantity} at t* = {t_star:g}",
+        f">= {bound:g}",
+        runs=(case,),
+        value=lambda result: result.measure(t_star, quantity),
+        accepts=lambda value: value >= bound,
+    )
+
+
+def closes(case, bound):
+    """The momentum balance of the whole run closes within the fraction ``bound``."""
+    return Criterion(
+        case,
+        "momentum closure",
+        f"<= {bound:g}",
+        runs=(case,),
+        value=lambda result: result.closure,
+        accepts=lambda value: value <= bound,
+    )
+
+
+def steps_at_most(case, bound, t_star):
+    """The sample at dimensionless time ``t_star`` comes after at most ``bound`` steps."""
+    return Criterion(
+        case,
+        f"steps to t* = {t_star:g}",
+        f"<= {bound}",
+        runs=(case,),
+        value=lambda result: result.measure(t_star, "step"),
+        accepts=lambda value: value <= bound,
+    )
+
+
+def ends_at(case, quantity, expected, bound, value):
+    """At the end of the run ``value(sample)``, called ``quantity``, is ``expected`` within the fraction ``bound``."""
+    return Criterion(
+        case,
+        f"{quantity} off {expected:g}",
+        f"<= {bound:g}",
+        runs=(case,),
+        value=lambda result: abs(value(result.last) / expected - 1) if result.last else math.nan,
+        accepts=lambda value: value <= bound,
+    )
+
+
+def near(case, reference, t_star, tolerance, quantity="l2"):
+    """The error is that of the run ``reference`` at the same t*, within a relative ``tolerance``."""
+    return Criterion(
+        case,
+        f"{quantity} off {reference} at t* = {t_star:g}",
+        f"<= {tolerance:g}",
+        runs=(case, reference),
+        value=lambda ours, other: abs(ours.measure(t_star, quantity) / other.measure(t_star, quantity) - 1),
+        accepts=lambda value: value <= tolerance,
+    )
+
+
+def share(case, reference, t_star, bound, quantity="l2"):
+    """The error over that of the run ``reference`` at the same t* is at most ``bound``."""
+    return Criterion(
+        case,
+        f"{quantity} over {reference}'s at t* = {t_star:g}",
+        f"<= {bound:g}",
+        runs=(case, reference),
+        value=lambda ours, other: ours.measure(t_star, quantity) / other.measure(t_star, quantity),
+        accepts=lambda value: value <= bound,
+    )
+
+
+def order(case, resolutions, t_star, bound, quantity="l2"):
+    """The error falls with at least the power ``bound`` of the spacing: a fit over all resolutions.
+
+    ``resolutions`` maps run names to particles across the gap.
+    """
+    return Criterion(
+        case,
+        f"{quantity} order at t* = {t_star:g}",
+        f">= {bound:g}",
+        runs=tuple(resolutions),
+        value=lambda *results: fitted_order(
+            resolutions.values(), [result.measure(t_star, quantity) for result in results]
+        ),
+        accepts=lambda value: value >= bound,
+    )
+
+
+def same_velocities(case, reference, bound):
+    """Every particle has the velocity (u, v)/U of the run ``reference`` at every sample, within ``bound``."""
+
+    def velocities(result):
+        arrays = result.arrays().items()
+        return {key: array / result.reference_velocity for key, array in arrays if key.endswith(("/u", "/v"))}
+
+    def largest_difference(ours, other):
+        arrays, others = velocities(ours), velocities(other)
+        if not arrays or arrays.keys() != others.keys():
+            return math.nan
+        return max(np.max(np.abs(arrays[key] - others[key])) for key in arrays)
+
+    return Criterion(
+        case,
+        f"velocities off {reference}",
+        f"<= {bound:g}",
+        runs=(case, reference),
+        value=largest_difference,
+        accepts=lambda value: value <= bound,
+    )
+
+
+def same_bits(case, reference):
+    """Every array in ``samples.h5`` has the same bits as in the run ``reference``."""
+
+    def differing_arrays(ours, other):
+        arrays, others = ours.arrays(), other.arrays()
+        if not arrays or arrays.keys() != others.keys():
+            return math.nan
+        return sum(arrays[key].tobytes() != others[key].tobytes() for key in arrays)
+
+    return Criterion(
+        case,
+        f"arrays that differ from {reference}",
+        "= 0",
+        runs=(case, reference),
+        value=differing_arrays,
+        accepts=lambda value: value == 0,
+    )

@@ -1,0 +1,116 @@
+"""Run the verification suite, or the verification page's case, and print the table.
+
+Each case is a fresh process, one at a time, so that no run can touch another.
+"""
+
+import tempfile
+from pathlib import Path
+
+from rich.console import Console
+
+from tisph.errors import ConfigError
+from tisph.studies import estimate_quality
+from tisph.studies.processes import run_config, run_resumed
+from tisph.studies.store import config_text
+from tisph.studies.verification import page as page_case
+from tisph.studies.verification import suite
+from tisph.text_table import format_header, format_row, format_table
+
+HEADER = ("case", "quantity", "value", "bound", "verdict")
+
+
+def run(quick=False, page=False):
+    """Print the table of the suite (``quick``: of its short runs), or with ``page`` that of the page's case.
+
+    Returns True if every check passed, for the page if every run reached its end. Raises ConfigError where
+    the page's configs are not found.
+    """
+    with tempfile.TemporaryDirectory(prefix="tisph-verify-") as folder:
+        if page:
+            return _verify_page(Path(folder))
+        passed = _verify_suite(Runner(suite.runs(quick), Path(folder)), suite.criteria(quick))
+        return passed if quick else _verify_estimates(Path(folder)) and passed
+
+
+class Runner:
+    """Runs cases when their results are first asked for, and keeps the results.
+
+    ``configs`` maps case names to configs as plain dicts; results are kept in subfolders of ``folder``.
+    """
+
+    def __init__(self, configs, folder):
+        self.failures = {}
+        self._configs = configs
+        self._folder = folder
+        self._results = {}
+
+    def result(self, name):
+        """``Result`` of a case. Where the run stopped early, ``failures[name]`` has its message."""
+        if name not in self._results:
+            config_path = self._folder / f"{name}.yaml"
+            config_path.write_text(config_text(name, self._configs[name]), encoding="utf-8")
+            run_case = run_resumed if name.endswith(suite.RESUMED) else run_config
+            self._results[name], message = run_case(config_path, self._folder / name)
+            if message:
+                self.failures[name] = message
+        return self._results[name]
+
+    def judge(self, criterion):
+        """``Check`` of a criterion, after running what it needs."""
+        return criterion.judge(*(self.result(name) for name in criterion.runs))
+
+
+def _verify_suite(runner, criteria):
+    """Print a line as soon as its runs are done; True if all passed."""
+    console = Console()
+    labels = [(criterion.case, criterion.quantity, "1.23e-06", criterion.bound, "pass") for criterion in criteria]
+    widths = [max(map(len, column)) for column in zip(HEADER, *labels, strict=True)]
+    print(format_header(HEADER, widths))
+    all_passed = True
+    for criterion in criteria:
+        with console.status(f"running {' and '.join(criterion.runs)}"):
+            check = runner.judge(criterion)
+        verdict = "pass" if check.passed else "FAIL"
+        line = (check.case, check.quantity, f"{check.value:.3g}", check.bound, verdict)
+        print(format_row(line, widths), flush=True)
+        all_passed &= check.passed
+    for name, message in runner.failures.items():
+        print(f"{name} did not finish: {message}")
+    return all_passed
+
+
+def _verify_estimates(folder):
+    """Print how good the errors are that runs state of themselves; True if all are within the bound."""
+    print("\nErrors that runs state of themselves (tisph run --estimate-error), over the true ones:\n")
+    with Console(stderr=True).status("running the cases and their coarser runs"):
+        found = list(estimate_quality.checks(folder))
+    lines = [
+        (each.case, each.quantity, f"{each.value:.2g}", each.bound, "pass" if each.passed else "FAIL") for each in found
+    ]
+    print(format_table(HEADER, lines))
+    return all(each.passed for each in found)
+
+
+def _verify_page(folder):
+    """Run every reading of the page and print their table; True if all reached their end."""
+    summaries = {}
+    all_done = True
+    for name, remark in page_case.READINGS.items():
+        path = _page_config(name)
+        print(f"running {path.name}: {remark}{page_case.COSTS.get(name, '')}", flush=True)
+        result, message = run_config(path, folder / name)
+        summaries[name] = result.summary
+        if message:
+            all_done = False
+            print(f"{name} did not finish: {message}", flush=True)
+    print(f"\n{page_case.page_table(summaries)}")
+    return all_done
+
+
+def _page_config(name):
+    """Config of a reading, in ``configs`` of the working directory or of the checkout with this file."""
+    for root in (Path.cwd(), Path(__file__).resolve().parents[2]):
+        path = root / "configs" / f"vm_sph_001_{name}.yaml"
+        if path.is_file():
+            return path
+    raise ConfigError(f"configs/vm_sph_001_{name}.yaml not found: run this from a checkout of the source")

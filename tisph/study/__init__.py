@@ -1,1 +1,0 @@
-"""Runs of many configs: verification suites and tables."""

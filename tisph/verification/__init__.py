@@ -1,1 +1,0 @@
-"""Error measures and the verification suite."""

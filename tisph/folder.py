@@ -1,5 +1,6 @@
 """The results folder: the one list of the files that a run may leave."""
 
+import json
 import os
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -38,6 +39,12 @@ class Folder:
         self.checkpoint = self.root / "checkpoint.h5"
         self.last_good = self.root / "last_good.h5"
         self.last_good_picture = self.root / "last_good.png"
+
+    def read_summary(self):
+        """Contents of ``summary.json``; of status ``failed``, without samples, where there is none."""
+        if not self.summary.is_file():
+            return {"status": "failed", "samples": []}
+        return json.loads(self.summary.read_text(encoding="utf-8"))
 
     def files(self):
         """Return the paths of all of them, and of what a killed run was writing."""

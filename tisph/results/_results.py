@@ -40,9 +40,7 @@ class Results:
     @cached_property
     def summary(self) -> Summary:
         """Status, errors at each sample, numbers of the run, balance of momentum, cost, provenance."""
-        from tisph.studies.processes import read_result
-
-        return typed(read_result(self.folder).summary, self.folder.name)
+        return typed(self._files.read_summary(), self.folder.name)
 
     @cached_property
     def samples(self) -> Samples:

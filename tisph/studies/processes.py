@@ -1,6 +1,5 @@
 """Runs as processes of their own, so that none can touch another."""
 
-import json
 import math
 import time
 from contextlib import suppress
@@ -123,10 +122,7 @@ class Process:
 
 def read_result(folder):
     """``Result`` of the finished run in ``folder``; of status ``failed`` where it left no summary."""
-    path = folder / "summary.json"
-    if not path.is_file():
-        return Result(folder, {"status": "failed", "samples": []})
-    return Result(folder, json.loads(path.read_text(encoding="utf-8")))
+    return Result(folder, Folder(folder).read_summary())
 
 
 def run_config(config_path, folder):

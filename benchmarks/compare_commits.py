@@ -1,4 +1,4 @@
-"""Compare two checkouts: seconds of runs, taken in turns, and their errors.
+"""Compare two checkouts: seconds of runs, interleaved, and their errors.
 
     python benchmarks/compare_commits.py OLD NEW --configs configs/couette.yaml --set output.video=null --rounds 7
     python benchmarks/compare_commits.py OLD NEW --errors-only          # every config of OLD once, in one table

@@ -59,7 +59,7 @@ OSCILLATING = {"walls": {"top": {"velocity": None, "amplitude": 0.5, "angular_fr
 FROM_REST = {"initial": {"state": "rest"}, "time": {"end": 100.0}}
 POLYMER = merged(oldroyd_b(relaxation_time=1.0, solvent_fraction=0.5), {"fluid": {"kinematic_viscosity": 0.01}})
 # steps of spacing / wall velocity / 2, all alike: those that follow the flow differ from case to case
-EVEN_STEPS = merged(IMPLICIT, FROM_REST, {"scheme": {"largest_strain": 0.7}, "time": {"cfl": 0.5, "tolerance": 3e-5}})
+EVEN_STEPS = {"scheme": {"type": "implicit", "largest_strain": 0.7}, "time": {"cfl": 0.5, "tolerance": 3e-5}}
 PARTS = {
     scheme: {name: merged(base, FROM_REST, part) for name, part in {"nothing": {}, **parts}.items()}
     for scheme, base, parts in (

@@ -16,7 +16,7 @@ from pathlib import Path
 STUDY = Path(__file__).with_name("sweep.yaml")
 
 ROUNDS = 2
-"""Times that one process and two take turns: the sums are compared."""
+"""Times that one process and two run, interleaved: the sums are compared."""
 
 FASTER = 1.8
 """What two processes must be faster by."""

@@ -46,7 +46,7 @@ def command(arguments, end):
 
 
 def dump_commands(arguments):
-    """Commands that dump liquid and walls as a user would: all particles with their types, at some times."""
+    """Commands that dump fluid and walls as a user would: all particles with their types, at some times."""
     every = arguments.steps // DUMPS
     dump = f'dump all all custom {every} "{arguments.dump}" id type x y vx vy'
     return f"{dump}\ndump_modify all sort id time yes delay 1 format float %.9g"

@@ -58,13 +58,13 @@ class PlaneCouette(Application):
         scheme.configure_solver(dt=self.step, tf=self.steps * self.step)
         return scheme
 
-    def transport_velocity(self, *arrays, pb, **liquid):
+    def transport_velocity(self, *arrays, pb, **fluid):
         """Pressure from the density."""
-        return TVFScheme(*arrays, p0=pb, pb=pb, h0=self.spacing, **liquid)
+        return TVFScheme(*arrays, p0=pb, pb=pb, h0=self.spacing, **fluid)
 
-    def evolved_pressure(self, *arrays, **liquid):
+    def evolved_pressure(self, *arrays, **fluid):
         """Pressure with an equation of its own."""
-        return EDACScheme(*arrays, h=self.spacing, **liquid)
+        return EDACScheme(*arrays, h=self.spacing, **fluid)
 
     def create_particles(self):
         """Square lattice, with the particles outside the gap as walls."""

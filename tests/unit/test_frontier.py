@@ -66,26 +66,26 @@ def test_the_fastest_way_to_an_error_is_sought_among_the_wanted_ones_of_ours():
     assert fastest(rows, 1e-6) is None
 
 
-def test_the_lead_of_the_implicit_scheme_is_the_ratio_of_medians():
+def test_the_speedup_of_the_implicit_scheme_is_the_ratio_of_medians():
     (line,) = speedups([row("explicit", 9e-4, 4.0), row("implicit 4, fast", 5e-4, 0.1), row("implicit 4", 2e-3, 0.01)])
     assert "is 40 times faster than explicit, 50 across" in line
 
 
-def test_of_liquids_with_memory_the_lead_is_that_at_the_error_of_each_explicit_run():
+def test_the_speedup_of_viscoelastic_flow_is_at_the_error_of_each_explicit_run():
     methods = [("explicit", 9e-4, 4.0), ("explicit", 1e-4, 8.0), ("implicit 4, fast", 5e-4, 0.5)]
     (line,) = speedups([row(*method, flow="oldroyd_b_couette") for method in methods])
     assert "error <= 0.0009: implicit 4, fast" in line
     assert "is 8 times faster than explicit" in line
 
 
-def test_a_peer_is_compared_with_our_fastest_run_that_is_as_exact():
+def test_a_peer_is_compared_with_our_fastest_run_that_is_as_accurate():
     rows = [row("implicit 4", 2e-3, 0.1), row("implicit 4", 1e-1, 0.01), lammps(5e-2, 1.5)]
     (found,) = comparisons(rows)
     assert (found.ours, found.ratio) == (rows[0], pytest.approx(15.0))
     assert found.passed
 
 
-def test_the_table_has_the_ratio_of_medians_and_its_spread_over_the_rounds():
+def test_the_table_has_the_ratio_of_medians_and_its_range_over_the_rounds():
     rows = [row("implicit 4", 2e-3, 1.0, 1.0, 2.0), row("LAMMPS SPH", 5e-2, 15.0, 9.0, 16.0, code="LAMMPS")]
     assert "| 15 (8..15) | >= 10 | PASS |" in comparison_table(comparisons(rows))
 
@@ -161,7 +161,7 @@ def vortex(method, l2, loop, across=50, code="tisph", quoted=False):
     return Measured("taylor_green_2", method, across, 1, 10, l2, (loop,), (), code, quoted)
 
 
-def test_with_as_many_particles_we_have_to_be_more_exact_and_faster():
+def test_with_as_many_particles_we_have_to_be_more_accurate_and_faster():
     edac = vortex("PySPH EDAC, 1 thread", 2e-2, 90.0, code="PySPH")
 
     def passed(l2, loop):

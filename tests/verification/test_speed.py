@@ -10,7 +10,7 @@ from tisph.studies.store import Store
 
 @pytest.mark.slow
 @pytest.mark.timeout(600)
-def test_the_implicit_scheme_reaches_an_error_ten_times_sooner(tmp_path):
+def test_the_implicit_scheme_reaches_an_error_ten_times_faster(tmp_path):
     store = Store(tmp_path)
     rows = []
     for point in points("channel", quick=True):

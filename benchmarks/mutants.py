@@ -57,7 +57,7 @@ TESTS = {
     "measures/wall_shear": [UNIT + "metrics_wall_shear", UNIT + "metrics*"],
     "measures/mean": [UNIT + "metrics*", UNIT + "verification*", CORE + "bodies_in_flow", CORE + "curved_walls"],
     "least_squares": [CORE + "least_squares", CORE + "multilevel", CORE + "viscous_solver", *IMPLICIT],
-    "least_squares/rows": [CORE + "least_squares", CORE + "curved_walls", *IMPLICIT],
+    "least_squares/operators": [CORE + "least_squares", CORE + "curved_walls", *IMPLICIT],
     "least_squares/lattice": [CORE + "multilevel", CORE + "viscous_solver"],
     "least_squares/multilevel": [CORE + "multilevel", CORE + "viscous_solver", CORE + "splitting"],
     "schemes": [UNIT + "scheme*", UNIT + "plan", *EXPLICIT],

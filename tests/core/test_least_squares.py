@@ -26,7 +26,7 @@ def assembled(shared):
 
 
 def rows_of(scheme):
-    """Rows (laplacian, along, across) and the vectors (x, y) that they go with, in spacings: (particles, capacity).
+    """Rows (laplacian, d_dx, d_dy) and the vectors (x, y) that they go with, in spacings: (particles, capacity).
 
     Both are 0 beyond the last neighbour.
     """
@@ -36,9 +36,9 @@ def rows_of(scheme):
     listed &= table != points.sentinel
     apart = place[np.where(listed, table, 0)] - place[: points.fluid, None]
     apart[..., 0] -= scheme.channel.length * np.round(apart[..., 0] / scheme.channel.length)
-    scales = {"laplacian": spacing**2, "along": spacing, "across": spacing}
+    scales = {"laplacian": spacing**2, "d_dx": spacing, "d_dy": spacing}
     rows = [
-        np.where(listed, view(getattr(scheme.rows, name))[: points.fluid], 0.0) * scale
+        np.where(listed, view(getattr(scheme.operators, name))[: points.fluid], 0.0) * scale
         for name, scale in scales.items()
     ]
     return rows, np.where(listed[..., None], apart, 0.0) / spacing
@@ -46,7 +46,7 @@ def rows_of(scheme):
 
 def errors(scheme, order):
     """Largest error of each particle's rows over all monomials x^a y^b, 1 <= a + b <= order, in spacings."""
-    (laplacian, along, across), apart = rows_of(scheme)
+    (laplacian, d_dx, d_dy), apart = rows_of(scheme)
     x, y = apart[..., 0], apart[..., 1]
     worst = np.zeros(len(x))
     for a in range(order + 1):
@@ -55,7 +55,7 @@ def errors(scheme, order):
                 continue
             values = x**a * y**b
             exact = (2.0 * ((a, b) in ((2, 0), (0, 2))), float((a, b) == (1, 0)), float((a, b) == (0, 1)))
-            for row, value in zip((laplacian, along, across), exact, strict=True):
+            for row, value in zip((laplacian, d_dx, d_dy), exact, strict=True):
                 worst = np.maximum(worst, np.abs((row * values).sum(axis=1) - value))
     return worst
 
@@ -69,7 +69,7 @@ ROUNDING = 1e-10
 def test_rows_are_exact_for_polynomials_up_to_their_order(assembled, order, jitter):
     scheme = assembled(f"scheme.operators.order={order}", jitter=jitter)
     assert errors(scheme, order).max() < ROUNDING
-    assert scheme.rows.reduced[None] == scheme.rows.dropped[None] == 0
+    assert scheme.operators.order_reduced[None] == scheme.operators.singular[None] == 0
 
 
 @pytest.mark.parametrize("order", [2, 4])
@@ -97,7 +97,7 @@ def give_neighbours(scheme, i, neighbours):
     table[i, :padded] = points.sentinel
     table[i, : len(neighbours)] = neighbours
     count[i] = padded
-    scheme.rows.assemble()
+    scheme.operators.assemble()
 
 
 def nearest(scheme, i, number):
@@ -111,7 +111,7 @@ CENTRE = 6 * 12 + 6
 
 def check_dropped(scheme, i, order):
     """Check that the rows of ``i`` are zero, and those of all others as they were."""
-    assert (scheme.rows.reduced[None], scheme.rows.dropped[None]) == (0, 1)
+    assert (scheme.operators.order_reduced[None], scheme.operators.singular[None]) == (0, 1)
     rows, _ = rows_of(scheme)
     for row in rows:
         assert np.all(np.isfinite(row))
@@ -124,7 +124,7 @@ def test_too_few_neighbours_for_order_four_leave_order_two(assembled, number):
     # 14 unknowns of order 4, 5 of order 2
     scheme = assembled(jitter=0.2)
     give_neighbours(scheme, CENTRE, nearest(scheme, CENTRE, number))
-    assert (scheme.rows.reduced[None], scheme.rows.dropped[None]) == (1, 0)
+    assert (scheme.operators.order_reduced[None], scheme.operators.singular[None]) == (1, 0)
     assert errors(scheme, 2)[CENTRE] < ROUNDING
     assert errors(scheme, 4)[CENTRE] > 1e-3
     assert np.delete(errors(scheme, 4), CENTRE).max() < ROUNDING
@@ -138,7 +138,7 @@ def test_neighbours_in_three_rows_leave_order_two(assembled):
     near = np.flatnonzero((apart[:, 0] < 2.5) & (apart[:, 1] < 1.5) & (apart.max(axis=1) > 0.5))
     assert len(near) == 14
     give_neighbours(scheme, CENTRE, near)
-    assert (scheme.rows.reduced[None], scheme.rows.dropped[None]) == (1, 0)
+    assert (scheme.operators.order_reduced[None], scheme.operators.singular[None]) == (1, 0)
     assert errors(scheme, 2)[CENTRE] < ROUNDING
 
 
@@ -168,16 +168,16 @@ def test_singular_neighbourhoods_are_counted_anew_each_time(assembled):
     scheme = assembled(jitter=0.2)
     for i in (CENTRE, CENTRE + 2):
         give_neighbours(scheme, i, nearest(scheme, i, 4))
-    assert scheme.rows.dropped[None] == 2
+    assert scheme.operators.singular[None] == 2
     scheme.assemble(0.0)
-    assert (scheme.rows.reduced[None], scheme.rows.dropped[None]) == (0, 0)
+    assert (scheme.operators.order_reduced[None], scheme.operators.singular[None]) == (0, 0)
 
 
 def matrix_of(scheme, parity):
     """The rows of the Laplacian as a square matrix; ghosts have ``parity`` times what their source has."""
     points = scheme.points
     table, count = view(points.neighbours), view(points.count)
-    rows, source = view(scheme.rows.laplacian), view(scheme.ghosts.source)
+    rows, source = view(scheme.operators.laplacian), view(scheme.ghosts.source)
     matrix = np.zeros((points.fluid, points.fluid))
     for i in range(points.fluid):
         for j, value in zip(table[i, : count[i]], rows[i, : count[i]], strict=True):
@@ -224,7 +224,7 @@ def test_the_solver_agrees_with_a_dense_one(assembled, order, coefficient, own, 
         coefficient *= scheme.channel.spacing**2
     matrix = own * np.eye(scheme.points.fluid) - coefficient * matrix_of(scheme, parity)
     b = np.random.default_rng(0).uniform(-1.0, 1.0, scheme.points.fluid)
-    solver = BiCGStab(scheme.rows, scheme.ghosts, parity)
+    solver = BiCGStab(scheme.operators, scheme.ghosts, parity)
     set_right_side(solver, b)
     assert solver.solve(coefficient, RESIDUAL, own=own, most=1000)
     # what a residual of this size can mean; the residual that the recursion carries is off by rounding of 1e-14 or so
@@ -262,7 +262,7 @@ def test_the_solution_as_a_guess_takes_no_iteration(assembled, counted):
 def test_the_solver_tells_when_it_has_not_converged(assembled, counted, most):
     scheme = assembled(jitter=0.2)
     b = np.random.default_rng(0).uniform(-1.0, 1.0, scheme.points.fluid)
-    solver = BiCGStab(scheme.rows, scheme.ghosts, -1.0)
+    solver = BiCGStab(scheme.operators, scheme.ghosts, -1.0)
     iterations = counted(solver)
     set_right_side(solver, b)
     assert solver.solve(100 * scheme.channel.spacing**2, RESIDUAL, most=most) is False

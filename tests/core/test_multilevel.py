@@ -14,7 +14,7 @@ def laplacian(scheme, values):
     table, count = view(points.neighbours)[:fluid], view(points.count)[:fluid]
     near = (np.arange(points.row_capacity) < count[:, None]) & (table < fluid)
     difference = values[np.where(near, table, 0)] - values[:, None]
-    return np.where(near, view(scheme.rows.laplacian)[:fluid] * difference, 0.0).sum(1)
+    return np.where(near, view(scheme.operators.laplacian)[:fluid] * difference, 0.0).sum(1)
 
 
 def solve_pressure(scheme, source, tolerance):

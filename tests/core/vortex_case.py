@@ -4,7 +4,7 @@ import numpy as np
 from kept_program import kept
 
 from tisph import runtime
-from tisph.least_squares import rows
+from tisph.least_squares import operators
 from tisph.schemes._splitting._flow import PeriodicFlow
 from tisph.schemes._splitting._scheme import COURANT, TOLERANCE, Scheme
 from tisph.schemes._splitting._step_limits import step_control
@@ -36,7 +36,7 @@ def make(number, *, jitter=0.2, wind=(0, 0), targets=(1.0,), threads=1, precisio
 
     What was returned before is used again where it has as many particles, unless ``fresh``.
     """
-    key = number, cells, threads, precision, rows.FEW
+    key = number, cells, threads, precision, operators.FEW
     scheme = _built.get(key)
     if fresh or scheme is None or scheme.built != kept.starts:
         _built.clear()

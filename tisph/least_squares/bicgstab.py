@@ -4,7 +4,7 @@ H. A. van der Vorst, SIAM J. Sci. Stat. Comput. 13 (1992) 631-644, with the diag
 fixed order, so that the result does not depend on the number of threads.
 """
 
-from tisph.least_squares.rows import LANES
+from tisph.least_squares.operators import LANES
 from tisph.runtime import real, scalar, ti, view
 
 MOST_ITERATIONS = 200
@@ -19,7 +19,7 @@ class BiCGStab:
     """
 
     def __init__(self, rows, ghosts, parity):
-        self.rows, self.ghosts, self.points = rows, ghosts, rows.points
+        self.operators, self.ghosts, self.points = rows, ghosts, rows.points
         self.parity = parity
         padded, slots = -(-self.points.capacity // LANES) * LANES, self.points.slots + 1
         self.x, self.search, self.half = (ti.field(real(), slots) for _ in range(3))
@@ -43,7 +43,9 @@ class BiCGStab:
     @ti.func
     def product(self, values, i):
         """Return row ``i`` of (own - coefficient A) times ``values``."""
-        return self.own[None] * values[i] - self.coefficient[None] * self.rows.apply(self.rows.laplacian, values, i)
+        return self.own[None] * values[i] - self.coefficient[None] * self.operators.apply(
+            self.operators.laplacian, values, i
+        )
 
     @ti.func
     def reflect(self, values, k):
@@ -71,9 +73,9 @@ class BiCGStab:
         """Residual of the guess and its ``norm``, inverse diagonal, and the ``size`` |b|."""
         particles = self.points.particles[None]
         self.spread(self.x, particles)
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(particles):
-            self.inverse[i] = 1.0 / (self.own[None] - self.coefficient[None] * self.rows.diagonal[i])
+            self.inverse[i] = 1.0 / (self.own[None] - self.coefficient[None] * self.operators.diagonal[i])
             residual = self.b[i] - self.product(self.x, i)
             self.residual[i] = residual
             self.shadow[i] = residual
@@ -92,24 +94,24 @@ class BiCGStab:
     def iterate(self):
         """One iteration: two products, five sums."""
         particles = self.points.particles[None]
-        ti.loop_config(serialize=self.rows.serial_numbers)
+        ti.loop_config(serialize=self.operators.serial_numbers)
         for i in range(particles):
             direction = self.residual[i] + self.beta[None] * (self.direction[i] - self.omega[None] * self.along[i])
             self.direction[i] = direction
             self.search[i] = self.inverse[i] * direction
         self.spread(self.search, particles)
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(particles):
             self.along[i] = self.product(self.search, i)
         ti.loop_config(serialize=True)
         for _ in range(1):
             self.alpha[None] = self.rho[None] / self.dot(self.shadow, self.along)
-        ti.loop_config(serialize=self.rows.serial_numbers)
+        ti.loop_config(serialize=self.operators.serial_numbers)
         for i in range(particles):
             self.residual[i] -= self.alpha[None] * self.along[i]
             self.half[i] = self.inverse[i] * self.residual[i]
         self.spread(self.half, particles)
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(particles):
             self.across[i] = self.product(self.half, i)
         ti.loop_config(serialize=True)
@@ -117,7 +119,7 @@ class BiCGStab:
             size = self.dot(self.across, self.across)
             # nothing is left where the first half of the iteration has met the solution
             self.omega[None] = self.dot(self.across, self.residual) / size if size > 0.0 else 0.0
-        ti.loop_config(serialize=self.rows.serial_numbers)
+        ti.loop_config(serialize=self.operators.serial_numbers)
         for i in range(particles):
             self.x[i] += self.alpha[None] * self.search[i] + self.omega[None] * self.half[i]
             self.residual[i] -= self.omega[None] * self.across[i]

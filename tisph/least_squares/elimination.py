@@ -1,6 +1,6 @@
 """Index tables of the least-squares systems: which sums of powers fill them, and how they are eliminated.
 
-Plain lists of numbers for the loops of ``rows.py``.
+Plain lists of numbers for the loops of ``operators.py``.
 """
 
 
@@ -34,7 +34,7 @@ def moment_of_entries(order):
     return [moments[(x + a, y + b)] for i, (x, y) in enumerate(unknowns) for a, b in unknowns[: i + 1]]
 
 
-def units(order, scale):
+def targets(order, scale):
     """Return what the Laplacian, d/dx and d/dy ask for of each unknown, lengths being in units of 1/``scale``."""
     degrees = [{(2, 0): 2, (0, 2): 2}, {(1, 0): 1}, {(0, 1): 1}]
     numbers = {2: 2.0 * scale * scale, 1: scale, None: 0.0}

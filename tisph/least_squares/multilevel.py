@@ -10,7 +10,7 @@ that takes: all residuals lose their mean. Sums run block by block in a fixed or
 number of threads.
 """
 
-from tisph.least_squares.rows import CHUNK
+from tisph.least_squares.operators import CHUNK
 from tisph.runtime import real, scalar, threads, ti, view
 
 MOST_ITERATIONS = 100
@@ -31,7 +31,7 @@ class MultilevelSolver:
     """
 
     def __init__(self, rows, lattice, width, floating=False, ghosts=None):
-        self.rows, self.lattice, self.points, self.ghosts = rows, lattice, rows.points, ghosts
+        self.operators, self.lattice, self.points, self.ghosts = rows, lattice, rows.points, ghosts
         self.floating, self.closed = floating, ghosts is not None
         self.number = self.points.particles if floating else self.points.n_fluid
         self.serial = rows.serial_light
@@ -92,7 +92,9 @@ class MultilevelSolver:
     @ti.func
     def product(self, values: ti.template(), i):
         """Return row ``i`` of (own - coefficient A) times ``values``."""
-        return self.own[None] * values[i] - self.coefficient[None] * self.rows.apply(self.rows.laplacian, values, i)
+        return self.own[None] * values[i] - self.coefficient[None] * self.operators.apply(
+            self.operators.laplacian, values, i
+        )
 
     @ti.func
     def blocks(self, turn, particles):
@@ -134,7 +136,7 @@ class MultilevelSolver:
             for block in range(first, last):
                 part, total = ti.Vector([0.0, 0.0, 0.0]), 0.0 * self.b[0]
                 for i in range(block * BLOCK, self.end(block, particles)):
-                    self.inverse[i] = 1.0 / (self.own[None] - self.coefficient[None] * self.rows.diagonal[i])
+                    self.inverse[i] = 1.0 / (self.own[None] - self.coefficient[None] * self.operators.diagonal[i])
                     residual = self.b[i] - self.product(self.x, i)
                     self.residual[i] = residual
                     total += residual

@@ -110,9 +110,9 @@ class _Operators:
         self.heights = (np.arange(rows) + 0.5) * spacing
         self.depths = (np.arange(self.layers) + 0.5) * spacing
         self.extended = {"laplacian": self._banded(laplacian / spacing**2, rows)}
-        self.extended["across"] = self._banded(across / spacing, rows)
+        self.extended["d_dy"] = self._banded(across / spacing, rows)
         self.odd_laplacian = self._closed("laplacian", -1.0)
-        self.across = {parity: self._closed("across", parity) for parity in (-1.0, 1.0)}
+        self.across = {parity: self._closed("d_dy", parity) for parity in (-1.0, 1.0)}
 
     def _banded(self, weights, rows):
         """Return the rows of an operator (rows, rows and the layers beyond both walls)."""
@@ -151,7 +151,7 @@ class _Operators:
 
     def images(self, side, slope, third):
         """Return what D S has more by the first and third derivative of the stress at a wall."""
-        below, _, above = self._parts("across")
+        below, _, above = self._parts("d_dy")
         if self.turned[side] < 0.0:
             more = 2.0 * slope + self.depths**2 * third
             return product(below[:, ::-1], more) if side == 0 else product(above, more)

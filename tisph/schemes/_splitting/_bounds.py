@@ -34,7 +34,7 @@ class Bounds:
     def __init__(self, flow, history, shift, support, skin):
         self.flow, self.walls, self.support, self.skin = flow, flow.walls, support, skin * flow.spacing
         self.history, self.points, self.shift = history, history.points, shift
-        self.closure = Closure(history.rows, flow.walls, flow.spacing)
+        self.closure = Closure(history.operators, flow.walls, flow.spacing)
         self.slots = slice(flow.n_fluid, flow.particles)
         self.corners = Corners(flow.corners, flow.origin, history) if flow.corners else None
         self.twists, self.loads, self.normals = [], [], []
@@ -46,13 +46,15 @@ class Bounds:
         place, self.normal, self.velocity = self.walls.at(time)
         places[self.slots] = place % [self.flow.length, self.flow.height]
         planes, distances, curvatures = self.walls.seen(places[: self.flow.particles], time)
-        if self.history.rows.curved:
-            view(self.history.rows.bend)[: self.flow.particles] = self.walls.bend(planes, distances, curvatures)
+        if self.history.operators.curved:
+            view(self.history.operators.polar_map)[: self.flow.particles] = self.walls.bend(
+                planes, distances, curvatures
+            )
         view(self.shift.planes)[: self.flow.n_fluid] = planes[: self.flow.n_fluid]
         spacing = self.flow.spacing
         stretch = self.walls.stretch(distances, self.support)
         stretch[self.slots] += FARTHEST / self.support
-        view(self.history.rows.stretch)[: self.flow.particles] = stretch
+        view(self.history.operators.support_factor)[: self.flow.particles] = stretch
         view(self.points.radius)[: self.flow.particles] = self.support * stretch * spacing + self.skin
 
     def close(self):

@@ -20,8 +20,8 @@ class Closure:
     particle: with it a constant pressure is left by the equations of particles and points alike.
     """
 
-    def __init__(self, rows, walls, spacing):
-        self.rows, self.points = rows, rows.points
+    def __init__(self, operators, walls, spacing):
+        self.operators, self.points = operators, operators.points
         vector, most = ti.types.vector(2, real()), self.points.capacity
         self.normal = ti.field(vector, most)
         self.twist, self.vorticity = (ti.field(real(), size) for size in (most, self.points.slots + 1))
@@ -30,33 +30,33 @@ class Closure:
         self.weight = holding(ti.field(real(), most), weight)
 
     def place(self, normal):
-        """Take up the normals of the points, and turn their rows to the pressure's slope."""
+        """Take up the normals of the points, and turn their operators to the normal derivative of the pressure."""
         view(self.normal)[self.slots] = normal
         self.turn()
 
     @ti.kernel
     def turn(self):
-        """Let the rows of the Laplacian be those of the slope along the normal times the weight."""
-        ti.loop_config(serialize=self.rows.serial_light)
+        """Let the operators of the Laplacian be those of the normal derivative times the weight."""
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None], self.points.particles[None]):
             normal, total = self.weight[i] * self.normal[i], 0.0
             for k in range(self.points.count[i]):
-                slope = normal.x * self.rows.along[i, k] + normal.y * self.rows.across[i, k]
-                self.rows.laplacian[i, k] = slope
+                slope = normal.x * self.operators.d_dx[i, k] + normal.y * self.operators.d_dy[i, k]
+                self.operators.laplacian[i, k] = slope
                 total += slope
-            self.rows.diagonal[i] = -total
+            self.operators.diagonal[i] = -total
 
     @ti.kernel
     def spin(self, velocity: ti.template()):
         """Take up the vorticity of the velocities, and the normal part of its curl at the points."""
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
             own, total = velocity[i], 0.0
             for k in range(self.points.count[i]):
                 apart = velocity[self.points.neighbours[i, k]] - own
-                total += self.rows.along[i, k] * apart.y - self.rows.across[i, k] * apart.x
+                total += self.operators.d_dx[i, k] * apart.y - self.operators.d_dy[i, k] * apart.x
             self.vorticity[i] = total
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None], self.points.particles[None]):
             self.twist[i] = self.curl(i)
 
@@ -65,7 +65,7 @@ class Closure:
         """Return the normal part of the vorticity's curl at a point."""
         own, normal, total = self.vorticity[i], self.normal[i], 0.0
         for k in range(self.points.count[i]):
-            slope = normal.x * self.rows.across[i, k] - normal.y * self.rows.along[i, k]
+            slope = normal.x * self.operators.d_dy[i, k] - normal.y * self.operators.d_dx[i, k]
             total += slope * (self.vorticity[self.points.neighbours[i, k]] - own)
         return total
 

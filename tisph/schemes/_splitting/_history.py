@@ -14,25 +14,25 @@ CARRIED = 2 * VELOCITIES + PRESSURES
 
 
 @ti.func
-def slopes(rows: ti.template(), values: ti.template(), i):
-    """Return the derivatives along and across of the ``values`` at a particle, by least-squares ``rows``."""
+def slopes(operators: ti.template(), values: ti.template(), i):
+    """Return the derivatives along and across of the ``values`` at a particle, by least-squares ``operators``."""
     own = values[i]
     along, across = 0.0 * own, 0.0 * own
-    for k in range(rows.points.count[i]):
-        difference = values[rows.points.neighbours[i, k]] - own
-        along += rows.along[i, k] * difference
-        across += rows.across[i, k] * difference
+    for k in range(operators.points.count[i]):
+        difference = values[operators.points.neighbours[i, k]] - own
+        along += operators.d_dx[i, k] * difference
+        across += operators.d_dy[i, k] * difference
     return along, across
 
 
 @ti.func
-def change(rows: ti.template(), along: ti.template(), across: ti.template(), i, moved):
+def change(operators: ti.template(), along: ti.template(), across: ti.template(), i, moved):
     """Return by how much fields with these slopes differ where a particle was ``moved`` to, to second order."""
     own = moved.x * along[i] + moved.y * across[i]
     result = own
-    for k in range(rows.points.count[i]):
-        j = rows.points.neighbours[i, k]
-        weight = moved.x * rows.along[i, k] + moved.y * rows.across[i, k]
+    for k in range(operators.points.count[i]):
+        j = operators.points.neighbours[i, k]
+        weight = moved.x * operators.d_dx[i, k] + moved.y * operators.d_dy[i, k]
         result += 0.5 * weight * (moved.x * along[j] + moved.y * across[j] - own)
     return result
 
@@ -47,8 +47,8 @@ class History:
     (fluid) is that of a particle at the start: they change places in memory.
     """
 
-    def __init__(self, rows, shift):
-        self.rows, self.points, self.shift = rows, rows.points, shift
+    def __init__(self, operators, shift):
+        self.operators, self.points, self.shift = operators, operators.points, shift
         kind = ti.types.vector(CARRIED, real())
         self.position = self.points.field(ti.types.vector(2, real()))
         self.carried = ti.field(kind, self.points.slots + 1)
@@ -64,7 +64,7 @@ class History:
     @ti.kernel
     def predict(self):
         """Put the points where the particles are at the end of a step, by the weights ``path`` of their velocities."""
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None]):
             place = self.position[i]
             for age in ti.static(range(VELOCITIES)):
@@ -93,9 +93,9 @@ class History:
     def measure(self):
         """Take up the slopes of all that is carried, and the divergence of the newest velocities."""
         particles = self.points.particles[None]
-        ti.loop_config(serialize=self.rows.serial)
+        ti.loop_config(serialize=self.operators.serial)
         for i in range(particles):
-            along, across = slopes(self.rows, self.carried, i)
+            along, across = slopes(self.operators, self.carried, i)
             self.along[i], self.across[i] = along, across
             self.divergence[i] = along[0] + across[1]
         ti.loop_config(serialize=True)
@@ -128,11 +128,11 @@ class History:
 
     @ti.kernel
     def settle(self):
-        """Take up the places of the points, moved since the rows were made, and let all that is carried follow."""
+        """Take up the positions of the points, which have moved, and transfer all fields to them."""
         particles = self.points.particles[None]
-        ti.loop_config(serialize=self.rows.serial)
+        ti.loop_config(serialize=self.operators.serial)
         for i in range(particles):
-            self.carried[i] += change(self.rows, self.along, self.across, i, self.shift.moved[i])
+            self.carried[i] += change(self.operators, self.along, self.across, i, self.shift.moved[i])
             self.position[i] = self.points.domain.wrap(self.points.position[i])
 
     def tidy(self, others):

@@ -41,7 +41,7 @@ class Polymer:
     """``tensors`` (fluid): P of all modes at the ends of the last steps, newest first."""
 
     def __init__(self, history, flow):
-        self.history, self.rows, self.points = history, history.rows, history.points
+        self.history, self.operators, self.points = history, history.operators, history.points
         self.walls, self.n_fluid, self.origin, self.spacing = flow.walls, flow.n_fluid, flow.origin, flow.spacing
         self.initial_deviations = flow.initial_deviations
         self.modes = Modes(flow.rheology, flow.kinematic_viscosity, deviation)
@@ -157,24 +157,24 @@ class Polymer:
     @ti.kernel
     def measure(self, velocity: ti.template()):
         """Velocity gradients at all points: du/dx, du/dy, dv/dx, dv/dy."""
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
-            along, across = slopes(self.rows, velocity, i)
+            along, across = slopes(self.operators, velocity, i)
             self.gradient[i] = [along.x, across.x, along.y, across.y]
 
     @ti.kernel
     def incline(self):
         """Slopes of P at the end of a step."""
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
-            self.now_along[i], self.now_across[i] = slopes(self.rows, self.now, i)
+            self.now_along[i], self.now_across[i] = slopes(self.operators, self.now, i)
 
     @ti.kernel
     def push(self, known: ti.template(), length: float):
         """Divergence of the stress beyond that of the implicit viscosity, in place of the one of the last turn."""
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
-            along, across = slopes(self.rows, self.strained, i)
+            along, across = slopes(self.operators, self.strained, i)
             force = self.pull[i] - ti.Vector([along[0] + across[1], along[1] + across[2]])
             known[i] += length * (force - self.force[i])
             self.force[i] = force
@@ -182,13 +182,13 @@ class Polymer:
     @ti.kernel
     def slope(self):
         """Slopes of all that is carried."""
-        ti.loop_config(serialize=self.rows.serial)
+        ti.loop_config(serialize=self.operators.serial)
         for i in range(self.points.particles[None]):
-            self.along[i], self.across[i] = slopes(self.rows, self.tensors, i)
+            self.along[i], self.across[i] = slopes(self.operators, self.tensors, i)
 
     @ti.kernel
     def settle(self):
         """Let all that is carried follow a shift."""
-        ti.loop_config(serialize=self.rows.serial)
+        ti.loop_config(serialize=self.operators.serial)
         for i in range(self.points.particles[None]):
-            self.tensors[i] += change(self.rows, self.along, self.across, i, self.history.shift.moved[i])
+            self.tensors[i] += change(self.operators, self.along, self.across, i, self.history.shift.moved[i])

@@ -7,7 +7,7 @@ import numpy as np
 from tisph.errors import DivergedError
 from tisph.least_squares import SKIN
 from tisph.least_squares.lattice import Lattice
-from tisph.least_squares.rows import LeastSquaresRows
+from tisph.least_squares.operators import LeastSquaresOperators
 from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.periodic import PeriodicDomain
 from tisph.runtime import integer, real, ti, view
@@ -76,10 +76,10 @@ class Scheme:
         self.points = PointCloud(flow, PeriodicDomain(flow.length, flow.height), reach, 0, serial)
         # in polar coordinates points lie in layers: near walls rows then have 70 times the rounding errors
         curved = bounded and flow.walls.curved and real() == ti.f64
-        self.rows = LeastSquaresRows(self.points, SUPPORT * flow.spacing, 4, SMALLEST_PIVOT, bounded, curved)
+        self.operators = LeastSquaresOperators(self.points, SUPPORT * flow.spacing, 4, SMALLEST_PIVOT, bounded, curved)
         self.lattice = Lattice(self.points, flow, flow.height)
         self.shift = Shift(self.points, flow.spacing, SEEN if bounded else 0)
-        self.history = History(self.rows, self.shift)
+        self.history = History(self.operators, self.shift)
         self.bounds = None
         if bounded:
             self.points.n_fluid = integer(flow.n_fluid)
@@ -194,7 +194,7 @@ class Scheme:
         needed = self.points.overflow()
         if needed:
             raise clustered(f"neighbours of a particle ({needed})", self.steps + 1, self.time)
-        self.rows.assemble()
+        self.operators.assemble()
         self.lattice.sort()
         if self.bounds:
             self.bounds.close()
@@ -232,8 +232,8 @@ class Scheme:
         self.control.step_taken(self.time, self.speed)
         self.steps += 1
         self.shortest, self.longest = min(self.shortest, length), max(self.longest, length)
-        self.reduced += int(view(self.rows.reduced))
-        self.dropped += int(view(self.rows.dropped))
+        self.reduced += int(view(self.operators.order_reduced))
+        self.dropped += int(view(self.operators.singular))
         self.iterations = [sum(pair) for pair in zip(self.iterations, self.split.iterations, strict=True)]
 
     def output_times(self, due):

@@ -34,14 +34,14 @@ class Split:
     """
 
     def __init__(self, history, lattice, flow, closure=None, polymer=None):
-        self.history, self.rows, self.points = history, history.rows, history.points
+        self.history, self.operators, self.points = history, history.operators, history.points
         vector = ti.types.vector(2, real())
         self.spacing, self.closure, self.bounded = flow.spacing, closure, closure is not None
         self.polymer = polymer
         self.driven = any(flow.acceleration)
         self.acceleration = holding(ti.field(vector, ()), flow.acceleration)
-        self.pressure = MultilevelSolver(self.rows, lattice, 1, floating=True)
-        self.velocity = MultilevelSolver(self.rows, lattice, 2)
+        self.pressure = MultilevelSolver(self.operators, lattice, 1, floating=True)
+        self.velocity = MultilevelSolver(self.operators, lattice, 2)
         self.known, self.expected = (ti.field(vector, self.points.slots + 1) for _ in range(2))
         self.back, self.ahead = (holding(ti.field(real(), VELOCITIES), 0.0) for _ in range(2))
         self.ahead_pressure = holding(ti.field(real(), PRESSURES), 0.0)
@@ -103,18 +103,18 @@ class Split:
     @ti.kernel
     def jolt(self):
         """Right side of the equation for the impulse."""
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
             self.pressure.x[i] = [0.0]
             self.pressure.b[i] = [0.0]
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None], self.points.particles[None]):
             self.pressure.b[i] = [self.closure.right_side(i, -self.velocity.x[i], 0.0)]
 
     @ti.kernel
     def yield_way(self):
         """Let the impulse change the velocities that the particles carry."""
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None]):
             slope = self.slope(i)
             self.history.carried[i][0] -= slope.x
@@ -126,13 +126,13 @@ class Split:
         own, slope = self.pressure.x[i][0], ti.Vector([0.0, 0.0])
         for k in range(self.points.count[i]):
             difference = self.pressure.x[self.points.neighbours[i, k]][0] - own
-            slope += difference * ti.Vector([self.rows.along[i, k], self.rows.across[i, k]])
+            slope += difference * ti.Vector([self.operators.d_dx[i, k], self.operators.d_dy[i, k]])
         return slope
 
     @ti.kernel
     def twist(self):
         """Right side of the pressure's equation at the start."""
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
             along, across = self.history.along[i], self.history.across[i]
             self.pressure.b[i] = [along[0] ** 2 + 2.0 * across[0] * along[1] + across[1] ** 2]
@@ -141,14 +141,14 @@ class Split:
     @ti.kernel
     def lay(self):
         """Let the particles carry the pressure."""
-        ti.loop_config(serialize=self.rows.serial_numbers)
+        ti.loop_config(serialize=self.operators.serial_numbers)
         for i in range(self.points.particles[None]):
             self.history.carried[i][2 * VELOCITIES] = self.pressure.x[i][0]
 
     @ti.kernel
     def look_back(self):
         """Sum the velocities that were."""
-        ti.loop_config(serialize=self.rows.serial_numbers)
+        ti.loop_config(serialize=self.operators.serial_numbers)
         for i in range(self.points.particles[None]):
             known, expected = ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0])
             for age in ti.static(range(VELOCITIES)):
@@ -165,18 +165,18 @@ class Split:
     @ti.kernel
     def divide(self, length: float, kept: float):
         """Right side of the pressure's equation."""
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None]):
             own, divergence = self.known[i], 0.0
             for k in range(self.points.count[i]):
                 difference = self.known[self.points.neighbours[i, k]] - own
-                divergence += self.rows.along[i, k] * difference.x + self.rows.across[i, k] * difference.y
+                divergence += self.operators.d_dx[i, k] * difference.x + self.operators.d_dy[i, k] * difference.y
             self.pressure.b[i] = [(kept * self.history.divergence[i] - divergence) / length]
 
     @ti.kernel
     def bound(self, length: float, leading: float, viscosity: float):
         """Right side of the pressure's equation at walls, where the velocities at the end are known."""
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None], self.points.particles[None]):
             push = (self.known[i] - leading * self.velocity.x[i]) / length + self.acceleration[None]
             self.pressure.b[i] = [self.closure.right_side(i, push, viscosity)]
@@ -184,7 +184,7 @@ class Split:
     @ti.kernel
     def push(self, length: float):
         """Right side of the velocities' equation."""
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None]):
             slope = self.slope(i)
             if ti.static(self.driven):
@@ -205,6 +205,6 @@ class Split:
     @ti.kernel
     def take_up(self):
         """Let the particles carry what was found."""
-        ti.loop_config(serialize=self.rows.serial_numbers)
+        ti.loop_config(serialize=self.operators.serial_numbers)
         for i in range(self.points.particles[None]):
             self.history.renew(i, self.velocity.x[i], self.pressure.x[i][0])

@@ -22,7 +22,7 @@ class Across:
     """
 
     def __init__(self, rows, ghosts, channel):
-        self.rows, self.points, self.ghosts = rows, rows.points, ghosts
+        self.operators, self.points, self.ghosts = rows, rows.points, ghosts
         self.spacing, self.number = channel.spacing, channel.rows
         self.alike = False
 
@@ -48,7 +48,7 @@ class Across:
         ghosts[...] = self.ghosts.sign()
         self.others, self.even = source[table], signs[table]
         self.odd = np.where(table >= self.points.capacity, -self.even, self.even)
-        self.laplacian, self.inverted = self.matrix(self.rows.laplacian, self.odd), None
+        self.laplacian, self.inverted = self.matrix(self.operators.laplacian, self.odd), None
 
     def _first(self, most):
         """Return up to ``most`` particles of each row."""
@@ -91,7 +91,7 @@ class ElasticAcross(Across):
         """Take up the operators, for the present places of the particles."""
         self.sort()
         super().assemble(seen)
-        self.slope, self.even_slope = (self.matrix(self.rows.across, sign) for sign in (self.odd, self.even))
+        self.slope, self.even_slope = (self.matrix(self.operators.d_dy, sign) for sign in (self.odd, self.even))
 
     def correction(self, residual, coefficient, tangent):
         """Return what to add to velocities (fluid) with this ``residual`` of (1 - coefficient A - D tangent D) x."""

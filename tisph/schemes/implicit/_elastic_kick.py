@@ -44,7 +44,7 @@ def _changes(stages, side, jump, rate, liquid):
     fourth = 0.0, 0.0, 1.0 / (12.0 * nu**2)  # of the series, for U'' = 1
     # for U' = 1, of the solvent, and with the stress that pulls back, by its own and its slope's part
     alone, direct = (0.0, 1.0 / nu, 0.0), (0.0, 1.0 / nu, -modulus / (6.0 * nu**3))
-    velocity_2, sheared_2, third_2 = nu * spread("laplacian", *fourth), spread("across", *fourth), pull / nu**2
+    velocity_2, sheared_2, third_2 = nu * spread("laplacian", *fourth), spread("d_dy", *fourth), pull / nu**2
     plain, velocity = (
         nu * (spread("laplacian", *series) + operators.laplacian(velocity_2)) for series in (alone, direct)
     )
@@ -52,7 +52,7 @@ def _changes(stages, side, jump, rate, liquid):
     if jump != 0.0 and np.abs(velocity - plain).max() > np.abs(plain).max():
         total = nu - stress @ np.linalg.solve(decay, pull)
         return jump * plain + rate * nu / total * velocity_2, 0.0, 0.0
-    sheared = spread("across", *direct) + operators.slopes(velocity_2, -1.0)
+    sheared = spread("d_dy", *direct) + operators.slopes(velocity_2, -1.0)
     stages.walls.first[side] += jump * pull / nu
     falling = (decay - np.outer(pull, stress) / nu) @ third_2 - modulus / nu * third_2
     stages.walls.third[side] += jump * falling + rate * third_2

@@ -31,9 +31,9 @@ class ElasticSolver(BiCGStab):
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
             self.reflect(values, k)
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(particles):
-            self.pull[i] = self.tangent[i] * self.rows.apply(self.rows.across, values, i)
+            self.pull[i] = self.tangent[i] * self.operators.apply(self.operators.d_dy, values, i)
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
             self.reflect_pull(k)
@@ -51,8 +51,8 @@ class ElasticSolver(BiCGStab):
             for lane in ti.static(range(LANES)):  # both sums at once: what they read is the same
                 k = group * LANES + lane
                 j = self.points.neighbours[i, k]
-                viscous = self.coefficient[None] * self.rows.laplacian[i, k] * (values[j] - own)
-                total += viscous + self.rows.across[i, k] * (self.pull[j] - pulled)
+                viscous = self.coefficient[None] * self.operators.laplacian[i, k] * (values[j] - own)
+                total += viscous + self.operators.d_dy[i, k] * (self.pull[j] - pulled)
         return self.own[None] * own - total
 
     def solve(self, coefficient, tolerance):
@@ -100,26 +100,26 @@ class ElasticSolver(BiCGStab):
     def curve(self):
         """Compute the Laplacian of what has been laid out."""
         particles = self.points.particles[None]
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(particles):
-            self.found[i] = self.rows.apply(self.rows.laplacian, self.pull, i)
+            self.found[i] = self.operators.apply(self.operators.laplacian, self.pull, i)
 
     @ti.kernel
     def differentiate(self):
         """Compute d/dy of what has been laid out."""
         particles = self.points.particles[None]
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(particles):
-            self.found[i] = self.rows.apply(self.rows.across, self.pull, i)
+            self.found[i] = self.operators.apply(self.operators.d_dy, self.pull, i)
 
     def given(self, name, series):
-        """Return what the ``series`` of the images beyond both walls add to "laplacian" or "across" (fluid)."""
+        """Return what the ``series`` of the images beyond both walls add to "laplacian" or "d_dy" (fluid)."""
         self.ghosts.prescribe(*series)
-        return self.from_images(getattr(self.rows, name), self.ghosts.given())
+        return self.from_images(getattr(self.operators, name), self.ghosts.given())
 
     def images(self, side, slope, third):
         """Return what D S has more by the first and third derivative of the stress at a wall (fluid)."""
-        return self.from_images(self.rows.across, self.more(side, slope, third))
+        return self.from_images(self.operators.d_dy, self.more(side, slope, third))
 
     def more(self, side, slope, third):
         """Return what each image beyond one wall has of the stress more than its source (ghosts)."""

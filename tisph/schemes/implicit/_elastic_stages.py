@@ -10,7 +10,7 @@ What A and D are is left to ``operators``: rows of particles (``_elastic_solver.
 (``schemes/_forecast/elastic_rows.py``). They have
 
     laplacian(values), slopes(values, parity)  A and D, of values whose mirror images have ``parity`` times theirs
-    given(name, series)                        what the walls' series of velocities add to "laplacian" or "across"
+    given(name, series)                        what the walls' series of velocities add to "laplacian" or "d_dy"
     images(side, slope, third)                 what D S has more by the derivatives of the stress at a wall
     solve(coefficient, tangent, right, guess, tolerance)  (1 - coefficient A - D tangent D) x = right; None if it fails
     at_walls(values)                           coefficients of polynomials in the distance from the (bottom, top) wall
@@ -127,7 +127,7 @@ class ElasticStages:
         for _ in range(MOST_REPETITIONS):
             state, slope = memory.respond(known_state, implicit, shear_rate, state)
             stress = memory.shear_stress(state, shear_rate)
-            given = self.operators.given("across", self.walls(moment))
+            given = self.operators.given("d_dy", self.walls(moment))
             right = known + implicit * self.drive(moment, stress + slope * (given - shear_rate))
             velocity = self.operators.answer(implicit * self.viscosity, implicit * slope, right, velocity, tolerance)
             if velocity is None:
@@ -171,7 +171,7 @@ class ElasticStages:
 
     def sheared(self, velocity, time):
         """Return du/dy of ``velocity`` at ``time``."""
-        return self.operators.slopes(velocity, -1.0) + self.operators.given("across", self.walls(time))
+        return self.operators.slopes(velocity, -1.0) + self.operators.given("d_dy", self.walls(time))
 
     def near_walls(self, flow):
         """Return C and du/dy of the liquid at each wall (2, components + 1), by polynomials through what is near."""

@@ -20,5 +20,5 @@ class ElasticWallForce(WallForce):
         images = self.viscous.solver.lay(stress, 1.0) + more
         # rows of a first derivative are odd: what pairs of particles leave of each other is the row sum over the images
         both = images[ghosts.listed] + stress[ghosts.near[ghosts.row]]
-        solvent = self.channel.solvent_viscosity * ghosts.sums(self.rows.laplacian, differences)[1]
-        return solvent + ghosts.sums(self.rows.across, both)[1]
+        solvent = self.channel.solvent_viscosity * ghosts.sums(self.operators.laplacian, differences)[1]
+        return solvent + ghosts.sums(self.operators.d_dy, both)[1]

@@ -20,7 +20,12 @@ class VelocityField:
     """
 
     def __init__(self, viscous):
-        self.viscous, self.rows, self.ghosts, self.points = viscous, viscous.rows, viscous.ghosts, viscous.points
+        self.viscous, self.operators, self.ghosts, self.points = (
+            viscous,
+            viscous.operators,
+            viscous.ghosts,
+            viscous.points,
+        )
         self.slope = self.points.field(ti.types.vector(2, real()), 2)
         self.curvature = self.points.field(ti.types.vector(3, real()), 2)
         self.volume = self.points.field(real())
@@ -77,10 +82,10 @@ class VelocityField:
     def differentiate(self):
         """Compute the gradients of ``values``."""
         particles = self.points.particles[None]
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(particles):
-            along = self.rows.apply(self.rows.along, self.values, i)
-            across = self.rows.apply(self.rows.across, self.values, i)
+            along = self.operators.apply(self.operators.d_dx, self.values, i)
+            across = self.operators.apply(self.operators.d_dy, self.values, i)
             self.found[i] = [[along[0], across[0]], [along[1], across[1]]]
 
     @ti.kernel
@@ -91,10 +96,10 @@ class VelocityField:
         of the explicit scheme is diffused, so are the volumes here: what is larger than a neighbourhood stays.
         """
         particles = self.points.particles[None]
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(particles):
             self.volumes[i] = self.volume[i] + length * (self.slope[0, i].x + self.slope[1, i].y)
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(particles):
             total, number = 0.0, 0
             for k in range(self.points.count[i]):

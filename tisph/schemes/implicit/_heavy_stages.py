@@ -67,7 +67,7 @@ class HeavyStages(DrivenStages):
         own, stress = self.plate.response()
         series = [[0.0] * 3, [0.0] * 3]
         series[side] = own
-        given = operators.given("across", series)
+        given = operators.given("d_dy", series)
         right = self.viscosity * operators.given("laplacian", series)
         right += operators.slopes(slope * given, 1.0) + operators.images(side, *stress)
         found = operators.answer(

@@ -20,7 +20,7 @@ class Projection:
     """``pressure`` (fluid), over the density, of one arrangement of points; ``solver`` comes with the first use."""
 
     def __init__(self, viscous, field, gap):
-        self.viscous, self.field, self.rows, self.ghosts = viscous, field, viscous.rows, viscous.ghosts
+        self.viscous, self.field, self.operators, self.ghosts = viscous, field, viscous.operators, viscous.ghosts
         self.points = viscous.points
         self.shift = SINGULAR / gap**2
         self.pressure = self.points.field(real())
@@ -32,7 +32,7 @@ class Projection:
     def lay(self):
         """Put the pressure and its mirror images where gradients are taken from."""
         particles = self.points.particles[None]
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(particles):
             self.values[i] = self.pressure[i]
         ti.loop_config(serialize=True)
@@ -43,21 +43,21 @@ class Projection:
     def push(self, component: ti.i32):
         """Take the gradient of the pressure off the sources of one component."""
         particles = self.points.particles[None]
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(particles):
             self.viscous.source[i] -= self.slope(component, self.values, i)
 
     @ti.func
     def slope(self, component, values: ti.template(), i):
         """Return one component of the gradient of ``values``."""
-        along = self.rows.apply(self.rows.along, values, i)
-        across = self.rows.apply(self.rows.across, values, i)
+        along = self.operators.apply(self.operators.d_dx, values, i)
+        across = self.operators.apply(self.operators.d_dy, values, i)
         return along if component == 0 else across
 
     def project(self, length):
         """Take the divergence out of the velocities at the end of a step; return whether that could be solved."""
         if self.solver is None:
-            self.solver = BiCGStab(self.rows, self.ghosts, 1.0)
+            self.solver = BiCGStab(self.operators, self.ghosts, 1.0)
         self.prepare(length)
         solved = self.solver.solve(-1.0, RESIDUAL, own=-self.shift, most=MOST_ITERATIONS)
         self.correct(length)
@@ -67,7 +67,7 @@ class Projection:
     def prepare(self, length: float):
         """Right side and guess of the Poisson equation."""
         particles = self.points.particles[None]
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(particles):
             self.solver.b[i] = (self.field.slope[0, i].x + self.field.slope[1, i].y) / length
             self.solver.x[i] = 0.0
@@ -79,7 +79,7 @@ class Projection:
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
             self.solver.reflect(self.solver.x, k)
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(particles):
             self.pressure[i] += self.solver.x[i]
             for component in ti.static(range(2)):

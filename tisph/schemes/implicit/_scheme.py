@@ -7,7 +7,7 @@ import numpy as np
 from tisph.domain import ChannelDomain
 from tisph.errors import DivergedError
 from tisph.least_squares import SKIN, SUPPORT
-from tisph.least_squares.rows import LeastSquaresRows
+from tisph.least_squares.operators import LeastSquaresOperators
 from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.runtime import view
 from tisph.schemes._momentum import MomentumBalance
@@ -65,14 +65,14 @@ class Scheme:
         kind = VirtualGhosts if treatment == "virtual_image" else MirrorGhosts
         self.points = PointCloud(channel, self.domain, reach, kind.room(channel, reach), serial, kind.mirrors)
         self.ghosts = kind(self.points, channel, reach)
-        self.rows = LeastSquaresRows(self.points, SUPPORT[order] * channel.spacing, order)
+        self.operators = LeastSquaresOperators(self.points, SUPPORT[order] * channel.spacing, order)
         if config.fluid.rheology.type == "newtonian" and channel.driven_side is None:
-            solver = ViscousSolver(self.rows, self.ghosts, channel)
+            solver = ViscousSolver(self.operators, self.ghosts, channel)
             self.viscous = ViscousStep(solver, channel, WallSeries(channel, treatment))
         else:
             from tisph.schemes.implicit import _viscoelastic  # of no use to most runs
 
-            self.viscous = _viscoelastic.step(config, channel, self.rows, self.ghosts)
+            self.viscous = _viscoelastic.step(config, channel, self.operators, self.ghosts)
         self.wall_force = self.viscous.wall_force()
         self.solver, self.walls = self.viscous.solver, self.viscous.wall_series
         self.field = VelocityField(self.viscous)
@@ -144,7 +144,7 @@ class Scheme:
         if shift and self.shift.spread():
             self.motion.take_along(0.5 * length)
         self.ghosts.weigh()
-        self.rows.assemble()
+        self.operators.assemble()
         if self.projections:
             self.projection.lay()
 
@@ -199,8 +199,8 @@ class Scheme:
         self.control.step_taken(end, self.field.steepest)
         self.steps += 1
         self.shortest, self.longest = min(self.shortest, length), max(self.longest, length)
-        self.reduced += int(view(self.rows.reduced))
-        self.dropped += int(view(self.rows.dropped))
+        self.reduced += int(view(self.operators.order_reduced))
+        self.dropped += int(view(self.operators.singular))
 
     def project(self, end, length):
         """Project the velocities at the end of a step, at time ``end``; from then on there is a pressure."""

@@ -7,7 +7,7 @@ each as dear as four.
 """
 
 from tisph.least_squares.bicgstab import BiCGStab
-from tisph.least_squares.rows import FEW
+from tisph.least_squares.operators import FEW
 from tisph.runtime import ti, view
 from tisph.schemes.implicit._across import Across
 
@@ -58,6 +58,6 @@ class ViscousSolver(BiCGStab):
         from tisph.least_squares.multilevel import MultilevelSolver
 
         self.smooth = MultilevelSolver(
-            self.rows, WalledLattice(self.points, self.channel, self.channel.gap), 1, ghosts=self.ghosts
+            self.operators, WalledLattice(self.points, self.channel, self.channel.gap), 1, ghosts=self.ghosts
         )
         return self.smooth

@@ -22,7 +22,7 @@ class ViscousStep:
     """
 
     def __init__(self, solver, channel, wall_series):
-        self.solver, self.rows, self.points, self.ghosts = solver, solver.rows, solver.points, solver.ghosts
+        self.solver, self.operators, self.points, self.ghosts = solver, solver.operators, solver.points, solver.ghosts
         self.wall_series, self.steady = wall_series, wall_series.steady
         self.channel, self.push = channel, None
         self.velocity, self.end, self.start_rate, self.end_rate = (self.points.field(real(), 2) for _ in range(4))
@@ -114,21 +114,21 @@ class ViscousStep:
 
     def from_walls(self):
         """Return the Laplacian of what the series prescribes for the ghosts, for the particles near walls."""
-        return self.ghosts.sums(self.rows.laplacian, self.ghosts.given()[self.ghosts.listed])[0]
+        return self.ghosts.sums(self.operators.laplacian, self.ghosts.given()[self.ghosts.listed])[0]
 
     @ti.kernel
     def begin(self, component: ti.i32):
         """The explicit stage: rates at the start of the step."""
         particles = self.points.particles[None]
-        ti.loop_config(serialize=self.rows.serial_numbers)
+        ti.loop_config(serialize=self.operators.serial_numbers)
         for i in range(particles):
             self.solver.x[i] = self.velocity[component, i]
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
             self.solver.reflect(self.solver.x, k)
-        ti.loop_config(serialize=self.rows.serial_light)
+        ti.loop_config(serialize=self.operators.serial_light)
         for i in range(particles):
-            viscous = self.viscosity[None] * self.rows.apply(self.rows.laplacian, self.solver.x, i)
+            viscous = self.viscosity[None] * self.operators.apply(self.operators.laplacian, self.solver.x, i)
             self.rates[0, i] = viscous + self.source[i]
             self.start_rate[component, i] = viscous + self.source[i]
             self.mean[i] = self.weights[0] * self.solver.x[i]
@@ -137,7 +137,7 @@ class ViscousStep:
     def prepare(self, component: ti.i32, stage: ti.i32, length: float):
         """Right side of an implicit stage; the guess is what the rates so far lead to."""
         particles = self.points.particles[None]
-        ti.loop_config(serialize=self.rows.serial_numbers)
+        ti.loop_config(serialize=self.operators.serial_numbers)
         for i in range(particles):
             if stage > 1:
                 self.finish(i, stage - 1, length)
@@ -161,7 +161,7 @@ class ViscousStep:
     def conclude(self, component: ti.i32, length: float):
         """Keep the last stage, which is the end of the step; set up the filter of the error."""
         particles = self.points.particles[None]
-        ti.loop_config(serialize=self.rows.serial_numbers)
+        ti.loop_config(serialize=self.operators.serial_numbers)
         for i in range(particles):
             self.finish(i, 3, length)
             self.end[component, i] = self.solver.x[i]

@@ -17,7 +17,7 @@ class WallForce:
     """Fits the mean velocities of a step."""
 
     def __init__(self, viscous, channel):
-        self.viscous, self.rows, self.ghosts = viscous, viscous.rows, viscous.ghosts
+        self.viscous, self.operators, self.ghosts = viscous, viscous.operators, viscous.ghosts
         self.channel = channel
 
     def impulse(self, time, length, resolved):
@@ -37,7 +37,7 @@ class WallForce:
             return [length * float(pull) for pull in self.pulls(differences, stages)]
         relative = [sum(weight * self.acceleration(wall, moment) for weight, moment in stages) for wall in walls]
         rise = [rate - channel.acceleration for rate in relative]
-        stress = self.stress(self.rows.apply_to(ghosts.near, self.rows.across, mean))
+        stress = self.stress(self.operators.apply_to(ghosts.near, self.operators.d_dy, mean))
         rises = np.stack([stress, -stress]) - np.array(rise)[:, None] * ghosts.offset
         area = channel.length / channel.spacing**2
         stresses = [_intercept(*fit, ghosts.reach) for fit in zip(ghosts.offset, rises, strict=True)]
@@ -56,7 +56,7 @@ class WallForce:
 
         ``stages``: weights and times of the stages of the step.
         """
-        return self.channel.kinematic_viscosity * self.ghosts.sums(self.rows.laplacian, differences)[1]
+        return self.channel.kinematic_viscosity * self.ghosts.sums(self.operators.laplacian, differences)[1]
 
 
 def _intercept(distance, slope, reach):

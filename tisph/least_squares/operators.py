@@ -1,4 +1,4 @@
-"""Rows of least-squares operators: exact for polynomials up to degree 2 or 4 on any arrangement of particles.
+"""Least-squares operators: polynomially consistent to degree 2 or 4 on any arrangement of particles.
 
 For particle i and the vectors r = (x, y) to its neighbours j, in units of the support radius, minimise
 
@@ -8,24 +8,24 @@ With M = sum_j w phi phi^T, an operator e . c (the Laplacian: 2 (c_xx + c_yy)) i
 a_ij = w z . phi(r_ij) and M z = e: generalised moving least squares (as in S. J. Lind, P. K. Stansby, J. Comput. Phys.
 326 (2016) 290-311, and J. R. C. King, S. J. Lind, A. M. A. Nasar, J. Comput. Phys. 415 (2020) 109549, with a basis of
 Taylor monomials). The entries of M are the sums of w x^a y^b of degree 2 .. 2 order: 42 for order 4 instead of 105.
-Near a curved wall the vectors r are bent: with z = x + i y and the centre of curvature at z = -1/b, seen from the
-particle, they are log(1 + b z)/b, distances in the logarithm of the radius, and angles. A flow around a circle is
-smooth in these, and has powers of (distance over radius) in x and y. The map is analytic with the derivative 1 at the
-particle, so that slopes and Laplacian there are those in x and y; so is its Pade approximant, which is taken,
-z (6 + 3 b z)/(6 + 6 b z + b^2 z^2). Weights remain those of the distances.
+Near a curved wall the vectors r are mapped to polar coordinates: with z = x + i y and the centre of curvature at
+z = -1/b, seen from the particle, they become log(1 + b z)/b, differences of the logarithm of the radius, and of the
+angle. A flow around a circle is smooth in these, and has powers of (distance over radius) in x and y. The map is
+analytic with the derivative 1 at the particle, so that gradient and Laplacian there are those in x and y; so is its
+Pade approximant, which is used, z (6 + 3 b z)/(6 + 6 b z + b^2 z^2). Weights remain those of the distances.
 
 Three loops, each in the form that compiles to the fastest code:
 
-1. moments: the vectors and weights go to where the rows will be; all moments of a particle stay in local variables, and
-   each is the one before times y;
+1. moments: the vectors and weights are stored where the operators will be; all moments of a particle stay in local
+   variables, and each is the one before times y;
 2. solve: M = L D L^T without a branch, one particle per SIMD lane: each number is a vector of those of BLOCK particles.
    The unknowns in demand come last, so that forward substitution is nearly free, and those of order 2 last of all;
-3. rows: w P(x, y) by Horner's rule, in place.
+3. weights of the operators: w P(x, y) by Horner's rule, in place.
 """
 
 import numpy as np
 
-from tisph.least_squares.elimination import horner, moment_chains, moment_indices, moment_of_entries, powers, units
+from tisph.least_squares.elimination import horner, moment_chains, moment_indices, moment_of_entries, powers, targets
 from tisph.neighbours.point_cloud import LANES
 from tisph.runtime import holding, integer, real, scalar, threads, ti, unrolled, view
 
@@ -48,21 +48,21 @@ row are many times the usual ones. On a lattice the smallest is 0.15; one neighb
 LOWEST = 5
 """Unknowns of order 2, the last ones of all."""
 
-LAPLACIAN, ALONG, ACROSS = range(3)
+LAPLACIAN, D_DX, D_DY = range(3)
 
 
 @ti.data_oriented
-class LeastSquaresRows:
-    """Rows ``laplacian[i, k]``, ``along[i, k]`` (d/dx) and ``across[i, k]`` (d/dy) of the neighbours ``points`` lists.
+class LeastSquaresOperators:
+    """Weights ``laplacian[i, k]``, ``d_dx[i, k]`` and ``d_dy[i, k]`` of the neighbours that ``points`` lists.
 
-    What lies beyond ``support`` weighs nothing; with ``varying`` it is that times the ``stretch`` of each particle, a
-    field; with ``curved`` vectors are bent by the ``bend`` of each, b as a vector, 0 for not at all. Where order 4 is
-    singular, by a pivot below ``smallest_pivot``, order 2 takes over, where that is singular too the rows are zero:
-    ``reduced`` and ``dropped`` count them. ``diagonal[i]``: minus the sum of ``laplacian[i, k]``, what
-    it gives particle i of its own value.
+    What lies beyond ``support`` weighs nothing; with ``varying`` it is that times the ``support_factor`` of each
+    particle, a field; with ``curved`` vectors are mapped by the ``polar_map`` of each, b as a vector, 0 for not at all.
+    Where order 4 is singular, by a pivot below ``smallest_pivot``, order 2 takes over; where that is singular too the
+    operators are zero: ``order_reduced`` and ``singular`` count them. ``diagonal[i]``: minus the sum of
+    ``laplacian[i, k]``, the weight of the particle's own value.
 
     What is to be compiled for one thread: ``serial``: everything, loops of assembly too; ``serial_light``: loops over
-    the particles that apply a row or do less; ``serial_numbers``: those that only go over a few numbers of each.
+    the particles that apply an operator or do less; ``serial_numbers``: those that only go over a few numbers of each.
     """
 
     def __init__(self, points, support, order, smallest_pivot=SMALLEST_PIVOT, varying=False, curved=False):
@@ -76,11 +76,10 @@ class LeastSquaresRows:
         self.chains = moment_chains(order)
         self.unknowns = len(powers(order))
         self.horner = horner(order)
-        self.places = list(range(self.unknowns))
         self.lanes = list(range(BLOCK))
         self.no_coefficients = [[0.0] * self.unknowns for _ in range(3)]
         shape = (points.capacity, points.row_capacity)
-        self.laplacian, self.along, self.across = (ti.field(real(), shape) for _ in range(3))
+        self.laplacian, self.d_dx, self.d_dy = (ti.field(real(), shape) for _ in range(3))
         self.diagonal = ti.field(real(), points.capacity)
         self.lane = ti.types.vector(BLOCK, real())
         blocks, entries = -(-points.capacity // BLOCK), moment_of_entries(order)
@@ -90,26 +89,26 @@ class LeastSquaresRows:
         self.inverse = ti.field(self.lane, (self.workers, self.unknowns))
         self.solution = ti.field(self.lane, (self.workers, 3, self.unknowns))
         self.moment_of = holding(ti.field(ti.i32, len(entries)), entries)
-        self.units = holding(ti.field(real(), (3, self.unknowns)), units(order, 1.0 / support))
+        self.targets = holding(ti.field(real(), (3, self.unknowns)), targets(order, 1.0 / support))
         self.per_support = scalar(1.0 / support)
         self.varying = varying
         if varying:
-            self.stretch = ti.field(real(), points.capacity)
+            self.support_factor = ti.field(real(), points.capacity)
         self.curved = curved
         if curved:
-            self.bend = ti.field(ti.types.vector(2, real()), points.capacity)
-        self.reduced, self.dropped = integer(0), integer(0)
+            self.polar_map = ti.field(ti.types.vector(2, real()), points.capacity)
+        self.order_reduced, self.singular = integer(0), integer(0)
 
     @ti.kernel
     def assemble(self):
-        """Compute all rows for the present places of the points."""
+        """Compute all operators for the present positions of the points."""
         particles = self.points.particles[None]
         ti.loop_config(serialize=self.serial)
         for i in range(particles):
-            self.measure(i)
+            self.set_offsets(i)
             self.sum_moments(i)
-        self.reduced[None] = 0
-        self.dropped[None] = 0
+        self.order_reduced[None] = 0
+        self.singular[None] = 0
         ti.loop_config(serialize=self.serial)
         for turn in range(self.workers * CHUNK):  # a chunk for each thread, which works in its first turn
             if turn % CHUNK == 0:
@@ -118,14 +117,14 @@ class LeastSquaresRows:
                     self.solve(worker, block, particles)
         ti.loop_config(serialize=self.serial)
         for i in range(particles):
-            self.evaluate(i)
+            self.set_weights(i)
 
     @ti.func
-    def measure(self, i):
-        """Store the scaled vectors to the neighbours of particle ``i`` and their weights, where the rows will be."""
+    def set_offsets(self, i):
+        """Store the scaled vectors to the neighbours of a particle and their weights where the operators will be."""
         scale = self.per_support[None]
         if ti.static(self.varying):
-            scale /= self.stretch[i]
+            scale /= self.support_factor[i]
         for k in range(self.points.count[i]):
             apart = self.points.separation(i, self.points.neighbours[i, k]) * scale
             nearness = ti.max(0.0, 1.0 - apart.dot(apart))
@@ -133,16 +132,16 @@ class LeastSquaresRows:
             squared = nearness * nearness
             self.laplacian[i, k] = squared * squared
             if ti.static(self.curved):
-                apart = bent(apart, self.bend[i] / scale)
-            self.along[i, k] = apart.x * inside
-            self.across[i, k] = apart.y * inside
+                apart = to_polar(apart, self.polar_map[i] / scale)
+            self.d_dx[i, k] = apart.x * inside
+            self.d_dy[i, k] = apart.y * inside
 
     @ti.func
     def sum_moments(self, i):
         """Sum the moments of particle ``i``."""
         total = ti.Vector(self.zeros)
         for k in unrolled(self.points.count[i]):
-            x, y, weighted = self.along[i, k], self.across[i, k], self.laplacian[i, k]
+            x, y, weighted = self.d_dx[i, k], self.d_dy[i, k], self.laplacian[i, k]
             for chain in ti.static(self.chains):
                 product = weighted
                 for index in ti.static(chain):
@@ -168,9 +167,9 @@ class LeastSquaresRows:
                     found = ti.select(wanted, found, self.coefficients[block, operator, unknown])
                 self.coefficients[block, operator, unknown] = found
             if attempt == 1:
-                dropped = ti.cast(wanted & singular, ti.i32).sum()
-                self.dropped[None] += dropped
-                self.reduced[None] += ti.cast(wanted, ti.i32).sum() - dropped
+                singular_count = ti.cast(wanted & singular, ti.i32).sum()
+                self.singular[None] += singular_count
+                self.order_reduced[None] += ti.cast(wanted, ti.i32).sum() - singular_count
             wanted = wanted & singular
             if not wanted.any():
                 break
@@ -206,7 +205,7 @@ class LeastSquaresRows:
         start = self.unknowns - 4
         for operator in range(3):
             for i in range(self.unknowns):
-                self.solution[worker, operator, i] = self.lane(0.0) + self.units[operator, i]
+                self.solution[worker, operator, i] = self.lane(0.0) + self.targets[operator, i]
             for i in range(start, self.unknowns):
                 value = self.solution[worker, operator, i]
                 for k in range(start, i):
@@ -222,59 +221,59 @@ class LeastSquaresRows:
                 self.solution[worker, operator, i] = value
 
     @ti.func
-    def evaluate(self, i):
-        """Turn the vectors and weights of particle ``i`` into its rows."""
-        known = ti.Matrix(self.no_coefficients)  # local, or they would be read again for every neighbour
+    def set_weights(self, i):
+        """Turn the vectors and weights of particle ``i`` into its operators."""
+        coefficients = ti.Matrix(self.no_coefficients)  # local, or they would be read again for every neighbour
         for operator in unrolled(3):
             for unknown in unrolled(ti.static(self.unknowns)):
-                known[operator, unknown] = self.coefficients[i // BLOCK, operator, unknown][i % BLOCK]
+                coefficients[operator, unknown] = self.coefficients[i // BLOCK, operator, unknown][i % BLOCK]
         if ti.static(self.varying):
-            per_stretch = 1.0 / self.stretch[i]
+            per_factor = 1.0 / self.support_factor[i]
             for unknown in unrolled(ti.static(self.unknowns)):
-                known[LAPLACIAN, unknown] *= per_stretch * per_stretch
-                known[ALONG, unknown] *= per_stretch
-                known[ACROSS, unknown] *= per_stretch
+                coefficients[LAPLACIAN, unknown] *= per_factor * per_factor
+                coefficients[D_DX, unknown] *= per_factor
+                coefficients[D_DY, unknown] *= per_factor
         for k in unrolled(self.points.count[i]):
-            x, y, weight = self.along[i, k], self.across[i, k], self.laplacian[i, k]
-            self.laplacian[i, k] = weight * self.polynomial(known, LAPLACIAN, x, y)
-            self.along[i, k] = weight * self.polynomial(known, ALONG, x, y)
-            self.across[i, k] = weight * self.polynomial(known, ACROSS, x, y)
+            x, y, weight = self.d_dx[i, k], self.d_dy[i, k], self.laplacian[i, k]
+            self.laplacian[i, k] = weight * self.polynomial(coefficients, LAPLACIAN, x, y)
+            self.d_dx[i, k] = weight * self.polynomial(coefficients, D_DX, x, y)
+            self.d_dy[i, k] = weight * self.polynomial(coefficients, D_DY, x, y)
         total = 0.0
         for k in range(self.points.count[i]):
             total += self.laplacian[i, k]
         self.diagonal[i] = -total
 
     @ti.func
-    def polynomial(self, known, operator: ti.template(), x, y):
-        """Return z . phi(x, y) of an operator, z being a row of ``known``."""
+    def polynomial(self, coefficients, operator: ti.template(), x, y):
+        """Return z . phi(x, y) of an operator, z being among the ``coefficients``."""
         value = 0.0
         for row in ti.static(self.horner):
             inner = 0.0
             for index in ti.static(row):
                 inner *= y
                 if ti.static(index >= 0):
-                    inner += known[operator, index]
+                    inner += coefficients[operator, index]
             value = value * x + inner
         return value
 
     @ti.func
-    def apply(self, rows: ti.template(), values: ti.template(), i):
-        """Return sum_j rows[i, j] (values[j] - values[i]); the sentinel's value must be finite."""
+    def apply(self, operator: ti.template(), values: ti.template(), i):
+        """Return sum_j operator[i, j] (values[j] - values[i]); the sentinel's value must be finite."""
         own = values[i]
         total = 0.0 * own
         for group in unrolled(self.points.count[i] // LANES):
             for lane in ti.static(range(LANES)):
                 k = group * LANES + lane
-                total += rows[i, k] * (values[self.points.neighbours[i, k]] - own)
+                total += operator[i, k] * (values[self.points.neighbours[i, k]] - own)
         return total
 
-    def apply_to(self, chosen, rows, values):
+    def apply_to(self, chosen, operator, values):
         """Return what ``apply`` gives for a few particles, the array ``chosen``, from an array over the slots.
 
         To the bit, since it adds up in the same order: what cancels there cancels here.
         """
         table, listed = self.points.listed_neighbours(chosen)
-        entries = np.where(listed, view(rows)[chosen], 0.0)
+        entries = np.where(listed, view(operator)[chosen], 0.0)
         return np.cumsum(entries * (values[table] - values[chosen, None]), axis=1)[:, -1]
 
 
@@ -285,8 +284,8 @@ def _entry(row, column):
 
 
 @ti.func
-def bent(vector, bend):
-    """Return a ``vector`` in polar coordinates around the point at -1/``bend``, both as complex numbers."""
+def to_polar(vector, bend):
+    """Return a ``vector`` in polar coordinates around the point at -1/``polar_map``, both as complex numbers."""
     x = ti.Vector([bend.x * vector.x - bend.y * vector.y, bend.x * vector.y + bend.y * vector.x])
     squared = ti.Vector([x.x * x.x - x.y * x.y, 2.0 * x.x * x.y])
     upper = ti.Vector([6.0 + 3.0 * x.x, 3.0 * x.y])

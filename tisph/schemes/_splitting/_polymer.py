@@ -81,7 +81,7 @@ class Polymer:
         self.time, self.duration = time, length / leading
         states, elapsed = self.states.astype(float), (times.unit * times.ages)[:ORDER]
         if self.walls:
-            states[..., self.n_fluid :] = self.walls.carried(states[..., self.liquid :], elapsed, self.time)
+            states[..., self.n_fluid :] = self.walls.carried(states[..., self.n_fluid :], elapsed, self.time)
         self.known = np.einsum("a,acn->cn", back[:ORDER], states) / leading
         self.found, self.slopes = states[0], [None for _ in self.modes.laws]
         self.viscosity = sum(

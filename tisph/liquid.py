@@ -14,16 +14,16 @@ class Liquid:
     liquid.
     """
 
-    def __init__(self, channel, equation_of_state, sound_speed, stress):
+    def __init__(self, scene, equation_of_state, sound_speed, stress):
         self.stress = stress
         self.carries_stress = stress is not None
         self.gamma = equation_of_state.gamma
         self.coefficients = series(self.gamma)
         self.limits_tension = equation_of_state.pressure_cutoff is not None
-        self.kinematic_viscosity = scalar(channel.solvent_viscosity)
+        self.kinematic_viscosity = scalar(scene.solvent_viscosity)
         self.sound_speed = scalar(sound_speed)
         if self.limits_tension:
-            self.pressure_cutoff = scalar(equation_of_state.pressure_cutoff / channel.density)
+            self.pressure_cutoff = scalar(equation_of_state.pressure_cutoff / scene.density)
 
     @ti.func
     def pressure(self, compression):

@@ -131,7 +131,7 @@ def run(settings):
     Guard(channel).check(snapshot)
     for name in ("x", "y", "u", "v", "density", "pressure"):
         assert np.isfinite(getattr(snapshot, name)).all(), name
-    heights = channel.tracer_positions(4)[1]
+    heights = channel.probe_positions(4)[1]
     metrics = sample_metrics(channel, snapshot, (heights, channel.exact_velocity(heights, snapshot.t)))
     assert metrics["linf"] is not None
     balance = scheme.momentum_balance()

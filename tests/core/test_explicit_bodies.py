@@ -139,7 +139,7 @@ def test_no_layer_is_beyond_the_middle_of_a_thin_cylinder():
 def test_steady_flow_stays_as_it_is(make, centre):
     # measured 2.4e-3, and ten times that with the velocity that the cylinder has where a wall particle is, not its wall
     scheme = make(f"geometry.centre={centre}", steps=None)
-    scene, end = scheme.channel, scheme.snapshot()
+    scene, end = scheme.scene, scheme.snapshot()
     assert relative_error(scene, end) < 4e-3
     assert scene.inside(np.stack([end.x, end.y], 1)).all()
     # 0.1 h/c times the flux 2 pi of p' through the inner wall, over the area 3 pi: 2.8e-4 would have leaked by now
@@ -148,7 +148,7 @@ def test_steady_flow_stays_as_it_is(make, centre):
 
 def placed(scheme, settings):
     """The scheme with particles and images where they start; places and velocities of all slots, from the axis."""
-    place, velocity, _ = start_values(scheme.channel, settings.initial)
+    place, velocity, _ = start_values(scheme.scene, settings.initial)
     scheme.particles.load(place - scheme.surroundings.origin, velocity, None)
     scheme.surroundings.begin(0.0)
     scheme.rebuild()
@@ -185,7 +185,7 @@ def test_errors_fall_with_the_second_order_and_torques_follow(make, name, bounds
     for across in (8, 16):
         changes = f"walls.treatment.type={name}", f"discretisation.particles_across={across}"
         scheme = make(*changes, steps=None)
-        scene, end = scheme.channel, scheme.snapshot()
+        scene, end = scheme.scene, scheme.snapshot()
         errors.append(relative_error(scene, end))
         torques = np.array(scene.exact_torques(end.t))
         assert np.abs(end.bodies.torque / torques - 1.0).max() < bounds[1]
@@ -196,13 +196,13 @@ def test_errors_fall_with_the_second_order_and_torques_follow(make, name, bounds
 def test_a_snapshot_has_the_cylinders_with_their_torques(make):
     # pictures draw them, and a history has a place for torques, which nobody knows before the first step
     scheme = make()
-    assert np.isnan(scheme.channel.followed().measure(scheme.snapshot())).all()
+    assert np.isnan(scheme.scene.followed().measure(scheme.snapshot())).all()
     scheme.advance()
     end = scheme.snapshot()
     assert end.bodies.angle.tolist() == [end.t, 0.0]
-    measured = sample_metrics(scheme.channel, end, [])
+    measured = sample_metrics(scheme.scene, end, [])
     assert [measured["torque_inner"], measured["torque_outer"]] == end.bodies.torque.tolist()
-    assert end.bodies.torque == pytest.approx(scheme.channel.exact_torques(end.t), rel=0.02)
+    assert end.bodies.torque == pytest.approx(scheme.scene.exact_torques(end.t), rel=0.02)
     # next to nothing pushes a cylinder as a whole: pressures that differ by 0.02 would, over a diameter
     assert np.abs(end.bodies.force).max() < 0.02 * 2.0
 
@@ -211,7 +211,7 @@ def test_liquid_that_turns_as_a_solid_is_pressed_outwards(make):
     # p' = density w^2 r, which the walls have to continue: without their acceleration the errors are 6e-3 and 0.13,
     # with it 3e-4 and 2e-3
     scheme = make(AS_A_SOLID, steps=None)
-    scene, end = scheme.channel, scheme.snapshot()
+    scene, end = scheme.scene, scheme.snapshot()
     assert relative_error(scene, end) < 1e-3
     assert field_error(scene, end, "pressure") < 1e-2
 

@@ -49,7 +49,7 @@ def missing_pairs(scheme):
     fluid = scheme.particles.fluid
     places = view(scheme.particles.mid_position)[scheme.now, :fluid]
     apart = places[:, None] - places
-    apart -= scheme.channel.extent * np.round(apart / scheme.channel.extent)
+    apart -= scheme.scene.extent * np.round(apart / scheme.scene.extent)
     table, count = view(scheme.lists.table)[:fluid], view(scheme.lists.count)[:fluid]
     listed = np.eye(fluid, dtype=bool)
     row, number = np.nonzero(np.arange(table.shape[1]) < count[:, None])
@@ -86,13 +86,13 @@ def test_uniform_motion_stays_uniform(make, operators):
 def test_it_starts_with_the_pressure_of_the_reference(make):
     scheme = make()
     start = scheme.snapshot()
-    exact = scheme.channel.exact("pressure", start.x, start.y, 0.0)
+    exact = scheme.scene.exact("pressure", start.x, start.y, 0.0)
     assert np.abs(start.pressure - exact).max() < 1e-12 * scheme.sound_speed**2  # a compression to rounding
     # without it waves of sound of that size would go to and fro: after two of the times a wave takes for half a period
     while scheme.time < 0.1:
         scheme.advance()
     later = scheme.snapshot()
-    exact = scheme.channel.exact("pressure", later.x, later.y, later.t)
+    exact = scheme.scene.exact("pressure", later.x, later.y, later.t)
     apart = later.pressure - exact - np.mean(later.pressure - exact)
     assert np.linalg.norm(apart) < 0.3 * np.linalg.norm(exact)
 
@@ -109,7 +109,7 @@ def error(scheme):
     """L2 of the velocity at the end."""
     while not scheme.finished:
         scheme.advance()
-    return relative_error(scheme.channel, scheme.snapshot())
+    return relative_error(scheme.scene, scheme.snapshot())
 
 
 def test_momentum_of_the_vortex(make):
@@ -119,7 +119,7 @@ def test_momentum_of_the_vortex(make):
     start = scheme.snapshot()
     l2 = error(scheme)
     end = scheme.snapshot()
-    drift = [np.mean(getattr(end, name) - scheme.channel.exact(name, end.x, end.y, end.t)) for name in "uv"]
+    drift = [np.mean(getattr(end, name) - scheme.scene.exact(name, end.x, end.y, end.t)) for name in "uv"]
     assert np.hypot(*drift) < 3 * l2 * np.sqrt(np.mean(end.u**2 + end.v**2)) / 25
     gained = 2.0 * np.mean(end.u - start.u)  # density 2, area 1
     assert scheme.momentum_balance()["change"] == pytest.approx(gained, rel=1e-9)
@@ -141,5 +141,5 @@ def test_nothing_of_walls_is_there(make):
     assert scheme.particles.slots == scheme.particles.first_wall
     assert not hasattr(scheme.lists, "profile")
     assert not hasattr(scheme.surroundings, "wall_forces")
-    assert set(vars(scheme.domain)) == {"length", "gap"}
+    assert set(vars(scheme.domain)) == {"length", "height"}
     assert scheme.numbers()["particles_wall"] == 0

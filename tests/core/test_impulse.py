@@ -44,7 +44,7 @@ def test_displacements_leave_nothing_but_velocities(make):
 )
 def test_no_impulse_where_nothing_jumps_or_images_do_not_obey_momentum(make, overrides):
     y, u, scheme = at_start(make, *overrides)
-    assert np.array_equal(u, scheme.channel.initial_velocity(y))
+    assert np.array_equal(u, scheme.scene.initial_velocity(y))
 
 
 def test_the_impulse_counts_as_the_walls(make):
@@ -79,5 +79,5 @@ def test_the_impulse_halves_the_error_of_start_up_flow(make):
         while not scheme.finished:
             scheme.advance()
         snapshot = scheme.snapshot()
-        errors.append(np.linalg.norm(snapshot.u - scheme.channel.exact_velocity(snapshot.y, snapshot.t)))
+        errors.append(np.linalg.norm(snapshot.u - scheme.scene.exact_velocity(snapshot.y, snapshot.t)))
     assert errors[1] < 0.6 * errors[0]

@@ -20,7 +20,7 @@ def missing_pairs(scheme):
     slots, fluid = slots_in_use(scheme), scheme.particles.fluid
     places = middle_positions(scheme)
     apart = places[:fluid, None] - places
-    apart[..., 0] -= scheme.channel.length * np.round(apart[..., 0] / scheme.channel.length)
+    apart[..., 0] -= scheme.scene.length * np.round(apart[..., 0] / scheme.scene.length)
     near = np.hypot(apart[..., 0], apart[..., 1]) < scheme.lists.cutoff
     table, count = view(scheme.lists.table)[:fluid], view(scheme.lists.count)[:fluid]
     listed = np.zeros((fluid, slots.max() + 1), bool)
@@ -83,8 +83,8 @@ def test_particles_stand_in_cell_order(make):
     for row in range(1, rows + 1):
         for column in range(columns):
             inside = places[start[row, column] : start[row, column + 1]]
-            assert np.all(inside[:, 0] * columns / scheme.channel.length // 1 == column)
-            assert np.all(inside[:, 1] * rows / scheme.channel.gap // 1 == row - 1)
+            assert np.all(inside[:, 0] * columns / scheme.scene.length // 1 == column)
+            assert np.all(inside[:, 1] * rows / scheme.scene.gap // 1 == row - 1)
     assert start[rows, -1] == scheme.particles.fluid
 
 
@@ -100,7 +100,7 @@ def test_sorting_is_stable(make):
 def test_a_row_that_may_not_fit_is_told(make, capacity, told):
     # 28 neighbours within reach on the square lattice; a full row may have lost its last one
     scheme = make()
-    lists = VerletLists(scheme.cells, scheme.lists.cutoff, scheme.channel.spacing, serial=True)
+    lists = VerletLists(scheme.cells, scheme.lists.cutoff, scheme.scene.spacing, serial=True)
     lists.capacity = capacity
     lists.build(scheme.now)
     assert lists.overflow() == told

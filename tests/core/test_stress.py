@@ -42,7 +42,7 @@ def test_rates_are_exact_for_linear_velocity_and_stress(make):
 def test_waves_of_sound_and_of_the_elastic_liquid_set_the_first_time_step(make):
     # 0.25 h / (sqrt(c^2 + c_e^2) + U), with rho c_e^2 the modulus of the polymer; no stress adds to it yet
     scheme = make(OLDROYD, "fluid.rheology.relaxation_time=0.1")
-    modulus, fastest = 0.6 * 0.01 / 0.1, scheme.channel.peak_velocity
+    modulus, fastest = 0.6 * 0.01 / 0.1, scheme.scene.peak_velocity
     expected = 0.25 * scheme.smoothing_length / (np.sqrt(scheme.sound_speed**2 + modulus) + fastest)
     assert scheme.time_step_limit() == pytest.approx(expected, rel=1e-12)
 
@@ -89,7 +89,7 @@ def test_walls_and_drive_balance_the_momentum_of_a_liquid_that_carries_stress(ma
 
 def test_points_on_the_walls_begin_with_the_stress_of_the_liquid_there_and_know_their_cells(make):
     scheme = make(OLDROYD, WALLS, "drive.acceleration=0.3", "initial.state=developed")
-    track, channel, columns = scheme.walls.track, scheme.channel, int(view(scheme.lists.cells.columns))
+    track, channel, columns = scheme.walls.track, scheme.scene, int(view(scheme.lists.cells.columns))
     xx, xy = channel.initial_polymer_stress(np.array([0.0, channel.gap]))
     count = int(view(track.count))
     for field in (track.stress, track.mid_stress):

@@ -297,3 +297,21 @@ def test_a_map_without_a_type_means_the_usual_member(tmp_path):
     config = load_data(tmp_path, "scheme.operators=standard", walls={"treatment": {}, "top": {"velocity": 0.005}})
     assert (config.scheme.type, config.scheme.operators) == ("wcsph", "standard")
     assert config.walls.treatment.type == "consistent_image"
+
+
+@pytest.mark.parametrize("key", ["probes", "tracers"])
+def test_probes_may_be_called_by_their_former_name(tmp_path, key):
+    config = load_data(tmp_path, f"{key}.x=0.01", **{key: {"count": 5}})
+    assert (config.probes.count, config.probes.x) == (5, 0.01)
+    assert config.resolved()["tracers"] == {"count": 5, "x": 0.01}  # older versions read it
+    assert type(config).model_validate(config.resolved()) == config
+
+
+def test_overrides_reach_probes_under_either_name(tmp_path):
+    config = load_data(tmp_path, "probes.count=7", "tracers.x=0.01", tracers={"count": 5})
+    assert (config.probes.count, config.probes.x) == (7, 0.01)
+
+
+def test_probes_under_both_names_are_refused(tmp_path):
+    with pytest.raises(ConfigError, match=r"yaml:\d+: probes: is the new name of tracers: give one of them"):
+        load_data(tmp_path, tracers={"count": 5}, probes={"count": 6})

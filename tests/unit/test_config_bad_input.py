@@ -173,6 +173,7 @@ OVERRIDE_CASES = [
     ("time.cfl=1.5", ["must be at most 1, or auto"]),
     ("tracers.count=1", ["tracers.count = 1: must be at least 2"]),
     ("tracers.x=0.03", ["tracers.x = 0.03: must be inside the channel: centre, or 0 to 0.02"]),
+    ("probes.count=1", ["probes.count = 1: must be at least 2"]),
     ("tracers.x=left", ["must be a number, or centre"]),
     ("output.video={width: 641}", ["output.video.width = 641: must be a multiple of 2"]),
     ("output.video={width: 638}", ["output.video.width = 638: must be at least 640"]),

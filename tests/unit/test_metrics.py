@@ -44,7 +44,7 @@ def make_snapshot(channel, u=None, t=1.8, jitter=0.2, seed=0):
 
 def measure(channel, snapshot, heights=10):
     """Sample metrics with tracers that read the exact velocity."""
-    y = channel.tracer_positions(heights)[1]
+    y = channel.probe_positions(heights)[1]
     return sample_metrics(channel, snapshot, (y, channel.exact_velocity(y, snapshot.t)))
 
 
@@ -100,7 +100,7 @@ def test_interpolation_error_is_far_below_the_errors_that_it_measures():
     errors = []
     for rows in (25, 50, 100):
         channel = make_channel(rows)
-        x, y = channel.tracer_positions(10)
+        x, y = channel.probe_positions(10)
         values = Probes(channel, x, y).velocity(make_snapshot(channel))
         errors.append(np.max(np.abs(values - channel.exact_velocity(y, 1.8))) / 0.5)
     assert np.log2(errors[0] / errors[2]) / 2 > 2.7  # 3, less the scatter of one random sample
@@ -201,7 +201,7 @@ def test_the_fitted_slope_is_blind_to_symmetric_errors():
     """A fifth of the wall speed missing at mid-gap leaves the slope as it is: why l2 stands beside it."""
     channel = make_channel(initial_state="developed")
     snapshot = make_snapshot(channel, lambda x, y: 0.5 * y - 0.1 * np.sin(np.pi * y))
-    y = channel.tracer_positions(10)[1]
+    y = channel.probe_positions(10)[1]
     numbers = sample_metrics(channel, snapshot, (y, 0.5 * y - 0.1 * np.sin(np.pi * y)))
     assert numbers["slope"] == pytest.approx(0.5, abs=1e-15)  # the symmetric terms cancel in pairs
     assert numbers["l2"] > 0.2

@@ -32,7 +32,7 @@ def legend_texts(figure):
 
 
 def history(channel, count, times):
-    y = channel.tracer_positions(count)[1]
+    y = channel.probe_positions(count)[1]
     return {"count": count}, times, np.array([channel.exact_velocity(y, t) for t in times])
 
 
@@ -91,7 +91,7 @@ def test_profiles_of_a_perfect_run_and_of_the_start_can_be_drawn(tmp_path):
 def test_history_shows_tracers_on_the_exact_history(tmp_path, figures):
     channel = make_channel()
     settings, times, u = history(channel, 5, np.linspace(0.0, 20.0, 30))
-    y = channel.tracer_positions(5)[1]
+    y = channel.probe_positions(5)[1]
     plot_history(tmp_path / "history.png", channel, settings, times, u)
     assert Image.open(tmp_path / "history.png").size == PNG_SIZE
     markers, curve = figures[0].axes[0].lines[:2]

@@ -72,7 +72,7 @@ def test_a_layer_is_resolved_from_a_number_of_spacings_on():
 def test_samples_and_pictures_say_so():
     channel = make_channel(rows=20)
     early, late = (make_snapshot(channel, t) for t in (1e-2, 20.0))
-    tracers = channel.tracer_positions(3)
+    tracers = channel.probe_positions(3)
     states = [sample_metrics(channel, snapshot, tracers) for snapshot in (early, late)]
     assert [(state["resolved"], state["reason"]) for state in states] == [
         (False, "the layer at the top wall is 0.2 spacings thin; resolved from 2 spacings on"),
@@ -89,4 +89,4 @@ def test_steep_stress_is_not_resolved():
     text = "the polymer's stretch changes 20-fold within a spacing at (0.1, 0.2); resolved up to 7.4-fold"
     assert resolution(channel, 0.0, (3.0, 0.1, 0.2)) == (False, text)
     snapshot = replace(make_snapshot(channel, 0.0), steepest=(3.0, 0.1, 0.2))
-    assert sample_metrics(channel, snapshot, channel.tracer_positions(3))["reason"] == text
+    assert sample_metrics(channel, snapshot, channel.probe_positions(3))["reason"] == text

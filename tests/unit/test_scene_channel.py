@@ -141,7 +141,7 @@ def test_jitter_that_leaves_the_cell_is_refused(jitter):
 
 
 def test_tracers_stand_on_a_vertical_line_at_the_centres_of_equal_parts():
-    x, y = Channel(**WATER).tracer_positions(4)
+    x, y = Channel(**WATER).probe_positions(4)
     assert x.tolist() == [0.01] * 4
     assert y == pytest.approx([0.00125, 0.00375, 0.00625, 0.00875], rel=1e-15)
-    assert Channel(**WATER).tracer_positions(2, 0.003)[0].tolist() == [0.003, 0.003]
+    assert Channel(**WATER).probe_positions(2, 0.003)[0].tolist() == [0.003, 0.003]

@@ -53,9 +53,9 @@ def described(config: Any, numbers: dict[str, Any], warnings: Sequence[str]) -> 
     """Lines that say what the run of ``config`` is, from its ``forecast``."""
     walls = [config.members["walls"].type] if "walls" in config.members else []
     yield f"{config.name}: valid ({', '.join([config.scene, config.scheme.type, *walls])})"
-    channel = _scene(config)
-    samples = _sample_lines(channel, numbers["samples"])
-    for label, text in [*channel.facts(), *_run_lines(config, numbers), *samples]:
+    scene = _scene(config)
+    samples = _sample_lines(scene, numbers["samples"])
+    for label, text in [*scene.facts(), *_run_lines(config, numbers), *samples]:
         yield f"  {label:22} {text}"
     for text in warnings:
         yield f"  warning: {text}"
@@ -78,14 +78,14 @@ def estimates(config: Any) -> dict[str, Any]:
     from tisph import schemes
     from tisph.config import memory
 
-    channel = _scene(config)
-    particles = channel.particles
+    scene = _scene(config)
+    particles = scene.particles
     resolved, reason = schemes.resolve(config)
-    run = schemes.estimates(resolved, channel)
+    run = schemes.estimates(resolved, scene)
     return {
-        "reynolds": channel.reynolds,
-        "cell_reynolds": channel.reference_velocity * channel.spacing / channel.solvent_viscosity,
-        "viscous_time": channel.viscous_time,
+        "reynolds": scene.reynolds,
+        "cell_reynolds": scene.reference_velocity * scene.spacing / scene.solvent_viscosity,
+        "viscous_time": scene.viscous_time,
         "particles": particles,
         "memory": memory.estimated_bytes(particles, config, resolved.scheme.type == "implicit"),
         "scheme": reason,
@@ -127,14 +127,14 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
     return lines
 
 
-def _sample_lines(channel: Any, samples: Sequence[Any]) -> Iterator[tuple[str, str]]:
+def _sample_lines(scene: Any, samples: Sequence[Any]) -> Iterator[tuple[str, str]]:
     """Of every sample, a ``Forecast``, whether it is resolved, and its steps and error as far as they are known."""
     for sample in samples:
-        resolved, reason = resolution(channel, sample.t)
+        resolved, reason = resolution(scene, sample.t)
         state = "resolved" if resolved else f"not resolved: {reason}"
         steps = f"{sample.steps} steps, " if sample.known else ""
         text = f"{state}{', ' if resolved else '; '}{steps}{_error_text(sample)}"
-        yield f"at t = {sample.t:g} {channel.units.time}", text
+        yield f"at t = {sample.t:g} {scene.units.time}", text
 
 
 def _error_text(sample: Any) -> str:
@@ -148,8 +148,8 @@ def _error_text(sample: Any) -> str:
 
 def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
     """Texts of what may go wrong with a valid config, whose ``estimates`` are given."""
-    channel = _scene(config)
-    yield from _unresolved(config, channel)
+    scene = _scene(config)
+    yield from _unresolved(config, scene)
     if (numbers["error"] or 0.0) > LARGE_ERROR:
         last = config.time.samples[-1]
         yield f"the L2 error at the last sample, t = {last:g}, may be as large as {numbers['error']:.1g}"
@@ -158,9 +158,9 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
     if numbers["mach"] > HIGHEST_MACH * (1 + 1e-9):
         yield f"the Mach number is above {HIGHEST_MACH:g}; expect compressibility errors"
     highest = HIGHEST_CELL_REYNOLDS["wcsph" if numbers["sound_speed"] else "implicit"]
-    if numbers["sound_speed"] and not channel.parallel:
+    if numbers["sound_speed"] and not scene.parallel:
         highest = HIGHEST_TURNING_CELL_REYNOLDS
-    if channel.polymer:
+    if scene.polymer:
         highest = DISORDERED_SOLVENT
     if numbers["cell_reynolds"] > highest:
         enough = math.ceil(config.particles_across * numbers["cell_reynolds"] / highest)
@@ -172,21 +172,21 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
     if order_2 and config.initial.jitter and numbers["cell_reynolds"] > DISORDERED_OF_ORDER_2:
         yield f"above a cell Reynolds number of {DISORDERED_OF_ORDER_2:g} order 2 may fail in disorder: take order 4"
     if not numbers["sound_speed"]:
-        yield from _stiff(config, channel)
-    if numbers["sound_speed"] and channel.polymer and channel.polymer.solvent_fraction < LEAST_SOLVENT_FRACTION:
+        yield from _stiff(config, scene)
+    if numbers["sound_speed"] and scene.polymer and scene.polymer.solvent_fraction < LEAST_SOLVENT_FRACTION:
         yield (
             f"fluid.rheology.solvent_fraction is below {LEAST_SOLVENT_FRACTION:g}; the solvent's viscosity is what "
             "damps the shortest waves of the polymer stress"
         )
 
 
-def _stiff(config: Any, channel: Any) -> Iterator[str]:
+def _stiff(config: Any, scene: Any) -> Iterator[str]:
     """What a jump of a wall meets where polymer relaxes before the solvent's layer is a spacing deep."""
-    if not channel.parallel or not channel.polymer or not any(channel.wall_jumps):
+    if not scene.parallel or not scene.polymer or not any(scene.wall_jumps):
         return
     from tisph.schemes._forecast.beyond import stiffness
 
-    number = stiffness(config, channel)
+    number = stiffness(config, scene)
     if number > STIFF:
         enough = math.ceil(config.particles_across * math.sqrt(number / STIFF))
         yield (
@@ -195,9 +195,9 @@ def _stiff(config: Any, channel: Any) -> Iterator[str]:
         )
 
 
-def _unresolved(config: Any, channel: Any) -> Iterator[str]:
+def _unresolved(config: Any, scene: Any) -> Iterator[str]:
     """What is not resolved: the first such sample after the start of the run, which is what the config says."""
-    reasons = {t: resolution(channel, t)[1] for t in config.time.samples if t > config.start_time}
+    reasons = {t: resolution(scene, t)[1] for t in config.time.samples if t > config.start_time}
     early = [t for t, reason in reasons.items() if reason]
     if early:
         yield f"samples not resolved: {len(early)} of {len(reasons)}; at t = {early[0]:g} {reasons[early[0]]}"

@@ -33,8 +33,8 @@ def rheometry(
         config, history = run.config, run.history
         if config.scene != "annulus" and (config.scene != "channel" or not config.parallel):
             raise ConfigError(f"RUN_DIR {run_dir}: is no run in a channel without bodies, or between cylinders")
-        channel = scenes.of(config)
-        reading = read(config, channel, {name: history[name] for name in history.dtype.names})
+        scene = scenes.of(config)
+        reading = read(config, scene, {name: history[name] for name in history.dtype.names})
         typer.echo(f"{config.name}: {reading.title}")
         for line in reading.lines:
             typer.echo(f"  {line}")

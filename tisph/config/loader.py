@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from tisph.config.fields import nearest
 from tisph.config.messages import describe
-from tisph.config.schema import Config, model_of
+from tisph.config.schema import FORMER_KEYS, Config, model_of
 from tisph.config.yaml_text import KeyPath, YamlTextError, in_one_line, parse
 from tisph.errors import ConfigError
 
@@ -26,6 +26,7 @@ class Source:
         self.path = path
         self.data: dict[str, Any] = {}
         self._origins: dict[KeyPath, tuple[int, str]] = {}
+        self._former: dict[str, str] = {}
 
     def read(self) -> None:
         """Fill in the file's data; raises ConfigError."""
@@ -37,14 +38,21 @@ class Source:
         if not isinstance(document.data, dict):
             kind = {list: "a list", type(None): "empty"}.get(type(document.data), "a single value")
             raise ConfigError(f"{self.path}: is {kind}; it must be a map of keys such as 'scene: channel'")
-        self.data = document.data
-        self._origins = {place: (line, f"{self.path}:{line}") for place, line in document.lines.items()}
+        for old, new in FORMER_KEYS.items():
+            if old in document.data and new in document.data:
+                raise ConfigError(
+                    f"{self.path}:{document.lines[new,]}: {new}: is the new name of {old}: give one of them"
+                )
+        self.data = {self._present(key): value for key, value in document.data.items()}
+        lines = document.lines.items()
+        self._origins = {(self._present(key), *below): (line, f"{self.path}:{line}") for (key, *below), line in lines}
 
     def override(self, text: str, rank: int) -> None:
         """Set one key from ``key.path=value``; ``rank`` orders its errors among those of the overrides."""
         dotted, equals, value = text.partition("=")
         label = f"--set {in_one_line(text)}"
-        place = tuple(part.strip() for part in dotted.split("."))
+        first, *below = (part.strip() for part in dotted.split("."))
+        place = (self._present(first), *below)
         if not equals or not all(place):
             raise ConfigError(f"{label}: must look like key.path=value, such as time.end=2.7")
         try:
@@ -65,6 +73,17 @@ class Source:
         for old in replaced:
             del self._origins[old]
         self._origins[place] = origin
+
+    def _present(self, key: str) -> str:
+        """The present name of a section that is written with its former one."""
+        if key in FORMER_KEYS:
+            self._former[FORMER_KEYS[key]] = key
+        return FORMER_KEYS.get(key, key)
+
+    def as_written(self, message: str) -> str:
+        """A message that begins with a key, with the name that the config has for its section."""
+        section = re.match("[^. ]*", message).group()
+        return self._former.get(section, section) + message[len(section) :]
 
     def _refuse_to_go_below(self, key: str, value: Any, label: str) -> None:
         kind = "is a list: give it as a whole" if isinstance(value, list) else "is not a map of keys"
@@ -101,7 +120,7 @@ def load(path: str | Path, overrides: Sequence[str] = ()) -> Config:
 
 def _message(error: ValidationError, source: Source) -> str:
     found = [(source.origin(place), text) for place, text in describe(error, source.data, source.written)]
-    lines = [f"{where}: {text}" for (_, where), text in sorted(found)]
+    lines = [f"{where}: {source.as_written(text)}" for (_, where), text in sorted(found)]
     more = len(lines) - MOST_SHOWN
     return "\n".join(lines[:MOST_SHOWN] + ([f"and {more} more"] if more > 0 else []))
 

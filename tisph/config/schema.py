@@ -20,6 +20,9 @@ FrameWidth = Annotated[int, Field(ge=640, le=4096, multiple_of=2)]
 FrameHeight = Annotated[int, Field(ge=320, le=4096, multiple_of=2)]
 Count = Annotated[int, Field(ge=LEAST_PARTICLES_ACROSS, le=10**12)]
 
+FORMER_KEYS = {"tracers": "probes"}
+"""Sections that had another name, which still serves: resolved configs have it, so that older versions read them."""
+
 Rheology = Member("rheology", usual="newtonian")
 Scheme = Member("schemes", usual="auto", untyped="wcsph")
 
@@ -170,6 +173,8 @@ class Config(Model):
     @model_validator(mode="wrap")
     @classmethod
     def _take_sections_of_scene(cls, data: Any, handler: Callable[[Any], "Config"]) -> "Config":
+        if isinstance(data, dict):
+            data = {FORMER_KEYS.get(key, key): value for key, value in data.items()}
         if cls is not Config or not isinstance(data, dict):
             return handler(data)
         own = model_of(data)
@@ -274,8 +279,8 @@ class Config(Model):
 
     def resolved(self) -> dict[str, Any]:
         """The config as plain data with every default filled in; loading it gives an equal config."""
-        data = self.model_dump()
-        return {key: data[key] for key in self.keys() if key in data}
+        data, former = self.model_dump(), {new: old for old, new in FORMER_KEYS.items()}
+        return {former.get(key, key): data[key] for key in self.keys() if key in data}
 
     def resolved_yaml(self) -> str:
         """The same as YAML."""
@@ -284,7 +289,7 @@ class Config(Model):
 
 ORDER = (
     "name", "scene", "units", "fluid", "geometry", "walls", "drive", "initial", "discretisation", "scheme", "time",
-    "tracers", "output", "runtime",
+    "probes", "output", "runtime",
 )  # fmt: skip
 """Keys as a resolved config gives them; others come with ``geometry``."""
 

@@ -188,7 +188,7 @@ class Scene:
         raise NotImplementedError
 
     def exact(self, field, x, y, t):
-        """Reference for one of ``fields`` (if there are any) at places ``x``, ``y`` and times ``t``, which broadcast."""
+        """Reference for one of ``fields``, if any, at places ``x``, ``y`` and times ``t``; they broadcast."""
         raise NotImplementedError
 
     def measures(self, snapshot, followed):

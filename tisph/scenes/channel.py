@@ -123,8 +123,8 @@ class Drive(Model):
     acceleration: Signed = 0.0
 
 
-class Tracers(Model):
-    """Probes on a vertical line at ``x`` [length], whose velocities go to history.csv."""
+class Probes(Model):
+    """Fixed points on a vertical line at ``x`` [length], whose velocities go to history.csv."""
 
     count: Annotated[int, Field(ge=2, le=1000)] = 10
     x: number_or(Annotated[float, Field(ge=0)], "centre") = "centre"
@@ -138,7 +138,7 @@ class Config(schema.Config):
     drive: Drive = Drive()
     bodies: Bodies = ()
     initial: Initial = Initial()
-    tracers: Tracers = Tracers()
+    probes: Probes = Probes()
 
     unset_keys = ("bodies",)
     periodic = (True, False)
@@ -181,8 +181,8 @@ class Config(schema.Config):
 
     @property
     def followed(self) -> dict[str, Any]:
-        """The tracers; with bodies it is the forces on them that are followed."""
-        return {} if self.bodies else {"count": self.tracers.count, "x": self.tracers.x}
+        """The probes; with bodies it is the forces on them that are followed."""
+        return {} if self.bodies else {"count": self.probes.count, "x": self.probes.x}
 
     def problems(self) -> Iterator[Problem]:
         """What the channel has against the config."""
@@ -199,8 +199,8 @@ class Config(schema.Config):
         if video and video.color_by == "shear_stress" and not rheology.carries_stress:
             text = f"needs a rheology with a stress of its own, such as oldroyd_b; {rheology.type} has none"
             yield "output.video.color_by", f"{text}: take speed"
-        if self.tracers.x != "centre" and self.tracers.x > self.geometry.length:
-            yield "tracers.x", f"must be inside the channel: centre, or 0 to {self.geometry.length:g}"
+        if self.probes.x != "centre" and self.probes.x > self.geometry.length:
+            yield "probes.x", f"must be inside the channel: centre, or 0 to {self.geometry.length:g}"
 
     def incommensurate(self) -> Iterator[Problem]:
         """A length that the spacing does not divide, or that is too short."""

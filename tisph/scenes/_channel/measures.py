@@ -1,6 +1,6 @@
-"""What a sample of a channel is measured by beside its errors: lines through tracers, centreline, walls, stresses.
+"""What a sample of a channel is measured by beside its errors: lines through probes, centreline, walls, stresses.
 
-A straight-line fit through the tracers, the measure of the verification page, cannot see errors that are
+A straight-line fit through the probes, the measure of the verification page, cannot see errors that are
 symmetric about mid-gap. It is given, and always beside the errors of the whole profile.
 """
 
@@ -14,20 +14,20 @@ CENTRELINE_POINTS = 32
 """Points along the channel over which the velocity at mid-gap is averaged."""
 
 
-def measures(channel, snapshot, tracers):
-    """Numbers of a snapshot with its reference; ``tracers`` is the pair (y, u) of heights and velocities at the probes.
+def measures(channel, snapshot, probes):
+    """Numbers of a snapshot with its reference; ``probes`` is the pair (y, u) of heights and velocities at the probes.
 
     With polymer ``shear_stress_l2`` = sqrt(sum (S-S_exact)^2 / sum S_exact^2) of S = S_xy, and ``normal_stress_l2``,
     that of the first normal stress difference S_xx - S_yy;
-    ``slope`` (1/time), ``intercept`` (velocity) of the least-squares line u(y) through the tracers; ``centreline``: u
+    ``slope`` (1/time), ``intercept`` (velocity) of the least-squares line u(y) through the probes; ``centreline``: u
     at mid-gap, averaged along the channel; ``wall_shear_bottom``, ``wall_shear_top``: total shear stress on the
     liquid's side of the walls, see ``wall_shear.py``; each also ``_exact``, the lines being fitted to exact
-    velocities at the same tracers; ``density_variation`` = max |density/density_0 - 1|;
+    velocities at the same probes; ``density_variation`` = max |density/density_0 - 1|;
     ``max_transverse_velocity`` = max |v|. None where one does not exist (a wall shear that is infinite).
     """
     return {
         **_stress_errors(channel, snapshot),
-        **_line_fits(channel, snapshot.t, *tracers[:2]),
+        **_line_fits(channel, snapshot.t, *probes[:2]),
         **_centreline(channel, snapshot),
         **_wall_shears(channel, snapshot),
         **_plate(channel, snapshot),

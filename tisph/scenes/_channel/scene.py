@@ -235,7 +235,7 @@ class Channel(Scene):
         return fields
 
     def measures(self, snapshot, followed):
-        """Errors of stresses, lines through the tracers, centreline, wall shear; see ``measures.py``."""
+        """Errors of stresses, lines through the probes, centreline, wall shear; see ``measures.py``."""
         return measures(self, snapshot, followed)
 
     @property
@@ -248,8 +248,8 @@ class Channel(Scene):
         return views.profiles(self)
 
     def followed(self, count, x="centre"):
-        """Velocities at tracers; arguments as ``tracer_positions``."""
-        return views.tracers(self, count, x)
+        """Velocities at probes; arguments as ``probe_positions``."""
+        return views.probes(self, count, x)
 
     @property
     def monitored(self):
@@ -283,7 +283,7 @@ class Channel(Scene):
         """
         return self._flow.deviations(y, self.start_time)
 
-    def tracer_positions(self, count, x="centre"):
+    def probe_positions(self, count, x="centre"):
         """Arrays (x, y) of ``count`` probes on a vertical line, at heights (k + 1/2) gap / count.
 
         ``x`` is a distance along the channel, or ``centre``.

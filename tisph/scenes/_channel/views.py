@@ -1,4 +1,4 @@
-"""What is looked at in a channel: profiles across it, tracers, the movie, and in words what the flow is."""
+"""What is looked at in a channel: profiles across it, probes, the movie, and in words what the flow is."""
 
 import numpy as np
 
@@ -19,12 +19,12 @@ def profiles(channel):
     return [speed, _shear_stress(channel), _normal_stress(channel)]
 
 
-def tracers(channel, count, x="centre"):
-    """Velocities at ``count`` heights on a vertical line; arguments as ``Channel.tracer_positions``."""
-    places = channel.tracer_positions(count, x)
+def probes(channel, count, x="centre"):
+    """Velocities at ``count`` heights on a vertical line; arguments as ``Channel.probe_positions``."""
+    places = channel.probe_positions(count, x)
     heights, probes = places[1], Probes(channel, *places)
     return Followed(
-        content="velocities u along x over time t at tracers at heights y",
+        content="velocities u along x over time t at probes at heights y",
         name="u",
         unit="velocity",
         scale=channel.reference_velocity,

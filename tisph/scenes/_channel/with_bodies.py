@@ -34,8 +34,8 @@ def problems(config: Any) -> Iterator[Problem]:
             yield f"walls.{side}.velocity_before", "is not allowed with bodies: the run starts from rest"
     if config.walls.treatment.type != "consistent_image":
         yield "walls.treatment.type", "must be left out: with bodies walls are points on them, without images"
-    if config.tracers != type(config.tracers)():
-        yield "tracers", "are not for a channel with bodies: what is followed are the forces on these"
+    if config.probes != type(config.probes)():
+        yield "probes", "are not for a channel with bodies: what is followed are the forces on these"
     named = {f"walls.{name}": wall for name, wall in _walls(config).items()}
     yield from cell_problems(config, _bodies(config), named)
 

@@ -40,41 +40,41 @@ class Scheme:
     ``targets`` are times that steps end on exactly. ``serial`` compiles loops without threads.
     """
 
-    def __init__(self, config, channel, targets, serial):
+    def __init__(self, config, scene, targets, serial):
         kernel = registry.load("kernels", config.discretisation.kernel)
         operators = registry.load("operators", config.scheme.operators).Operators
         rheology = config.fluid.rheology
-        stress = registry.compiled("rheology", rheology.type).Stress(channel) if rheology.carries_stress else None
-        self.channel = channel
+        stress = registry.compiled("rheology", rheology.type).Stress(scene) if rheology.carries_stress else None
+        self.scene = scene
         self.serial = serial
         self.equation_of_state = config.scheme.equation_of_state
         self.sound_speed = sound_speed(
             self.equation_of_state,
-            reference_velocity=channel.peak_velocity,
-            kinematic_viscosity=channel.kinematic_viscosity,
-            length=channel.reference_length,
-            density=channel.density,
-            elastic_speed=channel.elastic_speed,
+            reference_velocity=scene.peak_velocity,
+            kinematic_viscosity=scene.kinematic_viscosity,
+            length=scene.reference_length,
+            density=scene.density,
+            elastic_speed=scene.elastic_speed,
         )
         self.cfl = config.time.cfl
         self.artificial_viscosity = config.scheme.artificial_viscosity
-        self.smoothing_length = config.discretisation.smoothing_ratio * channel.spacing
+        self.smoothing_length = config.discretisation.smoothing_ratio * scene.spacing
         cutoff = kernel.SUPPORT * self.smoothing_length
-        radius = reach(cutoff, channel.spacing)
+        radius = reach(cutoff, scene.spacing)
 
-        self.surroundings = surroundings(config, channel, radius)
+        self.surroundings = surroundings(config, scene, radius)
         self.domain, treatment = self.surroundings.domain, self.surroundings.treatment
-        self.liquid = Liquid(channel, self.equation_of_state, self.sound_speed, stress)
-        self.particles = Particles(channel.particles, *self.surroundings.slots, rheology.carries_stress)
+        self.liquid = Liquid(scene, self.equation_of_state, self.sound_speed, stress)
+        self.particles = Particles(scene.particles, *self.surroundings.slots, rheology.carries_stress)
         self.cells = Cells(self.particles, self.domain, self.surroundings.box, radius)
-        self.lists = VerletLists(self.cells, cutoff, channel.spacing, serial, treatment.looks_inside)
-        speeds = self.sound_speed, self.cfl, channel.solvent_viscosity / self.smoothing_length
+        self.lists = VerletLists(self.cells, cutoff, scene.spacing, serial, treatment.looks_inside)
+        speeds = self.sound_speed, self.cfl, scene.solvent_viscosity / self.smoothing_length
         shift = shift_speed(kernel, config.discretisation.smoothing_ratio, *speeds)
         self.operators = operators(self.particles, self.lists, self.liquid, kernel, self.artificial_viscosity, shift)
         self.walls = self.surroundings.surround(self.operators, kernel)
         self.stepper = Stepper(self.operators, self.walls, serial)
-        self.plan = StepPlan(channel.start_time, targets)
-        self.time = self.middle = self.end = self.built = channel.start_time
+        self.plan = StepPlan(scene.start_time, targets)
+        self.time = self.middle = self.end = self.built = scene.start_time
         self.steps = self.rebuilds = self.now = 0
         self.length, self.limit, self.shortest, self.longest = 0.0, math.inf, math.inf, 0.0
 
@@ -84,7 +84,7 @@ class Scheme:
         ``stress``: polymer stress xx, xy, yy, (particles, 3), where particles carry it.
         """
         self.limit = self.time_step_limit()
-        scaled = stress / self.channel.density if self.particles.carries_stress else None
+        scaled = stress / self.scene.density if self.particles.carries_stress else None
         self.particles.load(position - np.array(self.surroundings.origin), velocity, scaled)
         self.press(position)
         self.surroundings.begin(float(velocity[:, 0].sum()))
@@ -95,14 +95,14 @@ class Scheme:
 
     def press(self, position):
         """Give the particles the pressure that the flow starts with, where it is known: without it there is sound."""
-        channel, fluid = self.channel, self.particles.fluid
-        if "pressure" not in channel.fields:
+        scene, fluid = self.scene, self.particles.fluid
+        if "pressure" not in scene.fields:
             return
-        values = channel.exact("pressure", *position.T, channel.start_time)
-        scales = {"density": channel.density, "sound_speed": self.sound_speed}
+        values = scene.exact("pressure", *position.T, scene.start_time)
+        scales = {"density": scene.density, "sound_speed": self.sound_speed}
         compressed = compression(self.equation_of_state, values, **scales)
         view(self.particles.compression)[:, :fluid] = view(self.particles.mid_compression)[0, :fluid] = compressed
-        view(self.particles.mid_pressure)[0, :fluid] = values / channel.density
+        view(self.particles.mid_pressure)[0, :fluid] = values / scene.density
 
     @property
     def finished(self):
@@ -141,19 +141,19 @@ class Scheme:
 
         Where they are not finite the step stays as it is: the guard, which looks as often, names the fault.
         """
-        channel, stepper = self.channel, self.stepper
+        scene, stepper = self.scene, self.stepper
         tension = max(0.0, float(view(stepper.stress_trace))) if self.particles.carries_stress else 0.0
         limits = time_step_limits(
             self.cfl,
             smoothing_length=self.smoothing_length,
             sound_speed=self.sound_speed,
-            reference_velocity=max(channel.peak_velocity, math.sqrt(view(stepper.speed_squared))),
+            reference_velocity=max(scene.peak_velocity, math.sqrt(view(stepper.speed_squared))),
             kinematic_viscosity=effective_viscosity(
-                channel.solvent_viscosity, self.artificial_viscosity, self.smoothing_length, self.sound_speed
+                scene.solvent_viscosity, self.artificial_viscosity, self.smoothing_length, self.sound_speed
             ),
             acceleration=math.sqrt(view(stepper.acceleration_squared)),
-            elastic_speed=math.sqrt(channel.elastic_speed**2 + tension),
-            relaxation_time=channel.polymer.relaxation_time if channel.polymer else math.inf,
+            elastic_speed=math.sqrt(scene.elastic_speed**2 + tension),
+            relaxation_time=scene.polymer.relaxation_time if scene.polymer else math.inf,
         )
         limit = min(limits.values())
         return limit if limit > 0.0 else self.limit
@@ -189,12 +189,12 @@ class Scheme:
         """Return the state at the end of the last step as a Snapshot; ``time`` can be no other."""
         position, velocity, compression, stress = self.particles.state(self.now)
         compression = compression.astype(float)
-        sides = zip(position.T, self.channel.extent, self.channel.periodic, self.surroundings.origin, strict=True)
+        sides = zip(position.T, self.scene.extent, self.scene.periodic, self.surroundings.origin, strict=True)
         x, y = (first + (place % size if periodic else place) for place, size, periodic, first in sides)
         stresses = {}
         if stress is not None:
             parts = zip(("stress_xx", "stress_xy", "stress_yy"), stress.T, strict=True)
-            stresses = {name: self.channel.density * values.astype(float) for name, values in parts}
+            stresses = {name: self.scene.density * values.astype(float) for name, values in parts}
         snapshot = Snapshot(
             t=self.time,
             step=self.steps,
@@ -202,11 +202,11 @@ class Scheme:
             y=y,
             u=velocity[:, 0],
             v=velocity[:, 1],
-            density=self.channel.density * (1.0 + compression),
+            density=self.scene.density * (1.0 + compression),
             pressure=pressure(
                 self.equation_of_state,
                 compression,
-                density=self.channel.density,
+                density=self.scene.density,
                 sound_speed=self.sound_speed,
             ),
             **stresses,
@@ -252,7 +252,7 @@ class Scheme:
     def numbers(self):
         """Return what ``summary.json`` says about this scheme."""
         return {
-            "mach": self.channel.peak_velocity / self.sound_speed,
+            "mach": self.scene.peak_velocity / self.sound_speed,
             "sound_speed": self.sound_speed,
             "particles_wall": self.particles.dummies + self.walls.present_images(),
             "neighbours_mean": self.lists.mean_length(),

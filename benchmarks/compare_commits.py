@@ -21,13 +21,17 @@ import tempfile
 from pathlib import Path
 
 ERRORS = ("l2", "linf", "rms")
-"""Errors by themselves, and the beginning of such as ``l2_pressure``; a value beside its ``_exact`` has one, too."""
+ERROR_ENDINGS = ("_l2", "_linf", "_rms", "_error")
+"""How errors begin and end; a value beside its ``_exact`` has an error, too."""
 
 ROUND_OFF = 1e-11
 """Errors, relative to the value where there is one, below which a ratio says nothing."""
 
-NOT_COMPARED = ("t", "step", "t_star", "nearest_two", "largest_hole", "min_distance", "max_void_radius")
-UNLIKE = ("_exact", "_error", "_change")
+NOT_COMPARED = ("t", "step", "t_star", "resolved", "density_variation", "divergence_over_gradient", "momentum_drift")
+NOT_COMPARED += ("max_transverse_velocity", "nearest_two", "largest_hole", "min_distance", "max_void_radius")
+"""Of a state, but of no flow: they say how particles lie, or are round-off."""
+
+UNLIKE = ("_exact", "_change")
 
 
 def main():
@@ -124,7 +128,7 @@ def quantities(sample):
         if key in NOT_COMPARED or key.endswith(UNLIKE):
             continue
         exact = values.get(f"{key}_exact")
-        if key.startswith(ERRORS):
+        if key.startswith(ERRORS) or key.endswith(ERROR_ENDINGS):
             found[key] = (value, value)
         else:
             found[key] = (None if exact is None else abs(value - exact), value)

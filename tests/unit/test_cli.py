@@ -11,10 +11,9 @@ from typer.testing import CliRunner
 import tisph
 from tisph import cli
 from tisph.cli.check import estimates
-from tisph.cli.output_folder import RESULTS
 from tisph.config import load
 from tisph.errors import DivergedError, TisphError
-from tisph.folder import held
+from tisph.folder import RESULTS, held
 from tisph.schemes._estimate import step_count
 
 ROOT = Path(tisph.__file__).parents[1]

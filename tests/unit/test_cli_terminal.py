@@ -12,7 +12,7 @@ import tisph.__main__
 import tisph.cli
 from tisph.cli.outcome import held_back
 from tisph.cli.terminal import lasting
-from tisph.endings import endings
+from tisph.signals import ending_signals
 
 POSIX = pytest.mark.skipif(os.name == "nt", reason="sends signals, closes descriptors")
 
@@ -105,9 +105,9 @@ def test_an_import_is_not_interrupted_but_what_comes_after_it(number):
 
 @POSIX
 def test_a_hang_up_is_not_heard_where_the_process_was_started_to_ignore_it():
-    assert signal.SIGHUP in endings()
+    assert signal.SIGHUP in ending_signals()
     heard = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # as nohup does
     try:
-        assert endings() == [signal.SIGINT, signal.SIGTERM]
+        assert ending_signals() == [signal.SIGINT, signal.SIGTERM]
     finally:
         signal.signal(signal.SIGHUP, heard)

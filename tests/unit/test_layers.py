@@ -14,7 +14,8 @@ PACKAGE = Path(tisph.__file__).parent
 
 # Each part may import the parts in the levels below its own, and itself. Parts of one level are independent.
 LEVELS = [
-    ["endings", "errors", "folder", "snapshot", "registry", "text_table"],
+    ["clock", "signals", "errors", "snapshot", "registry", "text_table"],
+    ["folder"],
     ["config", "exact", "geometry"],
     ["equation_of_state", "measures"],
     ["bodies"],
@@ -42,7 +43,7 @@ BY_NAME = {"tisph/registry.py", "tisph/__init__.py", "tisph/assessment/reading.p
 BY_NAME |= {"tisph/results/export/__init__.py"}
 """Files that import modules whose names are put together: members of a folder, and the public names."""
 
-FRONT_DOOR = {"__version__", "PROCESS_START", "__file__"}
+FRONT_DOOR = {"__version__", "__file__"}
 """What the package's own files may take from ``tisph/__init__.py``, which imports the rest on first use."""
 
 LEFT_FILES = {"tisph.schemes.implicit._plate_step", "tisph.schemes.implicit._viscoelastic"}

@@ -9,16 +9,16 @@ from typing import Any
 
 import typer
 
-from tisph.endings import endings
 from tisph.errors import INTERRUPTED, TisphError
+from tisph.signals import ending_signals
 
 
 def reported(command: Callable[..., None]) -> Callable[..., None]:
-    """Make a command end with its error's status and message instead of a traceback; ``endings`` interrupt it."""
+    """Make a command end with its error's status and message instead of a traceback; an ending signal interrupts it."""
 
     @functools.wraps(command)
     def wrapped(*arguments: Any, **options: Any) -> None:
-        previous = {number: signal.signal(number, signal.default_int_handler) for number in endings()}
+        previous = {number: signal.signal(number, signal.default_int_handler) for number in ending_signals()}
         try:
             command(*arguments, **options)
         except TisphError as error:
@@ -40,7 +40,7 @@ def reported(command: Callable[..., None]) -> Callable[..., None]:
 def held_back() -> Iterator[None]:
     """Let an interrupt wait for what is done inside: imports, which may lose it or turn it into another error."""
     heard: list[int] = []
-    previous = {number: signal.signal(number, lambda number, _: heard.append(number)) for number in endings()}
+    previous = {number: signal.signal(number, lambda number, _: heard.append(number)) for number in ending_signals()}
     try:
         yield
     finally:

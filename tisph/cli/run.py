@@ -11,7 +11,7 @@ from tisph.cli import check
 from tisph.cli.options import ConfigFile, Overrides, folder_name
 from tisph.cli.outcome import held_back
 from tisph.errors import DivergedError
-from tisph.folder import Folder
+from tisph.folder import Folder, claimed
 
 SHOWN = {
     "movie": "movie.mp4",
@@ -48,14 +48,13 @@ def run(
       tisph run configs/shear_layer.yaml --estimate-error
     """
     with held_back():
-        from tisph.cli import output_folder
         from tisph.config import load
 
         loaded = load(config, overrides or ())
         _, warnings = check.forecast(loaded)
     folder = out or Path("runs") / loaded.name
     coarser = _coarser(loaded, folder) if estimate_error else None
-    with output_folder.claimed(folder, overwrite=overwrite, resume=resume):
+    with claimed(folder, overwrite=overwrite, resume=resume):
         for text in warnings:
             typer.echo(f"warning: {text}", err=True)
         drawn = {"pictures": not no_pictures, "video": not (no_video or no_pictures)}

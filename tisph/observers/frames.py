@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from tisph.observers._schedule import Schedule, even_times
 from tisph.observers._storage import Storage, read_snapshots
+from tisph.observers.schedule import Times, even_times
 
 FIELDS = ("x", "y", "u", "v", "stress_xy")
 """What every movie may show; the stress is there only with polymer."""
@@ -24,7 +24,7 @@ class Frames:
     def __init__(self, path, movie, times, resumed_at=None, more=()):
         self.path = path
         self.movie = movie
-        self.schedule = Schedule(times)
+        self.schedule = Times(times)
         self.storage = Storage(path, "frame_{:05d}", (*FIELDS, *more), np.float32, DELAY)
         if resumed_at is not None:
             self.schedule.mark(resumed_at)

@@ -8,7 +8,7 @@ import numpy as np
 
 from tisph.measures.resolution import resolution
 from tisph.observers._files import readable, replaced, written
-from tisph.observers._schedule import Schedule, even_times
+from tisph.observers.schedule import Times, even_times
 
 RECORDS = 401
 """Lines of the history, evenly spaced in time."""
@@ -32,7 +32,7 @@ class History:
         self.scene = scene
         self.followed, self.monitored = followed, scene.monitored
         self.more = [] if self.monitored is None else list(self.monitored.columns)
-        self.schedule = Schedule(even_times(scene.start_time, end, RECORDS))
+        self.schedule = Times(even_times(scene.start_time, end, RECORDS))
         kept = []
         if resumed_at is not None:
             times, values = read_history(path, len(self.more))

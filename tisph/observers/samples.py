@@ -1,8 +1,8 @@
 """Samples: the whole state at exact times, in ``samples.h5``."""
 
 from tisph.measures.reference import with_reference
-from tisph.observers._schedule import Schedule
 from tisph.observers._storage import Storage, read_snapshots
+from tisph.observers.schedule import Times
 
 CONTENT = "particles at the times of the samples"
 
@@ -20,7 +20,7 @@ class Samples:
 
     def __init__(self, path, scene, times, resumed_at=None, about=None):
         self.scene = scene
-        self.schedule = Schedule(times)
+        self.schedule = Times(times)
         self.snapshots = []
         if resumed_at is not None:
             self.snapshots = [with_reference(scene, kept) for kept in read_samples(path) if kept.t <= resumed_at]

@@ -1,8 +1,8 @@
 """The samples as ParaView reads them, while the run goes on: ``samples.vtkhdf``."""
 
-from tisph.observers._schedule import Schedule
 from tisph.observers._storage import EXACT, FIELDS, STRESSES, Storage
 from tisph.observers._vtkhdf import append
+from tisph.observers.schedule import Times
 
 
 class Vtk:
@@ -14,7 +14,7 @@ class Vtk:
 
     def __init__(self, path, samples, resumed_at, about):
         self.samples = samples
-        self.schedule = Schedule(samples.schedule.times)
+        self.schedule = Times(samples.schedule.times)
         if resumed_at is not None:
             self.schedule.mark(resumed_at)
         self.storage = _Steps(path, about)

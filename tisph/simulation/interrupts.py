@@ -1,15 +1,15 @@
-"""What happens to a run when Ctrl-C or another of ``endings`` comes."""
+"""What happens to a run when Ctrl-C or another signal that ends it comes."""
 
 import signal
 import sys
 from contextlib import contextmanager
 
-from tisph.endings import endings
+from tisph.signals import ending_signals
 
 
 @contextmanager
 def interrupts_to(job):
-    """Let any of ``endings`` end the run after its step, with all results; a second one stops it at once.
+    """Let any of the ``ending_signals`` end the run after its step, with all results; a second one stops it at once.
 
     Where there is a state to go on from, that is after the step, the checkpoint and the summary.
     """
@@ -25,7 +25,7 @@ def interrupts_to(job):
 
     report = sys.unraisablehook
     try:
-        previous = {number: signal.signal(number, handle) for number in endings()}
+        previous = {number: signal.signal(number, handle) for number in ending_signals()}
     except ValueError:  # not in the main thread: the caller decides
         yield
         return

@@ -7,8 +7,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-import tisph
-from tisph import runtime, scenes, schemes
+from tisph import clock, runtime, scenes, schemes
 from tisph.errors import DivergedError, TisphError
 from tisph.folder import Folder
 from tisph.observers._files import replaced
@@ -72,7 +71,7 @@ class Run:
         self.about = Description(config, self.channel)
         self.threads = threads(config, self.channel)
         self.costs = {
-            "import": time.perf_counter() - tisph.PROCESS_START,
+            "import": time.perf_counter() - clock.PROCESS_START,
             "compile": 0.0,
             "loop": 0.0,
             "output": 0.0,

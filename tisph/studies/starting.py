@@ -10,8 +10,7 @@ import runpy
 import sys
 import time
 
-import tisph
-from tisph import registry
+from tisph import clock, registry
 
 METHOD = "forkserver" if sys.platform == "linux" else "spawn"
 
@@ -43,7 +42,7 @@ def start(arguments, messages):
 
 def _be(arguments, messages):
     """Be that process: as ``python -m tisph`` with ``arguments``."""
-    tisph.PROCESS_START = time.perf_counter()
+    clock.PROCESS_START = time.perf_counter()
     for path, descriptor in ((os.devnull, 1), (messages, 2)):
         file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         os.dup2(file, descriptor)

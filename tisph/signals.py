@@ -3,7 +3,7 @@
 import signal
 
 
-def endings() -> list[signal.Signals]:
+def ending_signals() -> list[signal.Signals]:
     """Return them; a hang-up is not among them where this process was started to ignore it (nohup)."""
     hang_up = getattr(signal, "SIGHUP", None)  # Windows has none
     heard = hang_up is not None and signal.getsignal(hang_up) is not signal.SIG_IGN

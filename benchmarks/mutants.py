@@ -39,12 +39,8 @@ TURNS += [CORE + name for name in ("polymer_steps", "polymer_where_it_turns")]
 TESTS = {
     "exact": [UNIT + "exact_*", UNIT + "scene_flows"],
     "exact/couette": [UNIT + "exact_couette", UNIT + "scene_flows"],
-    "exact/os": [UNIT + "exact_os*", UNIT + "scene_flows"],
-    "exact/poi": [UNIT + "exact_poi*", UNIT + "scene_flows"],
     "exact/_c": [UNIT + "exact_c*", UNIT + "exact_*", UNIT + "scene_flows"],
-    "exact/_oldroyd": [UNIT + "exact_oldroyd*", UNIT + "scene_flows"],
     "exact/linear": [UNIT + "rheometry*", UNIT + "exact_*", UNIT + "scene_flows"],
-    "exact/scheduled": [UNIT + "schedule", UNIT + "scene_flows"],
     "exact/sliding": [UNIT + "exact_sliding_corner", UNIT + "exact_cavity"],
     "exact/uniform_shear": [UNIT + "rheometry_schedules"],
     "measures": [UNIT + "metrics*", UNIT + "study_walls", UNIT + "verification*", UNIT + "extrapolation"],

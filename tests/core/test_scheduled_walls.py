@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from implicit_case import channel_of, rows, run
+from oracles import oldroyd_b
 
 from tisph import registry, runtime
-from tisph.exact import oldroyd_b
 from tisph.measures.wall_shear import _slope
 from tisph.schemes._forecast.elastic_rows import ElasticRows
 from tisph.schemes.implicit._elastic_stages import Flow

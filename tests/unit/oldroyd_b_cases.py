@@ -1,9 +1,8 @@
 """Liquids, flows and functions that the tests of the exact Oldroyd-B solution share."""
 
 import numpy as np
-
-from tisph.exact import oldroyd_b
-from tisph.exact.oldroyd_b import Flow, Liquid
+from oracles import oldroyd_b
+from oracles.oldroyd_b import Flow, Liquid
 
 HEIGHTS = np.linspace(0.0, 1.0, 101)
 THIN = Liquid(density=1.0, solvent_viscosity=0.1, polymer_viscosity=0.9, relaxation_time=1.0)

@@ -5,11 +5,11 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from oracles._annulus_modes import modes, shear_rates, velocities
+from oracles.circular_couette import CircularCouette, Rotation
 from polymer_laws import law, steady_shear
 from scipy.integrate import quad
 
-from tisph.exact._annulus_modes import modes, shear_rates, velocities
-from tisph.exact.circular_couette import CircularCouette, Rotation
 from tisph.exact.circular_start_up import CircularStartUp
 from tisph.exact.start_up import Flow, Polymer, StartUp, Wall
 from tisph.geometry.schedule import Schedule

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from oracles import oldroyd_b, oscillating_wall
 from polymer_laws import law, steady_shear
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from tisph import registry
-from tisph.exact import oldroyd_b, oscillating_wall
 from tisph.exact.start_up import Flow, Polymer, StartUp, Viscous, Wall
 
 HEIGHTS = np.linspace(0.0, 1.0, 41)

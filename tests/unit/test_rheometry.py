@@ -4,10 +4,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from oracles.circular_couette import CircularCouette, Rotation
 
 from tisph import registry
 from tisph.errors import ConfigError
-from tisph.exact.circular_couette import CircularCouette, Rotation
 from tisph.exact.circular_start_up import CircularStartUp
 from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity, cylinder_impedance, impedance
 from tisph.exact.start_up import Polymer, Wall

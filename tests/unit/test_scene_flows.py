@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from oracles import poiseuille
 
 from tisph.config import load
-from tisph.exact import couette, poiseuille
+from tisph.exact import couette
 from tisph.scenes._motion import Polymer, WallMotion
 from tisph.scenes.channel import Channel
 

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from oracles import scheduled_wall
+from oracles.scheduled_wall import _image_gradient, _image_velocity, _series_gradient, _series_velocity
 
-from tisph.exact import couette, scheduled_wall
-from tisph.exact.scheduled_wall import _image_gradient, _image_velocity, _series_gradient, _series_velocity
+from tisph.exact import couette
 from tisph.geometry.schedule import Schedule
 
 WALL = Schedule((0.1, 0.3, 0.3, 0.6, 0.9), (0.0, 1.0, 0.5, 2.0, 0.0))

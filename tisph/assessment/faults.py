@@ -39,8 +39,8 @@ class Fault:
 
 def faults(scene, times):
     """All faults that can be asked of a ``scene`` at ``times``."""
-    if scene.parallel and scene.rheology is not None:
-        return []  # its exact flow is solved for, for every value anew
+    if scene.parallel and not scene.superposes:
+        return []
     found = [_viscosity(), _time(scene, times)]
     if scene.parallel:
         found += [*_displaced_walls(scene), *_slip(scene), *_start(scene, times)]

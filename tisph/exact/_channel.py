@@ -56,11 +56,6 @@ def series_terms(diffusion_time):
     return range(1, 1 + int(np.ceil(np.sqrt(EXPONENT / diffusion_time.min()) / np.pi)))
 
 
-def image_reach(diffusion_time):
-    """Distance, in gaps, at which an image adds less than rounding error at any of the times."""
-    return int(np.ceil(2 * np.sqrt(EXPONENT * diffusion_time.max())))
-
-
 def image_distances(diffusion_time):
     """Odd distances 2k+1: the next image, at least 2k+2 from any eta <= 1, adds less than rounding error."""
     return range(1, 2 + 2 * int(np.ceil(np.sqrt(EXPONENT * diffusion_time.max()))), 2)

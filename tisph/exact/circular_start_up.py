@@ -1,4 +1,4 @@
-"""Start-up flow of any liquid between two cylinders, where there is no closed form: solved to 1e-8.
+"""Start-up flow of any fluid between two cylinders: a numerical reference, to 1e-8.
 
 The velocity u around the axis, the polymer stress S in polar components and the pressure p over the density obey
 

@@ -5,8 +5,8 @@ With f(eta, T), eta = y/H, T = nu t/H^2, the flow when only the wall eta = 1 mov
 
     u(y, t) = U1 f(y/H, T) + U0 f(1 - y/H, T)
 
-    f = eta + (2/pi) sum_{n>=1} (-1)^n/n sin(n pi eta) exp(-n^2 pi^2 T)                          ("fourier")
-    f = sum_{k>=0} erfc((2k+1-eta)/(2 sqrt T)) - erfc((2k+1+eta)/(2 sqrt T))                     ("images")
+    f = eta + (2/pi) sum_{n>=1} (-1)^n/n sin(n pi eta) exp(-n^2 pi^2 T)                          (series)
+    f = sum_{k>=0} erfc((2k+1-eta)/(2 sqrt T)) - erfc((2k+1+eta)/(2 sqrt T))                     (images)
 
 Sources: G. K. Batchelor, An Introduction to Fluid Dynamics, section 4.3 (the series, and the half-space
 solution whose reflections in the walls the images are); J. P. Morris, P. J. Fox and Y. Zhu, J. Comput. Phys.
@@ -46,39 +46,6 @@ def shear_rate(y, t, *, gap, kinematic_viscosity, bottom, top):
         for coordinate, speed in ((eta, top), (1 - eta, bottom))
     )
     return (top * at_top - bottom * at_bottom + np.zeros_like(eta))[()] / gap
-
-
-def fourier(y, t, *, gap, kinematic_viscosity, bottom, top):
-    """Velocity by the Fourier series, for any t > 0 (else ValueError); arguments as ``velocity``."""
-    eta, diffusion_time = _after_start(y, t, gap, kinematic_viscosity)
-    return top * _series_velocity(eta, diffusion_time) + bottom * _series_velocity(1 - eta, diffusion_time)
-
-
-def images(y, t, *, gap, kinematic_viscosity, bottom, top):
-    """Velocity by images, for any t > 0 (else ValueError); arguments as ``velocity``."""
-    eta, diffusion_time = _after_start(y, t, gap, kinematic_viscosity)
-    return top * _image_velocity(eta, diffusion_time) + bottom * _image_velocity(1 - eta, diffusion_time)
-
-
-def fourier_shear_rate(y, t, *, gap, kinematic_viscosity, bottom, top):
-    """du/dy (1/time) by the Fourier series, for any t > 0 (else ValueError); arguments as ``velocity``."""
-    eta, diffusion_time = _after_start(y, t, gap, kinematic_viscosity)
-    at_top, at_bottom = (_series_gradient(coordinate, diffusion_time) for coordinate in (eta, 1 - eta))
-    return (top * at_top - bottom * at_bottom) / gap
-
-
-def images_shear_rate(y, t, *, gap, kinematic_viscosity, bottom, top):
-    """du/dy (1/time) by images, for any t > 0 (else ValueError); arguments as ``velocity``."""
-    eta, diffusion_time = _after_start(y, t, gap, kinematic_viscosity)
-    at_top, at_bottom = (_image_gradient(coordinate, diffusion_time) for coordinate in (eta, 1 - eta))
-    return (top * at_top - bottom * at_bottom) / gap
-
-
-def _after_start(y, t, gap, kinematic_viscosity):
-    eta, diffusion_time = dimensionless(y, t, gap, kinematic_viscosity)
-    if np.any(diffusion_time == 0):
-        raise ValueError("a single form of the solution holds for t > 0 only")
-    return eta, diffusion_time
 
 
 def _series_velocity(eta, diffusion_time):

@@ -1,4 +1,4 @@
-"""Start-up flow of any liquid between two walls, plane or cylinders, where there is no closed form: solved to 1e-8.
+"""Start-up flow of any fluid between two walls, plane or cylinders: a numerical reference, to 1e-8.
 
 Equations for 0 < y < gap, with g = -(dp/dx)/density, all stresses over the density:
 
@@ -15,7 +15,8 @@ around the axis and y outwards, so that the laws are the same; u/r has the place
 
 A wall whose velocity jumps at t = 0, or later, makes a layer sqrt(t) deep. Where a solvent of constant viscosity takes
 it, its own start (``_layer``) is left to a closed form, u = v + that, and v is smooth. Liquids that remember nothing
-start with the jump between the wall and the next point.
+start with the jump between the wall and the next point. The periodic flow of a
+Newtonian fluid whose wall oscillates is added to the solution of the rest, which decays.
 
 Numerics: polynomials on elements that are finest at the walls (``_elements``), collocation in sqrt(t) (``_stiff``).
 Solved once, as far as it is asked for; no result depends on what was asked before.
@@ -30,7 +31,7 @@ a wall: until the layer is as deep as an element is wide, steps are as short as 
 point. At large regularisation a liquid with a yield stress does not get beyond that: UnsolvedError.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -43,6 +44,9 @@ from tisph.exact._stiff import Solution
 ORDER = 16
 FINEST, WIDEST = 1e-3, 0.0625
 """Order of the elements, and the width over the gap of those at the walls and in the middle."""
+
+REFINEMENTS = 3
+"""Solutions for the residual of a periodic flow: the first one alone loses digits to rounding, 1e-8 in places."""
 
 REMEMBERED, MOST_DOUBLINGS, STEADY = 20.0, 8, 1e-9
 """Longest times of the liquid, viscous and relaxation, after which a flow may be developed. It is where as long a time
@@ -119,6 +123,8 @@ class Wall:
     """A wall of constant ``speed``."""
 
     driven: ClassVar[bool] = False
+    oscillates: ClassVar[bool] = False
+    angular_frequency: ClassVar[float] = 0.0
     changes: ClassVar[tuple[float, ...]] = ()
 
     speed: float = 0.0
@@ -179,7 +185,7 @@ class StartUp:
         if before is not None:
             if (before.gap, before.inner_radius) != (flow.gap, flow.inner_radius):
                 raise ValueError(f"the flow before has a gap of {before.gap}, the flow one of {flow.gap}")
-            start = StartUp(liquid, before, order=order, edges=edges)._developed()
+            start = _developed(liquid, before, order, edges)
             jumps = [new - old for new, old in zip(jumps, start[self._ends], strict=True)]
         driven = abs(flow.acceleration) * flow.gap**2 / liquid.total_viscosity
         self.begins = sorted({0.0, *(time for wall in walls for time in wall.changes)})
@@ -188,13 +194,24 @@ class StartUp:
         self.speed = max(1e-200, driven / 12, *np.abs(sizes))
         self.layer = Layer(self.elements, self._jumps if liquid.layered else (), liquid.carried(1.0))
         self.equations = self._equations(0.0)
+        self._only_layers = start is None and self._rest_vanishes()
+        self._oscillations = [] if self._only_layers else list(self._periodic_parts())
         begun = np.zeros(self.equations.size) if start is None else start
-        self._pieces = [self._solution(self.equations, begun, jumps)]
+        self._pieces = [self._solution(self.equations, begun - self._oscillating(0.0), jumps)]
+
+    def _rest_vanishes(self):
+        """Whether a flow from rest consists of its layers alone: a Newtonian fluid between planes of constant speed."""
+        constant = not any(wall.driven or wall.oscillates for wall in (self.flow.bottom, self.flow.top))
+        plane = self.flow.inner_radius is None and self.flow.acceleration == 0.0
+        return _newtonian(self.liquid) and plane and constant
 
     def _equations(self, begin):
         """Equations of the time from ``begin`` on."""
         flow = self.flow
-        walls = [LaterWall(wall.during(begin), begin) for wall in (flow.bottom, flow.top)]
+        walls = [
+            Wall() if self._has_periodic_part(wall) else LaterWall(wall.during(begin), begin)
+            for wall in (flow.bottom, flow.top)
+        ]
         return Equations(self.elements, self.liquid, walls, flow.acceleration, self.layer.later(begin), self.speed)
 
     def _solution(self, equations, start, jumps):
@@ -205,12 +222,41 @@ class StartUp:
 
     def _at(self, time):
         """State (size,) at one ``time`` >= 0."""
+        if self._only_layers:
+            return np.zeros(self.equations.size)
         piece = max(int(np.searchsorted(self.begins, time)) - 1, 0)
         while len(self._pieces) <= piece:
             begin, end = self.begins[len(self._pieces) - 1 :][:2]
             state, (_, *jumps) = self._pieces[-1].at(end - begin), self._jumps[len(self._pieces)]
             self._pieces.append(self._solution(self._equations(end), state, jumps))
-        return self._pieces[piece].at(time - self.begins[piece])
+        return self._pieces[piece].at(time - self.begins[piece]) + self._oscillating(time)
+
+    def _has_periodic_part(self, wall):
+        """Whether the periodic flow of a ``wall`` that oscillates is added to the solution, which is linear."""
+        return _newtonian(self.liquid) and not wall.driven and wall.angular_frequency != 0.0
+
+    def _periodic_parts(self):
+        """Yield angular frequency and complex amplitude (size,) of the periodic flow of each wall that has one.
+
+        With the complex amplitude a of the wall's velocity the flow is Re[x e^(iwt)], (iw - J) x = i w a at the wall,
+        0 elsewhere. The rest decays, so that many periods cost no more than one.
+        """
+        for node, wall in zip(self._ends, (self.flow.bottom, self.flow.top), strict=True):
+            if not self._has_periodic_part(wall):
+                continue
+            frequency = wall.angular_frequency
+            forcing, x = np.zeros((2, 1, self.equations.size), dtype=complex)
+            forcing[0, node] = 1j * frequency * (wall.cosine - 1j * wall.sine)
+            # not at t = 0, when the layer of a jump is infinitely thin
+            solve = self.equations.jacobian(x[0].real, 1 / frequency).solver(np.array([1j * frequency]))
+            for _ in range(REFINEMENTS):
+                rates = self.equations.rates(np.concatenate([x.real, x.imag]), (0.0, 0.0))
+                x = x + solve(forcing - 1j * frequency * x + rates[0] + 1j * rates[1])
+            yield frequency, x[0]
+
+    def _oscillating(self, time):
+        """What the periodic flows add to the state at one ``time``."""
+        return sum((x * np.exp(1j * frequency * time)).real for frequency, x in self._oscillations)
 
     def velocity(self, y, t):
         """Velocity u along the walls; at t = 0 the walls have their new velocity already, the liquid its old one."""
@@ -232,7 +278,7 @@ class StartUp:
         """Shear stress of solvent and polymer together."""
         return self._by_time(self._whole_stress, y, t)
 
-    def _developed(self):
+    def _steady(self):
         """The state (size,) that the flow ends in: v is all of the velocity then."""
         time = REMEMBERED * max(self.liquid.longest_time, self.flow.gap**2 / self.liquid.total_viscosity)
         for _ in range(MOST_DOUBLINGS):  # a liquid that thins takes longer
@@ -280,3 +326,22 @@ class StartUp:
             here = times == time
             result[..., here] = profile(heights[here], float(time))
         return result[()]
+
+
+def _newtonian(liquid):
+    return liquid.layered and not liquid.laws
+
+
+def _developed(liquid, flow, order, edges):
+    """State (size,) at t = 0 of a developed ``flow``: steady, plus the periodic flow of walls that oscillate.
+
+    ValueError where one does whose fluid is not Newtonian.
+    """
+    walls = flow.bottom, flow.top
+    steady = replace(flow, **{name: Wall() for name in ("bottom", "top") if getattr(flow, name).oscillates})
+    state = StartUp(liquid, steady, order=order, edges=edges)._steady()
+    if not any(wall.oscillates for wall in walls):
+        return state
+    if not _newtonian(liquid):
+        raise ValueError("only a Newtonian fluid has a periodic flow to start from")
+    return state + StartUp(liquid, flow, order=order, edges=edges)._oscillating(0.0)

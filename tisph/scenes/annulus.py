@@ -3,8 +3,8 @@ or as velocities at some times say.
 
 Particles fill the annulus evenly, the first layer half a spacing from the walls. Motion starts, or changes, at t = 0.
 The run's clock starts at ``start_time``: at the initial time of the config for the state ``exact``, else at 0. The
-liquid is a Newtonian one, or has a polymer. See ``tisph/exact/circular_couette.py`` and
-``circular_start_up.py`` for the solutions.
+liquid is a Newtonian one, or has a polymer. See ``tisph/exact/circular_start_up.py``
+for the reference.
 """
 
 import math

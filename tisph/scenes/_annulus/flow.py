@@ -1,52 +1,22 @@
-"""Exact flow between two cylinders of an ``Annulus``: of a Newtonian liquid, and of one with polymer.
+"""Reference flow between the two cylinders of an ``Annulus``: solved for once, by tisph.exact.circular_start_up.
 
 Radii ``r`` and times ``t`` broadcast, but for the pressure, which takes one time.
 """
 
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
-from tisph.exact.circular_couette import CircularCouette
 from tisph.exact.circular_start_up import CircularStartUp
 from tisph.exact.start_up import Polymer, Wall
 
 
-class NewtonianFlow:
-    """Closed forms: from rest, on from what the cylinders did before, or settled."""
-
-    def __init__(self, annulus):
-        walls = (replace(wall, before=annulus.before(wall)) for wall in (annulus.inner, annulus.outer))
-        self._of = CircularCouette(annulus.inner_radius, annulus.outer_radius, annulus.kinematic_viscosity, *walls)
-        self._settled, self._density = annulus.settled, annulus.density
-
-    def velocity(self, r, t):
-        """Velocity around the axis."""
-        return self._of.settled_velocity(r, t) if self._settled else self._of.velocity(r, t)
-
-    def shear_rate(self, r, t):
-        """Shear rate r d(u/r)/dr (1/time)."""
-        return self._of.settled_shear_rate(r, t) if self._settled else self._of.shear_rate(r, t)
-
-    def pressure(self, r, t):
-        """Pressure, of zero mean."""
-        return self._of.pressure(r, t, density=self._density, settled=self._settled)
-
-    def torques(self, t):
-        """Torques of the liquid on the inner and the outer cylinder, per length of the axis."""
-        return (self._of.settled_torque if self._settled else self._of.torque)(t, density=self._density)
-
-
-class SolvedFlow:
-    """From rest, or on from the steady flow of what the cylinders did before; solved once.
-
-    Of a liquid with polymer, or of any between cylinders with velocities at times.
-    """
+class ReferenceFlow:
+    """Flow from rest, or on from the developed flow of what the cylinders did before."""
 
     def __init__(self, annulus):
         walls = annulus.inner, annulus.outer
-        before = tuple(Wall(annulus.before(wall)) for wall in walls)
+        before = walls if annulus.settled else tuple(Wall(annulus.before(wall)) for wall in walls)
         liquid = annulus.rheology, annulus.kinematic_viscosity
         self._of = _solved(*liquid, annulus.inner_radius, annulus.outer_radius, *walls, before)
         self._density = annulus.density
@@ -80,7 +50,7 @@ class SolvedFlow:
 def _solved(rheology, kinematic_viscosity, inner_radius, outer_radius, inner, outer, before):
     share, laws = (rheology.solvent_fraction, rheology.laws(kinematic_viscosity)) if rheology else (1.0, ())
     liquid = Polymer(share * kinematic_viscosity, laws)
-    moved = any(wall.speed for wall in before)
+    moved = any(wall.oscillates or wall.velocity(0.0) for wall in before)
     return CircularStartUp(inner_radius, outer_radius, liquid, inner, outer, before if moved else None)
 
 

@@ -14,7 +14,7 @@ from tisph.geometry.schedule import Schedule
 from tisph.measures.metrics import field_error, relative_difference
 from tisph.scenes import _turning
 from tisph.scenes._annulus import views
-from tisph.scenes._annulus.flow import NewtonianFlow, SolvedFlow, cartesian, polar
+from tisph.scenes._annulus.flow import ReferenceFlow, cartesian, polar
 from tisph.scenes._filled import Filled
 from tisph.snapshot import STRESSES
 
@@ -144,7 +144,7 @@ class Annulus(Filled):
 
     @property
     def _flow(self):
-        return SolvedFlow(self) if self.polymer or self.changes else NewtonianFlow(self)
+        return ReferenceFlow(self)
 
     def radii(self, x, y):
         """Distance of places from the axis."""

@@ -4,22 +4,12 @@ from tisph.geometry.plate import Plate, PlateMotion
 from tisph.geometry.schedule import Schedule
 from tisph.scenes._motion import WallMotion
 
-CLOSED_FORMS = ("newtonian", "oldroyd_b")
-"""Rheologies whose flows are sums of closed forms between walls that do not oscillate; all others are solved for."""
-
 
 def wall(config):
     """The motion of a wall of a config, or the plate that it is."""
     if config.velocities:
         return Schedule(config.times, config.velocities)
     return Plate.from_config(config) if config.driven else WallMotion.from_config(config)
-
-
-def has_closed_form(rheology, *walls):
-    """Whether the flow is a sum of closed forms, and need not be solved for."""
-    if rheology.type not in CLOSED_FORMS or any(wall.driven for wall in walls):
-        return False
-    return not (rheology.carries_stress and any(wall.oscillates for wall in walls))
 
 
 def largest_speed(channel, wall):

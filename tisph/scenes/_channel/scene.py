@@ -9,11 +9,10 @@ from tisph.exact.linear_viscoelasticity import impedance
 from tisph.geometry.plate import Plate
 from tisph.geometry.schedule import Schedule
 from tisph.scenes._channel import driving, views
-from tisph.scenes._channel.flow import NewtonianFlow, OldroydFlow
+from tisph.scenes._channel.flow import ReferenceFlow
 from tisph.scenes._channel.layers import thinnest_layer
 from tisph.scenes._channel.measures import measures
 from tisph.scenes._channel.monitored import monitored
-from tisph.scenes._channel.solved import SolvedFlow
 from tisph.scenes._motion import Polymer, WallMotion
 from tisph.scenes._scene import Scene
 
@@ -22,12 +21,11 @@ from tisph.scenes._scene import Scene
 class Channel(Scene):
     """Geometry, wall motion, drive, liquid and exact solution; every number in the config's units.
 
-    ``kinematic_viscosity`` is the total one, of solvent and ``polymer`` (None without); ``acceleration`` acts
-    on the liquid along x; ``rheology`` has the numbers of a liquid whose flow has no closed form (``driving.py``),
-    else it is None. ``initial_state`` is ``rest`` (the liquid starts from rest at t = 0), ``developed`` (the flow has
-    developed before t = 0, under the walls' velocities before) or ``exact`` (the flow that started at t = 0, taken up
-    at ``start_time``). ``rows`` and ``columns`` count the fluid particles across and along the channel, ``units`` holds
-    the labels for plots and tables.
+    ``kinematic_viscosity`` is the total one, of solvent and ``polymer`` (None without); ``acceleration`` acts on the
+    fluid along x; ``rheology`` has the numbers of a fluid that is not Newtonian, else it is None. ``initial_state`` is
+    ``rest`` (the fluid starts from rest at t = 0), ``developed`` (the flow has developed before t = 0, under the walls'
+    velocities before) or ``exact`` (the flow that started at t = 0, taken up at ``start_time``). ``rows`` and
+    ``columns`` count the fluid particles across and along the channel, ``units`` holds the labels for plots and tables.
     """
 
     gap: float
@@ -60,7 +58,7 @@ class Channel(Scene):
             top=top,
             acceleration=config.drive.acceleration,
             polymer=Polymer.of(config.fluid.polymer),
-            rheology=None if driving.has_closed_form(rheology, bottom, top) else rheology,
+            rheology=None if rheology.type == "newtonian" else rheology,
             initial_state=config.initial.state,
             start_time=config.start_time,
             spacing=config.spacing,
@@ -154,6 +152,18 @@ class Channel(Scene):
         """Whether the flow before t = 0 is a developed one, not rest."""
         given = self.bottom.before is not None or self.top.before is not None
         return self.initial_state == "developed" or (self.initial_state == "exact" and given)
+
+    @property
+    def superposes(self):
+        """Whether flows of other walls and times of start add up to this one: the law is linear, velocities are given.
+
+        A wall that oscillates starts no developed flow but that of a Newtonian fluid.
+        """
+        walls = self.bottom, self.top
+        linear = self.rheology is None or (
+            self.rheology.type == "oldroyd_b" and not any(wall.oscillates for wall in walls)
+        )
+        return linear and not any(wall.driven for wall in walls)
 
     @property
     def wall_jumps(self):
@@ -293,6 +303,4 @@ class Channel(Scene):
 
     @property
     def _flow(self):
-        if self.rheology is not None:
-            return SolvedFlow(self)
-        return OldroydFlow(self) if self.polymer else NewtonianFlow(self)
+        return ReferenceFlow(self)

@@ -16,7 +16,7 @@ self-consistent units, ``kinematic_viscosity`` in length^2/time, ``acceleration`
 
 import numpy as np
 
-from tisph.exact._channel import dimensionless, erfc, image_reach, select, series_terms
+from tisph.exact._channel import EXPONENT, dimensionless, erfc, select, series_terms
 
 
 def velocity(y, t, *, gap, kinematic_viscosity, acceleration):
@@ -68,7 +68,7 @@ def _series_gradient(eta, diffusion_time):
 def _image_velocity(eta, diffusion_time):
     width = 2 * np.sqrt(diffusion_time)
     total = np.ones_like(eta)
-    for k in range(1 + image_reach(diffusion_time)):
+    for k in range(1 + _image_reach(diffusion_time)):
         total -= (-1) ** k * (_slowed((k + eta) / width) + _slowed((k + 1 - eta) / width))
     return diffusion_time * total
 
@@ -76,9 +76,14 @@ def _image_velocity(eta, diffusion_time):
 def _image_gradient(eta, diffusion_time):
     width = 2 * np.sqrt(diffusion_time)
     total = np.zeros_like(eta)
-    for k in range(1 + image_reach(diffusion_time)):
+    for k in range(1 + _image_reach(diffusion_time)):
         total += (-1) ** k * (_slowed_slope((k + eta) / width) - _slowed_slope((k + 1 - eta) / width))
     return width * total
+
+
+def _image_reach(diffusion_time):
+    """Distance, in gaps, at which an image adds less than rounding error at any of the times."""
+    return int(np.ceil(2 * np.sqrt(EXPONENT * diffusion_time.max())))
 
 
 def _slowed(x):

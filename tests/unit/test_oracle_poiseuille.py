@@ -5,9 +5,10 @@ import pytest
 from exact_collocation import chebyshev_derivatives
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from oracles import poiseuille
 from scipy.linalg import expm
 
-from tisph.exact import _channel, couette, poiseuille
+from tisph.exact import _channel, couette
 
 UNIT = {"gap": 1.0, "kinematic_viscosity": 1.0, "acceleration": 1.0}
 HEIGHTS = np.linspace(0.0, 1.0, 101)

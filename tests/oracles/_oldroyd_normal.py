@@ -13,8 +13,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from tisph.exact import _chebyshev
-from tisph.exact._oldroyd_start import DECAY, profiles_at
+from oracles import _chebyshev
+from oracles._oldroyd_start import DECAY, profiles_at
 
 HEIGHTS = 257
 """Chebyshev points across the gap; near a wall that jumps X goes as d^2 log d, which they resolve to 1e-9 of X."""

@@ -16,9 +16,10 @@ from oldroyd_b_cases import (
     THIN,
     largest_difference,
 )
+from oracles import _oldroyd_normal, _oldroyd_start, oldroyd_b, poiseuille
+from oracles.oldroyd_b import Flow, Liquid
 
-from tisph.exact import _oldroyd_normal, _oldroyd_start, couette, oldroyd_b, poiseuille
-from tisph.exact.oldroyd_b import Flow, Liquid
+from tisph.exact import couette
 
 
 def test_early_wall_is_that_of_a_half_space_of_solvent():

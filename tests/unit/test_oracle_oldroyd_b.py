@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 from exact_collocation import chebyshev_derivatives
 from oldroyd_b_cases import ACCURACY, BOTH, COUETTE, HEIGHTS, LINEAR, LIQUIDS, POISEUILLE, THIN, largest_difference
+from oracles import _oldroyd_start, oldroyd_b
+from oracles._oldroyd_start import Problem, Steady
+from oracles.oldroyd_b import Flow
 from scipy.integrate import quad
 from scipy.linalg import expm
-
-from tisph.exact import _oldroyd_start, oldroyd_b
-from tisph.exact._oldroyd_start import Problem, Steady
-from tisph.exact.oldroyd_b import Flow
 
 TABLE = {  # y = .1 .3 .5 .7 .9 in Couette flow, .1 .3 .5 in Poiseuille flow, of the liquid THIN
     ("velocity", "couette", 1.0): (0.18837393, 0.51395357, 0.73159931, 0.86299985, 0.95698233),

@@ -7,11 +7,12 @@ import pytest
 from exact_collocation import chebyshev_derivatives
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from oracles import oscillating_wall
+from oracles.oscillating_wall import Oscillation
 from scipy.linalg import expm
 from scipy.special import erfc
 
-from tisph.exact import _channel, couette, oscillating_wall
-from tisph.exact.oscillating_wall import Oscillation
+from tisph.exact import _channel, couette
 
 HEIGHTS = np.linspace(0.0, 1.0, 101)
 FROM_REST = (oscillating_wall.velocity, oscillating_wall.shear_rate)

@@ -30,7 +30,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tisph.exact import _chebyshev, couette, poiseuille
+from oracles import _chebyshev, poiseuille
+from tisph.exact import couette
 
 SWITCH = 28.0
 """T/(b E) up to which ``early`` is taken: there the modes left out by ``late`` are below exp(-28) = 7e-13."""

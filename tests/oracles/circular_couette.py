@@ -26,8 +26,8 @@ from functools import cached_property
 
 import numpy as np
 
-from tisph.exact import _chebyshev
-from tisph.exact._annulus_modes import modes, shear_rates, velocities
+from oracles import _chebyshev
+from oracles._annulus_modes import modes, shear_rates, velocities
 from tisph.exact._channel import EXPONENT
 
 EARLY_TIME = 1e-6

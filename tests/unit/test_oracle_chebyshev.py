@@ -1,8 +1,7 @@
 """Interpolation through Chebyshev points, which exact solutions at many heights use."""
 
 import numpy as np
-
-from tisph.exact import _chebyshev
+from oracles import _chebyshev
 
 
 def test_interpolation_passes_through_any_values_at_its_points():

@@ -27,9 +27,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from oracles._oldroyd_normal import normal_stress_at
+from oracles._oldroyd_start import Problem, Steady, profiles
 from tisph.exact._channel import dimensionless
-from tisph.exact._oldroyd_normal import normal_stress_at
-from tisph.exact._oldroyd_start import Problem, Steady, profiles
 
 
 @dataclass(frozen=True)

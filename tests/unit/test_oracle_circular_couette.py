@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from exact_collocation import chebyshev_derivatives
+from oracles import circular_couette, oscillating_wall
+from oracles.circular_couette import CircularCouette, Rotation
 from scipy.linalg import expm
 
-from tisph.exact import circular_couette, couette, oscillating_wall
-from tisph.exact.circular_couette import CircularCouette, Rotation
+from tisph.exact import couette
 
 GAPS = {"wide": (1.0, 5.0), "half": (1.0, 2.0), "narrow": (9.0, 10.0)}
 WALLS = {

@@ -4,6 +4,7 @@ import numpy as np
 from scipy.special import lambertw
 
 from tisph import registry
+from tisph.scenes._motion import Polymer
 
 VISCOSITY, TIME = 0.7, 1.5
 KINDS = {
@@ -20,6 +21,15 @@ def law(kind, viscosity=VISCOSITY, **other):
     values = {"relaxation_time": TIME, "solvent_fraction": 0.5, **KINDS[kind], **other}
     member = registry.load("rheology", values["type"])
     return member.Law(member.Parameters(**values), viscosity)
+
+
+def oldroyd_b(relaxation_time, solvent_fraction):
+    """What a channel needs to be told of an Oldroyd-B fluid, as keyword arguments."""
+    numbers = {"relaxation_time": relaxation_time, "solvent_fraction": solvent_fraction}
+    return {
+        "polymer": Polymer(**numbers),
+        "rheology": registry.load("rheology", "oldroyd_b").Parameters(type="oldroyd_b", **numbers),
+    }
 
 
 LAWS = {kind: law(kind) for kind in KINDS}

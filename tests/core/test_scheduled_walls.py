@@ -68,8 +68,8 @@ def test_stress_is_kicked_with_the_velocity(case):
     found, channel = rows_of(case, OLDROYD_B)
     assert isinstance(found, ElasticRows)
     # linear in velocity and shear stress: a wall that stops is the difference of two that start
-    liquid = oldroyd_b.Liquid(density=2.0, solvent_viscosity=0.2, polymer_viscosity=0.8, relaxation_time=1.0)
-    numbers = {"liquid": liquid, "flow": oldroyd_b.Flow(1.0, 0.0, 1.0, 0.0), "before": None}
+    liquid = oldroyd_b.Fluid(density=2.0, solvent_viscosity=0.2, polymer_viscosity=0.8, relaxation_time=1.0)
+    numbers = {"fluid": liquid, "flow": oldroyd_b.Flow(1.0, 0.0, 1.0, 0.0), "before": None}
     stress = channel.density * found.stages.memory.shear_stress(found.flow.state, None)
     for mine, profile in ((found.velocity, oldroyd_b.velocity), (stress, oldroyd_b.shear_stress)):
         since_start, since_stop = (profile(found.heights, t, **numbers) for t in (0.3, 0.1))

@@ -1,4 +1,4 @@
-"""Velocity and polymer shear stress of an Oldroyd-B liquid in a channel after a change at t = 0 (dimensionless).
+"""Velocity and polymer shear stress of an Oldroyd-B fluid in a channel after a change at t = 0 (dimensionless).
 
 With eta = y/H, T = nu t/H^2 (nu: total viscosity/density), solvent fraction b, elasticity E = lambda nu/H^2, and
 with stresses over total viscosity/H, so that they and the slope u_eta have the unit of a velocity:
@@ -102,7 +102,7 @@ def profiles_at(problem, eta, time):
 
 
 def _is_newtonian(problem, time):
-    """At T = 0 the change is the same for all liquids."""
+    """At T = 0 the change is the same for all fluids."""
     return time == 0 or problem.solvent_fraction == 1
 
 

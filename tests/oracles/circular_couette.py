@@ -1,4 +1,4 @@
-"""Circular Couette flow: liquid between two cylinders, either of which turns, steadily, from a jump on, or to and fro.
+"""Circular Couette flow: fluid between two cylinders, either of which turns, steadily, from a jump on, or to and fro.
 
 Equation: du/dt = nu (u'' + u'/r - u/r^2) for R1 < r < R2, u the velocity around the axis, u(R1) = R1 w1(t) and
 u(R2) = R2 w2(t); counterclockwise is positive. With kappa = sqrt(i W/nu) and the modes of ``_annulus_modes``:
@@ -83,7 +83,7 @@ class CircularCouette:
         return np.real(self._settled(*np.broadcast_arrays(*_floats(r, t)), shear=True))[()]
 
     def torque(self, t, *, density):
-        """Torques (inner, outer), counterclockwise, of the liquid on the cylinders, per length along the axis."""
+        """Torques (inner, outer), counterclockwise, of the fluid on the cylinders, per length along the axis."""
         viscosity = density * self.kinematic_viscosity
         inner, outer = (self.shear_rate(r, t) for r in (self.inner_radius, self.outer_radius))
         radii = self.inner_radius, self.outer_radius
@@ -96,7 +96,7 @@ class CircularCouette:
         return factor * inner, -factor * outer
 
     def angular_momentum(self, t, *, density):
-        """Angular momentum int 2 pi rho u r^2 dr of the liquid at one time, per length along the axis."""
+        """Angular momentum int 2 pi rho u r^2 dr of the fluid at one time, per length along the axis."""
         series = self._series(t, lambda r, u: u * r**2)
         return 2 * np.pi * density * self._integral(series)[1]
 

@@ -1,4 +1,4 @@
-"""Start-up flow of an Oldroyd-B liquid between two walls: plane Couette, plane Poiseuille, and both at once.
+"""Start-up flow of an Oldroyd-B fluid between two walls: plane Couette, plane Poiseuille, and both at once.
 
 Equations for 0 < y < H, with the polymer stress S, S_yy = 0, and g = -(dp/dx)/density:
 
@@ -11,7 +11,7 @@ All start from rest without stress at t = 0, or, with ``before``, from the devel
 drive: velocity and shear stress obey linear equations, so they are that flow plus the start-up of the difference.
 
 Sources: N. D. Waters and M. J. King, Rheol. Acta 9 (1970) 345-355; J. G. Oldroyd, Proc. R. Soc. Lond. A 200 (1950)
-523-541 (the liquid); the forms that are summed, and their sources, are in ``_oldroyd_start`` and ``_oldroyd_normal``.
+523-541 (the fluid); the forms that are summed, and their sources, are in ``_oldroyd_start`` and ``_oldroyd_normal``.
 
 Accuracy for solvent fractions from 0.01 on, relative to the largest value in the gap up to that time: velocity, shear
 rate and shear stress 1e-11 at all times, at the walls too; normal stress 3e-9 once the solvent layer at a wall that
@@ -33,10 +33,10 @@ from tisph.exact._channel import dimensionless
 
 
 @dataclass(frozen=True)
-class Liquid:
+class Fluid:
     """Density, dynamic viscosities of solvent (> 0) and polymer (>= 0), relaxation time; else ValueError.
 
-    A solvent viscosity of 0 is the upper-convected Maxwell liquid, whose start-up has jumps inside the liquid.
+    A solvent viscosity of 0 is the upper-convected Maxwell fluid, whose start-up has jumps inside the fluid.
     """
 
     density: float
@@ -54,7 +54,7 @@ class Liquid:
 
 @dataclass(frozen=True)
 class Flow:
-    """What drives the liquid: velocities of the walls y = 0 and y = gap, and acceleration g along them."""
+    """What drives the fluid: velocities of the walls y = 0 and y = gap, and acceleration g along them."""
 
     gap: float
     bottom: float = 0.0
@@ -62,94 +62,94 @@ class Flow:
     acceleration: float = 0.0
 
 
-def velocity(y, t, *, liquid, flow, before=None):
-    """Velocity u(y, t) along the walls, ``t >= 0``; ``liquid`` is a ``Liquid``, ``flow`` and ``before`` are ``Flow``.
+def velocity(y, t, *, fluid, flow, before=None):
+    """Velocity u(y, t) along the walls, ``t >= 0``; ``fluid`` is a ``Fluid``, ``flow`` and ``before`` are ``Flow``.
 
-    At t = 0 walls already have the velocity in ``flow``, the liquid still flows as ``before``. Raises ValueError
+    At t = 0 walls already have the velocity in ``flow``, the fluid still flows as ``before``. Raises ValueError
     for a negative time, and where ``before`` has another gap.
     """
-    problem = _problem(liquid, flow, before)
-    return _by_time(lambda eta, time: profiles(problem, eta, time)[0], y, t, liquid, flow)
+    problem = _problem(fluid, flow, before)
+    return _by_time(lambda eta, time: profiles(problem, eta, time)[0], y, t, fluid, flow)
 
 
-def shear_rate(y, t, *, liquid, flow, before=None):
+def shear_rate(y, t, *, fluid, flow, before=None):
     """Velocity gradient du/dy (1/time); arguments as ``velocity``. Infinite at t = 0 on a wall that jumps."""
-    problem = _problem(liquid, flow, before)
-    return _by_time(lambda eta, time: profiles(problem, eta, time)[1], y, t, liquid, flow) / flow.gap
+    problem = _problem(fluid, flow, before)
+    return _by_time(lambda eta, time: profiles(problem, eta, time)[1], y, t, fluid, flow) / flow.gap
 
 
-def shear_stress(y, t, *, liquid, flow, before=None):
+def shear_stress(y, t, *, fluid, flow, before=None):
     """Polymer shear stress S_xy; arguments as ``velocity``."""
-    problem = _problem(liquid, flow, before)
-    scale = _total_viscosity(liquid) / flow.gap
-    return scale * _by_time(lambda eta, time: profiles(problem, eta, time)[2], y, t, liquid, flow)
+    problem = _problem(fluid, flow, before)
+    scale = _total_viscosity(fluid) / flow.gap
+    return scale * _by_time(lambda eta, time: profiles(problem, eta, time)[2], y, t, fluid, flow)
 
 
-def total_shear_stress(y, t, *, liquid, flow, before=None):
+def total_shear_stress(y, t, *, fluid, flow, before=None):
     """Shear stress of solvent and polymer; arguments as ``velocity``. Infinite at t = 0 on a wall that jumps."""
-    problem = _problem(liquid, flow, before)
+    problem = _problem(fluid, flow, before)
 
     def total(eta, time):
         _, slope, polymer = profiles(problem, eta, time)
         return problem.solvent_fraction * slope + polymer
 
-    return _total_viscosity(liquid) / flow.gap * _by_time(total, y, t, liquid, flow)
+    return _total_viscosity(fluid) / flow.gap * _by_time(total, y, t, fluid, flow)
 
 
-def normal_stress(y, t, *, liquid, flow, before=None):
+def normal_stress(y, t, *, fluid, flow, before=None):
     """Polymer normal stress S_xx, which is the first normal stress difference; arguments as ``velocity``."""
-    problem = _problem(liquid, flow, before)
-    return liquid.density * _by_time(lambda eta, time: normal_stress_at(problem, eta, time), y, t, liquid, flow)
+    problem = _problem(fluid, flow, before)
+    return fluid.density * _by_time(lambda eta, time: normal_stress_at(problem, eta, time), y, t, fluid, flow)
 
 
-def developed_velocity(y, *, liquid, flow):
-    """Velocity of the steady flow, that of a Newtonian liquid of the total viscosity; shape of ``y``."""
-    return _steady(liquid, flow).velocity(np.asarray(y, dtype=float) / flow.gap)[()]
+def developed_velocity(y, *, fluid, flow):
+    """Velocity of the steady flow, that of a Newtonian fluid of the total viscosity; shape of ``y``."""
+    return _steady(fluid, flow).velocity(np.asarray(y, dtype=float) / flow.gap)[()]
 
 
-def developed_shear_rate(y, *, liquid, flow):
+def developed_shear_rate(y, *, fluid, flow):
     """Velocity gradient du/dy (1/time) of the steady flow; shape of ``y``."""
-    return _steady(liquid, flow).slope(np.asarray(y, dtype=float) / flow.gap)[()] / flow.gap
+    return _steady(fluid, flow).slope(np.asarray(y, dtype=float) / flow.gap)[()] / flow.gap
 
 
-def developed_shear_stress(y, *, liquid, flow):
+def developed_shear_stress(y, *, fluid, flow):
     """Polymer shear stress S_xy = polymer_viscosity du/dy of the steady flow; shape of ``y``."""
-    return liquid.polymer_viscosity * developed_shear_rate(y, liquid=liquid, flow=flow)
+    return fluid.polymer_viscosity * developed_shear_rate(y, fluid=fluid, flow=flow)
 
 
-def developed_normal_stress(y, *, liquid, flow):
+def developed_normal_stress(y, *, fluid, flow):
     """Polymer normal stress S_xx = 2 relaxation_time polymer_viscosity (du/dy)^2 of the steady flow."""
-    rate = developed_shear_rate(y, liquid=liquid, flow=flow)
-    return 2 * liquid.relaxation_time * liquid.polymer_viscosity * rate**2
+    rate = developed_shear_rate(y, fluid=fluid, flow=flow)
+    return 2 * fluid.relaxation_time * fluid.polymer_viscosity * rate**2
 
 
-def _total_viscosity(liquid):
-    return liquid.solvent_viscosity + liquid.polymer_viscosity
+def _total_viscosity(fluid):
+    return fluid.solvent_viscosity + fluid.polymer_viscosity
 
 
-def _steady(liquid, flow):
-    drive = flow.acceleration * flow.gap**2 * liquid.density / _total_viscosity(liquid)
+def _steady(fluid, flow):
+    drive = flow.acceleration * flow.gap**2 * fluid.density / _total_viscosity(fluid)
     return Steady(float(flow.bottom), float(flow.top), float(drive))
 
 
-def _problem(liquid, flow, before):
+def _problem(fluid, flow, before):
     """The dimensionless problem: the developed flow ``before``, or rest, and the change from it to ``flow``."""
     before = Flow(flow.gap) if before is None else before
     if before.gap != flow.gap:
         raise ValueError(f"the flow before has a gap of {before.gap}, the flow one of {flow.gap}")
-    total = _total_viscosity(liquid)
-    old, new = _steady(liquid, before), _steady(liquid, flow)
+    total = _total_viscosity(fluid)
+    old, new = _steady(fluid, before), _steady(fluid, flow)
     return Problem(
-        solvent_fraction=liquid.solvent_viscosity / total,
-        elasticity=liquid.relaxation_time * total / liquid.density / flow.gap**2,
+        solvent_fraction=fluid.solvent_viscosity / total,
+        elasticity=fluid.relaxation_time * total / fluid.density / flow.gap**2,
         before=old,
         change=Steady(new.bottom - old.bottom, new.top - old.top, new.drive - old.drive),
     )
 
 
-def _by_time(profile, y, t, liquid, flow):
+def _by_time(profile, y, t, fluid, flow):
     """Values of ``profile(heights, time)``, called once for each different time; a scalar for scalar arguments."""
-    eta, times = dimensionless(y, t, flow.gap, _total_viscosity(liquid) / liquid.density)
+    eta, times = dimensionless(y, t, flow.gap, _total_viscosity(fluid) / fluid.density)
     result = np.empty(eta.size)
     order = np.argsort(times, axis=None, kind="stable")
     changes = np.flatnonzero(np.diff(times.ravel()[order])) + 1

@@ -42,7 +42,7 @@ class Oscillation:
 def velocity(y, t, *, gap, kinematic_viscosity, wall):
     """Velocity u(y, t) along the walls of the flow that starts from rest at t = 0 (``wall`` at y = gap).
 
-    At t = 0 the liquid is at rest and y = gap has the wall's velocity. Raises ValueError for a negative time and
+    At t = 0 the fluid is at rest and y = gap has the wall's velocity. Raises ValueError for a negative time and
     for an angular frequency that is not positive.
     """
     eta, diffusion_time = dimensionless(y, t, gap, kinematic_viscosity)
@@ -54,7 +54,7 @@ def velocity(y, t, *, gap, kinematic_viscosity, wall):
 def shear_rate(y, t, *, gap, kinematic_viscosity, wall):
     """Velocity gradient du/dy (1/time) of the flow from rest; arguments as ``velocity``.
 
-    At t = 0 it is 0 in the liquid, and infinite at a wall whose velocity jumps there (cosine != 0).
+    At t = 0 it is 0 in the fluid, and infinite at a wall whose velocity jumps there (cosine != 0).
     """
     eta, diffusion_time = dimensionless(y, t, gap, kinematic_viscosity)
     frequency = _frequency(gap, kinematic_viscosity, wall)

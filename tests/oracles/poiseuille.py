@@ -1,4 +1,4 @@
-"""Start-up plane Poiseuille flow: liquid at rest between two walls at rest, driven along them from t = 0 on.
+"""Start-up plane Poiseuille flow: fluid at rest between two walls at rest, driven along them from t = 0 on.
 
 Equation: du/dt = g + nu d2u/dy2 for 0 < y < H, u(y, 0) = u(0, t) = u(H, t) = 0; g = -(dp/dx)/density.
 With eta = y/H, T = nu t/H^2 and 4 i2erfc(x) = (1 + 2 x^2) erfc(x) - (2/sqrt pi) x exp(-x^2), u = (g H^2/nu) F,
@@ -22,7 +22,7 @@ from tisph.exact._channel import EXPONENT, dimensionless, erfc, select, series_t
 def velocity(y, t, *, gap, kinematic_viscosity, acceleration):
     """Velocity u(y, t) along the walls, to 2e-15 of the largest velocity at that time.
 
-    ``t >= 0``; at t = 0 the liquid is at rest. Raises ValueError for a negative time.
+    ``t >= 0``; at t = 0 the fluid is at rest. Raises ValueError for a negative time.
     """
     eta, diffusion_time = dimensionless(y, t, gap, kinematic_viscosity)
     forms = (_at_rest, _image_velocity, _series_velocity)

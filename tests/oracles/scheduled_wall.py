@@ -1,4 +1,4 @@
-"""Flow between a wall at rest and a wall whose velocity is piecewise linear in time, of a Newtonian liquid from rest.
+"""Flow between a wall at rest and a wall whose velocity is piecewise linear in time, of a Newtonian fluid from rest.
 
 Equation: du/dt = nu d2u/dy2 for 0 < y < H, u(0, t) = 0. It is linear: with f the flow of a wall y = H that starts with
 unit velocity (``couette``) and F its integral over the time, a wall whose velocity jumps by J_k and whose acceleration
@@ -29,26 +29,26 @@ def velocity(y, t, *, gap, kinematic_viscosity, kinks):
 
     Raises ValueError for a negative time.
     """
-    liquid = {"gap": gap, "kinematic_viscosity": kinematic_viscosity}
+    fluid = {"gap": gap, "kinematic_viscosity": kinematic_viscosity}
     scale = gap**2 / kinematic_viscosity
-    return _sum(y, t, kinks, liquid, couette.velocity, (_nothing, _image_velocity, _series_velocity), scale)
+    return _sum(y, t, kinks, fluid, couette.velocity, (_nothing, _image_velocity, _series_velocity), scale)
 
 
 def shear_rate(y, t, *, gap, kinematic_viscosity, kinks):
     """Velocity gradient du/dy (1/time); at t = 0 infinite at a wall whose velocity jumps then; as ``velocity``."""
-    liquid = {"gap": gap, "kinematic_viscosity": kinematic_viscosity}
+    fluid = {"gap": gap, "kinematic_viscosity": kinematic_viscosity}
     scale = gap / kinematic_viscosity
-    return _sum(y, t, kinks, liquid, couette.shear_rate, (_nothing, _image_gradient, _series_gradient), scale)
+    return _sum(y, t, kinks, fluid, couette.shear_rate, (_nothing, _image_gradient, _series_gradient), scale)
 
 
-def _sum(y, t, kinks, liquid, step, ramp, scale):
-    eta, diffusion_time = dimensionless(y, t, **liquid)
+def _sum(y, t, kinks, fluid, step, ramp, scale):
+    eta, diffusion_time = dimensionless(y, t, **fluid)
     total, times = np.zeros(eta.shape), np.broadcast_to(np.asarray(t, dtype=float), eta.shape)
     for time, jump, slope in kinks:
         passed = (times > time) | (time == 0.0)
         since = np.where(passed, times - time, 0.0)
         if jump:
-            total = total + np.where(passed, step(y, since, **liquid, bottom=0.0, top=jump), 0.0)
+            total = total + np.where(passed, step(y, since, **fluid, bottom=0.0, top=jump), 0.0)
         if slope:
             later = diffusion_time / np.where(times > 0.0, times, 1.0) * since
             total = total + slope * scale * select(ramp, eta, later)

@@ -3,8 +3,9 @@
 from types import SimpleNamespace
 
 import numpy as np
+from polymer_laws import oldroyd_b
 
-from tisph.scenes._motion import Polymer, WallMotion
+from tisph.scenes._motion import WallMotion
 from tisph.scenes.annulus import Annulus
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Snapshot
@@ -56,7 +57,7 @@ class PolymerChannel(Channel):
 
 
 def make_polymer_channel(**changes) -> PolymerChannel:
-    channel = make_channel(polymer=Polymer(relaxation_time=2.0, solvent_fraction=0.5), **changes)
+    channel = make_channel(**oldroyd_b(2.0, 0.5), **changes)
     return PolymerChannel(**vars(channel))
 
 

@@ -11,7 +11,7 @@ from polymer_laws import law, steady_shear
 from scipy.integrate import quad
 
 from tisph.exact.circular_start_up import CircularStartUp
-from tisph.exact.start_up import Flow, Polymer, StartUp, Wall
+from tisph.exact.start_up import Flow, StartUp, ViscoelasticFluid, Wall
 from tisph.geometry.schedule import Schedule
 
 R = np.linspace(1.0, 2.0, 41)
@@ -25,7 +25,7 @@ ACCURACY = 1e-8
 
 def liquid(kind, fraction=0.1, relaxation_time=1.0):
     """A liquid of total viscosity 1 with one of KINDS as its polymer."""
-    return Polymer(fraction, (law(kind, viscosity=1.0 - fraction, relaxation_time=relaxation_time),))
+    return ViscoelasticFluid(fraction, (law(kind, viscosity=1.0 - fraction, relaxation_time=relaxation_time),))
 
 
 def start_up(now, inner=1.0, outer=0.0, before=None, radii=(1.0, 2.0), **elements):
@@ -46,7 +46,7 @@ def apart(found, expected):
 def test_without_polymer_it_is_newtonian_flow():
     """The layer's closed form leaves the walls' curvature to the equations."""
     radii = (0.2, 1.2)
-    found = start_up(Polymer(1.0, (law("oldroyd_b", viscosity=0.0),)), 0.3, -0.7, radii=radii)
+    found = start_up(ViscoelasticFluid(1.0, (law("oldroyd_b", viscosity=0.0),)), 0.3, -0.7, radii=radii)
     expected = CircularCouette(*radii, 1.0, Rotation(0.3), Rotation(-0.7))
     r = np.linspace(*radii, 41)
     for t in (1e-5, 0.01, 0.1):
@@ -61,7 +61,7 @@ def test_without_polymer_it_is_newtonian_flow():
 def test_cylinders_with_velocities_at_times_sum_up_starts(times):
     """Newtonian flow is linear in what its walls do: starts at each jump, and their integrals from each kink on."""
     wall = Schedule(times, (1.0, 1.0, 0.0) if times[1] == 0.2 else (0.0, 1.0, 0.0))
-    found = CircularStartUp(1.0, 2.0, Polymer(0.7, ()), wall, Wall())
+    found = CircularStartUp(1.0, 2.0, ViscoelasticFluid(0.7, ()), wall, Wall())
     unit = CircularCouette(1.0, 2.0, 0.7, Rotation(1.0), Rotation(0.0))
     nodes, weights = np.polynomial.legendre.leggauss(20)
     panels = [(0.5 * (low + high + (high - low) * nodes), 0.5 * (high - low) * weights) for low, high in PANELS]

@@ -10,14 +10,14 @@ from oracles.circular_couette import CircularCouette
 
 from tisph.exact import couette
 from tisph.exact.circular_start_up import CircularStartUp
-from tisph.exact.start_up import Flow, Polymer, StartUp, Wall
+from tisph.exact.start_up import Flow, StartUp, ViscoelasticFluid, Wall
 from tisph.geometry.motion import WallMotion
 from tisph.geometry.schedule import Schedule
 
 GAP, NU = 0.7, 0.3
 HEIGHTS = np.linspace(0.0, GAP, 41)
 TIMES = GAP**2 / NU * np.array([1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.3, 1.0, 3.0])
-FLUID = Polymer(NU, ())
+FLUID = ViscoelasticFluid(NU, ())
 SETTING = {"gap": GAP, "kinematic_viscosity": NU}
 OSCILLATIONS = [WallMotion(*numbers) for numbers in ((1.0, 0.0, 3.0), (0.0, 1.0, 3.0), (0.4, -1.0, 300.0))]
 RAMPS = Schedule((0.0, 0.2, 0.2, 0.5), (0.3, 1.0, -0.5, 0.2))
@@ -114,4 +114,4 @@ def test_only_a_newtonian_fluid_starts_from_a_periodic_state():
     laws = Parameters(type="oldroyd_b", relaxation_time=1.0, solvent_fraction=0.5).laws(NU)
     flow = Flow(GAP, Wall(), OSCILLATIONS[0])
     with pytest.raises(ValueError, match="Newtonian"):
-        StartUp(Polymer(0.5 * NU, laws), flow, flow)
+        StartUp(ViscoelasticFluid(0.5 * NU, laws), flow, flow)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tisph import registry
-from tisph.exact.start_up import Flow, Polymer, StartUp, Viscous
+from tisph.exact.start_up import Flow, InelasticFluid, StartUp, ViscoelasticFluid
 from tisph.geometry.plate import Plate
 
 HEIGHTS = np.linspace(0.1, 1.0, 10)
@@ -14,7 +14,7 @@ ACCURACY = 1e-9
 
 def newtonian(plate):
     law = registry.load("rheology", "newtonian").Law(1.0)
-    return StartUp(Viscous(law, 1.0), Flow(1.0, top=plate))
+    return StartUp(InelasticFluid(law, 1.0), Flow(1.0, top=plate))
 
 
 def creep(y, t):
@@ -43,7 +43,7 @@ def test_a_plate_on_an_oldroyd_b_liquid(mass):
     fraction, t = 0.1, 0.1
     member = registry.load("rheology", "oldroyd_b")
     laws = member.Parameters(relaxation_time=1.0, solvent_fraction=fraction).laws(1.0)
-    found = StartUp(Polymer(fraction, laws), Flow(1.0, top=Plate(1.0, mass_per_area=mass)))
+    found = StartUp(ViscoelasticFluid(fraction, laws), Flow(1.0, top=Plate(1.0, mass_per_area=mass)))
 
     def transform(p):
         nu = fraction + (1.0 - fraction) / (1.0 + p)

@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from tisph import registry
-from tisph.exact.start_up import Flow, Polymer, StartUp, Viscous, Wall
+from tisph.exact.start_up import Flow, InelasticFluid, StartUp, ViscoelasticFluid, Wall
 
 HEIGHTS = np.linspace(0.0, 1.0, 41)
 COUETTE, POISEUILLE = Flow(1.0, top=Wall(1.0)), Flow(1.0, acceleration=2.0)
@@ -21,12 +21,12 @@ ACCURACY = 1e-8
 
 def liquid(kind, fraction=0.1, relaxation_time=1.0):
     """A liquid of total viscosity 1 with one of KINDS as its polymer."""
-    return Polymer(fraction, (law(kind, viscosity=1.0 - fraction, relaxation_time=relaxation_time),))
+    return ViscoelasticFluid(fraction, (law(kind, viscosity=1.0 - fraction, relaxation_time=relaxation_time),))
 
 
 def viscous(name, **numbers):
     member = registry.load("rheology", name)
-    return Viscous(member.Law(member.Parameters(**numbers), 1.0), 1.0)
+    return InelasticFluid(member.Law(member.Parameters(**numbers), 1.0), 1.0)
 
 
 def apart(found, expected):
@@ -49,7 +49,7 @@ def closed(flow):
 def test_oldroyd_b_is_met(flow, before, fraction, relaxation_time):
     found = StartUp(liquid("oldroyd_b", fraction, relaxation_time), flow, before)
     numbers = {
-        "liquid": oldroyd_b.Liquid(1.0, fraction, 1.0 - fraction, relaxation_time),
+        "fluid": oldroyd_b.Fluid(1.0, fraction, 1.0 - fraction, relaxation_time),
         "flow": closed(flow),
         "before": before and closed(before),
     }
@@ -106,7 +106,7 @@ def test_a_small_strain_meets_linear_theory():
     # what bends is of the order of the squared Weissenberg number of the layer: (1e-5)^2 times 1/(its depth)^2, 1e3
     speed = 1e-5
     found = StartUp(liquid("giesekus"), Flow(1.0, top=Wall(speed)))
-    numbers = {"liquid": oldroyd_b.Liquid(1.0, 0.1, 0.9, 1.0), "flow": oldroyd_b.Flow(1.0, top=speed)}
+    numbers = {"fluid": oldroyd_b.Fluid(1.0, 0.1, 0.9, 1.0), "flow": oldroyd_b.Flow(1.0, top=speed)}
     for t in (0.01, 0.1):
         assert apart(found.velocity(HEIGHTS, t), oldroyd_b.velocity(HEIGHTS, t, **numbers)) < ACCURACY
         assert apart(found.polymer_stress(HEIGHTS, t)[1], oldroyd_b.shear_stress(HEIGHTS, t, **numbers)) < 1e-6
@@ -115,7 +115,7 @@ def test_a_small_strain_meets_linear_theory():
 def test_two_equal_modes_are_one():
     half, t = law("fene_p", viscosity=0.4, relaxation_time=1.0), 0.1
     coarse = {"order": 8, "finest": 0.03}  # the same error on both sides
-    one, two = (StartUp(now, BOTH, **coarse) for now in (liquid("fene_p", 0.2), Polymer(0.2, (half, half))))
+    one, two = (StartUp(now, BOTH, **coarse) for now in (liquid("fene_p", 0.2), ViscoelasticFluid(0.2, (half, half))))
     assert apart(two.velocity(HEIGHTS, t), one.velocity(HEIGHTS, t)) < 1e-11
     assert apart(two.polymer_stress(HEIGHTS, t), one.polymer_stress(HEIGHTS, t)) < 1e-10
 
@@ -191,7 +191,7 @@ class Swinging(Wall):
     "now",
     [
         viscous("power_law", index=1.0, reference_rate=1.0, least_rate=1.0),
-        Polymer(1.0, (law("oldroyd_b", viscosity=0.0),)),
+        ViscoelasticFluid(1.0, (law("oldroyd_b", viscosity=0.0),)),
     ],
     ids=["solved", "with_layer"],
 )
@@ -217,6 +217,6 @@ def test_the_start_itself():
     with pytest.raises(ValueError, match="for t >= 0 only"):
         found.velocity(0.5, -1.0)
     with pytest.raises(ValueError, match="solvent_viscosity must be above 0"):
-        Polymer(0.0, ())
+        ViscoelasticFluid(0.0, ())
     with pytest.raises(ValueError, match="gap of 2"):
         StartUp(liquid("giesekus"), COUETTE, Flow(2.0))

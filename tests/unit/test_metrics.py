@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from polymer_laws import oldroyd_b
 
 from tisph.measures.interpolation import Probes, interpolate
 from tisph.measures.metrics import ROUNDINGS, fit_line, relative_error, sample_metrics
-from tisph.scenes._motion import Polymer, WallMotion
+from tisph.scenes._motion import WallMotion
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Snapshot
 
@@ -178,7 +179,7 @@ def polymer_snapshot(channel, t, shear_factor=1.0, normal_shift=0.0):
 
 
 def test_stress_errors_are_relative_to_the_exact_stresses():
-    channel = make_channel(rows=20, polymer=Polymer(1.0, 0.5))
+    channel = make_channel(rows=20, **oldroyd_b(1.0, 0.5))
     exact = measure(channel, polymer_snapshot(channel, 50.0))
     assert exact["shear_stress_l2"] == 0.0
     # S_xx + 0.3 - 0.3 loses the digits of a stress of about 1e-4
@@ -193,7 +194,7 @@ def test_stress_errors_are_relative_to_the_exact_stresses():
 def test_stress_errors_exist_only_with_polymer():
     channel = make_channel()
     assert not {"shear_stress_l2", "normal_stress_l2"} & measure(channel, make_snapshot(channel)).keys()
-    at_start = measure(make_channel(polymer=Polymer(1.0, 0.5)), polymer_snapshot(make_channel(), 0.0))
+    at_start = measure(make_channel(**oldroyd_b(1.0, 0.5)), polymer_snapshot(make_channel(), 0.0))
     assert at_start["shear_stress_l2"] is None  # nothing to be relative to
 
 

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from polymer_laws import oldroyd_b
 
 from tisph.config import load
 from tisph.measures.wall_shear import wall_shear, wall_shear_error, wall_velocity
-from tisph.scenes._motion import Polymer, WallMotion
+from tisph.scenes._motion import WallMotion
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Snapshot
 from tisph.studies import flows
@@ -87,7 +88,7 @@ def test_the_slip_is_relative_to_the_wall_at_that_time():
 
 def test_solvent_and_polymer_add_up():
     """mu_s du/dy with the solvent's share of the viscosity, plus S_xy at the wall, where no particle is."""
-    channel = make_channel(polymer=Polymer(1.0, 0.25))
+    channel = make_channel(**oldroyd_b(1.0, 0.25))
     snapshot = snapshot_of(channel, lambda y: 0.5 * y, lambda y: 0.3 - 0.8 * y + 1.4 * y**2)
     solvent = 2.0 * 0.01 * 0.25 * 0.5
     # rounding times the condition number of the columns, some 1e3
@@ -96,7 +97,7 @@ def test_solvent_and_polymer_add_up():
 
 def test_of_a_profile_that_no_fit_has_the_nearest_one_counts_by_its_weights():
     """(1 - f)^2 (1 + 2 f) at the part f of five spacings: what is left is orthogonal to all powers with that weight."""
-    channel, random = make_channel(polymer=Polymer(1.0, 0.25)), np.random.default_rng(0)
+    channel, random = make_channel(**oldroyd_b(1.0, 0.25)), np.random.default_rng(0)
     snapshot = snapshot_of(channel, lambda y: random.uniform(size=y.size), lambda y: random.uniform(size=y.size))
     part = snapshot.y[snapshot.y < 5 / 12] / (5 / 12)
     weight, found = (1 - part) ** 2 * (1 + 2 * part), []

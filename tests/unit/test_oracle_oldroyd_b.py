@@ -1,16 +1,16 @@
-"""Start-up of an Oldroyd-B liquid: two forms, independent solutions, balances, limits, printed values."""
+"""Start-up of an Oldroyd-B fluid: two forms, independent solutions, balances, limits, printed values."""
 
 import numpy as np
 import pytest
 from exact_collocation import chebyshev_derivatives
-from oldroyd_b_cases import ACCURACY, BOTH, COUETTE, HEIGHTS, LINEAR, LIQUIDS, POISEUILLE, THIN, largest_difference
+from oldroyd_b_cases import ACCURACY, BOTH, COUETTE, FLUIDS, HEIGHTS, LINEAR, POISEUILLE, THIN, largest_difference
 from oracles import _oldroyd_start, oldroyd_b
 from oracles._oldroyd_start import Problem, Steady
 from oracles.oldroyd_b import Flow
 from scipy.integrate import quad
 from scipy.linalg import expm
 
-TABLE = {  # y = .1 .3 .5 .7 .9 in Couette flow, .1 .3 .5 in Poiseuille flow, of the liquid THIN
+TABLE = {  # y = .1 .3 .5 .7 .9 in Couette flow, .1 .3 .5 in Poiseuille flow, of the fluid THIN
     ("velocity", "couette", 1.0): (0.18837393, 0.51395357, 0.73159931, 0.86299985, 0.95698233),
     ("velocity", "couette", 2.0): (0.07543081, 0.23467316, 0.41726273, 0.63147394, 0.87345356),
     ("shear_stress", "couette", 1.0): (0.52351457, 0.55325028, 0.58167385, 0.59244866, 0.59365406),
@@ -28,14 +28,14 @@ def test_printed_values(quantity, drive, time):
     expected = TABLE[quantity, drive, time]
     y = np.array([0.1, 0.3, 0.5, 0.7, 0.9])[: len(expected)]
     flow = {"couette": COUETTE, "poiseuille": POISEUILLE}[drive]
-    computed = getattr(oldroyd_b, quantity)(y, time, liquid=THIN, flow=flow)
+    computed = getattr(oldroyd_b, quantity)(y, time, fluid=THIN, flow=flow)
     assert np.max(np.abs(computed - expected)) <= (1e-7 if quantity == "normal_stress" else 0.51e-8)
 
 
-@pytest.mark.parametrize("liquid", LIQUIDS)
+@pytest.mark.parametrize("fluid", FLUIDS)
 @pytest.mark.parametrize("flow", [COUETTE, POISEUILLE])
-def test_contour_and_modes_agree_where_one_takes_over(liquid, flow):
-    problem = oldroyd_b._problem(liquid, flow, None)
+def test_contour_and_modes_agree_where_one_takes_over(fluid, flow):
+    problem = oldroyd_b._problem(fluid, flow, None)
     time = _oldroyd_start.SWITCH * problem.solvent_fraction * problem.elasticity
     by_contour = _oldroyd_start.early(problem, HEIGHTS, time)
     by_modes = _oldroyd_start.late(problem, HEIGHTS, time)
@@ -43,36 +43,36 @@ def test_contour_and_modes_agree_where_one_takes_over(liquid, flow):
         assert largest_difference(contour, modes) <= ACCURACY
 
 
-def collocated(liquid, flows, time, count):
+def collocated(fluid, flows, time, count):
     """Each flow with (nodes from 1 down to 0, velocity, stress), from rest, gap and density 1.
 
     Collocation in y and a matrix exponential in t: no transform and no mode in it.
     """
     nodes, first, second = chebyshev_derivatives(count)
-    inner, size, rate = slice(1, -1), count - 1, 1 / liquid.relaxation_time
+    inner, size, rate = slice(1, -1), count - 1, 1 / fluid.relaxation_time
     matrix = np.zeros((size + count + 1, size + count + 1))
-    matrix[:size, :size] = liquid.solvent_viscosity * second[inner, inner]
+    matrix[:size, :size] = fluid.solvent_viscosity * second[inner, inner]
     matrix[:size, size:] = first[inner]
-    matrix[size:, :size] = rate * liquid.polymer_viscosity * first[:, inner]
+    matrix[size:, :size] = rate * fluid.polymer_viscosity * first[:, inner]
     matrix[size:, size:] = -rate * np.eye(count + 1)
     decay = expm(time * matrix)
     for flow in flows:
         walls = np.array([flow.top, flow.bottom])
-        on_liquid = flow.acceleration + liquid.solvent_viscosity * second[inner][:, [0, -1]] @ walls
-        on_stress = rate * liquid.polymer_viscosity * first[:, [0, -1]] @ walls
+        on_liquid = flow.acceleration + fluid.solvent_viscosity * second[inner][:, [0, -1]] @ walls
+        on_stress = rate * fluid.polymer_viscosity * first[:, [0, -1]] @ walls
         steady = -np.linalg.solve(matrix, np.concatenate([on_liquid, on_stress]))
         state = steady - decay @ steady
         yield flow, (nodes, np.concatenate([[flow.top], state[:size], [flow.bottom]]), state[size:])
 
 
-@pytest.mark.parametrize("liquid", LIQUIDS)
+@pytest.mark.parametrize("fluid", FLUIDS)
 @pytest.mark.parametrize("time", [0.3, 2.0])
-def test_against_an_independent_solution_of_the_equations(liquid, time):
-    for flow, (nodes, velocity, stress) in collocated(liquid, (COUETTE, POISEUILLE, BOTH), time, 64):
+def test_against_an_independent_solution_of_the_equations(fluid, time):
+    for flow, (nodes, velocity, stress) in collocated(fluid, (COUETTE, POISEUILLE, BOTH), time, 64):
         # rounding in the reference grows with the number of nodes: 5e-12 at 64, 2e-11 at 96; for the stress, small
         # beside the viscous one where the polymer is a tenth, 6e-10 and 2e-9
-        assert largest_difference(oldroyd_b.velocity(nodes, time, liquid=liquid, flow=flow), velocity) <= 2e-11
-        assert largest_difference(oldroyd_b.shear_stress(nodes, time, liquid=liquid, flow=flow), stress) <= 2e-9
+        assert largest_difference(oldroyd_b.velocity(nodes, time, fluid=fluid, flow=flow), velocity) <= 2e-11
+        assert largest_difference(oldroyd_b.shear_stress(nodes, time, fluid=fluid, flow=flow), stress) <= 2e-9
 
 
 def waters_king(height, time, solvent_fraction, elasticity, terms):
@@ -90,16 +90,16 @@ def waters_king(height, time, solvent_fraction, elasticity, terms):
     return 1.5 * (1 - height**2) - 48 * np.sin(np.outer(1 + height, n) / 2) @ (factor / n**3)
 
 
-@pytest.mark.parametrize("liquid", LIQUIDS[:5])
+@pytest.mark.parametrize("fluid", FLUIDS[:5])
 @pytest.mark.parametrize("time", [0.1, 0.5, 2.0])
-def test_against_the_series_of_waters_and_king(liquid, time):
+def test_against_the_series_of_waters_and_king(fluid, time):
     flow, half = Flow(2.0, acceleration=0.3), 1.0
-    total = liquid.solvent_viscosity + liquid.polymer_viscosity
-    mean = liquid.density * flow.acceleration * half**2 / (3 * total)
-    elasticity = liquid.relaxation_time * total / liquid.density / half**2
+    total = fluid.solvent_viscosity + fluid.polymer_viscosity
+    mean = fluid.density * flow.acceleration * half**2 / (3 * total)
+    elasticity = fluid.relaxation_time * total / fluid.density / half**2
     heights = np.linspace(-0.9, 0.9, 19)
-    numbers = (time / liquid.relaxation_time, liquid.solvent_viscosity / total, elasticity)
-    velocity = oldroyd_b.velocity(half * (1 + heights), time, liquid=liquid, flow=flow)
+    numbers = (time / fluid.relaxation_time, fluid.solvent_viscosity / total, elasticity)
+    velocity = oldroyd_b.velocity(half * (1 + heights), time, fluid=fluid, flow=flow)
     # terms fall as 48/(n^3 pi^3) at least, and between the walls those left out cancel in pairs, to the last of them
     # over sin(0.05 pi): 1.2e-12 at 10000
     expected = mean * waters_king(heights, *numbers, terms=10000)
@@ -121,18 +121,18 @@ def test_modes_with_equal_complex_and_real_eigenvalues(fraction, elasticity, k):
         assert np.max(np.abs(computed - expm(time * matrix) @ start)) <= 1e-14 * np.max(np.abs(start))
 
 
-@pytest.mark.parametrize("liquid", LIQUIDS)
+@pytest.mark.parametrize("fluid", FLUIDS)
 @pytest.mark.parametrize("before", [None, Flow(1.0, bottom=0.2, top=-0.5, acceleration=3.0)])
 @pytest.mark.parametrize("time", [1e-3, 0.2, 3.0])
-def test_momentum_balance_with_the_total_stress_on_the_walls(liquid, before, time):
+def test_momentum_balance_with_the_total_stress_on_the_walls(fluid, before, time):
     """d/dt int density u dy = tau(H) - tau(0) + density g H, tau = solvent viscosity * u_y + S_xy."""
-    arguments = {"liquid": liquid, "flow": BOTH, "before": before}
+    arguments = {"fluid": fluid, "flow": BOTH, "before": before}
     points, weights = np.polynomial.legendre.leggauss(150)
     step = 1e-3 * time
     later, earlier = (weights @ oldroyd_b.velocity((points + 1) / 2, time + h, **arguments) / 2 for h in (step, -step))
     walls = np.array([0.0, 1.0])
     stress = oldroyd_b.total_shear_stress(walls, time, **arguments)
-    solvent = liquid.solvent_viscosity * oldroyd_b.shear_rate(walls, time, **arguments)
+    solvent = fluid.solvent_viscosity * oldroyd_b.shear_rate(walls, time, **arguments)
     assert stress == pytest.approx(solvent + oldroyd_b.shear_stress(walls, time, **arguments), rel=1e-14)
     # the central difference of sqrt(t) is off by 1/8 (step/t)^2 = 1e-7 of it, of an oscillation at 5/time by 4e-6
     scale = 3.0 + np.abs(stress).sum()
@@ -142,7 +142,7 @@ def test_momentum_balance_with_the_total_stress_on_the_walls(liquid, before, tim
 @pytest.mark.parametrize("time", [0.05, 0.5, 4.0])
 def test_stresses_obey_their_equations(time):
     """relaxation_time dS/dt + S = source, with polymer_viscosity u_y and 2 relaxation_time u_y S_xy."""
-    arguments = {"liquid": THIN, "flow": BOTH, "before": Flow(1.0, top=-0.5)}
+    arguments = {"fluid": THIN, "flow": BOTH, "before": Flow(1.0, top=-0.5)}
     rate, shear = (function(HEIGHTS, time, **arguments) for function in LINEAR[1:])
     step = 1e-4 * time
     for function, source in ((oldroyd_b.shear_stress, 0.9 * rate), (oldroyd_b.normal_stress, 2 * rate * shear)):
@@ -156,13 +156,13 @@ def test_stresses_obey_their_equations(time):
 @pytest.mark.parametrize("before", [None, Flow(1.0, bottom=0.2, top=-0.5)])
 def test_normal_stress_is_the_integral_over_the_history(height, before):
     """Adaptive quadrature in sqrt(s) at one height: other panels, and no interpolation across the gap."""
-    arguments, time = {"liquid": THIN, "flow": BOTH, "before": before}, 1.3
+    arguments, time = {"fluid": THIN, "flow": BOTH, "before": before}, 1.3
 
     def integrand(root):
         rate, shear = (function(height, root**2, **arguments) for function in LINEAR[1:])
         return 4 * root * np.exp(root**2 - time) * rate * shear
 
     history = quad(integrand, 1e-9, np.sqrt(time), epsabs=1e-8, epsrel=1e-8, limit=200)[0]
-    old = oldroyd_b.developed_normal_stress(height, liquid=THIN, flow=before) if before else 0.0
+    old = oldroyd_b.developed_normal_stress(height, fluid=THIN, flow=before) if before else 0.0
     expected = old * np.exp(-time) + history
     assert oldroyd_b.normal_stress(height, time, **arguments) == pytest.approx(expected, abs=2e-8)

@@ -4,12 +4,13 @@ import math
 from dataclasses import replace
 
 import pytest
+from polymer_laws import oldroyd_b
 from report_scene import make_channel, make_snapshot
 
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import LEAST_DEPTH, resolution
 from tisph.report.error_label import velocity_error_label
-from tisph.scenes._motion import Polymer, WallMotion
+from tisph.scenes._motion import WallMotion
 
 NU = 1e-6  # of make_channel, with a spacing of 1e-3
 AT_REST = WallMotion(0.0)
@@ -50,7 +51,7 @@ def test_an_oscillating_wall_moves_a_layer_that_grows_no_more():
 
 
 def test_the_front_of_a_shear_wave_is_spread_by_the_solvent_alone_until_it_has_died():
-    channel = make_channel(polymer=Polymer(relaxation_time=2.0, solvent_fraction=0.25))
+    channel = make_channel(**oldroyd_b(2.0, 0.25))
     early, place = channel.thinnest_layer(1e-4)
     assert (early, place) == (pytest.approx(math.sqrt(0.25 * NU * 1e-4), rel=1e-14), "the layer at the top wall")
     # waves at sqrt(0.75e-6 / 2) = 6.1e-4: at t = 4 past sqrt(nu t / 4) = 1e-3; exp(-4/4) of the front is left

@@ -10,7 +10,7 @@ from tisph import registry
 from tisph.errors import ConfigError
 from tisph.exact.circular_start_up import CircularStartUp
 from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity, cylinder_impedance, impedance
-from tisph.exact.start_up import Polymer, Wall
+from tisph.exact.start_up import ViscoelasticFluid, Wall
 from tisph.geometry.plate import Plate
 from tisph.measures._cylinders import as_plane
 from tisph.measures.rheometry import _amplitudes, _creep, _oscillation, _slowest_pair, _start_up, _window
@@ -192,7 +192,7 @@ def test_the_reference_between_cylinders_comes_to_the_impedance():
     # Oldroyd-B, small amplitude; after 20 relaxation times, elements of a coarse grid
     laws = registry.load("rheology", "oldroyd_b").Parameters(relaxation_time=0.2, solvent_fraction=0.1).laws(1.0)
     swings = WallMotion(0.0, 1e-3, 3.0)
-    flow = CircularStartUp(1.0, 2.0, Polymer(0.1, laws), swings, Wall(), finest=0.05, order=8)
+    flow = CircularStartUp(1.0, 2.0, ViscoelasticFluid(0.1, laws), swings, Wall(), finest=0.05, order=8)
     t, density = np.array([6.0, 6.3, 6.6]), 2.0
     viscosity = density * Spectrum(0.1, ((0.9, 0.2),)).complex_viscosity(3j)
     stress = (cylinder_impedance(viscosity, 3.0, density, 1.0, 2.0) * 1e-3 * 8 / 3 * -1j * np.exp(3j * t)).real

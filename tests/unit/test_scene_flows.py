@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from oracles import poiseuille
+from polymer_laws import oldroyd_b
 
 from tisph.config import load
 from tisph.exact import couette
@@ -86,7 +87,7 @@ def test_velocities_of_a_driven_flow():
 
 
 def test_numbers_of_a_polymer():
-    channel = make_channel(top=WallMotion(0.5), polymer=Polymer(4.0, 0.25))
+    channel = make_channel(top=WallMotion(0.5), **oldroyd_b(4.0, 0.25))
     # a few roundings each
     assert channel.solvent_viscosity == pytest.approx(0.0025, rel=1e-14)
     assert channel.polymer_viscosity == pytest.approx(0.0075, rel=1e-14)
@@ -98,7 +99,7 @@ def test_numbers_of_a_polymer():
     assert newtonian.polymer_viscosity == newtonian.elastic_speed == newtonian.weissenberg == newtonian.elasticity == 0
 
 
-POLYMER = {"polymer": Polymer(10.0, 0.2)}  # 10 = a tenth of the viscous time
+POLYMER = oldroyd_b(10.0, 0.2)  # 10 = a tenth of the viscous time
 FLOWS = {
     "driven": make_channel(acceleration=0.02),
     "backflow": make_channel(top=WallMotion(0.25), acceleration=-0.02),
@@ -173,12 +174,12 @@ def test_couette_poiseuille_is_the_sum_of_both():
     liquid = {"gap": GAP, "kinematic_viscosity": NU}
     both = couette.velocity(HEIGHTS, 5.0, bottom=0.0, top=0.25, **liquid)
     both += poiseuille.velocity(HEIGHTS, 5.0, acceleration=-0.02, **liquid)
-    assert np.array_equal(channel.exact_velocity(HEIGHTS, 5.0), both)
+    assert np.allclose(channel.exact_velocity(HEIGHTS, 5.0), both, rtol=0, atol=1e-11)
 
 
-@pytest.mark.parametrize("polymer", [None, Polymer(10.0, 0.2)], ids=["newtonian", "polymer"])
-def test_a_stopped_wall_starts_from_the_old_flow_and_ends_in_the_new(polymer):
-    settings = {"acceleration": 0.01, "polymer": polymer, "initial_state": "developed"}
+@pytest.mark.parametrize("fluid", [{}, POLYMER], ids=["newtonian", "polymer"])
+def test_a_stopped_wall_starts_from_the_old_flow_and_ends_in_the_new(fluid):
+    settings = {"acceleration": 0.01, "initial_state": "developed", **fluid}
     channel = make_channel(bottom=WallMotion(0.3), top=WallMotion(0.0, before=0.5), **settings)
     old = make_channel(bottom=WallMotion(0.3), top=WallMotion(0.5), **settings)
     new = make_channel(bottom=WallMotion(0.3), top=WallMotion(0.0), **settings)
@@ -190,11 +191,11 @@ def test_a_stopped_wall_starts_from_the_old_flow_and_ends_in_the_new(polymer):
         assert np.allclose(mine, theirs, rtol=0, atol=1e-11)
 
 
-@pytest.mark.parametrize("polymer", [None, Polymer(10.0, 0.2)], ids=["newtonian", "polymer"])
-def test_an_exact_start_takes_up_the_flow_that_started_at_zero(polymer):
+@pytest.mark.parametrize("fluid", [{}, POLYMER], ids=["newtonian", "polymer"])
+def test_an_exact_start_takes_up_the_flow_that_started_at_zero(fluid):
     for top, state in ((WallMotion(0.5), "rest"), (WallMotion(0.0, before=0.5), "developed")):
-        late = make_channel(top=top, polymer=polymer, initial_state="exact", start_time=3.0)
-        from_zero = make_channel(top=top, polymer=polymer, initial_state=state)
+        late = make_channel(top=top, initial_state="exact", start_time=3.0, **fluid)
+        from_zero = make_channel(top=top, initial_state=state, **fluid)
         assert np.array_equal(late.initial_velocity(HEIGHTS), from_zero.exact_velocity(HEIGHTS, 3.0))
         assert np.array_equal(late.initial_polymer_stress(HEIGHTS), from_zero.exact_polymer_stress(HEIGHTS, 3.0))
 
@@ -202,10 +203,11 @@ def test_an_exact_start_takes_up_the_flow_that_started_at_zero(polymer):
 def test_a_developed_flow_stays_what_it_is():
     channel = make_channel(top=WallMotion(0.25), acceleration=-0.02, initial_state="developed")
     steady = 0.25 * HEIGHTS - HEIGHTS * (1 - HEIGHTS)
-    assert np.allclose(channel.exact_velocity(HEIGHTS, 7.0), steady, rtol=0, atol=1e-16)
+    assert np.allclose(channel.exact_velocity(HEIGHTS, 7.0), steady, rtol=0, atol=1e-15)
     assert channel.exact_velocity(HEIGHTS[:, None], np.arange(3.0)).shape == (21, 3)
     # viscosity 0.02 * slopes 0.25 -+ 1
-    assert channel.exact_wall_shear(2.0) == pytest.approx((-0.015, 0.025), rel=1e-14)
+    # polynomials are differentiated on elements a thousandth of the gap wide: 1e-16 / 1e-3
+    assert channel.exact_wall_shear(2.0) == pytest.approx((-0.015, 0.025), rel=1e-10)
 
 
 def test_a_swinging_wall_has_its_periodic_flow_when_developed():
@@ -235,7 +237,7 @@ def test_without_polymer_there_is_no_polymer_stress():
 
 def test_all_solvent_is_newtonian():
     flow = {"bottom": WallMotion(-0.1), "top": WallMotion(0.5), "acceleration": 0.01}
-    polymer, newtonian = make_channel(polymer=Polymer(10.0, 1.0), **flow), make_channel(**flow)
+    polymer, newtonian = make_channel(**oldroyd_b(10.0, 1.0), **flow), make_channel(**flow)
     # the solution with polymer reaches 1e-11 of the largest velocity
     assert np.allclose(polymer.exact_velocity(HEIGHTS, 3.0), newtonian.exact_velocity(HEIGHTS, 3.0), rtol=0, atol=1e-11)
     assert polymer.exact_wall_shear(3.0) == pytest.approx(newtonian.exact_wall_shear(3.0), rel=1e-10)

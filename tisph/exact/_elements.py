@@ -1,4 +1,4 @@
-"""Spectral elements across a gap: polynomials on Legendre-Gauss-Lobatto points, joined where elements meet.
+"""Spectral elements across a gap: polynomials on Legendre-Gauss-Lobatto points, continuous where elements meet.
 
 ``count`` elements of one ``order`` p between ``edges`` (count + 1,), which may be as close together as a layer at a
 wall needs. Continuous fields, such as a velocity, have one value a node, (..., count p + 1); others, such as a stress,
@@ -6,8 +6,8 @@ have values of their own in each element, (..., count, p + 1). Integrals by the 
 diagonal: an equation in time stays one.
 
 Between cylinders the continuous field is the angular velocity w = u/r; there the shear rate is r dw/dr, and momentum
-r^3 dw/dt = d/dr (r^2 stress). With ``arm`` = r, or 1 between planes, both are arm^3 dw/dt = d/dy (arm^2 stress) and a
-shear rate arm dw/dy.
+r^3 dw/dt = d/dr (r^2 stress). With ``radius`` = r, or 1 between planes, both are radius^3 dw/dt = d/dy (radius^2
+stress) and a shear rate radius dw/dy.
 
 Source: C. Canuto, M. Y. Hussaini, A. Quarteroni and T. A. Zang, Spectral Methods: Fundamentals in Single Domains
 (2006), chapters 1 to 3.
@@ -60,33 +60,33 @@ class Elements:
         self.edges = np.asarray(edges, dtype=float)
         self.order, self.count = order, len(self.edges) - 1
         self.points, self.weights, self.matrix = lobatto(order)
-        self.stretch = np.diff(self.edges)[:, None] / 2
+        self.half_width = np.diff(self.edges)[:, None] / 2
         self.nodes = order * np.arange(self.count)[:, None] + np.arange(order + 1)
         self.size = self.count * order + 1
-        self.y = self.edges[:-1, None] + self.stretch * (self.points + 1)
+        self.y = self.edges[:-1, None] + self.half_width * (self.points + 1)
         self.inner_radius = inner_radius
-        self.arms = self.arm(self.y)
+        self.radii = self.radius(self.y)
         self._slopes = (self.matrix[:, :, None] * self.matrix[:, None, :]).reshape(order + 1, -1)
-        self.node_places = np.append(self.y[:, :-1].ravel(), self.edges[-1])
-        self.mass = self.joined(self.stretch * self.weights * self.arms**3)
+        self.node_positions = np.append(self.y[:, :-1].ravel(), self.edges[-1])
+        self.mass = self.assembled(self.half_width * self.weights * self.radii**3)
         self._places = np.empty(0), None, None
 
-    def arm(self, y):
+    def radius(self, y):
         """Distance of ``y`` from the axis; 1 between planes."""
         return np.ones(np.shape(y)) if self.inner_radius is None else self.inner_radius + np.asarray(y)
 
     def shear_rate(self, field):
-        """arm d/dy (..., count, p + 1) of a continuous ``field`` (..., size)."""
-        return field.take(self.nodes, axis=-1) @ self.matrix.T * (self.arms / self.stretch)
+        """radius d/dy (..., count, p + 1) of a continuous ``field`` (..., size)."""
+        return field.take(self.nodes, axis=-1) @ self.matrix.T * (self.radii / self.half_width)
 
     def weak_divergence(self, flux):
-        """d(arm^2 flux)/dy/arm^3 (..., size) of ``flux`` (..., count, p + 1).
+        """d(radius^2 flux)/dy/radius^3 (..., size) of ``flux`` (..., count, p + 1).
 
         Tested with each node's function, and without what passes through the walls.
         """
-        return -self.joined((self.weights * self.arms**2 * flux) @ self.matrix) / self.mass
+        return -self.assembled((self.weights * self.radii**2 * flux) @ self.matrix) / self.mass
 
-    def joined(self, parts):
+    def assembled(self, parts):
         """Sums (..., size) of what elements (..., count, p + 1) give to each node."""
         whole = np.zeros((*parts.shape[:-2], self.size), dtype=parts.dtype)
         whole[..., :-1] = parts[..., :-1].reshape(*parts.shape[:-2], -1)
@@ -94,15 +94,18 @@ class Elements:
         return whole
 
     def stiffness(self, coefficient):
-        """Matrices (..., p + 1, p + 1) of elements: of -d/dy(arm^3 coefficient d/dy), real coefficient (..., p + 1)."""
-        scaled = coefficient * (self.arms**3 * self.weights / self.stretch)
+        """Matrices (..., p + 1, p + 1) of each element, for a real coefficient (..., p + 1).
+
+        The operator is -d/dy(radius^3 coefficient d/dy).
+        """
+        scaled = coefficient * (self.radii**3 * self.weights / self.half_width)
         return (scaled @ self._slopes).reshape(*coefficient.shape, -1)
 
     def integral(self, field):
         """Integrals over y (count, p + 1) from the first edge on of a field (count, p + 1)."""
         values = legendre.legvander(self.points, self.order)
         parts = legendre.legint(np.linalg.solve(values, field.T), lbnd=-1)
-        own = self.stretch * legendre.legval(self.points, parts)
+        own = self.half_width * legendre.legval(self.points, parts)
         return own + np.concatenate([[0.0], np.cumsum(own[:-1, -1])])[:, None]
 
     def interpolated(self, field, y):
@@ -110,7 +113,7 @@ class Elements:
         heights, element, matrix = self._places
         if not np.array_equal(heights, y):
             element = np.clip(np.searchsorted(self.edges, y, side="right") - 1, 0, self.count - 1)
-            matrix = interpolation(self.points, (y - self.edges[element]) / self.stretch[element, 0] - 1)
+            matrix = interpolation(self.points, (y - self.edges[element]) / self.half_width[element, 0] - 1)
             self._places = np.array(y), element, matrix  # many fields and times are asked for at the same heights
         return np.einsum("...hi,hi->...h", field[..., element, :], matrix)
 

@@ -17,7 +17,7 @@ import numpy as np
 from tisph.exact import couette
 
 
-class Layer:
+class AnalyticLayer:
     """Layers at walls whose ``jumps``, triples (time, bottom, top), are in the unit of ``elements``' continuous field.
 
     ``viscosity``: the kinematic one of the solvent. Between cylinders the continuous field is the angular velocity.
@@ -31,21 +31,21 @@ class Layer:
         self.jumps = [(time, *both) for time, *both in jumps if any(both)]
         self.curved = elements.inner_radius is not None
         self.gap = float(elements.edges[-1])
-        self.factors = [float(elements.arm(y) ** 1.5) for y in (0.0, self.gap)]
+        self.factors = [float(elements.radius(y) ** 1.5) for y in (0.0, self.gap)]
 
     def later(self, begin):
         """The layers of the jumps up to ``begin``, on a clock that starts then."""
-        return Layer(self.elements, [jump for jump in self.all if jump[0] <= begin], self.viscosity, begin)
+        return AnalyticLayer(self.elements, [jump for jump in self.all if jump[0] <= begin], self.viscosity, begin)
 
     def velocity(self, y, t):
         """Velocity along the walls, or around the axis."""
-        return self.elements.arm(y) ** -0.5 * self._summed(couette.velocity, y, t)
+        return self.elements.radius(y) ** -0.5 * self._summed(couette.velocity, y, t)
 
     def shear_rate(self, y, t):
-        """Shear rate arm d(u/arm)/dy."""
-        arm = self.elements.arm(y)
-        rate = arm**-0.5 * self._summed(couette.shear_rate, y, t)
-        return rate - 1.5 / arm * self.velocity(y, t) if self.curved else rate
+        """Shear rate radius d(u/radius)/dy."""
+        radius = self.elements.radius(y)
+        rate = radius**-0.5 * self._summed(couette.shear_rate, y, t)
+        return rate - 1.5 / radius * self.velocity(y, t) if self.curved else rate
 
     def _summed(self, profile, y, t):
         total = np.zeros(np.broadcast_shapes(np.shape(y), np.shape(t)))
@@ -66,8 +66,8 @@ class Layer:
         """Rate of the continuous field (times, size) that the layer leaves to the rest; 0.0 between planes."""
         if not (self.jumps and self.curved):
             return 0.0
-        nodes = self.elements.node_places
-        scale = -0.75 * self.viscosity * self.elements.arm(nodes) ** -3
+        nodes = self.elements.node_positions
+        scale = -0.75 * self.viscosity * self.elements.radius(nodes) ** -3
         return scale * self.velocity(nodes, self.begin + times[:, None])
 
 
@@ -77,7 +77,7 @@ def jump(wall, time):
 
 
 @dataclass(frozen=True)
-class LaterWall:
+class ShiftedWall:
     """A ``wall`` on a clock that starts at ``begin``."""
 
     wall: Any

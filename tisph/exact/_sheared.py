@@ -1,4 +1,4 @@
-"""Equations of a liquid that is sheared between two walls, on spectral elements, as ``_stiff`` wants them.
+"""Equations of a fluid that is sheared between two walls, on spectral elements, as ``_stiff`` wants them.
 
     dv/dt = g + d/dy [ flux(rate) + sum S_xy(C) ],    dC/dt = law.sheared(C, rate),    rate = dv/dy + layer
 
@@ -22,17 +22,17 @@ NEGLIGIBLE = 1e-12
 
 
 class Equations:
-    """Equations of ``liquid`` (``flux``, ``laws``) on ``elements``; walls are (bottom, top), with ``acceleration(t)``.
+    """Equations of ``fluid`` (``flux``, ``laws``) on ``elements``; walls are (bottom, top), with ``acceleration(t)``.
 
     Walls that are ``driven`` (``geometry/plate.py``) have ``stress(t)`` and ``mass_per_area`` over the density instead:
     their mass is added to that of their node, which obeys the weak form of the momentum equation as all others do.
 
-    ``layer``: a ``_layer.Layer``. ``speed`` is what 1 of the velocity is in the tolerance, at least. ``mass`` (nodes,):
-    of each node with the plate on it.
+    ``layer``: a ``_layer.AnalyticLayer``. ``speed`` is what 1 of the velocity is in the tolerance, at least. ``mass``
+    (nodes,): of each node with the plate on it.
     """
 
-    def __init__(self, elements, liquid, walls, acceleration, layer, speed):
-        self.elements, self.liquid, self.layer = elements, liquid, layer
+    def __init__(self, elements, fluid, walls, acceleration, layer, speed):
+        self.elements, self.fluid, self.layer = elements, fluid, layer
         self.walls = dict(zip((0, elements.size - 1), walls, strict=True))
         self.drive, self.speed = acceleration, speed
         self.mass = elements.mass.copy()
@@ -42,7 +42,7 @@ class Equations:
         self.free = np.array([not (k in self.walls and not self.walls[k].driven) for k in range(elements.size)])
         self.share = self.free * elements.mass / self.mass
         points = elements.y.size
-        ends = elements.size + np.cumsum([0, *(law.components * points for law in liquid.laws)])
+        ends = elements.size + np.cumsum([0, *(law.components * points for law in fluid.laws)])
         self.parts = [slice(a, b) for a, b in pairwise(ends.tolist())]
         self.size = int(ends[-1])
 
@@ -57,9 +57,7 @@ class Equations:
 
     def stress(self, deviations, rate):
         """Shear stress of solvent and laws together."""
-        return self.liquid.flux(rate) + sum(
-            law.stress(c)[1] for law, c in zip(self.liquid.laws, deviations, strict=True)
-        )
+        return self.fluid.flux(rate) + sum(law.stress(c)[1] for law, c in zip(self.fluid.laws, deviations, strict=True))
 
     def forcing(self, times):
         """What drives the flow at ``times`` (times,), whatever its state is: shear rates of the layer, and rates."""
@@ -74,9 +72,9 @@ class Equations:
         result = np.empty_like(states)
         whole, deviations = self.elements.shear_rate(states[:, : self.elements.size]) + layer, self.deviations(states)
         # the flux of ``layer`` through the solvent is balanced by its own inertia, but for the drift, where one is
-        flux = self.stress(deviations, whole) - self.liquid.carried(layer)
+        flux = self.stress(deviations, whole) - self.fluid.layer_flux(layer)
         result[:, : self.elements.size] = own + self.elements.weak_divergence(flux) * self.share
-        for law, c, part in zip(self.liquid.laws, deviations, self.parts, strict=True):
+        for law, c, part in zip(self.fluid.laws, deviations, self.parts, strict=True):
             change = np.stack([np.broadcast_to(one, whole.shape) for one in law.sheared(tuple(c), whole)], axis=1)
             result[:, part] = change.reshape(len(states), -1)
         return result
@@ -94,8 +92,8 @@ class Equations:
     def jacobian(self, state, time):
         """Jacobian at ``state`` (size,) and ``time``; None where it is not a number."""
         rate = self.shear_rate(state[None], np.array([time]))[0]
-        local = [_derivatives(law, c, rate) for law, c in zip(self.liquid.laws, self.deviations(state), strict=True)]
-        flux = np.broadcast_to(np.imag(self.liquid.flux(rate + 1j * STEP)) / STEP, rate.shape)
+        local = [_derivatives(law, c, rate) for law, c in zip(self.fluid.laws, self.deviations(state), strict=True)]
+        flux = np.broadcast_to(np.imag(self.fluid.flux(rate + 1j * STEP)) / STEP, rate.shape)
         if not all(np.isfinite(part).all() for part in (flux, *(part for parts in local for part in parts))):
             return None
         return Jacobian(self, flux, local)

@@ -59,7 +59,7 @@ def radau(stages):
     return Method(points, integrals @ np.linalg.inv(values[:, :stages]), nodes, barycentric_weights(nodes), last)
 
 
-class Solution:
+class RadauSolution:
     """The solution of ``equations`` from ``start`` (size,) at t = 0 on; as far as it has been asked for.
 
     More ``stages`` take longer steps, where the solution has as many derivatives and Newton's method goes as far.
@@ -140,7 +140,7 @@ class Solution:
             size = np.max(np.abs(change) / scales)
             if not size < 2 * before:
                 return None
-            stalled = size > before / 3  # rounding errors, of a liquid that is nearly solid somewhere, are what is left
+            stalled = size > before / 3  # rounding errors, of a fluid that is nearly solid somewhere, are what is left
             if size < (ROUNDING if stalled else 0.02) * self.tolerance:
                 return found
             before = size

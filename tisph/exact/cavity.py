@@ -100,7 +100,7 @@ class RegularCavity:
         return self.speed * self._at(x, y, self._slope(1)), -self.speed * self._at(x, y, self._slope(0))
 
     def vorticity(self, x, y):
-        """Vorticity dv/dx - du/dy (1/time), positive where the liquid turns counterclockwise."""
+        """Vorticity dv/dx - du/dy (1/time), positive where the fluid turns counterclockwise."""
         bends = [self._at(x, y, self._slope(axis, 2)) for axis in (0, 1)]
         return -self.speed / self.width * (bends[0] + bends[1])
 

@@ -1,4 +1,4 @@
-"""Start-up plane Couette flow: liquid at rest between two walls that start to move at t = 0.
+"""Start-up plane Couette flow: fluid at rest between two walls that start to move at t = 0.
 
 Equation: du/dt = nu d2u/dy2 for 0 < y < H, u(y, 0) = 0, u(0, t) = U0, u(H, t) = U1.
 With f(eta, T), eta = y/H, T = nu t/H^2, the flow when only the wall eta = 1 moves, with unit velocity,
@@ -24,7 +24,7 @@ from tisph.exact._channel import dimensionless, erfc, image_distances, select, s
 def velocity(y, t, *, gap, kinematic_viscosity, bottom, top):
     """Velocity u(y, t) along the walls, by the form that converges fastest, to 1e-15 of the wall speed.
 
-    ``t >= 0``; at t = 0 the liquid is at rest and y = 0 and y = gap already have their wall's velocity.
+    ``t >= 0``; at t = 0 the fluid is at rest and y = 0 and y = gap already have their wall's velocity.
     ``bottom`` and ``top`` are the wall velocities. Raises ValueError for a negative time.
     """
     eta, diffusion_time = dimensionless(y, t, gap, kinematic_viscosity)
@@ -38,7 +38,7 @@ def velocity(y, t, *, gap, kinematic_viscosity, bottom, top):
 def shear_rate(y, t, *, gap, kinematic_viscosity, bottom, top):
     """Velocity gradient du/dy (1/time), by the form that converges fastest.
 
-    ``t >= 0``; at t = 0 it is 0 in the liquid and infinite at a wall that moves. Otherwise as ``velocity``.
+    ``t >= 0``; at t = 0 it is 0 in the fluid and infinite at a wall that moves. Otherwise as ``velocity``.
     """
     eta, diffusion_time = dimensionless(y, t, gap, kinematic_viscosity)
     at_top, at_bottom = (

@@ -1,4 +1,4 @@
-"""Small deformations of a liquid with modes: what theory expects of a rheometer, with the inertia of the liquid.
+"""Small deformations of a fluid with modes: what theory expects of a rheometer, with the inertia of the fluid.
 
     complex viscosity  eta*(w) = solvent + sum eta_k/(1 + i w lambda_k),    G* = G' + i G'' = i w eta*
 

@@ -26,7 +26,7 @@ DEGREE = 16
 class SlidingCorner:
     """Corner at ``place`` (2,) where a wall that slides with ``speed`` away from it, along ``along``, meets another.
 
-    ``along`` (2,) and ``inward`` (2,), the normal of the sliding wall into the liquid, are of length 1. ``angle``
+    ``along`` (2,) and ``inward`` (2,), the normal of the sliding wall into the fluid, are of length 1. ``angle``
     between the walls, in radians. The second part of the flow fades with exp(-(r/``reach``)^2), since far from the
     corner it says nothing; ``share`` is how much of it there is.
     """

@@ -5,18 +5,18 @@ Equations for 0 < y < gap, with g = -(dp/dx)/density, all stresses over the dens
     du/dt = g + d/dy [ flux(du/dy) + sum of S_xy ],    dC/dt = law.sheared(C, du/dy),    S = law.stress(C)
 
 for each law (mode) of a polymer, C the deviation of its conformation tensor from rest (``tisph/rheology``), and flux =
-solvent_viscosity * du/dy, or viscosity((du/dy)^2) * du/dy of a generalised Newtonian liquid. The walls move with given
+solvent_viscosity * du/dy, or viscosity((du/dy)^2) * du/dy of a generalised Newtonian fluid. The walls move with given
 velocities, or are driven by a stress (``geometry/plate.py``), with mass_per_area * dU/dt = stress - shear stress of the
-liquid; the flow starts from rest at t = 0, or, with ``before``, from the developed flow of other walls. Where what
+fluid; the flow starts from rest at t = 0, or, with ``before``, from the developed flow of other walls. Where what
 drives changes at once later on, a new solution begins, in the root of the time from then on.
 
-Between cylinders y = r - R1. Seen by who turns with the liquid, the flow is simple shear of the rate r d(u/r)/dr, x
+Between cylinders y = r - R1. Seen by who turns with the fluid, the flow is simple shear of the rate r d(u/r)/dr, x
 around the axis and y outwards, so that the laws are the same; u/r has the place of u, as ``_elements`` says.
 
 A wall whose velocity jumps at t = 0, or later, makes a layer sqrt(t) deep. Where a solvent of constant viscosity takes
-it, its own start (``_layer``) is left to a closed form, u = v + that, and v is smooth. Liquids that remember nothing
-start with the jump between the wall and the next point. The periodic flow of a
-Newtonian fluid whose wall oscillates is added to the solution of the rest, which decays.
+it, its own start (``_layer``) is left to a closed form, u = v + that, and v is smooth. Fluids that remember nothing
+start with the jump between the wall and the next point. The periodic flow of a Newtonian fluid whose wall oscillates is
+added to the solution of the rest, which decays.
 
 Numerics: polynomials on elements that are finest at the walls (``_elements``), collocation in sqrt(t) (``_stiff``).
 Solved once, as far as it is asked for; no result depends on what was asked before.
@@ -26,9 +26,9 @@ with solvent fractions from 0.01 on: velocity, stress and N1 1e-8 from solvent_v
 the layers have crossed the gap; without memory: velocity 1e-6, stress 2e-6 from t* = 1e-3 on after a jump of a wall,
 and 1e-8 in developed flow, 1e-6 where a plug has edges of 1e-3 of the gap; stress 1e-6 at a rate of 0, 5e-5 there.
 Viscosities that differ by more than some 1e3 within the gap lose digits to rounding, and may end in an UnsolvedError. A
-polymer takes about a second of processor time, a liquid without memory less in a driven flow, and more after a jump of
+polymer takes about a second of processor time, a fluid without memory less in a driven flow, and more after a jump of
 a wall: until the layer is as deep as an element is wide, steps are as short as it takes the front to pass from point to
-point. At large regularisation a liquid with a yield stress does not get beyond that: UnsolvedError.
+point. At large regularisation a fluid with a yield stress does not get beyond that: UnsolvedError.
 """
 
 from dataclasses import dataclass, replace
@@ -36,86 +36,22 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from tisph.exact._developed import periodic, steady_newtonian
 from tisph.exact._elements import Elements, graded_edges
-from tisph.exact._layer import LaterWall, Layer, jump
+from tisph.exact._fluids import InelasticFluid, ViscoelasticFluid
+from tisph.exact._layer import AnalyticLayer, ShiftedWall, jump
 from tisph.exact._sheared import Equations
-from tisph.exact._stiff import Solution
+from tisph.exact._stiff import RadauSolution
+
+__all__ = ["Flow", "InelasticFluid", "StartUp", "ViscoelasticFluid", "Wall"]
 
 ORDER = 16
 FINEST, WIDEST = 1e-3, 0.0625
 """Order of the elements, and the width over the gap of those at the walls and in the middle."""
 
-REFINEMENTS = 3
-"""Solutions for the residual of a periodic flow: the first one alone loses digits to rounding, 1e-8 in places."""
-
 REMEMBERED, MOST_DOUBLINGS, STEADY = 20.0, 8, 1e-9
-"""Longest times of the liquid, viscous and relaxation, after which a flow may be developed. It is where as long a time
+"""Longest times of the fluid, viscous and relaxation, after which a flow may be developed. It is where as long a time
 again changes all by less than STEADY of the largest value; else the time is doubled."""
-
-
-@dataclass(frozen=True)
-class Polymer:
-    """Kinematic viscosity of the solvent (> 0, else ValueError) and ``laws`` of the polymer's modes, over density.
-
-    Without any it is a Newtonian liquid.
-
-    ``tolerance`` of a step in time and its ``stages``: with 7 there are twice as many steps, in 1.5 times the time.
-    """
-
-    layered: ClassVar[bool] = True
-    tolerance: ClassVar[float] = 1e-9
-    stages: ClassVar[int] = 9
-
-    solvent_viscosity: float
-    laws: tuple[Any, ...]
-
-    def __post_init__(self):
-        if not self.solvent_viscosity > 0:
-            raise ValueError(f"solvent_viscosity must be above 0, not {self.solvent_viscosity}")
-
-    @property
-    def longest_time(self):
-        """The longest relaxation time."""
-        return max((law.relaxation_time for law in self.laws), default=0.0)
-
-    @property
-    def total_viscosity(self):
-        """Kinematic viscosity at vanishing shear rate."""
-        return self.solvent_viscosity + sum(law.polymer_viscosity for law in self.laws)
-
-    def flux(self, rate):
-        """The solvent's shear stress."""
-        return self.solvent_viscosity * rate
-
-    carried = flux
-    """That of the part of the shear rate which has inertia of its own."""
-
-
-@dataclass(frozen=True)
-class Viscous:
-    """Generalised Newtonian: ``law.viscosity(shear_rate_squared)``, kinematic; ``total_viscosity``, typical of it.
-
-    ``tolerance`` of a step in time: at a jump the front passes point by point, and 1e-10 takes twice the time, while
-    the elements leave 5e-8. More ``stages`` make steps longer, but Newton's method slower. ``layered``: whether a jump
-    of a wall is left to a closed form.
-    """
-
-    layered: ClassVar[bool] = False
-    tolerance: ClassVar[float] = 1e-8
-    stages: ClassVar[int] = 5
-
-    law: Any
-    total_viscosity: float
-    laws: tuple[Any, ...] = ()
-    longest_time: float = 0.0
-
-    def flux(self, rate):
-        """Shear stress."""
-        return self.law.viscosity(rate * rate) * rate
-
-    def carried(self, rate):
-        """Nothing: the whole flow is solved for."""
-        return 0.0 * rate
 
 
 @dataclass(frozen=True)
@@ -158,9 +94,9 @@ class Flow:
     inner_radius: float | None = None
 
 
-def _edges(liquid, flows, finest):
-    """Edges over the gap. Liquids without memory have plugs, and kinks where the rate is 0: mid-gap, by symmetry."""
-    if liquid.layered:
+def _edges(fluid, flows, finest):
+    """Edges over the gap. Fluids without memory have plugs, and kinks where the rate is 0: mid-gap, by symmetry."""
+    if fluid.subtracts_layer:
         return graded_edges(1.0, finest, WIDEST)
     if any(flow.bottom != flow.top for flow in flows):
         return graded_edges(1.0, finest, WIDEST / 2)
@@ -169,61 +105,66 @@ def _edges(liquid, flows, finest):
 
 
 class StartUp:
-    """The flow of a ``Polymer`` or ``Viscous`` liquid from rest, or from the developed flow ``before``.
+    """The flow of a ``ViscoelasticFluid`` or ``InelasticFluid`` fluid from rest, or from the developed flow ``before``.
 
     Heights ``y`` and times ``t`` >= 0 broadcast; results have their shape. Stresses are over the density. ``order`` and
     ``finest``, the width over the gap of those at the walls, or all ``edges`` over the gap, set the elements.
     UnsolvedError where no solution is found that goes on, ValueError for other times.
     """
 
-    def __init__(self, liquid, flow, before=None, *, order=ORDER, finest=FINEST, edges=None):
-        self.liquid, self.flow = liquid, flow
-        edges = _edges(liquid, (flow, before or flow), finest) if edges is None else edges
+    def __init__(self, fluid, flow, before=None, *, order=ORDER, finest=FINEST, edges=None):
+        self.fluid, self.flow = fluid, flow
+        edges = _edges(fluid, (flow, before or flow), finest) if edges is None else edges
         self.elements = Elements(flow.gap * edges, order, flow.inner_radius)
         walls, self._ends = (flow.bottom, flow.top), [0, self.elements.size - 1]
         jumps, start = [0.0 if wall.driven else float(wall.velocity(0.0)) for wall in walls], None
         if before is not None:
             if (before.gap, before.inner_radius) != (flow.gap, flow.inner_radius):
                 raise ValueError(f"the flow before has a gap of {before.gap}, the flow one of {flow.gap}")
-            start = _developed(liquid, before, order, edges)
+            start = _developed(fluid, before, order, edges)
             jumps = [new - old for new, old in zip(jumps, start[self._ends], strict=True)]
-        driven = abs(flow.acceleration) * flow.gap**2 / liquid.total_viscosity
+        driven = abs(flow.acceleration) * flow.gap**2 / fluid.total_viscosity
         self.begins = sorted({0.0, *(time for wall in walls for time in wall.changes)})
         self._jumps = [(0.0, *jumps), *((time, *(jump(wall, time) for wall in walls)) for time in self.begins[1:])]
         sizes = [*np.ravel([both for _, *both in self._jumps]), *([] if start is None else start[self._ends])]
         self.speed = max(1e-200, driven / 12, *np.abs(sizes))
-        self.layer = Layer(self.elements, self._jumps if liquid.layered else (), liquid.carried(1.0))
+        self.layer = AnalyticLayer(self.elements, self._jumps if fluid.subtracts_layer else (), fluid.layer_flux(1.0))
         self.equations = self._equations(0.0)
-        self._only_layers = start is None and self._rest_vanishes()
-        self._oscillations = [] if self._only_layers else list(self._periodic_parts())
-        begun = np.zeros(self.equations.size) if start is None else start
-        self._pieces = [self._solution(self.equations, begun - self._oscillating(0.0), jumps)]
+        self._oscillations = list(self._periodic_parts())
+        begun = (np.zeros(self.equations.size) if start is None else start) - self._oscillating(0.0)
+        self._constant = begun if self._stays(before, jumps) else None
+        self._pieces = [self._solution(self.equations, begun, jumps)]
 
-    def _rest_vanishes(self):
-        """Whether a flow from rest consists of its layers alone: a Newtonian fluid between planes of constant speed."""
-        constant = not any(wall.driven or wall.oscillates for wall in (self.flow.bottom, self.flow.top))
-        plane = self.flow.inner_radius is None and self.flow.acceleration == 0.0
-        return _newtonian(self.liquid) and plane and constant
+    def _stays(self, before, jumps):
+        """Whether the state stays as it begins, since layers and periodic flows are all that changes."""
+        walls, plane = (self.flow.bottom, self.flow.top), self.flow.inner_radius is None
+        if any(wall.driven or (wall.oscillates and not self._has_periodic_part(wall)) for wall in walls):
+            return False
+        if before is None:
+            steady = self.flow.acceleration == 0.0 and not any(wall.oscillates for wall in walls)
+            return _newtonian(self.fluid) and plane and steady
+        steady = before.acceleration == self.flow.acceleration
+        return steady and (not any(jumps) or (_newtonian(self.fluid) and plane))
 
     def _equations(self, begin):
         """Equations of the time from ``begin`` on."""
         flow = self.flow
         walls = [
-            Wall() if self._has_periodic_part(wall) else LaterWall(wall.during(begin), begin)
+            Wall() if self._has_periodic_part(wall) else ShiftedWall(wall.during(begin), begin)
             for wall in (flow.bottom, flow.top)
         ]
-        return Equations(self.elements, self.liquid, walls, flow.acceleration, self.layer.later(begin), self.speed)
+        return Equations(self.elements, self.fluid, walls, flow.acceleration, self.layer.later(begin), self.speed)
 
     def _solution(self, equations, start, jumps):
-        first = 1e-3 * self.flow.gap / np.sqrt(self.liquid.total_viscosity)
-        if not self.liquid.layered:
+        first = 1e-3 * self.flow.gap / np.sqrt(self.fluid.total_viscosity)
+        if not self.fluid.subtracts_layer:
             start[self._ends] += jumps
-        return Solution(equations, start, first, self.liquid.tolerance, self.liquid.stages)
+        return RadauSolution(equations, start, first, self.fluid.tolerance, self.fluid.stages)
 
     def _at(self, time):
         """State (size,) at one ``time`` >= 0."""
-        if self._only_layers:
-            return np.zeros(self.equations.size)
+        if self._constant is not None:
+            return self._constant + self._oscillating(time)
         piece = max(int(np.searchsorted(self.begins, time)) - 1, 0)
         while len(self._pieces) <= piece:
             begin, end = self.begins[len(self._pieces) - 1 :][:2]
@@ -233,33 +174,23 @@ class StartUp:
 
     def _has_periodic_part(self, wall):
         """Whether the periodic flow of a ``wall`` that oscillates is added to the solution, which is linear."""
-        return _newtonian(self.liquid) and not wall.driven and wall.angular_frequency != 0.0
+        return _newtonian(self.fluid) and not wall.driven and wall.angular_frequency != 0.0
 
     def _periodic_parts(self):
         """Yield angular frequency and complex amplitude (size,) of the periodic flow of each wall that has one.
 
-        With the complex amplitude a of the wall's velocity the flow is Re[x e^(iwt)], (iw - J) x = i w a at the wall,
-        0 elsewhere. The rest decays, so that many periods cost no more than one.
+        The rest decays, so that many periods cost no more than one.
         """
         for node, wall in zip(self._ends, (self.flow.bottom, self.flow.top), strict=True):
-            if not self._has_periodic_part(wall):
-                continue
-            frequency = wall.angular_frequency
-            forcing, x = np.zeros((2, 1, self.equations.size), dtype=complex)
-            forcing[0, node] = 1j * frequency * (wall.cosine - 1j * wall.sine)
-            # not at t = 0, when the layer of a jump is infinitely thin
-            solve = self.equations.jacobian(x[0].real, 1 / frequency).solver(np.array([1j * frequency]))
-            for _ in range(REFINEMENTS):
-                rates = self.equations.rates(np.concatenate([x.real, x.imag]), (0.0, 0.0))
-                x = x + solve(forcing - 1j * frequency * x + rates[0] + 1j * rates[1])
-            yield frequency, x[0]
+            if self._has_periodic_part(wall):
+                yield wall.angular_frequency, periodic(self.equations, node, wall)
 
     def _oscillating(self, time):
         """What the periodic flows add to the state at one ``time``."""
         return sum((x * np.exp(1j * frequency * time)).real for frequency, x in self._oscillations)
 
     def velocity(self, y, t):
-        """Velocity u along the walls; at t = 0 the walls have their new velocity already, the liquid its old one."""
+        """Velocity u along the walls; at t = 0 the walls have their new velocity already, the fluid its old one."""
         return self._by_time(self._velocity, y, t)
 
     def shear_rate(self, y, t):
@@ -280,21 +211,21 @@ class StartUp:
 
     def _steady(self):
         """The state (size,) that the flow ends in: v is all of the velocity then."""
-        time = REMEMBERED * max(self.liquid.longest_time, self.flow.gap**2 / self.liquid.total_viscosity)
-        for _ in range(MOST_DOUBLINGS):  # a liquid that thins takes longer
+        time = REMEMBERED * max(self.fluid.longest_time, self.flow.gap**2 / self.fluid.total_viscosity)
+        for _ in range(MOST_DOUBLINGS):  # a fluid that thins takes longer
             state = self._at(time)
             later = self._at(2 * time)
             time *= 2
             if np.max(np.abs(later - state) / self.equations.scales(later[None])) < STEADY:
                 break
         state = later
-        nodes = self.elements.node_places
-        carried = self._velocity(nodes, time) / self.elements.arm(nodes)
+        nodes = self.elements.node_positions
+        carried = self._velocity(nodes, time) / self.elements.radius(nodes)
         return np.concatenate([carried, state[self.elements.size :]])
 
     def _velocity(self, y, time):
         v = self._at(time)[: self.elements.size]
-        own = self.elements.arm(y) * self.elements.interpolated(v[self.elements.nodes], y)
+        own = self.elements.radius(y) * self.elements.interpolated(v[self.elements.nodes], y)
         return own + self.layer.velocity(y, time)
 
     def _shear_rate(self, y, time):
@@ -303,15 +234,15 @@ class StartUp:
 
     def _stress(self, y, time):
         deviations = self.deviations(y, time)
-        whole = [law.stress(tuple(c)) for law, c in zip(self.liquid.laws, deviations, strict=True)]
+        whole = [law.stress(tuple(c)) for law, c in zip(self.fluid.laws, deviations, strict=True)]
         return sum((np.stack(stress[:3]) for stress in whole), np.zeros((3, len(y))))
 
     def _whole_stress(self, y, time):
-        if self.liquid.layered:
-            return self.liquid.flux(self._shear_rate(y, time)) + self._stress(y, time)[1]
+        if self.fluid.subtracts_layer:
+            return self.fluid.flux(self._shear_rate(y, time)) + self._stress(y, time)[1]
         # smoother than the shear rate where the viscosity changes much, as in a plug
         v = self._at(time)[: self.elements.size]
-        return self.elements.interpolated(self.liquid.flux(self.elements.shear_rate(v)), y)
+        return self.elements.interpolated(self.fluid.flux(self.elements.shear_rate(v)), y)
 
     def _by_time(self, profile, y, t, parts=()):
         """Values of ``profile(heights, time)``, called once for each different time; a scalar for scalar arguments.
@@ -328,20 +259,22 @@ class StartUp:
         return result[()]
 
 
-def _newtonian(liquid):
-    return liquid.layered and not liquid.laws
+def _newtonian(fluid):
+    return fluid.subtracts_layer and not fluid.laws
 
 
-def _developed(liquid, flow, order, edges):
+def _developed(fluid, flow, order, edges):
     """State (size,) at t = 0 of a developed ``flow``: steady, plus the periodic flow of walls that oscillate.
 
     ValueError where one does whose fluid is not Newtonian.
     """
     walls = flow.bottom, flow.top
-    steady = replace(flow, **{name: Wall() for name in ("bottom", "top") if getattr(flow, name).oscillates})
-    state = StartUp(liquid, steady, order=order, edges=edges)._steady()
+    constant = [Wall() if wall.oscillates else Wall(float(wall.velocity(0.0))) for wall in walls]
+    steady = StartUp(fluid, replace(flow, bottom=constant[0], top=constant[1]), order=order, edges=edges)
+    state = steady_newtonian(steady) if _newtonian(fluid) else steady._steady()
+    state[steady._ends] = [wall.speed for wall in constant]
     if not any(wall.oscillates for wall in walls):
         return state
-    if not _newtonian(liquid):
+    if not _newtonian(fluid):
         raise ValueError("only a Newtonian fluid has a periodic flow to start from")
-    return state + StartUp(liquid, flow, order=order, edges=edges)._oscillating(0.0)
+    return state + StartUp(fluid, flow, order=order, edges=edges)._oscillating(0.0)

@@ -1,10 +1,10 @@
 """Taylor-Green vortices: a periodic array of vortices that turn where they are and decay by viscosity alone.
 
-Navier-Stokes equations of a liquid of constant density, with k = 2 pi/L, L the period, and e = exp(-2 nu k^2 t):
+Navier-Stokes equations of a fluid of constant density, with k = 2 pi/L, L the period, and e = exp(-2 nu k^2 t):
 
     u = -U cos kx sin ky e,   v = U sin kx cos ky e,   p = -rho U^2/4 (cos 2kx + cos 2ky) e^2
 
-The viscous term is what changes in time; the pressure, of zero mean, balances the acceleration of the turning liquid.
+The viscous term is what changes in time; the pressure, of zero mean, balances the acceleration of the turning fluid.
 Per mass and on average over a period, the kinetic energy is U^2/4 e^2, and nu k^2 U^2 e^2 of it is lost per time.
 
 Source: G. I. Taylor and A. E. Green, Proc. R. Soc. Lond. A 158 (1937) 499-521, section 1; the solution for two
@@ -29,7 +29,7 @@ def velocity(x, y, t, *, length, speed, kinematic_viscosity):
 
 
 def vorticity(x, y, t, *, length, speed, kinematic_viscosity):
-    """Vorticity dv/dx - du/dy (1/time), positive where the liquid turns counterclockwise."""
+    """Vorticity dv/dx - du/dy (1/time), positive where the fluid turns counterclockwise."""
     k = _wave_number(length)
     cosines = np.cos(k * np.asarray(x, dtype=float)) * np.cos(k * np.asarray(y, dtype=float))
     return 2 * k * speed * _decay(t, length, kinematic_viscosity) * cosines

@@ -1,4 +1,4 @@
-"""A liquid that is sheared uniformly: what a rheometer would show if the liquid had no inertia.
+"""A fluid that is sheared uniformly: what a rheometer would show if the fluid had no inertia.
 
     shear stress = flux(rate) + sum of S_xy,    dC/dt = law.sheared(C, rate(t)),    S = law.stress(C)
 
@@ -20,7 +20,7 @@ RELATIVE, ABSOLUTE = 1e-10, 1e-13
 
 @dataclass(frozen=True)
 class UniformShear:
-    """``flux(rate)``: shear stress of the solvent, or of a liquid without memory; ``laws`` of a polymer's modes."""
+    """``flux(rate)``: shear stress of the solvent, or of a fluid without memory; ``laws`` of a polymer's modes."""
 
     flux: Any
     laws: tuple[Any, ...] = ()

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from tisph.exact.circular_start_up import CircularStartUp
-from tisph.exact.start_up import Polymer, Wall
+from tisph.exact.start_up import ViscoelasticFluid, Wall
 
 
 class ReferenceFlow:
@@ -42,14 +42,14 @@ class ReferenceFlow:
         return self._of.deviations(r, t)
 
     def polymer_stress(self, r, t):
-        """Polymer stress (3, ...) in polar components: around the axis, shear, along the radius."""
+        """ViscoelasticFluid stress (3, ...) in polar components: around the axis, shear, along the radius."""
         return self._density * self._of.polymer_stress(r, t)
 
 
 @lru_cache(maxsize=8)
 def _solved(rheology, kinematic_viscosity, inner_radius, outer_radius, inner, outer, before):
     share, laws = (rheology.solvent_fraction, rheology.laws(kinematic_viscosity)) if rheology else (1.0, ())
-    liquid = Polymer(share * kinematic_viscosity, laws)
+    liquid = ViscoelasticFluid(share * kinematic_viscosity, laws)
     moved = any(wall.oscillates or wall.velocity(0.0) for wall in before)
     return CircularStartUp(inner_radius, outer_radius, liquid, inner, outer, before if moved else None)
 

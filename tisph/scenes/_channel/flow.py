@@ -2,7 +2,7 @@
 
 from functools import lru_cache
 
-from tisph.exact.start_up import Flow, Polymer, StartUp, Viscous, Wall
+from tisph.exact.start_up import Flow, InelasticFluid, StartUp, ViscoelasticFluid, Wall
 
 
 class ReferenceFlow:
@@ -27,16 +27,16 @@ class ReferenceFlow:
         return self.channel.density * self._solved.shear_stress(y, t)
 
     def polymer_stress(self, y, t):
-        """Polymer stresses (S_xx, S_xy), 0 without polymer."""
+        """ViscoelasticFluid stresses (S_xx, S_xy), 0 without polymer."""
         xx, xy, _ = self.channel.density * self._solved.polymer_stress(y, t)
         return xx, xy
 
     def polymer_shear_stress(self, y, t):
-        """Polymer stress S_xy alone."""
+        """ViscoelasticFluid stress S_xy alone."""
         return self.polymer_stress(y, t)[1]
 
     def transverse_stress(self, y, t):
-        """Polymer stress S_yy."""
+        """ViscoelasticFluid stress S_yy."""
         return self.channel.density * self._solved.polymer_stress(y, t)[2]
 
     def deviations(self, y, t):
@@ -53,8 +53,8 @@ def _walls_before(channel):
 @lru_cache(maxsize=8)
 def _solved(rheology, kinematic_viscosity, density, flow, before):
     if rheology is None:
-        return StartUp(Polymer(kinematic_viscosity, ()), flow, before)
+        return StartUp(ViscoelasticFluid(kinematic_viscosity, ()), flow, before)
     if rheology.carries_stress:
         solvent = rheology.solvent_fraction * kinematic_viscosity
-        return StartUp(Polymer(solvent, rheology.laws(kinematic_viscosity)), flow, before)
-    return StartUp(Viscous(rheology.law(kinematic_viscosity, density), kinematic_viscosity), flow, before)
+        return StartUp(ViscoelasticFluid(solvent, rheology.laws(kinematic_viscosity)), flow, before)
+    return StartUp(InelasticFluid(rheology.law(kinematic_viscosity, density), kinematic_viscosity), flow, before)

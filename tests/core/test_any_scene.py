@@ -104,7 +104,7 @@ def test_a_run_leaves_all_its_files(settings, tmp_path):
     assert (first["t"], first["t_star"], last["t"]) == (0.1, 0.1, 0.2)
     assert max(last["l2"], last["l2_pressure"]) < 1e-14  # places wrapped into the box: roundings of phases
     assert last["kinetic_energy"] == pytest.approx(last["kinetic_energy_exact"], rel=1e-12)  # sums of 288 squares
-    assert 0.3 < last["nearest_two"] < 1.0 < last["largest_hole"] + 0.3
+    assert 0.3 < last["min_distance"] < 1.0 < last["max_void_radius"] + 0.3
     times, energy = read_history(folder.history)
     assert len(times) == STEPS + 1
     assert np.all(np.diff(energy[:, 0]) < 0)

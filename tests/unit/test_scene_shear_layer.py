@@ -79,8 +79,8 @@ def test_numbers_of_the_start(scene, start):
     assert found["dissipation"] == pytest.approx(1e-3 * square, rel=0.05)
     assert found["divergence_over_gradient"] < 0.05
     assert abs(found["mean_u"]) < 0.01 * scene.speed
-    assert 0.5 < found["nearest_two"] < 1.0
-    assert 0.7 < found["largest_hole"] < 1.0
+    assert 0.5 < found["min_distance"] == found["nearest_two"] < 1.0
+    assert 0.7 < found["max_void_radius"] == found["largest_hole"] < 1.0
 
 
 def test_thin_layers_are_not_resolved(case):

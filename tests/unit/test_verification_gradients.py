@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tisph.measures.distribution import largest_hole, nearest_two
+from tisph.measures.distribution import max_void_radius, min_distance
 from tisph.measures.fits import interpolated
 from tisph.measures.gradients import velocity_gradients
 
@@ -66,26 +66,26 @@ def test_spread_of_a_lattice(periodic):
     x, y = scattered(12, jitter=0.0)
     scene = box(12, periodic)
     # coordinates of order 1 round to 1e-16, distances are a twelfth
-    assert nearest_two(scene, snapshot(x, y, x, x)) == pytest.approx(1.0, rel=1e-13)
-    assert largest_hole(scene, snapshot(x, y, x, x)) == pytest.approx(np.sqrt(0.5), rel=1e-12)
+    assert min_distance(scene, snapshot(x, y, x, x)) == pytest.approx(1.0, rel=1e-13)
+    assert max_void_radius(scene, snapshot(x, y, x, x)) == pytest.approx(np.sqrt(0.5), rel=1e-12)
 
 
 def test_a_hole_across_the_edge_of_a_box_of_any_size_is_found():
     x, y = (np.delete(values, 0) for values in scattered(12, jitter=0.0))
     scene = SimpleNamespace(origin=(0.0, 0.0), bodies=(), extent=(3.0, 3.0), periodic=(True, True), spacing=0.25)
-    assert largest_hole(scene, snapshot(3.0 * x, 3.0 * y, x, x)) == pytest.approx(1.0, rel=1e-12)
+    assert max_void_radius(scene, snapshot(3.0 * x, 3.0 * y, x, x)) == pytest.approx(1.0, rel=1e-12)
 
 
 @pytest.mark.parametrize("place", [0, 77])
 def test_a_missing_particle_is_a_hole_wherever_it_is(place):
     x, y = (np.delete(values, place) for values in scattered(12, jitter=0.0))
-    assert largest_hole(box(12), snapshot(x, y, x, x)) == pytest.approx(1.0, rel=1e-12)  # as above
+    assert max_void_radius(box(12), snapshot(x, y, x, x)) == pytest.approx(1.0, rel=1e-12)  # as above
 
 
-def test_the_nearest_two_are_found_across_an_edge():
+def test_the_least_distance_is_found_across_an_edge():
     x, y = scattered(12, jitter=0.0)
     x[0], x[11] = 0.01, 0.99  # both of the lowest row
-    assert nearest_two(box(12), snapshot(x, y, x, x)) == pytest.approx(0.02 * 12, rel=1e-12)  # as above
+    assert min_distance(box(12), snapshot(x, y, x, x)) == pytest.approx(0.02 * 12, rel=1e-12)  # as above
 
 
 def wave_error(rows):

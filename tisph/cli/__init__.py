@@ -18,7 +18,7 @@ from tisph.cli import (
     report,
     rheometry,
     run,
-    stress,
+    stability,
     sweep,
     terminal,
     verify,
@@ -69,7 +69,7 @@ for _name, _command in {
     "list": list_families.list_families,
     "verify": verify.verify,
     "bench": bench.bench,
-    "stress": stress.stress,
+    "stability": stability.stability,
     "new": new.new,
     "render": render.render,
     "report": report.report,
@@ -79,6 +79,7 @@ for _name, _command in {
     "rheometry": rheometry.rheometry,
 }.items():
     app.command(_name)(reported(_command))
+app.command("stress", short_help="The old name of stability.")(reported(stability.stability))
 
 
 def main() -> None:

@@ -20,7 +20,8 @@ def verify(
         bool, typer.Option("--walls", help="All wall treatments in all flows, and which one is recommended.")
     ] = False,
     estimates: Annotated[
-        bool, typer.Option("--estimates", help="What tisph check states of all configs and stress cells, against runs.")
+        bool,
+        typer.Option("--estimates", help="What tisph check predicts, against runs: all configs, stability cells."),
     ] = False,
     out: Annotated[
         Path | None,
@@ -29,7 +30,7 @@ def verify(
             metavar="DIR",
             parser=folder_name,
             help=f"With --walls: folder of its results [default: {WALLS_FOLDER}]; with --estimates [default: that of "
-            "tisph stress].",
+            "tisph stability].",
         ),
     ] = None,
 ) -> None:
@@ -70,7 +71,7 @@ def verify(
 def _estimates(out: Path | None, quick: bool) -> bool:
     from tisph import runtime
     from tisph.cli.check import forecast
-    from tisph.cli.stress import FOLDER
+    from tisph.cli.stability import FOLDER
     from tisph.studies import estimates as comparison
 
     default = FOLDER.with_name("stress-quick") if quick else FOLDER

@@ -1,20 +1,20 @@
-"""How evenly particles fill a box: the nearest two of them, and the largest hole between them."""
+"""How evenly particles fill a box: the least distance of two of them, and the largest void between them."""
 
 import numpy as np
 
 from tisph.measures.fits import periodic_tree
 
 MARGIN = 4.0
-"""Spacings by which a periodic box is continued: wider than any hole of a liquid that has not broken up."""
+"""Spacings by which a periodic box is continued: wider than any void of a fluid that has not broken up."""
 
 
-def nearest_two(scene, snapshot):
+def min_distance(scene, snapshot):
     """Smallest distance of two particles over the spacing; 1 on a lattice."""
     tree, places = periodic_tree(scene, _places(snapshot))
     return tree.query(places, 2)[0][:, 1].min() / scene.spacing
 
 
-def largest_hole(scene, snapshot):
+def max_void_radius(scene, snapshot):
     """Radius over the spacing of the largest circle in the box without a particle; sqrt(1/2) on a lattice.
 
     Its centre is a corner of the Voronoi cells of the particles. Where the box is not periodic, only circles around

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tisph.measures.distribution import largest_hole, nearest_two
+from tisph.measures.distribution import max_void_radius, min_distance
 from tisph.measures.gradients import velocity_gradients
 from tisph.scenes._views import Followed, Line, Profile, Shown
 
@@ -90,15 +90,18 @@ def measures(scene, snapshot):
     """Return the mean square of the vorticity, and the numbers of a sample that need no reference.
 
     ``divergence_over_gradient``: largest |div u| over the largest velocity gradient (Frobenius norm), None at rest;
-    ``nearest_two`` and ``largest_hole``, see ``measures/distribution.py``; ``density_variation`` = max
+    ``min_distance`` and ``max_void_radius``, see ``measures/distribution.py``; ``density_variation`` = max
     |density/density_0 - 1|. Gradients are those of ``measures/gradients.py``, whose own errors are about 1e-4
     of the largest at 50 particles a wave, and fall with the fourth power of the spacing.
     """
     slopes = velocity_gradients(scene, snapshot)
     largest = np.max(np.linalg.norm(slopes, axis=0))
+    distance, radius = min_distance(scene, snapshot), max_void_radius(scene, snapshot)
     return np.mean(np.square(slopes[2] - slopes[1])), {
         "divergence_over_gradient": np.max(np.abs(slopes[0] + slopes[3])) / largest if largest else None,
-        "nearest_two": nearest_two(scene, snapshot),
-        "largest_hole": largest_hole(scene, snapshot),
+        "min_distance": distance,
+        "max_void_radius": radius,
+        "nearest_two": distance,  # the old names of both
+        "largest_hole": radius,
         "density_variation": np.max(np.abs(snapshot.density / scene.density - 1)),
     }

@@ -1,4 +1,4 @@
-"""One cell of the stability matrix: a flow, how it is computed, and what is promised of the run.
+"""One cell of the stability matrix: a flow, how it is computed, and what is required of the run.
 
 A time is counted in lengths over reference velocity; in a channel t* = 1 is at t = Re, in all other flows at t = 1.
 """
@@ -16,23 +16,23 @@ TOLERANCE, STRAIN = 3e-7, 0.5
 """Defaults of scheme ``implicit``, which step multiples start from."""
 
 ELASTIC_TOLERANCE, ELASTIC_STRAIN = ELASTIC_STEPS["balanced"]
-"""Of a liquid with memory, the same of ``auto``, whose steps are three times as long."""
+"""Of a viscoelastic fluid, the same of ``auto``, whose steps are three times as long."""
 
-TURNING_TOLERANCE, COURANT = 2e-6, 0.3
-"""The same where the flow turns."""
+TWO_DIMENSIONAL_TOLERANCE, COURANT = 2e-6, 0.3
+"""The same of a two-dimensional flow."""
 
 SAMPLES = (0.25, 0.5, 0.75, 1.0)
-"""Parts of a run after which it is looked at; growth is what the last two show."""
+"""Parts of a run after which it has a sample; growth is what the last two show."""
 
-STABLE, FINISHED, HONEST, REFUSED = "stable", "finished", "honest", "refused"
-"""What is promised: a stable run; one that finishes without growth, with an error that the map states; anything but a
-wrong result that looks right; that ``tisph check`` refuses it."""
+STABLE, FINISHED, FLAGGED, REFUSED = "stable", "finished", "flagged", "refused"
+"""What is required: a stable run; one that finishes without growth, with an error that the map has; anything but a
+silent failure, that is a wrong result without a warning; that ``tisph check`` refuses it."""
 
-PROMISING = ("couette", "poiseuille", "taylor_green", "shear_layer", "annulus0.5", "annulus0.9")
-"""Flows of which something is promised."""
+REQUIRED = ("couette", "poiseuille", "taylor_green", "shear_layer", "annulus0.5", "annulus0.9")
+"""Flows of which more than ``FLAGGED`` is required."""
 
 RESOLVED = 10.0
-"""Cell Reynolds number up to which a flow between walls of any shape is promised to be stable, 12 across or more."""
+"""Cell Reynolds number up to which a flow between curved walls has to be stable, 12 across or more."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Cell:
 
     ``flow``: a key of ``FLOWS``; ``jitter`` in spacings; ``scheme``: a key of ``SCHEMES``; ``step``: length of the
     steps over that of the defaults; ``sound``: sound speed over the fastest velocity scale (explicit scheme only);
-    ``aspect``: length of a channel over its gap; ``solvent``: its part of the viscosity of an Oldroyd-B liquid;
+    ``aspect``: length of a channel over its gap; ``solvent``: its part of the viscosity of an Oldroyd-B fluid;
     ``t_star``: end of the run, if there is time for that.
     """
 
@@ -75,9 +75,9 @@ class Cell:
         return "-".join(parts + [text for key, text in special.items() if getattr(self, key) != getattr(usual, key)])
 
     @property
-    def calm(self):
-        """The same cell from the lattice, which where the flow crosses is no calmer: there it is the cell itself."""
-        return self if self.crosses else replace(self, jitter=0.0)
+    def baseline(self):
+        """The same cell from the lattice; of a two-dimensional flow, where a lattice is no calmer, the cell itself."""
+        return self if self.two_dimensional else replace(self, jitter=0.0)
 
     @property
     def cell_reynolds(self):
@@ -92,71 +92,71 @@ class Cell:
 
     @property
     def has_polymer(self):
-        """Whether the liquid is an Oldroyd-B liquid in a channel."""
+        """Whether the fluid is an Oldroyd-B fluid in a channel."""
         return self.flow.startswith("oldroyd")
 
     @property
     def weissenberg(self):
-        """Relaxation time times wall speed over gap, of an Oldroyd-B liquid; else None."""
+        """Relaxation time times wall speed over gap, of an Oldroyd-B fluid; else None."""
         return float(self.flow.removeprefix("oldroyd")) if self.has_polymer else None
 
     @property
     def elasticity(self):
-        """Relaxation time over the viscous time, of an Oldroyd-B liquid."""
+        """Relaxation time over the viscous time, of an Oldroyd-B fluid."""
         return digits(self.weissenberg / self.reynolds)
 
     @property
-    def turns(self):
-        """Whether the flow turns, in a box without walls."""
-        return FLOWS[self.flow].turns
+    def doubly_periodic(self):
+        """Whether it is in a periodic square, without walls."""
+        return FLOWS[self.flow].doubly_periodic
 
     @property
-    def has_walls(self):
-        """Whether it is between walls of any shape."""
-        return FLOWS[self.flow].walls
+    def curved_walls(self):
+        """Whether it is between curved walls, in a cavity, or around a body."""
+        return FLOWS[self.flow].curved_walls
 
     @property
-    def crosses(self):
-        """Whether particles cross each other's ways, so that none stays in its row."""
-        return self.turns or self.has_walls
+    def two_dimensional(self):
+        """Whether the flow is two-dimensional, so that no particle stays in its layer."""
+        return self.doubly_periodic or self.curved_walls
 
     @property
     def measure(self):
         """Error that is judged: l2 or rms, None where there is none, or where the flow cannot be predicted."""
-        lost = self.turns and self.reynolds > 1000 and self.t_star > PREDICTABLE
+        lost = self.doubly_periodic and self.reynolds > 1000 and self.t_star > PREDICTABLE
         return None if lost else FLOWS[self.flow].measure
 
     @property
-    def promise(self):
-        """``STABLE``, ``FINISHED``, ``HONEST`` or ``REFUSED``."""
-        if self.turns and self.scheme == "implicit 2":
+    def requirement(self):
+        """``STABLE``, ``FINISHED``, ``FLAGGED`` or ``REFUSED``."""
+        if self.doubly_periodic and self.scheme == "implicit 2":
             return REFUSED
-        if self.has_walls:
-            return self._promise_walls()
+        if self.curved_walls:
+            return self._requirement_at_walls()
         resolved = self.across >= 25 and self.jitter <= 0.3 and self.scheme != "implicit 2"
-        if not (self.usual and resolved and self.flow in PROMISING):
-            return HONEST
-        if self.turns:
-            return self._promise_turning()
+        if not (self.usual and resolved and self.flow in REQUIRED):
+            return FLAGGED
+        if self.doubly_periodic:
+            return self._requirement_if_periodic()
         if self.reynolds <= 1000:
             return STABLE
-        return FINISHED if self.flow == "couette" else HONEST
+        return FINISHED if self.flow == "couette" else FLAGGED
 
-    def _promise_turning(self):
+    def _requirement_if_periodic(self):
         if self.scheme == "implicit 4":
             return STABLE
-        return FINISHED if self.reynolds <= 1000 else HONEST
+        return FINISHED if self.reynolds <= 1000 else FLAGGED
 
-    def _promise_walls(self):
+    def _requirement_at_walls(self):
         if FLOWS[self.flow].refused:
             return REFUSED
         resolved = self.across >= 12 and self.jitter <= 0.3 and self.cell_reynolds <= RESOLVED
-        return STABLE if self.usual and resolved and self.flow in PROMISING else HONEST
+        return STABLE if self.usual and resolved and self.flow in REQUIRED else FLAGGED
 
     @property
-    def promised(self):
-        """Whether something is promised of the result."""
-        return self.promise in (STABLE, FINISHED)
+    def required(self):
+        """Whether something is required of the result."""
+        return self.requirement in (STABLE, FINISHED)
 
     def config(self, t_star):
         """Config of the run to ``t_star``, a plain dict without a name."""
@@ -178,9 +178,9 @@ class Cell:
         )
 
     def _box(self):
-        if self.has_walls:
+        if self.curved_walls:
             return {}
-        if self.turns:
+        if self.doubly_periodic:
             return {"geometry": {"length": 1.0}}
         walls = {"treatment": {"type": self.treatment}}
         return {"scene": "channel", "geometry": {"gap": 1.0, "length": self.aspect}, "walls": walls}
@@ -191,8 +191,8 @@ class Cell:
             change = {"scheme": {"type": "wcsph", "equation_of_state": state}}
             return merged(change, {"time": {"cfl": AUTO_CFL * self.step}} if self.step != 1.0 else {})
         scheme = {"type": "implicit", "operators": {"order": int(self.scheme[-1])}}
-        if self.crosses:  # other steps than the default are not controlled by their error
-            usual = {} if self.has_walls else {"tolerance": TURNING_TOLERANCE}
+        if self.two_dimensional:  # other steps than the default are not controlled by their error
+            usual = {} if self.curved_walls else {"tolerance": TWO_DIMENSIONAL_TOLERANCE}
             steps = usual if self.step == 1.0 else {"cfl": digits(COURANT * self.step)}
             return {"scheme": {**scheme, "largest_courant": COURANT}, "time": steps}
         # the error of a step goes with the third power of its length

@@ -12,7 +12,7 @@ SOLVENT_FRACTION = 0.1
 """The smallest for which Oldroyd-B flow is verified with the explicit scheme."""
 
 PENETRATION = 1 / 3
-"""Depth sqrt(2 nu/w) to which an oscillating wall moves the liquid, in gaps."""
+"""Depth sqrt(2 nu/w) to which an oscillating wall moves the fluid, in gaps."""
 
 THICKNESS = 1 / 30
 """Of the shear layers, in sides of their square: the thick ones of the literature (``scenes/shear_layer.py``)."""
@@ -21,12 +21,11 @@ PREDICTABLE = 5.0
 """Time, in lengths over speed, up to which vortices can be compared at Reynolds numbers above 1000: disturbances of
 their size grow by a factor e in 2, there is nothing to damp them, and the exact flow is one that no run can stay on."""
 
-
 SLOW_TO_FAST = (0.1, 1.0, 10.0)
 """Weissenberg numbers by gap and wall between cylinders."""
 
 MOBILITY = 0.2
-"""Of Giesekus liquids."""
+"""Of Giesekus fluids."""
 
 FAR = (0.01, 10.0, 100.0)
 """Weissenberg numbers that the implicit scheme alone is tried at."""
@@ -39,25 +38,25 @@ RADIUS, ACROSS, ALONG = 3, 16, 24
 class Flow:
     """``change(nu)``: what a viscosity makes of the config.
 
-    ``measure``: the error that is judged, rms where the velocity crosses zero or dies away; None without a reference.
-    ``peak``: bound of the speed in reference velocities, see ``Scene.peak_velocity``. A flow that ``turns`` is in a
-    doubly periodic square; one with ``walls`` of any shape is told whole by ``change``; all others are in a channel.
+    ``measure``: the error that is judged, rms where the velocity crosses zero or decays; None without a reference.
+    ``peak``: bound of the speed in reference velocities, see ``Scene.peak_velocity``. A ``doubly_periodic``
+    flow is in a square; the ``change`` of one with ``curved_walls`` is the whole config; all others are in a channel.
     ``largest``: error of a stable run between such walls, 12 particles across; ``refused``: whether none is allowed.
-    ``memory``: whether the liquid has polymer where the flow is no channel's.
+    ``viscoelastic``: whether the fluid is, where the flow is not in a channel.
     """
 
     change: Callable
     measure: str | None = "l2"
     peak: float = 1.0
-    turns: bool = False
-    walls: bool = False
+    doubly_periodic: bool = False
+    curved_walls: bool = False
     largest: float = 0.0
     refused: bool = False
-    memory: bool = False
+    viscoelastic: bool = False
 
     def unit_time(self, reynolds):
         """Return the time t* = 1 in lengths over reference velocity: in a channel the viscous time."""
-        return 1.0 if self.turns or self.walls else reynolds
+        return 1.0 if self.doubly_periodic or self.curved_walls else reynolds
 
 
 def digits(number):
@@ -75,7 +74,7 @@ def _poiseuille(nu):
 
 
 def _backflow(nu):
-    """g H^2 / (2 nu U) = -4: the liquid flows back over three quarters of the gap."""
+    """g H^2 / (2 nu U) = -4: the fluid flows back over three quarters of the gap."""
     return merged(_viscosity(nu), walls(0.0, 1.0), {"drive": {"acceleration": digits(-8.0 * nu)}})
 
 
@@ -85,7 +84,7 @@ def _oscillating(nu):
 
 
 def _polymer(weissenberg):
-    """Couette flow of an Oldroyd-B liquid; its relaxation time is the Weissenberg number."""
+    """Couette flow of an Oldroyd-B fluid; its relaxation time is the Weissenberg number."""
     return lambda nu: merged(oldroyd_b(weissenberg, SOLVENT_FRACTION), _couette(nu))
 
 
@@ -94,7 +93,7 @@ def _polymers(*weissenbergs):
 
 
 def _with_polymer(flow, weissenberg, law="oldroyd_b"):
-    """A ``flow`` from rest, or from its vortices, of a liquid with polymer."""
+    """A ``flow`` from rest, or from its vortices, of a viscoelastic fluid."""
     rheology = {"type": law, "relaxation_time": weissenberg, "solvent_fraction": SOLVENT_FRACTION}
     if law == "giesekus":
         rheology["mobility"] = MOBILITY
@@ -109,7 +108,7 @@ def _started(flow):
 def _cylinders_with_polymer():
     return {
         f"annulus_{law}{weissenberg:g}": Flow(
-            _with_polymer(_started(_annulus(0.5)), weissenberg, law), walls=True, largest=1e-3, memory=True
+            _with_polymer(_started(_annulus(0.5)), weissenberg, law), curved_walls=True, largest=1e-3, viscoelastic=True
         )
         for law in ("oldroyd_b", "giesekus")
         for weissenberg in SLOW_TO_FAST
@@ -126,7 +125,7 @@ def _layers(nu):
 
 
 def _annulus(ratio):
-    """Steady flow between cylinders of a ratio of radii, of which the inner one turns; the gap is 1."""
+    """Steady flow between cylinders of a ratio of radii, of which the inner one rotates; the gap is 1."""
     inner, outer = (digits(radius / (1.0 - ratio)) for radius in (ratio, 1.0))
     walls_given = {"inner": {"angular_velocity": digits(1.0 / inner)}}
     scene = {"scene": "annulus", "initial": {"state": "developed"}}
@@ -157,19 +156,19 @@ FLOWS = {
     "backflow": Flow(_backflow, "rms", peak=2.0),
     "oscillating": Flow(_oscillating, "rms"),
     **_polymers(*sorted((0.1, 1.0, 5.0, *FAR))),
-    "taylor_green": Flow(_vortices, "rms", turns=True),
-    "shear_layer": Flow(_layers, None, peak=1.25, turns=True),
-    "annulus0.2": Flow(_annulus(0.2), walls=True, largest=1e-3),
-    "annulus0.5": Flow(_annulus(0.5), walls=True, largest=1e-3),
-    "annulus0.9": Flow(_annulus(0.9), walls=True, largest=1e-3),
-    "regular_lid": Flow(_cavity("regular"), walls=True, largest=0.03),
-    "sharp_lid": Flow(_cavity("sharp"), "centre_line_error", walls=True, largest=0.02),
+    "taylor_green": Flow(_vortices, "rms", doubly_periodic=True),
+    "shear_layer": Flow(_layers, None, peak=1.25, doubly_periodic=True),
+    "annulus0.2": Flow(_annulus(0.2), curved_walls=True, largest=1e-3),
+    "annulus0.5": Flow(_annulus(0.5), curved_walls=True, largest=1e-3),
+    "annulus0.9": Flow(_annulus(0.9), curved_walls=True, largest=1e-3),
+    "regular_lid": Flow(_cavity("regular"), curved_walls=True, largest=0.03),
+    "sharp_lid": Flow(_cavity("sharp"), "centre_line_error", curved_walls=True, largest=0.02),
     **_cylinders_with_polymer(),
-    "lid_oldroyd_b0.1": Flow(_with_polymer(_cavity("regular"), 0.1), None, walls=True, memory=True),
-    "layer_oldroyd_b1": Flow(_with_polymer(_layers, 1.0), None, peak=1.25, turns=True, memory=True),
-    "cylinder1.5": Flow(_cylinder(1.5), "unbalanced", walls=True, refused=True),
-    "cylinder2": Flow(_cylinder(2.0), "unbalanced", walls=True, largest=0.02),
-    "cylinder5": Flow(_cylinder(5.0), "unbalanced", walls=True, largest=0.02),
+    "lid_oldroyd_b0.1": Flow(_with_polymer(_cavity("regular"), 0.1), None, curved_walls=True, viscoelastic=True),
+    "layer_oldroyd_b1": Flow(_with_polymer(_layers, 1.0), None, peak=1.25, doubly_periodic=True, viscoelastic=True),
+    "cylinder1.5": Flow(_cylinder(1.5), "unbalanced", curved_walls=True, refused=True),
+    "cylinder2": Flow(_cylinder(2.0), "unbalanced", curved_walls=True, largest=0.02),
+    "cylinder5": Flow(_cylinder(5.0), "unbalanced", curved_walls=True, largest=0.02),
 }
 """The number behind oldroyd, oldroyd_b and giesekus is Wi, that behind annulus the ratio of the radii, that behind
 cylinder the gap in spacings if there are ``ACROSS``."""

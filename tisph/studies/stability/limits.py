@@ -5,16 +5,16 @@ from itertools import product
 
 from tisph.equation_of_state import SCALE_RATIO
 from tisph.studies.stability.cells import Cell
-from tisph.studies.stability.judge import VERDICTS
-from tisph.studies.stability.matrix import JITTERS, SOUNDS, STEPS
+from tisph.studies.stability.judge import SILENT_FAILURE, VERDICTS
+from tisph.studies.stability.matrix import TABLE
 from tisph.text_table import format_table
 
 ARRANGEMENTS = {"lattice": lambda cell: cell.jitter == 0, "disordered": lambda cell: cell.jitter > 0}
-LIQUIDS = {
-    "": lambda cell: not (cell.has_polymer or cell.crosses),
-    ", of the solvent of Oldroyd-B": lambda cell: cell.has_polymer,
-    " where the flow turns": lambda cell: cell.turns,
-    " between walls of any shape": lambda cell: cell.has_walls,
+FLUIDS = {
+    "": lambda cell: not (cell.has_polymer or cell.two_dimensional),
+    ", Oldroyd-B (of the solvent)": lambda cell: cell.has_polymer,
+    ", doubly periodic": lambda cell: cell.doubly_periodic,
+    ", curved walls": lambda cell: cell.curved_walls,
 }
 
 
@@ -23,8 +23,8 @@ def limits(rows):
 
     ``ranges``: of a quantity, the largest value ``fine`` below which no run failed, and the smallest that did, ``not``
     (None for none). Of the time steps, over the default, every run that is not stable failed; of the cell Reynolds
-    number U dx / nu, nu that of the solvent, those that stopped or are WRONG. ``largest``: by scheme and verdict, the
-    largest density variation and transverse velocity at the end of runs in channels that finished.
+    number U dx / nu, nu that of the solvent, those that stopped or failed silently. ``largest``: by scheme and verdict,
+    the largest density variation and transverse velocity at the end of runs in channels that finished.
     """
     return {"ranges": [*_steps(rows), *_cell_reynolds(rows)], "largest": list(_largest(rows))}
 
@@ -49,9 +49,10 @@ def _text(number):
 
 
 def _steps(rows):
-    for sound in SOUNDS:
-        for jitter in JITTERS:
-            cells = [Cell(jitter=jitter, sound=sound, step=step) for step in STEPS]
+    axes = TABLE["values"]
+    for sound in axes["sound"]:
+        for jitter in axes["jitter"]:
+            cells = [Cell(jitter=jitter, sound=sound, step=step) for step in axes["step"]]
             known = [(cell.step, rows[cell].judgement.verdict != "stable") for cell in cells if cell in rows]
             if known:
                 yield {"what": f"steps over the default, explicit, c = {sound:g}, jitter {jitter:g}", **_range(known)}
@@ -61,11 +62,11 @@ def _cell_reynolds(rows):
     """Of runs with the default walls, steps and sound speed."""
     usual = {cell: row for cell, row in rows.items() if cell.usual and row.judgement.verdict != "refused"}
     for scheme in dict.fromkeys(cell.scheme for cell in usual):
-        for (liquid, of), (name, belongs) in product(LIQUIDS.items(), ARRANGEMENTS.items()):
+        for (fluid, of), (name, belongs) in product(FLUIDS.items(), ARRANGEMENTS.items()):
             own = [row for cell, row in usual.items() if cell.scheme == scheme and of(cell) and belongs(cell)]
-            known = [(row.cell.cell_reynolds, row.judgement.verdict in ("stopped", "WRONG")) for row in own]
+            known = [(row.cell.cell_reynolds, row.judgement.verdict in ("stopped", SILENT_FAILURE)) for row in own]
             if known:
-                yield {"what": f"cell Reynolds number{liquid}, {scheme}, {name}", **_range(known)}
+                yield {"what": f"cell Reynolds number{fluid}, {scheme}, {name}", **_range(known)}
 
 
 def _range(known):

@@ -78,7 +78,7 @@ def by_axis(part, rows):
 
 
 def tables(parts, rows):
-    """All maps as Markdown, from ``rows`` by cell; a stable cell shows its error alone, a promised one a star."""
+    """All maps as Markdown, from ``rows`` by cell; a stable cell shows its error alone, a required one a star."""
     texts = [_summary(parts, rows)]
     for part in parts:
         texts.append(f"### {part.title}\n\n{_map(part, rows) if part.columns else _counts(part, rows)}")
@@ -89,9 +89,9 @@ def _summary(parts, rows):
     lines = []
     for part in parts:
         verdicts = [rows[cell].judgement.verdict for cell in part.cells]
-        kept = [rows[cell].judgement.kept for cell in part.cells if cell.promised]
-        lines.append((part.title, *(str(verdicts.count(each)) for each in VERDICTS), f"{sum(kept)} of {len(kept)}"))
-    return format_table(("sub-matrix", *VERDICTS, "promised runs kept"), lines)
+        met = [rows[cell].judgement.met for cell in part.cells if cell.required]
+        lines.append((part.title, *(str(verdicts.count(each)) for each in VERDICTS), f"{sum(met)} of {len(met)}"))
+    return format_table(("sub-matrix", *VERDICTS, "requirements met"), lines)
 
 
 def _map(part, rows):
@@ -103,7 +103,7 @@ def _map(part, rows):
 def _entry(rows, cell):
     if cell is None:
         return ""
-    star = "*" if cell.promised else ""
+    star = "*" if cell.required else ""
     return f"{rows[cell].short}{star}"
 
 

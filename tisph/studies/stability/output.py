@@ -8,7 +8,7 @@ from datetime import datetime
 
 import tisph
 from tisph.observers._files import replaced
-from tisph.report.terminal_bar import study_bar
+from tisph.studies.engine import START_SECONDS
 from tisph.studies.stability import limits, maps
 from tisph.studies.stability.judge import VERDICTS
 from tisph.studies.stability.picture import plot_maps
@@ -16,89 +16,68 @@ from tisph.text_table import format_header, format_row
 
 NUMBERS_JUDGED = {
     "error": ("error", "{:.1e}", 7),
-    "ratio": ("/ calm", "{:.2g}", 6),
+    "ratio": ("/ base", "{:.2g}", 6),
     "transverse": ("max |v|/U", "{:.1e}", 9),
     "density_variation": ("density", "{:.1e}", 7),
-    "hole": ("hole", "{:.2f}", 4),
-    "nearest": ("near", "{:.2f}", 4),
+    "max_void_radius": ("void", "{:.2f}", 4),
+    "min_distance": ("dist", "{:.2f}", 4),
 }
 """Title, format and width of the numbers of a ``Judgement``; empty where there is none."""
 
 TITLES, FORMATS, NUMBER_WIDTHS = zip(*NUMBERS_JUDGED.values(), strict=True)
-HEADER = ("cell", "promise", "verdict", "t*", *TITLES, "steps", "s", "why")
-WIDTHS = (57, 8, 10, 7, *NUMBER_WIDTHS, 8, 5, 0)
+HEADER = ("cell", "required", "verdict", "t*", *TITLES, "steps", "s", "why")
+WIDTHS = (57, 8, 14, 7, *NUMBER_WIDTHS, 8, 5, 0)
 
-START_SECONDS = 3.0
-"""Rough time of a run besides its steps, for the time that is left."""
+OLD_KEYS = {
+    "promise": "requirement",
+    "kept": "met",
+    "stated_error": "predicted_error",
+    "calm_error": "baseline_error",
+    "hole": "max_void_radius",
+    "nearest_two": "min_distance",
+}
+"""Names under which the numbers of a cell were before, which it has as well."""
 
 NUMBERS, TABLES, PICTURE = "stress.json", "stress.md", "stress.png"
 
 
 class Output:
-    """Prints and stores ``Row`` by ``Row``; a context that shows progress on standard error, if that is a terminal."""
+    """Prints and stores ``Row`` by ``Row`` of the ``plans`` of sub-matrices ``parts``, which ``engine`` runs."""
 
-    def __init__(self, folder, parts, plans, processes):
-        self.folder, self.parts, self.plans = folder, parts, plans
+    def __init__(self, folder, parts, plans, engine):
+        self.folder, self.parts, self.plans, self.engine = folder, parts, plans, engine
         self.rows = {}
         self.began = time.perf_counter()
-        self.processes = processes
-        self._running = []
         seconds = sum(plan.seconds + START_SECONDS for plan in plans.values() if not plan.refusal)
-        self._progress = study_bar()
-        self._task = self._progress.add_task("", total=seconds)
-        minutes = seconds / 60 / processes
-        print(f"{len(plans)} cells, about {minutes:.0f} minutes with {processes} processes of one thread")
-        print(f"finished runs are kept in {folder / 'runs'} and used again by the same command\n")
-        print(format_header(HEADER, WIDTHS), flush=True)
-
-    def __enter__(self):
-        self._progress.start()
-        return self
-
-    def __exit__(self, *_):
-        self._progress.stop()
-
-    def started(self, name):
-        """Note that the run of a cell has started."""
-        self._running.append(name)
-        self._show()
-
-    def ended(self, name):
-        """Note that it has ended, or had before."""
-        self._running = [each for each in self._running if each != name]
-        self._show()
+        minutes = seconds / 60 / engine.processes
+        engine.say(f"{len(plans)} cells, about {minutes:.0f} minutes with {engine.processes} processes of one thread")
+        engine.say(f"finished runs are kept in {folder / 'runs'} and used again by the same command\n")
+        engine.say(format_header(HEADER, WIDTHS))
 
     def add(self, row):
         """Print a row and store it with those before it."""
         self.rows[row.cell] = row
-        self._progress.stop()  # while it shows, the two would write into one another
-        print(format_row(_cells(row), WIDTHS), flush=True)
-        self._progress.start()
-        self._progress.advance(self._task, 0.0 if row.plan.refusal else row.plan.seconds + START_SECONDS)
-        self._show()
+        self.engine.say(format_row(_cells(row), WIDTHS))
         self._write()
 
     def conclude(self):
-        """Write maps and picture, print what is to be known; True if every promise is kept and nothing is WRONG."""
+        """Write maps and picture, print what is to be known; True if every requirement is met."""
         found = limits.limits(self.rows)
         text = f"{maps.tables(self.parts, self.rows)}\n\n### limits\n\n{limits.tables(found)}\n"
         (self.folder / TABLES).write_text(text, encoding="utf-8")
         plot_maps(self.folder / PICTURE, self.parts, self.rows)
         self._write(limits=found)
         print(f"\n{text}")
-        broken = [row for row in self.rows.values() if not row.judgement.kept]
-        for row in broken:
-            print(f"{row.cell.name}: promised {row.cell.promise}, is {row.judgement.verdict}: {row.judgement.reason}")
+        missed = [row for row in self.rows.values() if not row.judgement.met]
+        for row in missed:
+            judgement = row.judgement
+            print(f"{row.cell.name}: required {row.cell.requirement}, is {judgement.verdict}: {judgement.reason}")
         verdicts = [row.judgement.verdict for row in self.rows.values()]
         counts = ", ".join(f"{verdicts.count(verdict)} {verdict}" for verdict in VERDICTS)
         seconds = time.perf_counter() - self.began
-        print(f"\n{len(self.rows)} cells: {counts}; {len(broken)} promises broken; {seconds / 60:.1f} minutes")
+        print(f"\n{len(self.rows)} cells: {counts}; {len(missed)} requirements missed; {seconds / 60:.1f} minutes")
         print(f"picture: {self.folder / PICTURE}; maps: {self.folder / TABLES}; numbers: {self.folder / NUMBERS}")
-        return not broken
-
-    def _show(self):
-        text = f"{len(self.rows)} of {len(self.plans)} cells; " + "; ".join(self._running)
-        self._progress.update(self._task, description=text)
+        return not missed
 
     def _write(self, **more):
         numbers = {
@@ -107,7 +86,7 @@ class Output:
             "version": tisph.__version__,
             "platform": platform.platform(),
             "cores": os.cpu_count(),
-            "processes": self.processes,
+            "processes": self.engine.processes,
             **more,
             "cells": [_data(row) for row in self.rows.values()],
         }
@@ -119,29 +98,30 @@ def _cells(row):
     found = row.judgement
     numbers = [getattr(found, name) for name in NUMBERS_JUDGED]
     texts = ["" if number is None else form.format(number) for number, form in zip(numbers, FORMATS, strict=True)]
-    start = (row.cell.name, row.cell.promise, found.verdict, f"{row.plan.t_star:.2g}")
+    start = (row.cell.name, row.cell.requirement, found.verdict, f"{row.plan.t_star:.2g}")
     return (*start, *texts, str(row.steps), f"{row.seconds:.1f}", found.reason.partition("\n")[0])
 
 
 def _data(row):
     plan, found = row.plan, row.judgement
-    return {
+    data = {
         "name": row.cell.name,
         **vars(row.cell),
         "cell_reynolds": row.cell.cell_reynolds,
-        "promise": row.cell.promise,
+        "requirement": row.cell.requirement,
         "verdict": found.verdict,
         "reason": found.reason,
-        "kept": found.kept,
+        "met": found.met,
         "end_t_star": plan.t_star,
-        "stated_error": plan.stated,
+        "predicted_error": plan.predicted,
         "warnings": plan.warnings,
         "error": found.error,
-        "calm_error": found.calm,
+        "baseline_error": found.baseline,
         "transverse_velocity": found.transverse,
         "density_variation": found.density_variation,
-        "hole": found.hole,
-        "nearest_two": found.nearest,
+        "max_void_radius": found.max_void_radius,
+        "min_distance": found.min_distance,
         "steps": row.steps,
         "seconds": row.seconds,
     }
+    return {**data, **{old: data[new] for old, new in OLD_KEYS.items()}}

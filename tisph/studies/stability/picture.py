@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from tisph.report.style import plot_style
-from tisph.studies.stability.judge import VERDICTS
+from tisph.studies.stability.judge import SILENT_FAILURE, VERDICTS
 from tisph.studies.stability.maps import by_axis, layout
 
 COLOURS = {
@@ -13,7 +13,7 @@ COLOURS = {
     "inaccurate": "#f0e442",
     "stopped": "#999999",
     "refused": "#dddddd",
-    "WRONG": "#d55e00",
+    SILENT_FAILURE: "#d55e00",
 }
 """Okabe and Ito's, which colour-blind eyes tell apart too; every field says in words what it is."""
 
@@ -39,7 +39,7 @@ def plot_maps(path, parts, rows):
                 panel.axis("off")
         handles = [Patch(facecolor=COLOURS[verdict], edgecolor="0.4", label=verdict) for verdict in VERDICTS]
         handles.append(
-            Patch(facecolor="none", edgecolor="black", linewidth=2.0, label="promised to be stable, or to finish")
+            Patch(facecolor="none", edgecolor="black", linewidth=2.0, label="required to be stable, or to finish")
         )
         figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
         figure.savefig(path)
@@ -66,7 +66,7 @@ def _draw_map(panel, part, rows):
         row = rows[cell]
         colour = COLOURS[row.judgement.verdict]
         panel.add_patch(Rectangle((x, y), 1, 1, facecolor=colour, edgecolor="white", linewidth=1.0))
-        if cell.promised:
+        if cell.required:
             panel.add_patch(Rectangle((x + 0.03, y + 0.06), 0.94, 0.88, fill=False, edgecolor="black", linewidth=1.4))
         text = row.short.replace(" ", "\n")
         panel.text(x + 0.5, y + 0.5, text, ha="center", va="center", fontsize=7, linespacing=0.9)

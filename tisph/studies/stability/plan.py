@@ -8,9 +8,9 @@ from tisph.studies.stability.cells import FINISHED, STABLE, Cell
 from tisph.studies.store import config_text
 
 BUDGET = 6.0
-PROMISED_BUDGET = {STABLE: 400.0, FINISHED: 40.0}
-"""Seconds of one thread after which a cell ends, by ``_seconds``; the second, by promise, for flows with 25 particles
-across or walls of any shape, so that what is promised of t* = 1, in double precision, is seen there."""
+REQUIRED_BUDGET = {STABLE: 400.0, FINISHED: 40.0}
+"""Seconds of one thread after which a cell ends, by ``_seconds``; the second, by requirement, for flows with 25
+particles across or curved walls, so that what is required of t* = 1, in double precision, is seen there."""
 
 STEP_SECONDS = {"explicit": 6e-5, "implicit 2": 1.5e-3, "implicit 4": 2e-3}
 PARTICLE_SECONDS = {"explicit": 1.2e-7, "implicit 2": 1e-6, "implicit 4": 2.5e-6}
@@ -22,14 +22,14 @@ with them all results, must not depend on the machine."""
 class Plan:
     """The run of a cell: its config, its end t*, its estimated ``seconds``, and what ``tisph check`` says of it.
 
-    ``stated``: estimated error, ``refusal``: why it is refused, both None where there is none; ``warnings``: texts.
+    ``predicted``: estimated error, ``refusal``: why it is refused, both None where there is none; ``warnings``: texts.
     """
 
     cell: Cell
     config: dict
     t_star: float
     seconds: float = 0.0
-    stated: float | None = 0.0
+    predicted: float | None = 0.0
     warnings: tuple[str, ...] = ()
     refusal: str | None = None
 
@@ -67,5 +67,5 @@ def _seconds(cell, numbers):
 
 
 def _budget(cell):
-    compared = (cell.across == 25 or cell.has_walls) and (cell.precision == "f64" or cell.promise == FINISHED)
-    return PROMISED_BUDGET.get(cell.promise, BUDGET) if compared else BUDGET
+    compared = (cell.across == 25 or cell.curved_walls) and (cell.precision == "f64" or cell.requirement == FINISHED)
+    return REQUIRED_BUDGET.get(cell.requirement, BUDGET) if compared else BUDGET

@@ -9,25 +9,25 @@ from fake_runs import FakeRuns, make_result, sleeper
 from PIL import Image
 
 from tisph.errors import ConfigError
-from tisph.studies import processes
+from tisph.studies import engine, processes
 from tisph.studies.stability import judge, limits, maps, matrix
-from tisph.studies.stability import run as stress
+from tisph.studies.stability import run as stability
 from tisph.studies.stability.cells import FINISHED, STABLE, Cell
-from tisph.studies.stability.plan import BUDGET, PROMISED_BUDGET, Plan, plan
+from tisph.studies.stability.plan import BUDGET, REQUIRED_BUDGET, Plan, plan
 
 JITTERS = (0.0, 0.3)
 PARTS = [
     matrix.SubMatrix("by Re", matrix.grid(reynolds=(1.0, 1000.0), jitter=JITTERS), ("reynolds",), ("jitter",)),
-    matrix.SubMatrix("counted", matrix.grid(across=[8], jitter=[0.3])),
+    matrix.SubMatrix("counted", matrix.grid(across=8, jitter=0.3)),
     matrix.SubMatrix("refused", (Cell(flow="taylor_green", scheme="implicit 2"),), ("scheme",), ("flow",)),
 ]
-STATED = SimpleNamespace(l2=1e-2, rms=1e-2)
-RUNS = 2 * 2 + 2  # a calm cell for the one that has none
+PREDICTED = SimpleNamespace(l2=1e-2, rms=1e-2)
+RUNS = 2 * 2 + 2  # a baseline cell for the one that has none
 
 
 def forecast(config):
     """Numbers and warnings as of ``tisph check``, for a hundred steps."""
-    return {"steps": 100, "particles": config.particles_across * config.columns, "samples": [STATED]}, []
+    return {"steps": 100, "particles": config.particles_across * config.columns, "samples": [PREDICTED]}, []
 
 
 @pytest.fixture
@@ -51,11 +51,11 @@ def written(folder):
 
 
 def test_lines_maps_numbers_and_picture(runs, tmp_path, capsys):
-    assert stress.run(tmp_path / "out", forecast, 2, PARTS) is True
+    assert stability.run(tmp_path / "out", forecast, 2, PARTS) is True
     output = capsys.readouterr().out
     for name in ("couette-re1-j0.3-n25-exp ", "couette-re50-j0.3-n8-exp ", "taylor_green-re50-j0-n25-imp2 "):
         assert output.count(f"| {name}") == 1
-    assert "7 cells: 6 stable, 0 inaccurate, 0 stopped, 1 refused, 0 WRONG; 0 promises broken" in output
+    assert "7 cells: 6 stable, 0 inaccurate, 0 stopped, 1 refused, 0 silent failure; 0 requirements missed" in output
     numbers = written(tmp_path / "out")
     assert numbers["complete"] is True
     assert [cell["verdict"] for cell in numbers["cells"]].count("stable") == RUNS
@@ -75,7 +75,7 @@ def test_results_are_written_as_they_come(runs, tmp_path, monkeypatch):
         return start(self, *arguments)
 
     monkeypatch.setattr(FakeRuns, "__call__", watched)
-    stress.run(tmp_path, forecast, 1, PARTS)
+    stability.run(tmp_path, forecast, 1, PARTS)
     assert seen == list(range(1, RUNS + 1))  # the refused one before all others, then one after another
 
 
@@ -89,22 +89,22 @@ def test_an_interrupted_matrix_goes_on_where_it_was(runs, tmp_path, monkeypatch,
 
     monkeypatch.setattr(FakeRuns, "__call__", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        stress.run(tmp_path, forecast, 1, PARTS)
+        stability.run(tmp_path, forecast, 1, PARTS)
     assert "the same command goes on" in capsys.readouterr().out
     assert written(tmp_path)["complete"] is False
     monkeypatch.setattr(FakeRuns, "__call__", start)
-    assert stress.run(tmp_path, forecast, 1, PARTS) is True
+    assert stability.run(tmp_path, forecast, 1, PARTS) is True
     assert len(runs.configs) == RUNS
     assert len({config["name"] for config in runs.configs}) == RUNS
 
 
-def test_one_cell_that_crashes_is_wrong_and_stops_no_other(runs, tmp_path, capsys):
+def test_one_cell_that_crashes_is_a_silent_failure_and_stops_no_other(runs, tmp_path, capsys):
     good = runs.summary
     runs.summary = lambda config: "out of luck" if config["name"] == "couette-re1-j0.3-n25-exp" else good(config)
-    assert stress.run(tmp_path, forecast, 2, PARTS) is False
+    assert stability.run(tmp_path, forecast, 2, PARTS) is False
     output = capsys.readouterr().out
-    assert "promised stable, is WRONG: ended without a clear error: out of luck" in output
-    assert "5 stable, 0 inaccurate, 0 stopped, 1 refused, 1 WRONG; 1 promises broken" in output
+    assert "required stable, is silent failure: ended without a clear error: out of luck" in output
+    assert "5 stable, 0 inaccurate, 0 stopped, 1 refused, 1 silent failure; 1 requirements missed" in output
 
 
 def test_two_matrices_do_not_write_into_one_folder(runs, tmp_path, monkeypatch):
@@ -113,24 +113,24 @@ def test_two_matrices_do_not_write_into_one_folder(runs, tmp_path, monkeypatch):
     def second(self, *arguments):
         if not refusals:
             with pytest.raises(ConfigError, match="another matrix is running there") as refusal:
-                stress.run(tmp_path, forecast, 1, PARTS)
+                stability.run(tmp_path, forecast, 1, PARTS)
             refusals.append(refusal)
         return start(self, *arguments)
 
     monkeypatch.setattr(FakeRuns, "__call__", second)
-    assert stress.run(tmp_path, forecast, 1, PARTS) is True
+    assert stability.run(tmp_path, forecast, 1, PARTS) is True
     assert refusals
 
 
 def test_a_folder_that_cannot_be_used_is_bad_input(runs, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(ConfigError, match="cannot be written"):
-        stress.run(tmp_path / "file", forecast, 1, PARTS)
+        stability.run(tmp_path / "file", forecast, 1, PARTS)
 
 
 def test_a_run_that_does_not_end_is_ended(tmp_path, monkeypatch):
     monkeypatch.setattr(processes, "start", lambda *_: sleeper())
-    process = stress.Limited(processes.Process("config.yaml", tmp_path), 0.2)
+    process = engine.Limited(processes.Process("config.yaml", tmp_path), 0.2)
     while not process.finished:
         time.sleep(0.01)  # for ever, if nothing ended it
     result, message = process.outcome()
@@ -142,22 +142,22 @@ def test_a_run_that_does_not_end_is_ended(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("cell", "budget"),
     [
-        (Cell(), PROMISED_BUDGET[STABLE]),
-        (Cell(reynolds=10000.0), PROMISED_BUDGET[FINISHED]),
+        (Cell(), REQUIRED_BUDGET[STABLE]),
+        (Cell(reynolds=10000.0), REQUIRED_BUDGET[FINISHED]),
         (Cell(across=50), BUDGET),
         (Cell(precision="f32"), BUDGET),
     ],
 )
 def test_a_run_that_costs_too_much_ends_sooner(tmp_path, cell, budget):
     def costly(config):
-        stated = SimpleNamespace(l2=config.time.end, rms=config.time.end)
-        return {"steps": round(1e5 * config.time.end), "particles": 10_000, "samples": [stated]}, ["careful"]
+        predicted = SimpleNamespace(l2=config.time.end, rms=config.time.end)
+        return {"steps": round(1e5 * config.time.end), "particles": 10_000, "samples": [predicted]}, ["careful"]
 
     found = plan(cell, costly, tmp_path)
     assert found.t_star < cell.t_star
     assert found.seconds == pytest.approx(budget, rel=0.05)  # its end has two digits
     assert found.config["time"]["end"] == pytest.approx(found.t_star * cell.reynolds, rel=1e-9)
-    assert found.stated == found.config["time"]["end"]  # of the run that there will be
+    assert found.predicted == found.config["time"]["end"]  # of the run that there will be
     assert found.warnings == ("careful",)
     assert plan(Cell(**{**vars(cell), "jitter": 0.3}), costly, tmp_path).t_star == found.t_star
 
@@ -166,7 +166,7 @@ def test_a_run_that_is_refused_once_it_ends_sooner_is_refused(tmp_path):
     def early(config):
         if config.time.end < 1.0:
             raise ConfigError("discretisation: too thin")
-        return {"steps": 10**9, "particles": 10_000, "samples": [STATED]}, []
+        return {"steps": 10**9, "particles": 10_000, "samples": [PREDICTED]}, []
 
     found = plan(Cell(reynolds=1.0), early, tmp_path)
     assert (found.refusal, found.t_star < 1.0) == ("too thin", True)

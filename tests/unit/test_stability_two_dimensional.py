@@ -1,18 +1,18 @@
-"""What runs of flow that turns are judged by: their own bounds, whatever a run from the lattice does."""
+"""What two-dimensional runs are judged by: bounds of their own, whatever a run from the lattice does."""
 
 from dataclasses import replace
 
 import pytest
 
-from tisph.studies.stability import judge, spread
+from tisph.studies.stability import judge
 from tisph.studies.stability.cells import Cell
 from tisph.studies.stability.plan import Plan
 
-VORTEX = Plan(Cell(flow="taylor_green", scheme="implicit 4", t_star=2.0), {}, t_star=2.0, stated=None)
+VORTEX = Plan(Cell(flow="taylor_green", scheme="implicit 4", t_star=2.0), {}, t_star=2.0, predicted=None)
 LAYER = replace(VORTEX, cell=replace(VORTEX.cell, flow="shear_layer"))
 CYLINDERS = replace(VORTEX, cell=replace(VORTEX.cell, flow="annulus0.5", across=12))
 BODY = replace(VORTEX, cell=replace(VORTEX.cell, flow="cylinder2", across=16))
-GOOD = {"rms": 1e-3, "density_variation": 0.0, "largest_hole": 0.8, "nearest_two": 0.75}
+GOOD = {"rms": 1e-3, "density_variation": 0.0, "max_void_radius": 0.8, "min_distance": 0.75}
 
 
 def verdict(plan=VORTEX, energies=(0.25, 0.2, 0.15, 0.1), **last):
@@ -24,29 +24,29 @@ def verdict(plan=VORTEX, energies=(0.25, 0.2, 0.15, 0.1), **last):
 
 def test_a_run_within_all_bounds_is_stable():
     found = verdict()
-    assert (found.verdict, found.reason, found.kept) == ("stable", "", True)
-    assert (found.error, found.hole, found.nearest) == (1e-3, 0.8, 0.75)
-    assert found.calm is None
+    assert (found.verdict, found.reason, found.met) == ("stable", "", True)
+    assert (found.error, found.max_void_radius, found.min_distance) == (1e-3, 0.8, 0.75)
+    assert found.baseline is None
 
 
 @pytest.mark.parametrize("plan", [VORTEX, LAYER])
 @pytest.mark.parametrize(
     ("why", "values"),
     [
-        ("a hole is 1.16 spacings", {"largest_hole": 1.16}),
-        ("two particles are 0.54 spacings apart", {"nearest_two": 0.54}),
+        ("a void has a radius of 1.16 spacings", {"max_void_radius": 1.16}),
+        ("two particles are 0.54 spacings apart", {"min_distance": 0.54}),
         ("energy grows by 2.0e-03", {"kinetic_energy": 0.15 * 1.002}),
     ],
 )
 def test_a_run_beyond_one_bound_is_inaccurate_and_says_which(plan, why, values):
     found = verdict(plan, **values)
-    assert (found.verdict, found.kept) == ("inaccurate", False)
+    assert (found.verdict, found.met) == ("inaccurate", False)
     assert why in found.reason
     assert ";" not in found.reason
 
 
-def test_holes_and_pairs_count_at_any_time():
-    samples = [{**GOOD, "kinetic_energy": 0.1, "largest_hole": hole} for hole in (0.8, 1.2, 0.8, 0.8)]
+def test_voids_and_distances_count_at_any_time():
+    samples = [{**GOOD, "kinetic_energy": 0.1, "max_void_radius": radius} for radius in (0.8, 1.2, 0.8, 0.8)]
     found = judge.judge(VORTEX, {"status": "done", "samples": samples}, "", {"status": "diverged", "samples": []})
     assert "1.2 spacings" in found.reason
 
@@ -58,8 +58,8 @@ def test_errors_may_grow_with_time_and_have_to_fall_with_the_spacing(across, t_s
     assert verdict(plan, rms=1.01 * largest).verdict == "inaccurate"
 
 
-def test_a_large_error_is_wrong_where_there_is_a_reference():
-    assert verdict(rms=0.21).verdict == "WRONG"
+def test_a_large_error_is_a_silent_failure_where_there_is_a_reference():
+    assert verdict(rms=0.21).verdict == "silent failure"
     assert verdict(LAYER, rms=None).verdict == "stable"
 
 
@@ -71,10 +71,10 @@ def test_vortices_that_no_run_can_follow_are_not_compared():
     assert verdict(replace(VORTEX, cell=late, t_star=20.0), rms=0.9).verdict == "stable"
 
 
-def test_the_cell_itself_is_its_calm_one():
+def test_the_cell_itself_is_its_baseline():
     cell = Cell(flow="shear_layer", jitter=0.3)
-    assert cell.calm == cell
-    assert spread.HOLE > 1.0 > spread.NEAREST
+    assert cell.baseline == cell
+    assert judge.VOID > 1.0 > judge.DISTANCE
 
 
 def test_walls_may_drive_the_flow_and_errors_have_a_bound_that_falls_with_the_spacing():
@@ -83,7 +83,7 @@ def test_walls_may_drive_the_flow_and_errors_have_a_bound_that_falls_with_the_sp
     assert (found.verdict, found.reason) == ("inaccurate", "error 1.1e-03 U")
     fine = replace(CYLINDERS, cell=replace(CYLINDERS.cell, across=24))
     assert verdict(fine, l2=1.1e-3 / 8).verdict == "inaccurate"
-    assert verdict(CYLINDERS, l2=0.21).verdict == "WRONG"
+    assert verdict(CYLINDERS, l2=0.21).verdict == "silent failure"
 
 
 @pytest.mark.parametrize(("before", "expected"), [(0.5, 0.1 / 0.9), (0.48, None)])

@@ -1,4 +1,4 @@
-"""``tisph stress``: the stability matrix, a promise for every cell."""
+"""``tisph stability``, or ``stress``: the stability matrix, a requirement for every cell."""
 
 from pathlib import Path
 from typing import Annotated
@@ -10,7 +10,7 @@ from tisph.cli.options import folder_name
 FOLDER = Path("runs/stress")
 
 
-def stress(
+def stability(
     quick: Annotated[bool, typer.Option("--quick", help="A few short cells of every kind, in three minutes.")] = False,
     only: Annotated[
         str | None, typer.Option("--only", metavar="TEXT", help="The sub-matrices with this text in their titles.")
@@ -24,16 +24,16 @@ def stress(
 ) -> None:
     """Run the stability matrix and say what becomes of every cell.
 
-    A cell is stable, inaccurate, stopped (with a clear error), refused, or WRONG: finished, and neither right nor
-    warned of. Exit status 1 where one is WRONG or breaks its promise. Leaves maps, a picture and all numbers in DIR,
+    A cell is stable, inaccurate, stopped (with a clear error), refused, or a silent failure: finished, and neither
+    right nor warned of. Exit status 1 where one misses its requirement. Leaves maps, a picture and all numbers in DIR,
     where finished runs are kept: an interrupted matrix goes on with the same command.
 
     \b
     Examples:
-      tisph stress --quick
-      tisph stress
-      tisph stress --processes 2 --out runs/stress-again
-      tisph stress --only turns --out runs/stress-turns
+      tisph stability --quick
+      tisph stability
+      tisph stability --processes 2 --out runs/stability-again
+      tisph stability --only periodic --out runs/stability-periodic
     """
     from tisph import runtime
     from tisph.cli.check import forecast

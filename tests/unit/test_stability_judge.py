@@ -8,12 +8,12 @@ from tisph.studies.stability import judge
 from tisph.studies.stability.cells import REFUSED, Cell
 from tisph.studies.stability.plan import Plan
 
-PLAN = Plan(Cell(jitter=0.3), {}, t_star=1.0, stated=1e-3)
-CALM = (4e-4, 3e-4, 2e-4, 1e-4)
+PLAN = Plan(Cell(jitter=0.3), {}, t_star=1.0, predicted=1e-3)
+BASELINE = (4e-4, 3e-4, 2e-4, 1e-4)
 SOUND = {"transverse": (1e-5,) * 4, "density": (1e-5,) * 4}
 
 
-def summary(errors=CALM, status="done", transverse=SOUND["transverse"], density=SOUND["density"], speed=2.0):
+def summary(errors=BASELINE, status="done", transverse=SOUND["transverse"], density=SOUND["density"], speed=2.0):
     samples = [
         {"l2": error, "rms": 0.5 * error, "max_transverse_velocity": speed * cross, "density_variation": vary}
         for error, cross, vary in zip(errors, transverse, density, strict=True)
@@ -21,17 +21,17 @@ def summary(errors=CALM, status="done", transverse=SOUND["transverse"], density=
     return {"status": status, "samples": samples, "numbers": {"reference_velocity": speed}}
 
 
-def verdict(found=None, plan=PLAN, message="", calm=None, **values):
-    return judge.judge(plan, found or summary(**values), message, calm or summary())
+def verdict(found=None, plan=PLAN, message="", baseline=None, **values):
+    return judge.judge(plan, found or summary(**values), message, baseline or summary())
 
 
-def times(factor, errors=CALM):
+def times(factor, errors=BASELINE):
     return tuple(factor * error for error in errors)
 
 
-def test_a_run_like_the_calm_one_is_stable():
+def test_a_run_like_its_baseline_is_stable():
     found = verdict(errors=times(1.5))
-    assert (found.verdict, found.reason, found.kept) == ("stable", "", True)
+    assert (found.verdict, found.reason, found.met) == ("stable", "", True)
     assert found.ratio == pytest.approx(1.5, rel=1e-12)
     assert found.transverse == pytest.approx(1e-5, rel=1e-12)
 
@@ -39,16 +39,16 @@ def test_a_run_like_the_calm_one_is_stable():
 @pytest.mark.parametrize(
     ("why", "values"),
     [
-        ("times that of the calm run", {"errors": times(3.0)}),
+        ("times that of the baseline", {"errors": times(3.0)}),
         ("transverse velocity 2.0e-03", {"transverse": (2e-3,) * 4}),
         ("density varies", {"density": (2e-2,) * 4}),
         ("transverse velocity grows", {"transverse": (1e-5, 1e-5, 1e-4, 5e-4)}),
-        ("calm run grows", {"errors": (1e-4, 1e-4, 0.5e-4, 1.5e-4)}),
+        ("baseline grows", {"errors": (1e-4, 1e-4, 0.5e-4, 1.5e-4)}),
     ],
 )
 def test_a_run_beyond_one_bound_is_inaccurate_and_says_which(why, values):
     found = verdict(**values)
-    assert (found.verdict, found.kept) == ("inaccurate", False)
+    assert (found.verdict, found.met) == ("inaccurate", False)
     assert why in found.reason
     assert ";" not in found.reason  # nothing but that
 
@@ -58,19 +58,19 @@ def test_a_transverse_velocity_that_falls_is_no_growth():
 
 
 def test_before_the_flow_has_forgotten_the_disorder_more_is_allowed():
-    early = replace(PLAN, t_star=0.1, stated=2e-2)
+    early = replace(PLAN, t_star=0.1, predicted=2e-2)
     assert verdict(plan=early, transverse=(5e-3,) * 4).verdict == "stable"
     assert verdict(plan=early, transverse=(2e-2,) * 4).verdict == "inaccurate"
-    calm = summary(errors=(3e-3,) * 4)
+    baseline = summary(errors=(3e-3,) * 4)
     for errors, wanted in ((0.029, "stable"), (0.0301, "inaccurate")):
-        assert verdict(plan=early, errors=(errors,) * 4, calm=calm).verdict == wanted
+        assert verdict(plan=early, errors=(errors,) * 4, baseline=baseline).verdict == wanted
     tiny = summary(errors=(1e-5,) * 4)
     for errors, wanted in ((0.009, "stable"), (0.011, "inaccurate")):
-        assert verdict(plan=early, errors=(errors,) * 4, calm=tiny).verdict == wanted
+        assert verdict(plan=early, errors=(errors,) * 4, baseline=tiny).verdict == wanted
 
 
 def test_errors_below_the_floor_are_not_compared():
-    """A flow that the calm run has exactly; the floor of the explicit scheme and of single precision is higher."""
+    """A flow that the baseline run has exactly; the floor of the explicit scheme and of single precision is higher."""
     tiny = (1e-8,) * 4
     implicit = replace(PLAN, cell=replace(PLAN.cell, scheme="implicit 4"))
     for plan, error, wanted in (
@@ -78,79 +78,79 @@ def test_errors_below_the_floor_are_not_compared():
         (PLAN, 4.1e-5, "inaccurate"),
         (implicit, 1.1e-6, "inaccurate"),
     ):
-        assert verdict(errors=(error,) * 4, calm=summary(errors=tiny), plan=plan).verdict == wanted
+        assert verdict(errors=(error,) * 4, baseline=summary(errors=tiny), plan=plan).verdict == wanted
     single = replace(PLAN, cell=replace(PLAN.cell, precision="f32"))
-    assert verdict(errors=times(1e4, tiny), calm=summary(errors=tiny), plan=single).verdict == "stable"
+    assert verdict(errors=times(1e4, tiny), baseline=summary(errors=tiny), plan=single).verdict == "stable"
 
 
-def test_what_is_not_promised_may_err_as_much_as_was_stated():
+def test_without_a_requirement_predicted_errors_are_allowed():
     tiny, plan = (1e-8,) * 4, replace(PLAN, cell=replace(PLAN.cell, scheme="implicit 2"))
-    assert verdict(errors=times(9e4, tiny), calm=summary(errors=tiny), plan=plan).verdict == "stable"
-    assert verdict(errors=times(2e5, tiny), calm=summary(errors=tiny), plan=plan).verdict == "inaccurate"
+    assert verdict(errors=times(9e4, tiny), baseline=summary(errors=tiny), plan=plan).verdict == "stable"
+    assert verdict(errors=times(2e5, tiny), baseline=summary(errors=tiny), plan=plan).verdict == "inaccurate"
 
 
-def test_a_calm_run_is_held_to_the_stated_error():
-    calm = replace(PLAN, cell=Cell())
+def test_a_baseline_is_held_to_the_predicted_error():
+    baseline = replace(PLAN, cell=Cell())
     for factor, wanted in ((2.0, "stable"), (4.0, "inaccurate")):
-        own = summary(errors=(factor * PLAN.stated,) * 4)
-        assert verdict(own, plan=calm, calm=own).verdict == wanted
+        own = summary(errors=(factor * PLAN.predicted,) * 4)
+        assert verdict(own, plan=baseline, baseline=own).verdict == wanted
 
 
-def test_a_large_error_without_warning_is_wrong():
+def test_a_large_error_without_warning_is_a_silent_failure():
     found = verdict(errors=(0.03,) * 4)
-    assert (found.verdict, found.kept) == ("WRONG", False)
+    assert (found.verdict, found.met) == ("silent failure", False)
     assert "no warning" in found.reason
 
 
 def test_a_warning_excuses_more_but_not_everything():
     warned = replace(PLAN, warnings=("may go wrong",))
     assert verdict(errors=(0.03,) * 4, plan=warned).verdict == "inaccurate"
-    assert verdict(errors=(0.11,) * 4, plan=warned).verdict == "WRONG"
+    assert verdict(errors=(0.11,) * 4, plan=warned).verdict == "silent failure"
 
 
-def test_what_was_stated_is_not_wrong_up_to_where_the_profile_is_lost():
-    told = replace(PLAN, cell=Cell(), stated=0.15)
-    for error, wanted in ((0.19, "stable"), (0.21, "WRONG")):
+def test_what_was_predicted_is_no_silent_failure_up_to_where_the_profile_is_lost():
+    told = replace(PLAN, cell=Cell(), predicted=0.15)
+    for error, wanted in ((0.19, "stable"), (0.21, "silent failure")):
         own = summary(errors=(error,) * 4)
-        assert verdict(own, plan=told, calm=own).verdict == wanted
+        assert verdict(own, plan=told, baseline=own).verdict == wanted
 
 
 def test_a_run_that_diverged_with_a_message_is_stopped():
     found = verdict(
-        errors=CALM[:2], status="diverged", message="y of particle 7", transverse=(0,) * 2, density=(0,) * 2
+        errors=BASELINE[:2], status="diverged", message="y of particle 7", transverse=(0,) * 2, density=(0,) * 2
     )
-    assert (found.verdict, found.reason, found.kept) == ("stopped", "y of particle 7", False)
-    assert found.calm == CALM[1]  # of the last sample that there is
-    honest = replace(PLAN, cell=replace(PLAN.cell, across=8))
-    assert verdict(found=summary(status="diverged"), plan=honest, message="y").kept is True
+    assert (found.verdict, found.reason, found.met) == ("stopped", "y of particle 7", False)
+    assert found.baseline == BASELINE[1]  # of the last sample that there is
+    flagged = replace(PLAN, cell=replace(PLAN.cell, across=8))
+    assert verdict(found=summary(status="diverged"), plan=flagged, message="y").met is True
 
 
 @pytest.mark.parametrize(
     ("status", "message"), [("failed", "Segmentation fault"), ("interrupted", ""), ("diverged", "")]
 )
-def test_a_run_that_ends_without_a_clear_error_is_wrong(status, message):
+def test_a_run_that_ends_without_a_clear_error_is_a_silent_failure(status, message):
     found = verdict({"status": status, "samples": []}, message=message)
-    assert (found.verdict, found.kept) == ("WRONG", False)
+    assert (found.verdict, found.met) == ("silent failure", False)
     assert (message or status) in found.reason
 
 
-def test_a_run_whose_calm_one_stopped_is_judged_alone():
-    found = verdict(calm={"status": "diverged", "samples": []})
-    assert (found.verdict, found.calm, found.ratio) == ("stable", None, None)
+def test_a_run_whose_baseline_stopped_is_judged_alone():
+    found = verdict(baseline={"status": "diverged", "samples": []})
+    assert (found.verdict, found.baseline, found.ratio) == ("stable", None, None)
 
 
 def test_flows_that_cross_zero_are_judged_by_the_rms():
     found = verdict(plan=replace(PLAN, cell=Cell(flow="backflow", jitter=0.1)))
-    assert found.error == 0.5 * CALM[-1]
+    assert found.error == 0.5 * BASELINE[-1]
 
 
-def test_what_is_promised_to_finish_may_err_and_not_grow():
+def test_what_has_to_finish_may_have_errors_and_not_grow():
     plan = replace(PLAN, cell=Cell(reynolds=10000.0, jitter=0.1))
     assert verdict(errors=times(20), plan=plan).verdict == "inaccurate"
-    assert verdict(errors=times(20), plan=plan).kept is True
+    assert verdict(errors=times(20), plan=plan).met is True
     growing = verdict(transverse=(1e-5, 1e-5, 1e-4, 5e-4), plan=plan)
-    assert (growing.verdict, growing.kept) == ("inaccurate", False)
-    assert verdict(found=summary(status="diverged"), plan=plan, message="y").kept is False
+    assert (growing.verdict, growing.met) == ("inaccurate", False)
+    assert verdict(found=summary(status="diverged"), plan=plan, message="y").met is False
 
 
 @pytest.mark.parametrize(
@@ -162,18 +162,18 @@ def test_what_is_promised_to_finish_may_err_and_not_grow():
         (Cell(flow="taylor_green", scheme="implicit 2"), True),
     ],
 )
-def test_a_refusal_breaks_only_the_promise_of_a_stable_run(cell, kept):
+def test_a_refusal_misses_only_the_requirement_of_a_stable_run(cell, kept):
     found = judge.refused(Plan(cell, {}, 1.0, refusal="too small"))
-    assert (found.verdict, found.reason, found.kept) == ("refused", "too small", kept)
+    assert (found.verdict, found.reason, found.met) == ("refused", "too small", kept)
 
 
 class Refused(Cell):
     """A cell that should be refused."""
 
-    promise = REFUSED
+    requirement = REFUSED
 
 
-def test_what_should_have_been_refused_and_ran_breaks_its_promise():
+def test_what_should_have_been_refused_and_ran_misses_its_requirement():
     plan = replace(PLAN, cell=Refused())
     own = summary()
-    assert verdict(own, plan=plan, calm=own).kept is False
+    assert verdict(own, plan=plan, baseline=own).met is False

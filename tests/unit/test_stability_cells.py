@@ -11,8 +11,7 @@ from tisph.cli.check import estimates
 from tisph.config import load
 from tisph.scenes.channel import Channel
 from tisph.studies.stability import matrix
-from tisph.studies.stability.cells import FINISHED, HONEST, REFUSED, STABLE, Cell
-from tisph.studies.stability.covering import covering_set
+from tisph.studies.stability.cells import FINISHED, FLAGGED, REFUSED, STABLE, Cell
 from tisph.studies.stability.flows import FLOWS
 
 FULL = matrix.sub_matrices()
@@ -34,7 +33,7 @@ def loaded(tmp_path):
 
 def valid_cells():
     cells = dict.fromkeys([*COVERING.cells, *matrix.cells(QUICK)])
-    return [cell for cell in cells if cell.promise != REFUSED]
+    return [cell for cell in cells if cell.requirement != REFUSED]
 
 
 def test_every_cell_is_a_valid_config_of_what_it_says(loaded):
@@ -42,13 +41,13 @@ def test_every_cell_is_a_valid_config_of_what_it_says(loaded):
         config = loaded(cell)
         scene = scenes.of(config)
         # nu, U and g are written to twelve digits
-        length = 1.0 if cell.has_walls else scene.reference_length
+        length = 1.0 if cell.curved_walls else scene.reference_length
         assert scene.reference_velocity * length / scene.kinematic_viscosity == pytest.approx(cell.reynolds, rel=1e-11)
-        assert config.time.end / (1.0 if cell.has_walls else scene.time_scale) == pytest.approx(1.0, rel=1e-11)
+        assert config.time.end / (1.0 if cell.curved_walls else scene.time_scale) == pytest.approx(1.0, rel=1e-11)
         assert config.particles_across == cell.across
-        assert cell.has_walls or config.columns == cell.across * (1 if cell.turns else cell.aspect)
+        assert cell.curved_walls or config.columns == cell.across * (1 if cell.doubly_periodic else cell.aspect)
         assert (config.initial.jitter, config.discretisation.precision) == (cell.jitter, cell.precision)
-        assert cell.crosses or config.walls.treatment.type == cell.treatment
+        assert cell.two_dimensional or config.walls.treatment.type == cell.treatment
         assert len(config.time.samples) == 4
 
 
@@ -61,22 +60,24 @@ def test_names_of_cells_differ_and_are_names_of_folders():
 def test_the_matrix_is_large_and_always_the_same():
     cells = matrix.cells(FULL)
     assert len(cells) >= 300
-    matrix._full.cache_clear()
+    matrix._parts.cache_clear()
     assert matrix.cells(matrix.sub_matrices()) == cells
 
 
 def test_sub_matrices_can_be_chosen_by_title():
-    chosen = matrix.sub_matrices(only="turns")
+    chosen = matrix.sub_matrices(only="periodic")
     assert len(chosen) == 4
-    assert all(cell.turns for part in chosen for cell in part.cells)
-    walls = [cell for part in matrix.sub_matrices(only="walls:") for cell in part.cells]
-    assert {cell.flow for cell in walls} == {name for name, flow in FLOWS.items() if flow.walls and not flow.memory}
+    assert all(cell.doubly_periodic for part in chosen for cell in part.cells)
+    walls = [cell for part in matrix.sub_matrices(only="curved walls") for cell in part.cells]
+    assert {cell.flow for cell in walls} == {
+        name for name, flow in FLOWS.items() if flow.curved_walls and not flow.viscoelastic
+    }
     with pytest.raises(ValueError, match="no sub-matrix has 'twists' in its title; there are Re x jitter x scheme"):
         matrix.sub_matrices(only="twists")
 
 
 def test_flows_are_what_their_names_say(loaded):
-    names = [name for name, flow in FLOWS.items() if not (flow.turns or flow.walls)]
+    names = [name for name, flow in FLOWS.items() if not (flow.doubly_periodic or flow.curved_walls)]
     channels = {name: Channel.from_config(loaded(Cell(flow=name, reynolds=20.0))) for name in names}
     backflow = channels["backflow"]
     assert backflow.exact_velocity(0.5, 10 * backflow.viscous_time) < 0
@@ -87,7 +88,7 @@ def test_flows_are_what_their_names_say(loaded):
         assert channels[f"oldroyd{weissenberg:g}"].weissenberg == pytest.approx(weissenberg, rel=1e-11)
 
 
-@pytest.mark.parametrize("flow", [name for name, flow in FLOWS.items() if not (flow.walls or flow.memory)])
+@pytest.mark.parametrize("flow", [name for name, flow in FLOWS.items() if not (flow.curved_walls or flow.viscoelastic)])
 @pytest.mark.parametrize("reynolds", [0.0125, 1000.0])
 def test_the_sound_axis_is_a_multiple_of_the_automatic_one(loaded, flow, reynolds):
     """At both ends of the Reynolds numbers, where different scales set the automatic sound speed."""
@@ -106,42 +107,42 @@ def test_longer_steps_are_fewer_steps(loaded, scheme):
 
 
 @pytest.mark.parametrize(
-    ("promise", "values"),
+    ("requirement", "values"),
     [
         (STABLE, {"reynolds": 0.0125, "jitter": 0.3}),
         (STABLE, {"flow": "poiseuille", "reynolds": 1000.0, "scheme": "implicit 4", "across": 50, "aspect": 0.5}),
         (FINISHED, {"reynolds": 10000.0, "scheme": "implicit 4"}),
         (STABLE, {"precision": "f32"}),
-        (HONEST, {"flow": "poiseuille", "reynolds": 10000.0}),
-        (HONEST, {"across": 8}),
-        (HONEST, {"scheme": "implicit 2"}),
-        (HONEST, {"step": 1.5}),
-        (HONEST, {"sound": 5.0}),
-        (HONEST, {"treatment": "adami"}),
-        (HONEST, {"flow": "oldroyd1"}),
-        (HONEST, {"flow": "oldroyd1", "scheme": "implicit 4"}),
+        (FLAGGED, {"flow": "poiseuille", "reynolds": 10000.0}),
+        (FLAGGED, {"across": 8}),
+        (FLAGGED, {"scheme": "implicit 2"}),
+        (FLAGGED, {"step": 1.5}),
+        (FLAGGED, {"sound": 5.0}),
+        (FLAGGED, {"treatment": "adami"}),
+        (FLAGGED, {"flow": "oldroyd1"}),
+        (FLAGGED, {"flow": "oldroyd1", "scheme": "implicit 4"}),
         (STABLE, {"flow": "taylor_green", "scheme": "implicit 4", "reynolds": 10000.0}),
         (FINISHED, {"flow": "shear_layer"}),
-        (HONEST, {"flow": "shear_layer", "scheme": "implicit 4", "across": 12}),
-        (HONEST, {"flow": "taylor_green", "scheme": "implicit 4", "step": 2.0}),
+        (FLAGGED, {"flow": "shear_layer", "scheme": "implicit 4", "across": 12}),
+        (FLAGGED, {"flow": "taylor_green", "scheme": "implicit 4", "step": 2.0}),
         (REFUSED, {"flow": "taylor_green", "scheme": "implicit 2"}),
         (STABLE, {"flow": "annulus0.5", "scheme": "implicit 4", "across": 12, "jitter": 0.3}),
-        (HONEST, {"flow": "annulus0.5", "scheme": "implicit 4", "across": 12, "reynolds": 1000.0}),
-        (HONEST, {"flow": "annulus0.5", "scheme": "implicit 4", "step": 2.0}),
-        (HONEST, {"flow": "annulus0.2", "scheme": "implicit 4"}),
-        (HONEST, {"flow": "cylinder2", "scheme": "implicit 4", "across": 16}),
+        (FLAGGED, {"flow": "annulus0.5", "scheme": "implicit 4", "across": 12, "reynolds": 1000.0}),
+        (FLAGGED, {"flow": "annulus0.5", "scheme": "implicit 4", "step": 2.0}),
+        (FLAGGED, {"flow": "annulus0.2", "scheme": "implicit 4"}),
+        (FLAGGED, {"flow": "cylinder2", "scheme": "implicit 4", "across": 16}),
         (REFUSED, {"flow": "cylinder1.5", "scheme": "implicit 4", "across": 16}),
     ],
 )
-def test_what_is_promised(promise, values):
-    assert Cell(**values).promise == promise
+def test_requirements_of_cells(requirement, values):
+    assert Cell(**values).requirement == requirement
 
 
-def test_what_is_promised_to_be_refused_is_refused(loaded):
-    refused = [cell for cell in matrix.cells(FULL) if cell.promise == REFUSED]
+def test_what_has_to_be_refused_is_refused(loaded):
+    refused = [cell for cell in matrix.cells(FULL) if cell.requirement == REFUSED]
     assert refused
     for cell in refused:
-        why = "leave 2 spacings" if cell.has_walls else "must be 4 where the flow turns"
+        why = "leave 2 spacings" if cell.curved_walls else "must be 4 where the flow turns"
         with pytest.raises(Exception, match=why):
             loaded(cell)
 
@@ -160,7 +161,7 @@ def test_a_covering_set_leaves_out_only_pairs_that_no_row_can_have():
     """Two values may exclude one another by a third: here 1 and x, each of which fits only one value of c."""
     axes = {"a": (1, 2), "b": ("x", "y"), "c": (True, False)}
     excluded = [{"a": 1, "c": True}, {"b": "x", "c": False}]
-    rows = covering_set(axes, lambda pair: pair not in excluded)
+    rows = matrix.covering_set(axes, lambda pair: pair not in excluded)
     assert not any(excluding.items() <= row.items() for row in rows for excluding in excluded)
     possible = [dict(zip(axes, row, strict=True)) for row in product(*axes.values())]
     possible = [row for row in possible if not any(pair.items() <= row.items() for pair in excluded)]
@@ -169,8 +170,8 @@ def test_a_covering_set_leaves_out_only_pairs_that_no_row_can_have():
     assert (("a", 1), ("b", "x")) not in wanted
 
 
-def test_every_cell_has_its_calm_one_before_it():
+def test_every_cell_has_its_baseline_before_it():
     for parts in (FULL, QUICK):
         cells = matrix.cells(parts)
         places = {cell: place for place, cell in enumerate(cells)}
-        assert all(places[cell.calm] <= places[cell] for cell in cells)
+        assert all(places[cell.baseline] <= places[cell] for cell in cells)

@@ -1,0 +1,99 @@
+"""The engine of everything that runs many configs: processes, kept runs, a bar on a terminal.
+
+Sweeps, the stability matrix, the comparison of wall treatments and that of estimates give it configs by name. A run
+that has ended once, with this config and this code, is not run again: an interrupted command goes on where it was.
+"""
+
+import time
+from contextlib import closing
+
+from tisph.report.terminal_bar import study_bar
+from tisph.studies.processes import read_result
+from tisph.studies.store import Store
+
+START_SECONDS = 2.0
+"""Rough time of a run besides its steps, for the time that is left."""
+
+PATIENCE, ALLOWANCE = 10.0, 600.0
+"""A limited run is ended after that many times its estimated time, and that many seconds besides: machines pause."""
+
+
+class Engine:
+    """Runs configs, ``processes`` at a time, and keeps the runs in ``folder``.
+
+    ``seconds``: what each run may take, by name, for the bar. A context, in which the bar shows on standard error where
+    that is a terminal.
+    """
+
+    def __init__(self, folder, processes, seconds):
+        self.store = Store(folder)
+        self.processes = processes
+        self._seconds = {name: estimate + START_SECONDS for name, estimate in seconds.items()}
+        self._running, self._ended = [], 0
+        self._bar = study_bar()
+        self._task = self._bar.add_task("", total=sum(self._seconds.values()))
+
+    def __enter__(self):
+        self._bar.start()
+        return self
+
+    def __exit__(self, *_):
+        self._bar.stop()
+
+    def outcomes(self, configs, processes=None, limited=False, source=None):
+        """Yield (name, ``Result``, message) of the runs of ``configs``, by name: first of those that are kept.
+
+        ``limited``: runs are ended that take much longer than estimated. ``source``: where outcomes come from, if not
+        from processes on this machine.
+        """
+
+        def launch(name):
+            self._running.append(name)
+            self._show()
+            process = self.store.launch(name, configs[name])
+            return Limited(process, PATIENCE * self._seconds[name] + ALLOWANCE) if limited else process
+
+        with closing(source or self.store.outcomes(configs, processes or self.processes, launch)) as ended:
+            for name, result, message in ended:
+                self._running = [each for each in self._running if each != name]
+                self._ended += 1
+                self._bar.advance(self._task, self._seconds.get(name, 0.0))
+                self._show()
+                yield name, result, message
+
+    def say(self, text):
+        """Print a line of the result, out of the way of the bar."""
+        self._bar.stop()  # while it shows, the two would write into one another
+        print(text, flush=True)
+        self._bar.start()
+
+    def _show(self):
+        text = "; ".join([f"{self._ended} of {len(self._seconds)} runs", *self._running])
+        self._bar.update(self._task, description=text)
+
+
+class Limited:
+    """A ``Process`` that is ended after ``seconds``."""
+
+    def __init__(self, process, seconds):
+        self.process, self.seconds = process, seconds
+        self._began = time.perf_counter()
+        self._late = False
+
+    @property
+    def finished(self):
+        """Whether it has ended, or has been ended for being late."""
+        if not self.process.finished and time.perf_counter() - self._began > self.seconds:
+            self._late = True
+            self.process.stop()
+        return self.process.finished
+
+    def outcome(self):
+        """``Result`` of the run and its error message, as of a ``Process``."""
+        if self._late:
+            return read_result(self.process.folder), f"no end after {self.seconds:.0f} s"
+        return self.process.outcome()
+
+    def stop(self):
+        """End it, if it still runs."""
+        self.process.stop()

@@ -25,7 +25,7 @@ ERROR_ENDINGS = ("_l2", "_linf", "_rms", "_error")
 """How errors begin and end; a value beside its ``_exact`` has an error, too."""
 
 ROUND_OFF = 1e-11
-"""Errors, relative to the value where there is one, below which a ratio says nothing."""
+"""Errors, over the value where that is above 1, below which a ratio says nothing."""
 
 NOT_COMPARED = ("t", "step", "t_star", "resolved", "density_variation", "divergence_over_gradient", "momentum_drift")
 NOT_COMPARED += ("max_transverse_velocity", "nearest_two", "largest_hole", "min_distance", "max_void_radius")

@@ -9,7 +9,6 @@ from contextlib import closing
 
 from tisph.report.terminal_bar import study_bar
 from tisph.studies.processes import read_result
-from tisph.studies.store import Store
 
 START_SECONDS = 2.0
 """Rough time of a run besides its steps, for the time that is left."""
@@ -19,17 +18,18 @@ PATIENCE, ALLOWANCE = 10.0, 600.0
 
 
 class Engine:
-    """Runs configs, ``processes`` at a time, and keeps the runs in ``folder``.
+    """Runs configs, ``processes`` at a time, and keeps the runs in a ``Store``.
 
     ``seconds``: what each run may take, by name, for the bar. A context, in which the bar shows on standard error where
     that is a terminal.
     """
 
-    def __init__(self, folder, processes, seconds):
-        self.store = Store(folder)
+    def __init__(self, store, processes, seconds):
+        self.store = store
         self.processes = processes
+        self._began = time.perf_counter()
         self._seconds = {name: estimate + START_SECONDS for name, estimate in seconds.items()}
-        self._running, self._ended = [], 0
+        self._running, self._ended, self._done = [], 0, 0.0
         self._bar = study_bar()
         self._task = self._bar.add_task("", total=sum(self._seconds.values()))
 
@@ -57,7 +57,8 @@ class Engine:
             for name, result, message in ended:
                 self._running = [each for each in self._running if each != name]
                 self._ended += 1
-                self._bar.advance(self._task, self._seconds.get(name, 0.0))
+                self._done += self._seconds[name]
+                self._bar.update(self._task, completed=self._done)
                 self._show()
                 yield name, result, message
 
@@ -66,6 +67,11 @@ class Engine:
         self._bar.stop()  # while it shows, the two would write into one another
         print(text, flush=True)
         self._bar.start()
+
+    @property
+    def seconds_left(self):
+        """Time that the other runs will take, as those before have taken what was estimated."""
+        return (time.perf_counter() - self._began) * (sum(self._seconds.values()) / max(self._done, 1e-9) - 1.0)
 
     def _show(self):
         text = "; ".join([f"{self._ended} of {len(self._seconds)} runs", *self._running])

@@ -1,7 +1,7 @@
-"""What ``tisph check`` states against what runs find: error and steps of every sample, over configs and stress cells.
+"""What ``tisph check`` predicts against what runs find: error and steps of every sample, of configs and cells.
 
-Every run is a process of its own on one thread; those of the cells are the runs of ``tisph stress``, kept in the same
-folder and used by both.
+Every run is a process of its own on one thread; those of the cells are the runs of ``tisph stability``, kept in the
+same folder and used by both.
 """
 
 import json
@@ -9,6 +9,7 @@ import math
 import tempfile
 from contextlib import closing
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 from rich.console import Console
@@ -16,42 +17,43 @@ from ruamel.yaml import YAML
 
 from tisph.config import load
 from tisph.errors import ConfigError
+from tisph.studies.engine import Engine
 from tisph.studies.stability import matrix
 from tisph.studies.stability.plan import plan
 from tisph.studies.store import Store, claimed, config_text
 from tisph.text_table import format_header, format_row
 
 ERROR, FIRST_MOMENTS, STEPS = 3.0, 10.0, 1.5
-"""Largest factors between stated and found: of the error, where a sample is resolved and where it is not, and of the
+"""Largest factors between predicted and found: of the error, where a sample is resolved and where it is not, and of the
 number of steps."""
 
-HEADER = ("case", "t", "rms stated", "found", "factor", "steps stated", "found", "factor", "verdict")
+HEADER = ("case", "t", "rms predicted", "found", "factor", "steps predicted", "found", "factor", "verdict")
 NUMBERS = "estimates.json"
 VERDICTS = ("pass", "FAIL", "no estimate", "stopped", "refused")
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """A sample as it was stated (a ``Forecast``) and as it was found, a dict of ``summary.json``.
+    """A sample as it was predicted (an estimate of ``tisph check``) and as it was found, a dict of ``summary.json``.
 
     The error is the root mean square over the reference velocity, which there is at every time.
     """
 
-    stated: object
+    predicted: object
     found: dict
 
     @property
     def error(self):
-        """Error found over the stated one; None where none is stated, 1 where less may be found than was stated."""
-        if self.stated.rms is None:
+        """Error found over the predicted one; None where none is, 1 where less was found than a predicted bound."""
+        if self.predicted.rms is None:
             return None
-        factor = self.found["rms"] / self.stated.rms
-        return 1.0 if self.stated.at_most and factor < 1.0 else factor
+        factor = self.found["rms"] / self.predicted.rms
+        return 1.0 if self.predicted.at_most and factor < 1.0 else factor
 
     @property
     def steps(self):
-        """Steps found over the stated ones; None where these are a guess."""
-        return self.found["step"] / self.stated.steps if self.stated.known else None
+        """Steps found over the predicted ones; None where these are a guess."""
+        return self.found["step"] / self.predicted.steps if self.predicted.known else None
 
     @property
     def verdict(self):
@@ -77,12 +79,12 @@ def within(factor, largest):
 def compare(forecasts, samples):
     """Return a ``Comparison`` of every sample that a run took steps to; a run that was stopped has fewer."""
     pairs = zip(forecasts[: len(samples)], samples, strict=True)
-    return [Comparison(stated, found) for stated, found in pairs if stated.steps and found["step"]]
+    return [Comparison(predicted, found) for predicted, found in pairs if predicted.steps and found["step"]]
 
 
 @dataclass(frozen=True)
 class Case:
-    """A run: its ``name`` and config, a plain dict, what is stated of its samples, and why it is refused, if it is."""
+    """A run: its ``name`` and config, a plain dict, what is predicted of its samples, its refusal, if any."""
 
     name: str
     config: dict
@@ -91,7 +93,7 @@ class Case:
 
 
 def run(folder, forecast, processes, quick=False):
-    """Print the table of all cases (``quick``: those of ``tisph stress --quick``) and leave numbers in ``folder``.
+    """Print the table of all cases (``quick``: those of ``tisph stability --quick``) and leave numbers in ``folder``.
 
     ``forecast(config)`` returns the numbers and the warnings of ``tisph check``. Returns True if nothing fails. Raises
     ConfigError where ``folder`` cannot be used, and where the configs are not found.
@@ -107,10 +109,14 @@ def _run(folder, forecast, processes, quick):
     widths = [max(map(len, cases)), *(max(len(title), 9) for title in HEADER[1:-1]), len("no estimate")]
     print(format_header(HEADER, widths))
     counts, numbers = dict.fromkeys(VERDICTS, 0), {}
-    with closing(_outcomes(cases, Store(folder / "runs"), processes)) as outcomes:
-        for name, summary in outcomes:
+    configs = {name: case.config for name, case in cases.items() if not case.refusal}
+    engine = Engine(Store(folder / "runs"), processes, dict.fromkeys(configs, 0.0))
+    with engine, closing(engine.outcomes(configs)) as outcomes:
+        refused = ((name, None) for name in cases if name not in configs)
+        ended = ((name, result.summary) for name, result, _ in outcomes)
+        for name, summary in chain(refused, ended):
             verdict, cells = _line(cases[name], summary)
-            print(format_row(cells, widths), flush=True)
+            engine.say(format_row(cells, widths))
             counts[verdict] += 1
             if summary:
                 numbers[name] = _measured(cases[name], summary)
@@ -142,30 +148,21 @@ def _cells(forecast, scratch, quick):
         yield Case(cell.name, found.config, samples, found.refusal)
 
 
-def _outcomes(cases, store, processes):
-    """Yield names and summaries of the runs; first of the cases that are refused, None, and of those that are kept."""
-    configs = {name: case.config for name, case in cases.items() if not case.refusal}
-    yield from ((name, None) for name in cases if name not in configs)
-    with closing(store.outcomes(configs, processes)) as ended:
-        for name, result, _ in ended:
-            yield name, result.summary
-
-
 def _line(case, summary):
     """Return the verdict of a case, and its line of the table: of its worst sample."""
     if summary is None or summary["status"] != "done":
         verdict = "refused" if summary is None else "stopped"
         return verdict, (case.name, *[""] * (len(HEADER) - 2), verdict)
     worst = max(compare(case.samples, summary["samples"]), key=lambda each: each.badness)
-    stated, found = worst.stated, worst.found
+    predicted, found = worst.predicted, worst.found
     error = ("-", "-" if found["rms"] is None else f"{found['rms']:.1e}", "-")
-    if stated.rms is not None:
-        sign = "< " if stated.at_most else ""
-        error = (f"{sign}{stated.rms:.1e}", error[1], f"{found['rms'] / stated.rms:.2g}")
+    if predicted.rms is not None:
+        sign = "< " if predicted.at_most else ""
+        error = (f"{sign}{predicted.rms:.1e}", error[1], f"{found['rms'] / predicted.rms:.2g}")
     steps = ("-", str(found["step"]), "-")
-    if stated.known:
-        steps = (str(stated.steps), str(found["step"]), f"{worst.steps:.3g}")
-    return worst.verdict, (case.name, f"{stated.t:.3g}", *error, *steps, worst.verdict)
+    if predicted.known:
+        steps = (str(predicted.steps), str(found["step"]), f"{worst.steps:.3g}")
+    return worst.verdict, (case.name, f"{predicted.t:.3g}", *error, *steps, worst.verdict)
 
 
 def _measured(case, summary):

@@ -10,12 +10,11 @@ import platform
 from contextlib import closing
 from pathlib import Path
 
-from rich.console import Console
-
 import tisph
 from tisph import registry
 from tisph.studies import walls_cases as walls
 from tisph.studies import walls_table
+from tisph.studies.engine import Engine
 from tisph.studies.store import Store, claimed
 from tisph.studies.walls_picture import plot_walls
 from tisph.text_table import format_header, format_row
@@ -39,29 +38,30 @@ def run(folder, quick=False):
 
 def _compare(folder, extent):
     treatments = registry.names("walls")
-    store = Store(folder / "runs")
     columns = walls_table.Columns(extent.resolutions, extent.measured_at, treatments)
-    print(f"finished runs are kept in {store.folder} and used again by the same command\n")
+    print(f"finished runs are kept in {folder / 'runs'} and used again by the same command\n")
     print(format_header(columns.header, columns.widths), flush=True)
-    rows = []
-    with Progress(walls.FLOWS, treatments, extent) as progress:
-        for flow in walls.FLOWS:
-            for row in _flow_rows(walls.cases(flow, treatments, extent), extent, store, progress):
-                progress.say(format_row(columns.cells(row), columns.widths))
+    rows, by_flow = [], [walls.cases(flow, treatments, extent) for flow in walls.FLOWS]
+    names = [name for cases in by_flow for case in cases for name in case.configs(extent)]
+    with Engine(Store(folder / "runs"), SIDE_BY_SIDE, dict.fromkeys(names, 0.0)) as engine:
+        for cases in by_flow:
+            for row in _flow_rows(cases, extent, engine):
+                engine.say(format_row(columns.cells(row), columns.widths))
                 rows.append(row)
     return _conclude(folder, rows, columns, extent)
 
 
-def _flow_rows(cases, extent, store, progress):
+def _flow_rows(cases, extent, engine):
     """Yield the rows of one flow in the order of ``cases``, each as soon as it and those before it are known."""
-    timed = _outcomes(_interleaved([case.timing(extent) for case in cases]), store, progress, 1)
+    alone = engine.outcomes(_interleaved([case.timing(extent) for case in cases]), processes=1)
+    timed = {name: (result, message) for name, result, message in alone}
     by_case = {case: {name: timed[name] for name in case.timing(extent)} for case in cases}
     references = {
         case.arrangement: walls.step_seconds(by_case[case]) for case in cases if case.treatment == walls.REFERENCE
     }
     runs = {case.name(number): case.config(number) for case in cases for number in extent.resolutions}
     waiting, outcomes = list(cases), {}
-    with closing(_finished(runs, store, progress, SIDE_BY_SIDE)) as finished:
+    with closing(engine.outcomes(runs)) as finished:
         for name, result, message in finished:
             outcomes[name] = result, message
             while waiting and all(waiting[0].name(number) in outcomes for number in extent.resolutions):
@@ -81,24 +81,6 @@ def _interleaved(groups):
     }
 
 
-def _outcomes(runs, store, progress, most):
-    with closing(_finished(runs, store, progress, most)) as finished:
-        return {name: (result, message) for name, result, message in finished}
-
-
-def _finished(runs, store, progress, most):
-    """Yield (name, ``Result``, message) of ``runs``, configs by name: first of those that are kept."""
-
-    def launch(name):
-        progress.started(name)
-        return store.launch(name, runs[name])
-
-    with closing(store.outcomes(runs, most, launch)) as ended:
-        for name, result, message in ended:
-            progress.ended(name)
-            yield name, result, message
-
-
 def _conclude(folder, rows, columns, extent):
     """Print what follows from the rows, write numbers and picture; True if there is a recommendation."""
     found = walls.standings(rows, extent.measured_at)
@@ -115,42 +97,3 @@ def _conclude(folder, rows, columns, extent):
     ]
     print("\n" + "\n\n".join(filter(None, texts)))
     return name is not None
-
-
-class Progress:
-    """A status line on standard error, where that is a terminal: runs done and left, and those that run now."""
-
-    def __init__(self, flows, treatments, extent):
-        rows = sum(len(walls.cases(flow, treatments, extent)) for flow in flows)
-        self.total = rows * (len(extent.resolutions) + extent.repeats)
-        self.done = 0
-        self._running = []
-        self._status = Console(stderr=True).status("")
-
-    def __enter__(self):
-        self._status.start()
-        return self
-
-    def __exit__(self, *_):
-        self._status.stop()
-
-    def say(self, text):
-        """Print a line of the result, out of the way of the status line."""
-        self._status.stop()  # while it shows, it takes what is printed to its own stream
-        print(text, flush=True)
-        self._status.start()
-
-    def started(self, name):
-        """Note that a run has started."""
-        self._running.append(name)
-        self._show()
-
-    def ended(self, name):
-        """Note that a run is done, just now or long ago."""
-        self.done += 1
-        self._running = [other for other in self._running if other != name]
-        self._show()
-
-    def _show(self):
-        left = f"{self.done} of {self.total} runs done, {self.total - self.done} left"
-        self._status.update("; ".join([left, *self._running]))

@@ -94,6 +94,10 @@ class Case:
         config = self._flow.at(*self._changes(number), TIMING, samples=(TIMING_SHARE * self.t_star,))
         return {f"{self.name(number)}-timed-{count + 1}": config for count in range(extent.repeats)}
 
+    def configs(self, extent):
+        """Configs of all its runs, by name."""
+        return {**{self.name(number): self.config(number) for number in extent.resolutions}, **self.timing(extent)}
+
     @property
     def _flow(self) -> Flow:
         return FLOWS[self.flow]

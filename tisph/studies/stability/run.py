@@ -15,7 +15,7 @@ from tisph.studies.stability import judge, matrix
 from tisph.studies.stability.maps import Row
 from tisph.studies.stability.output import Output
 from tisph.studies.stability.plan import plan
-from tisph.studies.store import claimed
+from tisph.studies.store import Store, claimed
 
 
 def run(folder, forecast, processes, parts):
@@ -29,7 +29,7 @@ def run(folder, forecast, processes, parts):
         with tempfile.TemporaryDirectory() as scratch, Console(stderr=True).status("checking the configs"):
             plans = {cell: plan(cell, forecast, Path(scratch)) for cell in matrix.cells(parts)}
         seconds = {cell.name: each.seconds for cell, each in plans.items() if not each.refusal}
-        with Engine(folder / "runs", processes, seconds) as engine:
+        with Engine(Store(folder / "runs"), processes, seconds) as engine:
             output = Output(folder, parts, plans, engine)
             for row in _rows(plans, engine):
                 output.add(row)

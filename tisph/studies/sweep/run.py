@@ -1,22 +1,18 @@
 """Run a sweep: a line as each run ends, then table, picture, orders, and the cheapest run within the bound."""
 
-import time
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
 
-from tisph.report.terminal_bar import study_bar
 from tisph.studies import starting
+from tisph.studies.engine import Engine
 from tisph.studies.store import Store, claimed
 from tisph.studies.sweep import cluster, picture, plan, table
 from tisph.text_table import format_table
 
 PICTURE = "sweep.png"
-
-START_SECONDS = 1.5
-"""Rough time of a run besides its steps, for the time that is left."""
 
 
 def run(path, folder, forecast, processes, scheduler=None):
@@ -73,20 +69,12 @@ class Sweep:
 
     def _run(self, missing, processes, scheduler):
         configs = {case.name: case.config for case in missing}
-        found = (
-            cluster.outcomes(configs, self.store, scheduler) if scheduler else self.store.outcomes(configs, processes)
-        )
-        seconds = {case.name: case.seconds + START_SECONDS for case in missing}
-        began, left = time.perf_counter(), sum(seconds.values())
-        with closing(found) as outcomes, study_bar() as progress:
-            task = progress.add_task(f"0/{len(missing)}", total=left)
+        source = cluster.outcomes(configs, self.store, scheduler) if scheduler else None
+        engine = Engine(self.store, processes, {case.name: case.seconds for case in missing})
+        with engine, closing(engine.outcomes(configs, source=source)) as outcomes:
             for count, (name, result, message) in enumerate(outcomes, 1):
                 self._add(name, result.summary, message)
-                left -= seconds[name]
-                elapsed = time.perf_counter() - began
-                rest = elapsed * left / max(sum(seconds.values()) - left, 1e-9)
-                print(self._line(name, count, len(missing), rest), flush=True)
-                progress.update(task, advance=seconds[name], description=f"{count}/{len(missing)}")
+                engine.say(self._line(name, count, len(missing), engine.seconds_left))
                 self._write()
 
     def _line(self, name, count, total, rest):

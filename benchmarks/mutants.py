@@ -24,7 +24,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-FOLDERS = ["exact", "least_squares", "measures", "operators", "rheology", "schemes", "walls"]
+FOLDERS = ["exact", "least_squares", "measures", "operators", "rheology", "schemes", "solvers", "walls"]
 
 MEMORY = 6 << 30
 """Bytes a test run may use; the tests need a sixth of it."""
@@ -54,8 +54,8 @@ TESTS = {
     "measures/mean": [UNIT + "metrics*", UNIT + "verification*", CORE + "bodies_in_flow", CORE + "curved_walls"],
     "least_squares": [CORE + "least_squares", CORE + "multilevel", CORE + "viscous_solver", *IMPLICIT],
     "least_squares/operators": [CORE + "least_squares", CORE + "curved_walls", *IMPLICIT],
-    "least_squares/lattice": [CORE + "multilevel", CORE + "viscous_solver"],
-    "least_squares/multilevel": [CORE + "multilevel", CORE + "viscous_solver", CORE + "splitting"],
+    "solvers/auxiliary_grid": [CORE + "multilevel", CORE + "viscous_solver"],
+    "solvers": [CORE + "multilevel", CORE + "viscous_solver", CORE + "splitting"],
     "schemes": [UNIT + "scheme*", UNIT + "plan", *EXPLICIT],
     "schemes/_pointwise": [UNIT + "logarithm", CORE + "forecast_rows", CORE + "polymer_*", CORE + "laws_in_kernels"],
     "schemes/_momentum": [

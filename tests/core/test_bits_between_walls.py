@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tisph import config, registry, runtime, scenes
-from tisph.least_squares import rows
+from tisph.least_squares import operators
 from tisph.schemes._splitting import _walls
 from tisph.simulation.start import start_values
 
@@ -78,8 +78,8 @@ def one(start):
 
 
 def test_one_and_two_threads_give_the_same_bits(start, one, monkeypatch):
-    monkeypatch.setattr(rows, "FEW", 0)  # or small loops would stay on one thread
-    monkeypatch.setattr(rows, "FEW_NUMBERS", 0)
+    monkeypatch.setattr(operators, "FEW", 0)  # or small loops would stay on one thread
+    monkeypatch.setattr(operators, "FEW_NUMBERS", 0)
     two = stepped(start(2))
     for name in ("x", "y", "u", "v", "pressure", "force", "torque", "pressure_torque"):
         assert np.array_equal(one[name], two[name]), name

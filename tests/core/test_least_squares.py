@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from tisph.least_squares import SUPPORT
-from tisph.least_squares.bicgstab import BiCGStab
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import view
+from tisph.solvers.bicgstab import BiCGStab
 
 IMPLICIT = ("scheme={type: implicit}", "walls.treatment.type=comoving_image")
 
@@ -200,8 +200,8 @@ def counted(monkeypatch):
     """Return a function that gives a list, which grows with every iteration of a solver."""
 
     def count(solver):
-        done, iterate = [], solver.iterate
-        monkeypatch.setattr(solver, "iterate", lambda: (done.append(None), iterate()))
+        done, step = [], solver.step_half
+        monkeypatch.setattr(solver, "step_half", lambda: (done.append(None), step()))
         return done
 
     return count
@@ -212,21 +212,21 @@ def solution(solver):
 
 
 RESIDUAL = 1e-10
-# coefficient, own, parity: long and short viscous steps (times spacing^2), with either parity, and a pressure
+# coefficient, sigma, parity: long and short viscous steps (times spacing^2), with either parity, and a pressure
 SYSTEMS = [(1.0, 1.0, -1.0), (30.0, 1.0, -1.0), (3.0, 1.0, 1.0), (-1.0, -1e-3, 1.0)]
 
 
 @pytest.mark.parametrize("order", [2, 4])
-@pytest.mark.parametrize(("coefficient", "own", "parity"), SYSTEMS)
-def test_the_solver_agrees_with_a_dense_one(assembled, order, coefficient, own, parity):
+@pytest.mark.parametrize(("coefficient", "sigma", "parity"), SYSTEMS)
+def test_the_solver_agrees_with_a_dense_one(assembled, order, coefficient, sigma, parity):
     scheme = assembled(f"scheme.operators.order={order}", jitter=0.2)
-    if own > 0:
+    if sigma > 0:
         coefficient *= scheme.channel.spacing**2
-    matrix = own * np.eye(scheme.points.fluid) - coefficient * matrix_of(scheme, parity)
+    matrix = sigma * np.eye(scheme.points.fluid) - coefficient * matrix_of(scheme, parity)
     b = np.random.default_rng(0).uniform(-1.0, 1.0, scheme.points.fluid)
     solver = BiCGStab(scheme.operators, scheme.ghosts, parity)
     set_right_side(solver, b)
-    assert solver.solve(coefficient, RESIDUAL, own=own, most=1000)
+    assert solver.solve(coefficient, RESIDUAL, sigma=sigma, max_iterations=1000)
     # what a residual of this size can mean; the residual that the recursion carries is off by rounding of 1e-14 or so
     farthest = np.linalg.norm(np.linalg.inv(matrix), 2) * RESIDUAL * np.linalg.norm(b)
     assert np.linalg.norm(solution(solver) - np.linalg.solve(matrix, b)) <= 1.01 * farthest
@@ -265,7 +265,7 @@ def test_the_solver_tells_when_it_has_not_converged(assembled, counted, most):
     solver = BiCGStab(scheme.operators, scheme.ghosts, -1.0)
     iterations = counted(solver)
     set_right_side(solver, b)
-    assert solver.solve(100 * scheme.channel.spacing**2, RESIDUAL, most=most) is False
+    assert solver.solve(100 * scheme.channel.spacing**2, RESIDUAL, max_iterations=most) is False
     assert len(iterations) == solver.iterations == most
     assert np.all(np.isfinite(solution(solver)))
 

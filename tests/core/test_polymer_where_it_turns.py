@@ -194,10 +194,10 @@ def test_samples_say_how_steep_the_stress_is():
 
 
 def test_one_and_two_threads_give_the_same_bits(monkeypatch):
-    from tisph.least_squares import rows
+    from tisph.least_squares import operators
 
-    monkeypatch.setattr(rows, "FEW", 0)  # or small loops would stay on one thread
-    monkeypatch.setattr(rows, "FEW_NUMBERS", 0)
+    monkeypatch.setattr(operators, "FEW", 0)  # or small loops would stay on one thread
+    monkeypatch.setattr(operators, "FEW_NUMBERS", 0)
     found = []
     for serial in (True, False):
         scheme = started(*make(), serial=serial)

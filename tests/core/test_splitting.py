@@ -11,7 +11,7 @@ from vortex_case import VISCOSITY, arrangement, errors, exact, flow, make, run
 from tisph import runtime
 from tisph.errors import DivergedError
 from tisph.exact.sliding_corner import DEGREE
-from tisph.least_squares import rows
+from tisph.least_squares import operators
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import ti, view
 from tisph.schemes._splitting import _scheme
@@ -174,8 +174,8 @@ def test_places_within_a_step_are_those_of_the_path():
 
 @pytest.mark.other_program
 def test_one_and_two_threads_give_the_same_bits(monkeypatch):
-    monkeypatch.setattr(rows, "FEW", 0)  # or small loops would stay on one thread
-    monkeypatch.setattr(rows, "FEW_NUMBERS", 0)
+    monkeypatch.setattr(operators, "FEW", 0)  # or small loops would stay on one thread
+    monkeypatch.setattr(operators, "FEW_NUMBERS", 0)
     one, two = (bits(make(24, threads=threads), 4) for threads in (1, 2))
     assert all(np.array_equal(left, right) for left, right in zip(one, two, strict=True))
 

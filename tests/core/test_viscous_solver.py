@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from implicit_case import IMPLICIT, SLOW, run
 
-from tisph.least_squares import rows
-from tisph.least_squares.lattice import WalledLattice
+from tisph.least_squares import operators
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import real, ti, view
 from tisph.schemes.implicit import _solver
 from tisph.simulation import checkpoint
+from tisph.solvers.auxiliary_grid import DirichletGrid
 
 RESIDUAL = 1e-10
 LONG = 30.0  # viscous number of a long step
@@ -54,14 +54,14 @@ def solved(scheme, known, viscous_number, residual=RESIDUAL):
 @pytest.fixture
 def lattice(assembled):
     scheme = assembled()
-    lattice = WalledLattice(scheme.points, scheme.channel, scheme.channel.gap)
-    return lattice, lattice.nodes(1), scheme.channel
+    lattice = DirichletGrid(scheme.points, scheme.channel, scheme.channel.gap)
+    return lattice, lattice.nodes(real()), scheme.channel
 
 
 def on_nodes(lattice, field):
     """The nodes' values (rows, columns), in place."""
     rows, columns = lattice.shape
-    return view(field)[: rows * columns, 0].reshape(rows, columns)
+    return view(field)[: rows * columns].reshape(rows, columns)
 
 
 @pytest.mark.parametrize(("across", "along"), [(1, 0), (1, 1), (5, 2), (11, 5)])
@@ -92,12 +92,12 @@ def test_the_inverse_is_symmetric_and_vanishes_at_the_walls(lattice):
 
 
 @ti.data_oriented
-class Carried:
-    """``lattice`` from particles to nodes and back: what nodes get of ``given``, and particles of ``nodes``."""
+class Transfers:
+    """``grid`` from particles to nodes and back: what nodes get of ``given``, and particles of ``nodes``."""
 
     def __init__(self, lattice, nodes):
         self.lattice, self.nodes, self.points = lattice, nodes, lattice.points
-        self.given, self.found = (ti.Vector.field(1, real(), shape=self.points.capacity) for _ in range(2))
+        self.given, self.found = (ti.field(real(), shape=self.points.capacity) for _ in range(2))
 
     @ti.kernel
     def up(self):
@@ -113,21 +113,21 @@ class Carried:
 def test_particles_get_from_the_nodes_by_the_weights_by_which_they_gave(lattice):
     lattice, nodes, _ = lattice
     lattice.sort()
-    carried, fluid = Carried(lattice, nodes), lattice.points.fluid
+    carried, fluid = Transfers(lattice, nodes), lattice.points.fluid
     random = np.random.default_rng(0)
     given, values = random.normal(size=fluid), random.normal(size=lattice.shape)
-    view(carried.given)[:fluid, 0] = given
+    view(carried.given)[:fluid] = given
     carried.up()
     gained = on_nodes(lattice, nodes).copy()
     on_nodes(lattice, nodes)[...] = values
     carried.down()
     # as many nodes as particles here, so that no share is taken
-    assert np.vdot(values, gained) == pytest.approx(np.vdot(view(carried.found)[:fluid, 0], given), rel=1e-12)
+    assert np.vdot(values, gained) == pytest.approx(np.vdot(view(carried.found)[:fluid], given), rel=1e-12)
     # bilinear: waves as long as the box, at the places of the particles
     on_nodes(lattice, nodes)[...] = np.cos(2 * np.pi * np.arange(lattice.shape[1]) / lattice.shape[1])
     carried.down()
     expected = np.cos(2 * np.pi * view(lattice.points.position)[:fluid, 0])
-    assert np.abs(view(carried.found)[:fluid, 0] - expected).max() < 0.125 * (2 * np.pi / 12) ** 2  # f'' dx^2 / 8
+    assert np.abs(view(carried.found)[:fluid] - expected).max() < 0.125 * (2 * np.pi / 12) ** 2  # f'' dx^2 / 8
 
 
 # --- the systems
@@ -153,7 +153,7 @@ def test_two_levels_solve_what_the_rows_say(two_levels, assembled, overrides):
     known = np.random.default_rng(0).uniform(-1.0, 1.0, scheme.points.fluid)
     scheme.solver.roughest = 0.0  # it may have been built for another test
     found, _ = solved(scheme, known, LONG)
-    assert scheme.solver.smooth is not None
+    assert scheme.solver.two_level is not None
     # what a residual of this size can mean, and rounding of the residual that the recursion carries
     farthest = np.linalg.norm(np.linalg.inv(matrix), 2) * RESIDUAL * np.linalg.norm(known)
     assert np.linalg.norm(found - np.linalg.solve(matrix, known)) <= 1.01 * farthest
@@ -163,9 +163,9 @@ def test_two_levels_solve_what_the_rows_say(two_levels, assembled, overrides):
 def test_few_particles_and_short_steps_do_without(assembled, monkeypatch, few, viscous_number):
     monkeypatch.setattr(_solver, "FEW", few)
     scheme = assembled()
-    scheme.solver.smooth, scheme.solver.roughest = None, _solver.ROUGH * scheme.channel.spacing**2
+    scheme.solver.two_level, scheme.solver.roughest = None, _solver.ROUGH * scheme.channel.spacing**2
     solved(scheme, np.ones(scheme.points.fluid), viscous_number)
-    assert scheme.solver.smooth is None
+    assert scheme.solver.two_level is None
 
 
 # --- runs: with Schemes of their own, whose fields take the place of those above
@@ -195,7 +195,7 @@ def test_a_run_has_the_velocities_of_one_with_the_diagonal_alone(make, monkeypat
     monkeypatch.setattr(_solver, "ROUGH", 0.0)
     scheme = flow(make, slow)
     after = run(scheme)
-    assert scheme.solver.smooth is not None
+    assert scheme.solver.two_level is not None
     assert after.step == before.step
     # a residual of 1e-3 of a step's tolerance of 1e-5 in each of some 20 steps of three stages
     assert np.linalg.norm(after.u - before.u) < 60 * 1e-8 * np.linalg.norm(before.u)
@@ -204,7 +204,7 @@ def test_a_run_has_the_velocities_of_one_with_the_diagonal_alone(make, monkeypat
 @pytest.mark.other_program
 def test_one_and_two_threads_and_a_restart_give_the_same_bits(two_levels, make, monkeypatch, tmp_path):
     for name in ("FEW", "FEW_NUMBERS"):
-        monkeypatch.setattr(rows, name, 0)  # or small loops would stay on one thread
+        monkeypatch.setattr(operators, name, 0)  # or small loops would stay on one thread
     one = flow(make)
     for _ in range(6):
         one.advance()

@@ -26,6 +26,7 @@ LEVELS = [
     ["domain"],
     ["neighbours"],
     ["operators", "kernels", "least_squares"],
+    ["solvers"],
     ["walls", "rheology"],
     ["schemes"],
     ["observers"],

@@ -6,7 +6,6 @@ import numpy as np
 
 from tisph.errors import DivergedError
 from tisph.least_squares import SKIN
-from tisph.least_squares.lattice import Lattice
 from tisph.least_squares.operators import LeastSquaresOperators
 from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.periodic import PeriodicDomain
@@ -21,6 +20,7 @@ from tisph.schemes._splitting._shift import GONE, Shift
 from tisph.schemes._splitting._split import Split
 from tisph.schemes._splitting._step_limits import FIRST, RUNAWAY, step_control
 from tisph.schemes._splitting._walls import FARTHER, FARTHEST, SEEN
+from tisph.solvers.auxiliary_grid import AuxiliaryGrid
 
 SUPPORT = 2.9
 """Radius of the rows in particle spacings. Below it a lattice that the flow stretches makes them singular before it has
@@ -77,7 +77,7 @@ class Scheme:
         # in polar coordinates points lie in layers: near walls rows then have 70 times the rounding errors
         curved = bounded and flow.walls.curved and real() == ti.f64
         self.operators = LeastSquaresOperators(self.points, SUPPORT * flow.spacing, 4, SMALLEST_PIVOT, bounded, curved)
-        self.lattice = Lattice(self.points, flow, flow.height)
+        self.grid = AuxiliaryGrid(self.points, flow, flow.height)
         self.shift = Shift(self.points, flow.spacing, SEEN if bounded else 0)
         self.history = History(self.operators, self.shift)
         self.bounds = None
@@ -86,7 +86,7 @@ class Scheme:
             self.bounds = Bounds(flow, self.history, self.shift, SUPPORT, SKIN)
         closure = self.bounds.closure if bounded else None
         self.polymer = Polymer(self.history, flow) if flow.rheology else None
-        self.split = Split(self.history, self.lattice, flow, closure, self.polymer)
+        self.split = Split(self.history, self.grid, flow, closure, self.polymer)
         self.control = step_control(flow, targets, tolerance, courant)
         least = ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
         self.residuals = max(PRESSURE_RESIDUAL, least), max(VELOCITY_RESIDUAL, least)
@@ -195,7 +195,7 @@ class Scheme:
         if needed:
             raise clustered(f"neighbours of a particle ({needed})", self.steps + 1, self.time)
         self.operators.assemble()
-        self.lattice.sort()
+        self.grid.sort()
         if self.bounds:
             self.bounds.close()
 

@@ -14,9 +14,10 @@ import math
 
 import numpy as np
 
-from tisph.least_squares.multilevel import MultilevelSolver
 from tisph.runtime import holding, real, scalar, ti, view
 from tisph.schemes._splitting._history import PRESSURES, VELOCITIES
+from tisph.solvers.bicgstab import BiCGStab
+from tisph.solvers.two_level import TwoLevel
 
 ROUGH = 1.0
 """Viscous number h nu/(g spacing^2) up to which the diagonal is preconditioner enough."""
@@ -33,15 +34,16 @@ class Split:
     the error is estimated from.
     """
 
-    def __init__(self, history, lattice, flow, closure=None, polymer=None):
+    def __init__(self, history, grid, flow, closure=None, polymer=None):
         self.history, self.operators, self.points = history, history.operators, history.points
         vector = ti.types.vector(2, real())
         self.spacing, self.closure, self.bounded = flow.spacing, closure, closure is not None
         self.polymer = polymer
         self.driven = any(flow.acceleration)
         self.acceleration = holding(ti.field(vector, ()), flow.acceleration)
-        self.pressure = MultilevelSolver(self.operators, lattice, 1, floating=True)
-        self.velocity = MultilevelSolver(self.operators, lattice, 2)
+        self.pressure = BiCGStab(self.operators, pure_neumann=True)
+        self.velocity = BiCGStab(self.operators, width=2)
+        self.for_pressure, self.for_velocity = (TwoLevel(solver, grid) for solver in (self.pressure, self.velocity))
         self.known, self.expected = (ti.field(vector, self.points.slots + 1) for _ in range(2))
         self.back, self.ahead = (holding(ti.field(real(), VELOCITIES), 0.0) for _ in range(2))
         self.ahead_pressure = holding(ti.field(real(), PRESSURES), 0.0)
@@ -64,15 +66,20 @@ class Split:
                     self.closure.spin(self.velocity.x)
                 self.bound(length, leading, viscosity)
             asked = tolerances if turn == turns - 1 else np.maximum(tolerances, FIRST)
-            sound = self.pressure.solve(0.0, 1.0, asked[0], rough=False) and sound
+            sound = self.solve_pressure(asked[0]) and sound
             self.push(length)
             diffusion = length * viscosity
             rough = diffusion <= ROUGH * leading * self.spacing**2
-            sound = self.velocity.solve(leading, diffusion, asked[1], rough) and sound
+            preconditioner = None if rough else self.for_velocity
+            sound = self.velocity.solve(diffusion, asked[1], leading, preconditioner) and sound
             self.iterations[0] += self.pressure.iterations
             self.iterations[1] += self.velocity.iterations
         self.compare()
         return sound
+
+    def solve_pressure(self, tolerance):
+        """Solve -L p = b; return whether it could be."""
+        return self.pressure.solve(1.0, tolerance, sigma=0.0, preconditioner=self.for_pressure)
 
     def error(self):
         """Return the root mean square of what the new velocities differ by from those expected."""
@@ -86,7 +93,7 @@ class Split:
         self.twist()
         if self.bounded:
             self.bound(1.0, 0.0, viscosity)
-        sound = self.pressure.solve(0.0, 1.0, tolerance, rough=False)
+        sound = self.solve_pressure(tolerance)
         self.lay()
         return sound
 
@@ -96,7 +103,7 @@ class Split:
         u - grad phi, with L phi = 0 and n . grad phi = -n . U: the impulse of a pressure, over the density.
         """
         self.jolt()
-        sound = self.pressure.solve(0.0, 1.0, tolerance, rough=False)
+        sound = self.solve_pressure(tolerance)
         self.yield_way()
         return sound
 
@@ -105,11 +112,11 @@ class Split:
         """Right side of the equation for the impulse."""
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
-            self.pressure.x[i] = [0.0]
-            self.pressure.b[i] = [0.0]
+            self.pressure.x[i] = 0.0
+            self.pressure.b[i] = 0.0
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None], self.points.particles[None]):
-            self.pressure.b[i] = [self.closure.right_side(i, -self.velocity.x[i], 0.0)]
+            self.pressure.b[i] = self.closure.right_side(i, -self.velocity.x[i], 0.0)
 
     @ti.kernel
     def yield_way(self):
@@ -123,9 +130,9 @@ class Split:
     @ti.func
     def slope(self, i):
         """Return the slope of the pressure, or of the impulse, at a particle."""
-        own, slope = self.pressure.x[i][0], ti.Vector([0.0, 0.0])
+        own, slope = self.pressure.x[i], ti.Vector([0.0, 0.0])
         for k in range(self.points.count[i]):
-            difference = self.pressure.x[self.points.neighbours[i, k]][0] - own
+            difference = self.pressure.x[self.points.neighbours[i, k]] - own
             slope += difference * ti.Vector([self.operators.d_dx[i, k], self.operators.d_dy[i, k]])
         return slope
 
@@ -135,15 +142,15 @@ class Split:
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
             along, across = self.history.along[i], self.history.across[i]
-            self.pressure.b[i] = [along[0] ** 2 + 2.0 * across[0] * along[1] + across[1] ** 2]
-            self.pressure.x[i] = [0.0]
+            self.pressure.b[i] = along[0] ** 2 + 2.0 * across[0] * along[1] + across[1] ** 2
+            self.pressure.x[i] = 0.0
 
     @ti.kernel
     def lay(self):
         """Let the particles carry the pressure."""
         ti.loop_config(serialize=self.operators.serial_numbers)
         for i in range(self.points.particles[None]):
-            self.history.carried[i][2 * VELOCITIES] = self.pressure.x[i][0]
+            self.history.carried[i][2 * VELOCITIES] = self.pressure.x[i]
 
     @ti.kernel
     def look_back(self):
@@ -160,7 +167,7 @@ class Split:
             pressure = 0.0
             for age in ti.static(range(PRESSURES)):
                 pressure += self.ahead_pressure[age] * self.history.carried[i][2 * VELOCITIES + age]
-            self.pressure.x[i] = [pressure]
+            self.pressure.x[i] = pressure
 
     @ti.kernel
     def divide(self, length: float, kept: float):
@@ -171,7 +178,7 @@ class Split:
             for k in range(self.points.count[i]):
                 difference = self.known[self.points.neighbours[i, k]] - own
                 divergence += self.operators.d_dx[i, k] * difference.x + self.operators.d_dy[i, k] * difference.y
-            self.pressure.b[i] = [(kept * self.history.divergence[i] - divergence) / length]
+            self.pressure.b[i] = (kept * self.history.divergence[i] - divergence) / length
 
     @ti.kernel
     def bound(self, length: float, leading: float, viscosity: float):
@@ -179,7 +186,7 @@ class Split:
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None], self.points.particles[None]):
             push = (self.known[i] - leading * self.velocity.x[i]) / length + self.acceleration[None]
-            self.pressure.b[i] = [self.closure.right_side(i, push, viscosity)]
+            self.pressure.b[i] = self.closure.right_side(i, push, viscosity)
 
     @ti.kernel
     def push(self, length: float):
@@ -207,4 +214,4 @@ class Split:
         """Let the particles carry what was found."""
         ti.loop_config(serialize=self.operators.serial_numbers)
         for i in range(self.points.particles[None]):
-            self.history.renew(i, self.velocity.x[i], self.pressure.x[i][0])
+            self.history.renew(i, self.velocity.x[i], self.pressure.x[i])

@@ -7,11 +7,11 @@ mirror image of the gradient, and of the stress, is even where that of the veloc
 
 import numpy as np
 
-from tisph.least_squares.bicgstab import BiCGStab
 from tisph.neighbours.point_cloud import LANES
 from tisph.runtime import real, ti, view
 from tisph.schemes.implicit._across import ElasticAcross
 from tisph.schemes.implicit._elastic_stages import even_fit, image_of_stress, polynomial
+from tisph.solvers.bicgstab import BiCGStab
 
 
 class ElasticSolver(BiCGStab):
@@ -26,7 +26,7 @@ class ElasticSolver(BiCGStab):
         self.fluid = slice(self.points.fluid)
 
     @ti.func
-    def spread(self, values: ti.template(), particles):
+    def update_ghosts(self, values: ti.template(), particles):
         """Mirror ``values``, and evaluate their ``pull`` on particles and mirror images."""
         ti.loop_config(serialize=True)
         for k in range(self.ghosts.count[None]):
@@ -44,7 +44,7 @@ class ElasticSolver(BiCGStab):
         self.pull[self.points.capacity + k] = self.ghosts.value(self.pull, k)
 
     @ti.func
-    def product(self, values, i):
+    def row(self, values: ti.template(), i):
         """Return row ``i`` of the system times ``values``, whose ``pull`` is known."""
         own, pulled, total = values[i], self.pull[i], 0.0 * values[i]
         for group in range(self.points.count[i] // LANES):
@@ -53,7 +53,7 @@ class ElasticSolver(BiCGStab):
                 j = self.points.neighbours[i, k]
                 viscous = self.coefficient[None] * self.operators.laplacian[i, k] * (values[j] - own)
                 total += viscous + self.operators.d_dy[i, k] * (self.pull[j] - pulled)
-        return self.own[None] * own - total
+        return self.sigma[None] * own - total
 
     def solve(self, coefficient, tolerance):
         """Solve (1 - ``coefficient`` A) x = b, of velocities across the channel; return whether it did."""
@@ -65,7 +65,7 @@ class ElasticSolver(BiCGStab):
         found = view(self.x)[self.fluid]
         found[...], view(self.b)[self.fluid], view(self.tangent)[self.fluid] = guess, right, tangent
         if self.coarse:
-            view(self.coefficient)[()], view(self.own)[()] = coefficient, 1.0
+            view(self.coefficient)[()], view(self.sigma)[()] = coefficient, 1.0
             self.start()
             residual = view(self.residual)[self.fluid].astype(float)
             found += self.coarse.correction(residual, coefficient, np.broadcast_to(tangent, residual.shape))

@@ -5,8 +5,8 @@ A phi = div u / h, and p += phi (K. Goda, J. Comput. Phys. 30 (1979) 76-95). phi
 A shear flow between plane walls never comes here: its divergence stays a truncation error.
 """
 
-from tisph.least_squares.bicgstab import BiCGStab
 from tisph.runtime import real, ti
+from tisph.solvers.bicgstab import BiCGStab
 
 SINGULAR = 1e-3
 """Fixes the constant that a pressure has free: A - 1e-3/gap^2 instead of A. Only gradients of the pressure count."""
@@ -59,7 +59,7 @@ class Projection:
         if self.solver is None:
             self.solver = BiCGStab(self.operators, self.ghosts, 1.0)
         self.prepare(length)
-        solved = self.solver.solve(-1.0, RESIDUAL, own=-self.shift, most=MOST_ITERATIONS)
+        solved = self.solver.solve(-1.0, RESIDUAL, sigma=-self.shift, max_iterations=MOST_ITERATIONS)
         self.correct(length)
         return solved
 

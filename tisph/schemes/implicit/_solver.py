@@ -6,10 +6,10 @@ so with the number of particles across, as steps are as long as accuracy allows.
 each as dear as four.
 """
 
-from tisph.least_squares.bicgstab import BiCGStab
 from tisph.least_squares.operators import FEW
 from tisph.runtime import ti, view
 from tisph.schemes.implicit._across import Across
+from tisph.solvers.bicgstab import BiCGStab
 
 ROUGH = 3.0
 """Viscous number up to which the diagonal is preconditioner enough: both took as long from 2 to 4."""
@@ -19,13 +19,13 @@ ROUGH = 3.0
 class ViscousSolver(BiCGStab):
     """Solver of (1 - c A) x = b in a ``channel``; ``x`` mirrors oddly in the walls.
 
-    ``smooth`` is the solver of two levels. It comes with the first system that needs it; few particles do without,
-    since its kernels take as long to come as they save in a whole run.
+    ``two_level`` is the preconditioner of two levels. It comes with the first system that needs it; few particles do
+    without, since its kernels take as long to compile as they save in a whole run.
     """
 
     def __init__(self, rows, ghosts, channel):
         super().__init__(rows, ghosts, -1.0)
-        self.channel, self.smooth = channel, None
+        self.channel, self.two_level = channel, None
         self.coarse = None if ghosts.mirrors else Across(rows, ghosts, channel)
         self.roughest = ROUGH * channel.spacing**2
 
@@ -44,20 +44,14 @@ class ViscousSolver(BiCGStab):
             return super().solve(coefficient, tolerance)
         if coefficient <= self.roughest or self.points.fluid <= FEW:
             return super().solve(coefficient, tolerance)
-        smooth, fluid = self.smooth or self.two_levels(), self.points.fluid
-        smooth.lattice.sort()
-        view(smooth.x)[:fluid, 0], view(smooth.b)[:fluid, 0] = view(self.x)[:fluid], view(self.b)[:fluid]
-        solved = smooth.solve(1.0, coefficient, tolerance, rough=False)
-        view(self.x)[:fluid] = view(smooth.x)[:fluid, 0]
-        self.iterations = smooth.iterations
-        return solved
+        if self.two_level is None:
+            self.set_two_level()
+        self.two_level.grid.sort()
+        return super().solve(coefficient, tolerance, preconditioner=self.two_level)
 
-    def two_levels(self):
-        """Return ``smooth``, which was not there."""
-        from tisph.least_squares.lattice import WalledLattice  # of no use to most channels
-        from tisph.least_squares.multilevel import MultilevelSolver
+    def set_two_level(self):
+        """Set up ``two_level``."""
+        from tisph.solvers.auxiliary_grid import DirichletGrid  # of no use to most channels
+        from tisph.solvers.two_level import TwoLevel
 
-        self.smooth = MultilevelSolver(
-            self.operators, WalledLattice(self.points, self.channel, self.channel.gap), 1, ghosts=self.ghosts
-        )
-        return self.smooth
+        self.two_level = TwoLevel(self, DirichletGrid(self.points, self.channel, self.channel.gap))

@@ -1,0 +1,129 @@
+"""Auxiliary grids, on which sigma + c (-Laplacian) is inverted by fast Fourier transforms.
+
+The residual of a linear system after a few Jacobi sweeps is smooth; it is brought from the particles to the nodes of
+the grid by bilinear weights, solved for there with the symbol of the five-point Laplacian, and brought back by the
+same weights. As a preconditioner that leaves a number of iterations that does not depend on the number of particles.
+Each node gathers from the particles in the four cells around it, in the order of their numbers: bitwise the same for
+any number of threads.
+"""
+
+import numpy as np
+
+from tisph.neighbours.counting_sort import counting_sort
+from tisph.runtime import integer, real, scalar, size_class, threads, ti, view
+
+
+@ti.data_oriented
+class AuxiliaryGrid:
+    """Nodes of the periodic box of a ``flow``, in which all points are, about as far apart as the particles.
+
+    ``members`` are the particles cell by cell, those of cell c from ``begin[c + 1]`` to ``begin[c + 2]``; ``offset``
+    is where in its ``cell`` a particle is, from 0 to 1 along each axis. ``height``: of the box of the ``flow``.
+    """
+
+    def __init__(self, points, flow, height):
+        from scipy import fft  # not before it is needed: it takes as long to import as a small run
+
+        self.fft = fft
+        self.points = points
+        length = flow.length
+        columns, rows = fft.next_fast_len(flow.columns, real=True), fft.next_fast_len(flow.rows)
+        self.shape = rows, columns
+        self.columns, self.rows = integer(columns), integer(rows)
+        self.per_x, self.per_y = scalar(columns / length), scalar(rows / height)
+        self.share = scalar(rows * columns / (flow.rows * flow.columns))
+        nodes = size_class(rows * columns + 2)
+        self.begin = ti.field(ti.i32, nodes)
+        self.cell, self.members = (ti.field(ti.i32, points.capacity) for _ in range(2))
+        self.offset = ti.field(ti.types.vector(2, real()), points.capacity)
+        wave_x = (2.0 * columns / length * np.sin(np.pi * np.arange(columns // 2 + 1) / columns)) ** 2
+        self.eigenvalues = self.eigenvalues_y(rows, height)[:, None] + wave_x
+        self.workers = threads()  # each transforms rows of its own: the bits do not depend on their number
+
+    def nodes(self, kind):
+        """Return a field of this ``kind`` for each node."""
+        return ti.field(kind, self.begin.shape)
+
+    @ti.kernel
+    def sort(self):
+        """Sort the points as they lie now."""
+        particles = self.points.particles[None]
+        columns, rows = self.columns[None], self.rows[None]
+        ti.loop_config(serialize=self.points.serial)
+        for i in range(particles):
+            position = self.points.position[i]
+            x, y = self.points.domain.wrap_x(position.x) * self.per_x[None], position.y * self.per_y[None]
+            column = ti.max(0, ti.min(columns - 1, ti.cast(x, ti.i32)))
+            row = ti.max(0, ti.min(rows - 1, ti.cast(y, ti.i32)))
+            self.offset[i] = [x - column, y - row]
+            self.cell[i] = row * columns + column
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            counting_sort(self.cell, self.begin, self.members, rows * columns, particles, ti.Vector([0, 0]))
+
+    @ti.func
+    def deposit(self, values: ti.template(), node):
+        """Return what node number ``node`` gets of the particles' values."""
+        columns, rows = self.columns[None], self.rows[None]
+        column, row = node % columns, node // columns
+        left, below = ti.select(column == 0, columns, column) - 1, ti.select(row == 0, rows, row) - 1
+        total = 0.0 * values[0]
+        for upper in ti.static(range(2)):
+            for right in ti.static(range(2)):
+                cell = (row if ti.static(upper) else below) * columns + (column if ti.static(right) else left)
+                for s in range(self.begin[cell + 1], self.begin[cell + 2]):
+                    i = self.members[s]
+                    offset = self.offset[i]
+                    weight_x = 1.0 - offset.x if ti.static(right) else offset.x
+                    weight_y = 1.0 - offset.y if ti.static(upper) else offset.y
+                    total += weight_x * weight_y * values[i]
+        return self.share[None] * total
+
+    @ti.func
+    def interpolate(self, values: ti.template(), i):
+        """Return the nodes' values at particle ``i``."""
+        columns, rows = self.columns[None], self.rows[None]
+        cell, offset = self.cell[i], self.offset[i]
+        column, row = cell % columns, cell // columns
+        right, above = ti.select(column == columns - 1, 0, column + 1), ti.select(row == rows - 1, 0, row + 1)
+        lower = (1.0 - offset.x) * values[row * columns + column] + offset.x * values[row * columns + right]
+        upper = (1.0 - offset.x) * values[above * columns + column] + offset.x * values[above * columns + right]
+        return (1.0 - offset.y) * lower + offset.y * upper
+
+    def eigenvalues_y(self, rows, height):
+        """Return the eigenvalues of minus the second difference along y."""
+        return (2.0 * rows / height * np.sin(np.pi * np.arange(rows) / rows)) ** 2
+
+    def invert(self, field, sigma, coefficient):
+        """Replace the nodes' values f by (``sigma`` - ``coefficient`` Laplacian)^-1 f; the mean is 0 where sigma is."""
+        rows, columns = self.shape
+        values = view(field)[: rows * columns].reshape(rows, columns, -1)
+        symbol = sigma + coefficient * self.eigenvalues
+        if sigma == 0.0:
+            symbol[0, 0] = np.inf
+        self.divide_by_symbol(values, symbol[:, :, None])
+
+    def divide_by_symbol(self, values, symbol):
+        """Divide the transform of ``values`` (rows, columns, width) by ``symbol``, in place."""
+        transformed = self.fft.rfft2(values, axes=(0, 1), workers=self.workers)
+        transformed /= symbol
+        values[...] = self.fft.irfft2(transformed, s=self.shape, axes=(0, 1), workers=self.workers, overwrite_x=True)
+
+
+@ti.data_oriented
+class DirichletGrid(AuxiliaryGrid):
+    """Nodes of a channel, for fields that are odd about its walls: the first row of nodes, at the bottom wall, holds
+    zeros, and stands for the row at the top wall too. The transform along y is that of sines."""
+
+    def eigenvalues_y(self, rows, height):
+        """Return the eigenvalues of minus the second difference along y, of sines."""
+        return (2.0 * rows / height * np.sin(0.5 * np.pi * np.arange(1, rows) / rows)) ** 2
+
+    def divide_by_symbol(self, values, symbol):
+        """Divide the transform of ``values`` (rows, columns, width) by ``symbol``, in place."""
+        transformed = self.fft.dst(values[1:], 1, axis=0, workers=self.workers)
+        transformed = self.fft.rfft(transformed, axis=1, workers=self.workers)
+        transformed /= symbol
+        transformed = self.fft.irfft(transformed, self.shape[1], axis=1, workers=self.workers, overwrite_x=True)
+        values[1:] = self.fft.idst(transformed, 1, axis=0, workers=self.workers, overwrite_x=True)
+        values[0] = 0.0

@@ -1,0 +1,275 @@
+"""BiCGStab for (sigma - c A) x = b, A being the Laplacian of least-squares operators, preconditioned from the right.
+
+H. A. van der Vorst, SIAM J. Sci. Stat. Comput. 13 (1992) 631-644. The preconditioner is the diagonal (Jacobi), which
+suffices where c A is small beside sigma, or another one, such as ``TwoLevel``.
+
+In a pure Neumann problem sigma is 0: x is determined up to a constant, and there is a solution only if b has no part
+along the left null vector of A, which for least-squares operators is not quite constant. Solved is A x = b - constant
+with whatever constant that takes: all residuals lose their mean. Sums run block by block in a fixed order: the result
+does not depend on the number of threads.
+"""
+
+from tisph.least_squares.operators import CHUNK
+from tisph.runtime import real, scalar, threads, ti, view
+
+MAX_ITERATIONS = 200
+
+BLOCK = 256
+"""Particles whose part of a sum is one number."""
+
+
+@ti.data_oriented
+class BiCGStab:
+    """Solver of a system for a number, or a vector of ``width`` numbers, a particle.
+
+    ``x`` (slots + 1): guess, then solution; ``b`` (capacity): right side. Where there are ``ghosts`` their values are
+    ``parity`` times those of their sources: -1 for velocities, 1 for pressure. ``iterations``: of the last solution, by
+    halves. A preconditioner turns ``input`` into ``correction`` and calls ``multiply``, which gives ``product``.
+    """
+
+    def __init__(self, operators, ghosts=None, parity=-1.0, width=None, pure_neumann=False):
+        self.operators, self.ghosts, self.parity, self.points = operators, ghosts, parity, operators.points
+        self.is_scalar, self.pure_neumann, self.has_ghosts = width is None, pure_neumann, ghosts is not None
+        self.number = self.points.particles if pure_neumann else self.points.n_fluid
+        self.serial = operators.serial_light
+        self.workers = 1 if self.serial else threads()
+        self.kind = real() if width is None else ti.types.vector(width, real())
+        capacity, blocks = self.points.capacity, -(-self.points.capacity // BLOCK)
+        self.x, self.correction = (ti.field(self.kind, self.points.slots + 1) for _ in range(2))
+        self.b, self.residual, self.shadow, self.direction, self.v, self.input, self.product = (
+            ti.field(self.kind, capacity) for _ in range(7)
+        )
+        self.inverse = ti.field(real(), capacity)
+        self.parts = ti.field(ti.types.vector(3, real()), blocks)
+        self.totals, self.mean = ti.field(self.kind, blocks), ti.field(self.kind, ())
+        self.sigma, self.coefficient = scalar(1.0), scalar(0.0)
+        self.rho, self.alpha, self.omega, self.beta = (scalar(0.0) for _ in range(4))
+        self.size, self.norm = scalar(0.0), scalar(0.0)
+        self.iterations = 0.0
+
+    def solve(self, coefficient, tolerance, sigma=1.0, preconditioner=None, max_iterations=MAX_ITERATIONS):
+        """Solve (``sigma`` - ``coefficient`` A) x = b to a residual of ``tolerance`` |b|; return whether it did.
+
+        ``preconditioner``: something with an ``apply()``, None for the diagonal.
+        """
+        view(self.sigma)[()], view(self.coefficient)[()] = sigma, coefficient
+        precondition = preconditioner.apply if preconditioner else self.apply_jacobi
+        self.start()
+        norm, limit, self.iterations = view(self.norm), tolerance * float(view(self.size)), 0.0
+        while norm > limit and self.iterations < max_iterations:
+            precondition()
+            self.step_half()
+            self.iterations += 0.5
+            if not norm > limit:
+                break
+            precondition()
+            self.step()
+            self.iterations += 0.5
+        if self.pure_neumann:
+            self.remove_mean()
+        return bool(norm <= limit)
+
+    @ti.func
+    def reflect(self, values, k):
+        """Give ghost ``k`` its value."""
+        values[self.points.capacity + k] = self.parity * self.ghosts.value(values, k)
+
+    @ti.func
+    def update_ghosts(self, values: ti.template(), particles):
+        """Give what a row of the matrix needs of ``values`` beyond those of the particles."""
+        if ti.static(self.has_ghosts):
+            ti.loop_config(serialize=True)
+            for k in range(self.ghosts.count[None]):
+                self.reflect(values, k)
+
+    @ti.func
+    def row(self, values: ti.template(), i):
+        """Return row ``i`` of the matrix times ``values``."""
+        laplacian = self.operators.apply(self.operators.laplacian, values, i)
+        return self.sigma[None] * values[i] - self.coefficient[None] * laplacian
+
+    @ti.func
+    def dot(self, left, right):
+        """Return the product of the numbers of two particles."""
+        result = 0.0
+        if ti.static(self.is_scalar):
+            result += left * right
+        else:
+            result += left.dot(right)
+        return result
+
+    @ti.func
+    def blocks(self, task, particles):
+        """Return the first block, and that after the last, to sum in a task: those of a thread in its first one."""
+        worker, blocks = task // CHUNK, (particles + BLOCK - 1) // BLOCK
+        first, last = worker * blocks // self.workers, (worker + 1) * blocks // self.workers
+        return first, ti.select(task % CHUNK == 0, last, first)
+
+    @ti.func
+    def end(self, block, particles):
+        """Return the particle after the last one of a block."""
+        return ti.min(particles, (block + 1) * BLOCK)
+
+    @ti.func
+    def sums(self, particles):
+        """Return the sums over all blocks."""
+        total = ti.Vector([0.0, 0.0, 0.0])
+        for block in range((particles + BLOCK - 1) // BLOCK):
+            total += self.parts[block]
+        return total
+
+    @ti.func
+    def take_mean(self, particles):
+        """Let ``mean`` be that over all blocks; return what it adds to a sum of squares."""
+        total = 0.0 * self.totals[0]
+        for block in range((particles + BLOCK - 1) // BLOCK):
+            total += self.totals[block]
+        self.mean[None] = total / particles
+        return self.dot(total, total) / particles
+
+    @ti.kernel
+    def start(self):
+        """Residual of the guess and its ``norm``, inverse diagonal, and the ``size`` |b|."""
+        particles = self.number[None]
+        self.update_ghosts(self.x, particles)
+        ti.loop_config(serialize=self.serial)
+        for task in range(self.workers * CHUNK):
+            first, last = self.blocks(task, particles)
+            for block in range(first, last):
+                part, total = ti.Vector([0.0, 0.0, 0.0]), 0.0 * self.b[0]
+                for i in range(block * BLOCK, self.end(block, particles)):
+                    self.inverse[i] = 1.0 / (self.sigma[None] - self.coefficient[None] * self.operators.diagonal[i])
+                    residual = self.b[i] - self.row(self.x, i)
+                    self.residual[i] = residual
+                    total += residual
+                    part += ti.Vector([self.dot(self.b[i], self.b[i]), self.dot(residual, residual), 0.0])
+                self.parts[block] = part
+                self.totals[block] = total
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            total = self.sums(particles)
+            square = self.take_mean(particles)
+            self.size[None] = ti.sqrt(total[0])
+            self.rho[None] = total[1]
+            if ti.static(self.pure_neumann):
+                self.rho[None] = total[1] - square
+            self.norm[None] = ti.sqrt(self.rho[None])
+        ti.loop_config(serialize=self.serial)
+        for i in range(particles):
+            residual = self.residual[i]
+            if ti.static(self.pure_neumann):
+                residual -= self.mean[None]
+            self.residual[i] = residual
+            self.shadow[i] = residual
+            self.direction[i] = residual
+            self.input[i] = residual
+
+    @ti.kernel
+    def apply_jacobi(self):
+        """The diagonal alone as a preconditioner."""
+        particles = self.number[None]
+        ti.loop_config(serialize=self.serial)
+        for i in range(particles):
+            self.correction[i] = self.inverse[i] * self.input[i]
+        self.multiply(particles)
+
+    @ti.func
+    def multiply(self, particles):
+        """The matrix times the ``correction``, and its products with shadow, residual and itself."""
+        self.update_ghosts(self.correction, particles)
+        ti.loop_config(serialize=self.serial)
+        for task in range(self.workers * CHUNK):
+            first, last = self.blocks(task, particles)
+            for block in range(first, last):
+                part, total = ti.Vector([0.0, 0.0, 0.0]), 0.0 * self.b[0]
+                for i in range(block * BLOCK, self.end(block, particles)):
+                    product = self.row(self.correction, i)
+                    self.product[i] = product
+                    total += product
+                    residual = self.residual[i]
+                    squares = self.dot(residual, product), self.dot(product, product)
+                    part += ti.Vector([self.dot(self.shadow[i], product), squares[0], squares[1]])
+                self.parts[block] = part
+                self.totals[block] = total
+
+    @ti.kernel
+    def step_half(self):
+        """Go along the first direction as far as the shadow says."""
+        particles = self.number[None]
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            self.take_mean(particles)
+            self.alpha[None] = self.rho[None] / self.sums(particles)[0]
+        ti.loop_config(serialize=self.serial)
+        for task in range(self.workers * CHUNK):
+            first, last = self.blocks(task, particles)
+            for block in range(first, last):
+                part = ti.Vector([0.0, 0.0, 0.0])
+                for i in range(block * BLOCK, self.end(block, particles)):
+                    v = self.product[i]
+                    if ti.static(self.pure_neumann):
+                        v -= self.mean[None]
+                    self.v[i] = v
+                    residual = self.residual[i] - self.alpha[None] * v
+                    self.residual[i] = residual
+                    self.input[i] = residual
+                    self.x[i] += self.alpha[None] * self.correction[i]
+                    part[0] += self.dot(residual, residual)
+                self.parts[block] = part
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            self.norm[None] = ti.sqrt(self.sums(particles)[0])
+
+    @ti.kernel
+    def step(self):
+        """Go along the second direction to the smallest residual, and choose the next first one."""
+        particles = self.number[None]
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            square, total = self.take_mean(particles), self.sums(particles)
+            if ti.static(self.pure_neumann):
+                total[2] -= square
+            self.omega[None] = total[1] / total[2] if total[2] > 0.0 else 0.0
+        ti.loop_config(serialize=self.serial)
+        for task in range(self.workers * CHUNK):
+            first, last = self.blocks(task, particles)
+            for block in range(first, last):
+                part = ti.Vector([0.0, 0.0, 0.0])
+                for i in range(block * BLOCK, self.end(block, particles)):
+                    t = self.product[i]
+                    if ti.static(self.pure_neumann):
+                        t -= self.mean[None]
+                    residual = self.residual[i] - self.omega[None] * t
+                    self.residual[i] = residual
+                    self.x[i] += self.omega[None] * self.correction[i]
+                    part += ti.Vector([self.dot(residual, residual), self.dot(self.shadow[i], residual), 0.0])
+                self.parts[block] = part
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            total = self.sums(particles)
+            self.norm[None] = ti.sqrt(total[0])
+            ratio = total[1] / self.rho[None] * self.alpha[None] / self.omega[None]
+            self.beta[None] = ratio if self.norm[None] > 0.0 else 0.0
+            self.rho[None] = total[1]
+        ti.loop_config(serialize=self.serial)
+        for i in range(particles):
+            back = self.direction[i] - self.omega[None] * self.v[i]
+            direction = self.residual[i] + self.beta[None] * back
+            self.direction[i] = direction
+            self.input[i] = direction
+
+    @ti.kernel
+    def remove_mean(self):
+        """Take the mean off the solution, block by block."""
+        particles = self.number[None]
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            for block in range((particles + BLOCK - 1) // BLOCK):
+                total = 0.0 * self.b[0]
+                for i in range(block * BLOCK, self.end(block, particles)):
+                    total += self.x[i]
+                self.totals[block] = total
+            self.take_mean(particles)
+        ti.loop_config(serialize=self.serial)
+        for i in range(particles):
+            self.x[i] -= self.mean[None]

@@ -1,0 +1,55 @@
+"""Preconditioner of two levels, with which the number of iterations does not grow with that of the particles.
+
+A damped Jacobi sweep on the particles reduces what is rough, the fast solver of an ``AuxiliaryGrid`` what is smooth,
+and a last sweep what the transfers between the two have left.
+"""
+
+from tisph.runtime import ti, view
+
+DAMPING = 0.7
+"""Of the Jacobi sweeps."""
+
+
+@ti.data_oriented
+class TwoLevel:
+    """Preconditioner of a ``solver``, a ``BiCGStab``, by a ``grid`` that has sorted the particles as they lie."""
+
+    def __init__(self, solver, grid):
+        self.solver, self.grid = solver, grid
+        self.smooth = ti.field(solver.kind, solver.points.slots + 1)
+        self.nodes = grid.nodes(solver.kind)
+
+    def apply(self):
+        """One cycle."""
+        self.restrict()
+        self.grid.invert(self.nodes, float(view(self.solver.sigma)), float(view(self.solver.coefficient)))
+        self.prolong()
+
+    @ti.kernel
+    def restrict(self):
+        """The first sweep, from 0, and its residual on the grid."""
+        particles = self.solver.number[None]
+        ti.loop_config(serialize=self.solver.serial)
+        for i in range(particles):
+            self.smooth[i] = DAMPING * self.solver.inverse[i] * self.solver.input[i]
+        self.solver.update_ghosts(self.smooth, particles)
+        ti.loop_config(serialize=self.solver.serial)
+        for i in range(particles):
+            self.solver.product[i] = self.solver.input[i] - self.solver.row(self.smooth, i)
+        ti.loop_config(serialize=self.solver.serial)
+        for node in range(self.grid.rows[None] * self.grid.columns[None]):
+            self.nodes[node] = self.grid.deposit(self.solver.product, node)
+
+    @ti.kernel
+    def prolong(self):
+        """Add what the grid has found, the last sweep, and the matrix times the result."""
+        particles = self.solver.number[None]
+        ti.loop_config(serialize=self.solver.serial)
+        for i in range(particles):
+            self.smooth[i] += self.grid.interpolate(self.nodes, i)
+        self.solver.update_ghosts(self.smooth, particles)
+        ti.loop_config(serialize=self.solver.serial)
+        for i in range(particles):
+            residual = self.solver.input[i] - self.solver.row(self.smooth, i)
+            self.solver.correction[i] = self.smooth[i] + DAMPING * self.solver.inverse[i] * residual
+        self.solver.multiply(particles)

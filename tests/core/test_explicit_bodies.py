@@ -233,7 +233,7 @@ def test_adami_is_the_default_and_plane_walls_have_others(load):
     assert load().walls.treatment is None
     for name in TREATMENTS:
         assert load(f"walls.treatment={{type: {name}}}").members["walls"].type == name
-        with pytest.raises(ConfigError, match=f"implicit has no {name} walls where the flow turns"):
+        with pytest.raises(ConfigError, match=f"implicit has no {name} walls in two-dimensional flow"):
             load(f"walls.treatment.type={name}", "scheme={type: auto}")
     for name in ("consistent_image", "fixed_image"):
         with pytest.raises(ConfigError, match=f"{name} is for plane walls; take adami, virtual_image or comoving"):

@@ -115,7 +115,7 @@ def test_shear_layers_start_without_stress_and_strain_their_polymer(tmp_path):
 @pytest.mark.parametrize(
     ("override", "message"),
     [
-        ("scheme={type: wcsph}", "wcsph has no giesekus liquid"),
+        ("scheme={type: wcsph}", "wcsph has no giesekus fluid"),
         (
             "fluid.rheology={type: power_law, index: 0.5, reference_rate: 1.0, least_rate: 0.01}",
             "the roll-up of shear layers is not served",

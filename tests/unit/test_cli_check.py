@@ -148,14 +148,14 @@ def test_polymer(checked, fraction, warned):
 def test_polymer_that_relaxes_before_the_layer_of_a_jump_is_a_spacing_deep(checked, fraction, warned):
     liquid = POLYMER % (1.0, f"solvent_fraction: {fraction}")
     lines = checked(liquid, "scheme={type: auto}", "time.end=0.1")
-    assert bool(starting(lines, "warning: the polymer answers a wall that jumps before")) == warned
+    assert bool(starting(lines, "warning: the polymer stress grows at an impulsively started wall")) == warned
     assert not starting(lines, "warning: fluid.rheology.solvent_fraction")
 
 
 def test_polymer_of_a_flow_without_a_jump_has_no_layer_to_relax_before(checked):
     liquid = POLYMER % (1.0, "solvent_fraction: 0.009")
     lines = checked(liquid, "scheme={type: implicit}", AT_REST, DRIVE, "time.end=0.1")
-    assert not starting(lines, "warning: the polymer answers")
+    assert not starting(lines, "warning: the polymer stress grows")
 
 
 @pytest.mark.parametrize(("name", "known"), [("taylor_green", True), ("cavity_regular", False)])

@@ -183,11 +183,11 @@ BAD = [
         "walls.top.velocities = [0.0, 1.0]",
         "is not for a channel with bodies",
     ),
-    ([DRIVEN, "scheme.type=wcsph"], 'scheme.type = "wcsph"', "wcsph has no wall that a stress drives (walls.top)"),
+    ([DRIVEN, "scheme.type=wcsph"], 'scheme.type = "wcsph"', "wcsph has no stress-controlled wall (walls.top)"),
     (
         [DRIVEN, "time.cfl=0.5"],
         'scheme.type = "auto"',
-        "wcsph has no wall that a stress drives (walls.top); take implicit",
+        "wcsph has no stress-controlled wall (walls.top); take implicit",
     ),
 ]
 

@@ -37,7 +37,7 @@ def test_no_scheme_runs_a_liquid_that_it_does_not_have(case, name):
         assert schemes.resolve(case(liquid, f"scheme={{type: {scheme}}}"))[0].scheme.type == "implicit"
     text = refusal(case, liquid, "scheme={type: wcsph}")
     assert "scheme.type" in text
-    assert f"no {name} liquid" in text
+    assert f"no {name} fluid" in text
     assert "take implicit" in text
 
 
@@ -87,7 +87,7 @@ def test_between_cylinders_there_is_no_liquid_of_varying_viscosity(name):
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
-        ("scheme={type: wcsph}", "wcsph has no giesekus liquid where the flow turns"),
+        ("scheme={type: wcsph}", "wcsph has no giesekus fluid"),
         ("walls.outer={amplitude: 1.0, angular_frequency: 1.0}", "periodic flow of giesekus between cylinders"),
     ],
 )

@@ -12,15 +12,15 @@ from tisph.measures.resolution import resolution
 from tisph.schemes._limits import DISORDERED_OF_ORDER_2, DISORDERED_SOLVENT, RESOLVED, STIFF
 
 HIGHEST_MACH = 0.1
-"""Density varies by about Mach^2: above this the liquid is no longer nearly incompressible."""
+"""Density varies by about Mach^2: above this the fluid is no longer nearly incompressible."""
 
 HIGHEST_CELL_REYNOLDS = {"wcsph": RESOLVED, "implicit": 400.0}
 """Cell Reynolds number U spacing / nu up to which disordered runs of the stability matrix are stable, by scheme. With
 the explicit one they vary in density at 125 and lose the start of the flow at 400; the implicit one is stopped at 1250.
 """
 
-HIGHEST_TURNING_CELL_REYNOLDS = 10.0
-"""The same of the explicit scheme where the flow turns: at 40 vortices have lost a fifth of U after twenty turns."""
+HIGHEST_CELL_REYNOLDS_2D = 10.0
+"""The same of the explicit scheme in two-dimensional flow: at 40 vortices lose a fifth of U in twenty rotations."""
 
 LARGE_ERROR = 0.1
 """Estimated error at the last sample above which there is a warning."""
@@ -159,7 +159,7 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
         yield f"the Mach number is above {HIGHEST_MACH:g}; expect compressibility errors"
     highest = HIGHEST_CELL_REYNOLDS["wcsph" if numbers["sound_speed"] else "implicit"]
     if numbers["sound_speed"] and not scene.parallel:
-        highest = HIGHEST_TURNING_CELL_REYNOLDS
+        highest = HIGHEST_CELL_REYNOLDS_2D
     if scene.polymer:
         highest = DISORDERED_SOLVENT
     if numbers["cell_reynolds"] > highest:
@@ -181,7 +181,7 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
 
 
 def _stiff(config: Any, scene: Any) -> Iterator[str]:
-    """What a jump of a wall meets where polymer relaxes before the solvent's layer is a spacing deep."""
+    """Warning of an impulsive start where polymer relaxes before the layer of the solvent is a spacing thick."""
     if not scene.parallel or not scene.polymer or not any(scene.wall_jumps):
         return
     from tisph.schemes._forecast.beyond import stiffness
@@ -190,8 +190,9 @@ def _stiff(config: Any, scene: Any) -> Iterator[str]:
     if number > STIFF:
         enough = math.ceil(config.particles_across * math.sqrt(number / STIFF))
         yield (
-            "the polymer answers a wall that jumps before the solvent's layer is a spacing deep; what disorder makes "
-            f"of that lasts until the layer is many spacings deep: give {enough} particles across or more, or wait"
+            "the polymer stress grows at an impulsively started wall before the layer of the solvent is one spacing "
+            "thick; errors of disordered particles last until it is many spacings thick: "
+            f"give {enough} particles across or more, or wait"
         )
 
 

@@ -9,8 +9,8 @@ REALS = {False: 25, True: 280}
 copies of 11 and where the lists were made, the implicit one three rows of operators with 52 entries and vectors."""
 
 WALLED_REALS = 200
-"""What a particle has more than that where the flow turns between walls: operators reach farther, and there are points
-on the walls, about ``WALL_POINTS`` times the root of the number of particles as around an annulus of ratio 1/2."""
+"""What a particle has more than that in two-dimensional flow between walls: operators reach farther, and there are
+points on the walls, ``WALL_POINTS`` times the root of the number of particles as around an annulus of ratio 1/2."""
 
 WALL_POINTS = 6.0
 

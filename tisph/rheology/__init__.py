@@ -1,1 +1,1 @@
-"""Rheologies: the stress of the liquid as a function of its deformation. One file each."""
+"""Rheologies: the stress of the fluid as a function of its deformation. One file each."""

@@ -25,7 +25,7 @@ def _share(value: float) -> float:
         raise refusal(
             "must be greater than 0 and at most 1: at 0 (upper-convected Maxwell) what starts at a wall is a front "
             "without thickness, and the momentum equation there divides by the solvent's viscosity; take 0.01 or less, "
-            "docs/rheologies.md says what such a liquid differs by"
+            "docs/rheologies.md says how such a fluid differs"
         )
     return value
 
@@ -43,7 +43,7 @@ class Mode(Model):
     relaxation_time: Positive
 
     def laws(self, viscosity):
-        """``laws`` of a liquid of one mode."""
+        """``laws`` of a fluid of one mode."""
         return laws(self, viscosity)
 
 

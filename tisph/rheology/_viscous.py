@@ -1,4 +1,4 @@
-"""What the laws of liquids without memory share: a viscosity that depends on the shear rate of the moment."""
+"""What inelastic laws share: a viscosity that depends on the shear rate."""
 
 from typing import ClassVar
 
@@ -12,5 +12,5 @@ class Parameters(Model):
     carries_stress: ClassVar[bool] = False
 
     def law(self, viscosity, density):
-        """``Law`` of a liquid with these parameters; ``viscosity`` is that of ``fluid``, over the ``density``."""
+        """``Law`` of a fluid with these parameters; ``viscosity`` is that of ``fluid``, over the ``density``."""
         return registry.load("rheology", self.type).Law(self, viscosity, density)

@@ -1,4 +1,4 @@
-"""Carreau-Yasuda liquid: a viscosity between two plateaus with a power law between them, without memory.
+"""Carreau-Yasuda fluid: a viscosity between two plateaus with a power law between them; inelastic.
 
     viscosity = eta_inf + (eta - eta_inf) (1 + (time * rate)^transition)^((index - 1)/transition)
 
@@ -16,10 +16,10 @@ from tisph.rheology import _viscous
 
 
 class Parameters(_viscous.Parameters):
-    """``time``: 1/shear rate at which the viscosity bends; ``index`` of the power law, 0.3 to 1.5.
+    """``time``, lambda: 1/shear rate at the onset of thinning; ``index``, n, of the power law, 0.3 to 1.5.
 
-    ``transition``, 1 to 4: how sharp the bend is. ``fraction_at_infinity``, 0 to 1: viscosity at infinite over that at
-    vanishing shear rate.
+    ``transition``, Yasuda's a, 1 to 4: how sharp the onset is. ``fraction_at_infinity``, 0 to 1: viscosity at infinite
+    over that at vanishing shear rate.
     """
 
     type: Literal["carreau_yasuda"] = "carreau_yasuda"

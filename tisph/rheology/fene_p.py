@@ -1,14 +1,14 @@
-"""FENE-P liquid: polymers are springs that cannot be stretched beyond a length (Peterlin's closure).
+"""FENE-P fluid: polymers are springs that cannot be stretched beyond a length (Peterlin's closure).
 
     dA/dt = L A + A L^T - (f A - 1)/relaxation_time,    S = eta_p/relaxation_time * (f A - 1)
-    f = (L2 - 3)/(L2 - tr A),    L2 = ``maximum_extension``
+    f = (L^2 - 3)/(L^2 - tr A),    L^2 = ``maximum_extension``
 
 with the conformation tensor A in three dimensions, A = 1 and f = 1 at rest, L_ab = du_a/dx_b and eta_p =
-(1 - solvent_fraction) eta; the solvent adds what a Newtonian liquid of the viscosity solvent_fraction * eta does, and
-eta, in ``fluid``, is the viscosity at vanishing shear rate. With C = A - 1 and f - 1 = tr C/(L2 - 3 - tr C),
+(1 - solvent_fraction) eta; the solvent adds what a Newtonian fluid of the viscosity solvent_fraction * eta does, and
+eta, in ``fluid``, is the viscosity at vanishing shear rate. With C = A - 1 and f - 1 = tr C/(L^2 - 3 - tr C),
 relaxation(C) = -(f C + (f - 1))/relaxation_time. C_zz, the stretch across the plane of the flow, follows with it.
 
-Shear thins; N2 is 0; the elongational viscosity is finite. With L2 -> infinity it is ``oldroyd_b``. Sources:
+Shear thins; N2 is 0; the elongational viscosity is finite. With L^2 -> infinity it is ``oldroyd_b``. Sources:
 R. B. Bird, P. J. Dotson and N. L. Johnson, J. Non-Newtonian Fluid Mech. 7 (1980) 213-235; L. E. Wedgewood and
 R. B. Bird, Ind. Eng. Chem. Res. 27 (1988) 1313-1320.
 """
@@ -22,7 +22,7 @@ from tisph.rheology import _polymer
 
 
 class Mode(_polymer.Mode):
-    """Relaxation time [time]; ``maximum_extension``: L2, the largest trace of A, which is 3 at rest (usual: 10 to 1e4).
+    """Relaxation time [time]; ``maximum_extension``: L^2, the largest trace of A, 3 at rest (usual: 10 to 1e4).
 
     It is the square of the longest over the root mean square length along one axis at rest.
     """

@@ -1,8 +1,8 @@
-"""Giesekus liquid: polymers that relax faster the more they are stretched, by a drag that is not the same all around.
+"""Giesekus fluid: polymers that relax faster the more they are stretched, by a drag that is not the same all around.
 
     S + relaxation_time * (dS/dt - L S - S L^T) + mobility * relaxation_time/eta_p * S S = eta_p (L + L^T)
 
-with L_ab = du_a/dx_b and eta_p = (1 - solvent_fraction) eta; the solvent adds what a Newtonian liquid of the viscosity
+with L_ab = du_a/dx_b and eta_p = (1 - solvent_fraction) eta; the solvent adds what a Newtonian fluid of the viscosity
 solvent_fraction * eta does, and eta, in ``fluid``, is the viscosity at vanishing shear rate. In the deviation C of the
 conformation tensor from rest, S = eta_p/relaxation_time * C and relaxation(C) = -(C + mobility C C)/relaxation_time.
 

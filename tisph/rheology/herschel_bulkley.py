@@ -1,4 +1,4 @@
-"""Herschel-Bulkley liquid: it hardly flows below a yield stress, and by a power law above it; regularised, no memory.
+"""Herschel-Bulkley fluid: it hardly flows below a yield stress, and by a power law above it; regularised, inelastic.
 
     viscosity = K g^(index - 1) + yield_stress (1 - exp(-m g))/g,    g^2 = rate^2 + (0.001/m)^2
 
@@ -6,7 +6,7 @@ with m = ``regularisation`` and rate^2 = 2 D:D = (du/dy)^2 in shear. The viscosi
 flowing part at ``reference_rate``, without the yield stress: K = eta * reference_rate^(1 - index), so that with index 1
 (Bingham) it is the plastic viscosity and the reference rate is of no account. Scales go by eta.
 
-m [time] is Papanastasiou's parameter. Nothing is rigid: where the stress is below the yield stress the liquid creeps,
+m [time] is Papanastasiou's parameter. Nothing is rigid: where the stress is below the yield stress the fluid creeps,
 as one of a viscosity of about yield_stress * m, with rates up to some 1/m. A plug is not quite flat, and its edge,
 where the stress passes the yield stress, is blurred by the rates between 1/m and a few times that; the larger m, the
 flatter and the sharper. The exponential leaves 1 % of the yield stress out at a rate of 4.6/m. The 0.001/m keeps

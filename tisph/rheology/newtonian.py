@@ -1,4 +1,4 @@
-"""Newtonian liquid: stress proportional to the rate of deformation, constant viscosity."""
+"""Newtonian fluid: stress proportional to the rate of deformation, constant viscosity."""
 
 from typing import ClassVar, Literal
 
@@ -13,7 +13,7 @@ class Parameters(Model):
     type: Literal["newtonian"] = "newtonian"
 
     def law(self, viscosity, density):
-        """Its ``Law``, for what serves liquids of any viscosity; arguments as of those (``_viscous.py``)."""
+        """Its ``Law``, for what serves fluids of any viscosity; arguments as of those (``_viscous.py``)."""
         return Law(viscosity)
 
 

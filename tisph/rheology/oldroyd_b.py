@@ -1,9 +1,9 @@
-"""Oldroyd-B liquid: a Newtonian solvent and a polymer stress that relaxes and is carried with the flow.
+"""Oldroyd-B fluid: a Newtonian solvent and a polymer stress that relaxes and is carried with the flow.
 
     S + relaxation_time * (dS/dt - L S - S L^T) = eta_p (L + L^T),    L_ab = du_a/dx_b,
 
 with the polymer's share eta_p = (1 - solvent_fraction) eta of the total dynamic viscosity eta; the solvent's
-eta_s = solvent_fraction * eta acts as in a Newtonian liquid (J. G. Oldroyd, Proc. R. Soc. Lond. A 200 (1950)
+eta_s = solvent_fraction * eta acts as in a Newtonian fluid (J. G. Oldroyd, Proc. R. Soc. Lond. A 200 (1950)
 523-541). S [mass/(length time^2)] is symmetric; d/dt follows a particle.
 """
 

@@ -1,10 +1,10 @@
-"""Phan-Thien-Tanner liquid: a network of polymers that falls apart the faster the more it is stretched.
+"""Phan-Thien-Tanner fluid: a network of polymers that falls apart the faster the more it is stretched.
 
     Y S + relaxation_time * (dS/dt - L S - S L^T) = eta_p (L + L^T),    z = extensibility * relaxation_time/eta_p * tr S
     Y = 1 + z (form ``linear``)  or  exp(z) (``exponential``)
 
-with L_ab = du_a/dx_b and eta_p = (1 - solvent_fraction) eta; the solvent adds what a Newtonian liquid of the viscosity
-solvent_fraction * eta does, and eta, in ``fluid``, is the viscosity at vanishing shear rate. It is the affine liquid,
+with L_ab = du_a/dx_b and eta_p = (1 - solvent_fraction) eta; the solvent adds what a Newtonian fluid of the viscosity
+solvent_fraction * eta does, and eta, in ``fluid``, is the viscosity at vanishing shear rate. It is the affine fluid,
 without slip between network and flow. In the deviation C of the conformation tensor from rest,
 S = eta_p/relaxation_time * C and relaxation(C) = -Y C/relaxation_time with z = extensibility * tr C.
 

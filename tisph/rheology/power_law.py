@@ -1,9 +1,9 @@
-"""Power-law liquid: a viscosity that falls or grows with a power of the shear rate, without memory.
+"""Power-law fluid: a viscosity that falls or grows with a power of the shear rate; inelastic.
 
     viscosity = eta * ((rate^2 + least_rate^2)/reference_rate^2)^((index - 1)/2),    rate^2 = 2 D:D = (du/dy)^2 in shear
 
 The viscosity eta in ``fluid`` is that at ``reference_rate``, so that the consistency is K = eta * reference_rate^(1 -
-index), and the shear stress K rate^index. Below ``least_rate`` the liquid is Newtonian: without that, its viscosity at
+index), and the shear stress K rate^index. Below ``least_rate`` the fluid is Newtonian: without that, its viscosity at
 rest would be infinite (index < 1) or 0 (index > 1). Scales (Reynolds number, viscous time) go by eta: take as the
 reference rate one that is typical of the flow. Source: R. B. Bird, R. C. Armstrong and O. Hassager, Dynamics of
 Polymeric Liquids 1 (2nd ed. 1987), section 4.1.

@@ -17,10 +17,10 @@ STEPS = {"fast": (3e-4, 1.5), "balanced": (3e-5, 0.7), "high": (3e-7, 0.5)}
 """Tolerance of a step, and its largest strain, by accuracy."""
 
 ELASTIC_STEPS = {"fast": (1e-4, 1.5), "balanced": (1e-5, 0.7), "high": (3e-7, 0.5)}
-"""The same in a liquid with memory, whose waves keep the errors of steps where viscosity would let them die away."""
+"""The same in a viscoelastic fluid, whose waves keep the errors of steps that viscosity would damp."""
 
-TURNING_STEPS = {"fast": (2e-5, 0.6), "balanced": (2e-6, 0.3), "high": (3e-7, 0.15)}
-"""Tolerance of a step, and its largest Courant number, where the flow turns."""
+TWO_DIMENSIONAL_STEPS = {"fast": (2e-5, 0.6), "balanced": (2e-6, 0.3), "high": (3e-7, 0.15)}
+"""Tolerance of a step, and its largest Courant number, in two-dimensional flow."""
 
 
 class Parameters(Model):
@@ -57,18 +57,18 @@ def _obstacle(config, implicit):
 def resolve(config):
     """Return the config with the scheme that this choice stands for, and the reason in words."""
     implicit = registry.load("schemes", "implicit")
-    turns = not config.parallel
-    obstacle = None if turns else _obstacle(config, implicit)
+    two_dimensional = not config.parallel
+    obstacle = None if two_dimensional else _obstacle(config, implicit)
     if obstacle:
         chosen = registry.load("schemes", "wcsph").Parameters()
         return config.model_copy(update={"scheme": chosen}), f"wcsph, since {obstacle}"
     elastic = config.fluid.rheology.carries_stress
-    table = TURNING_STEPS if turns else ELASTIC_STEPS if elastic else STEPS
+    table = TWO_DIMENSIONAL_STEPS if two_dimensional else ELASTIC_STEPS if elastic else STEPS
     tolerance, most = table[config.scheme.accuracy]
-    candidate = implicit.Parameters(**{"largest_courant" if turns else "largest_strain": most})
+    candidate = implicit.Parameters(**{"largest_courant" if two_dimensional else "largest_strain": most})
     given = config.time.tolerance
     time = config.time.model_copy(update={"tolerance": tolerance if given == "auto" else given})
-    limit = f"{'Courant number' if turns else 'strain'} {most:g}"
+    limit = f"{'Courant number' if two_dimensional else 'strain'} {most:g}"
     wanted = f"{config.scheme.accuracy} accuracy, tolerance {time.tolerance:g} and {limit} a step"
     if config.singular:
         wanted = f"{config.scheme.accuracy} accuracy, steps of {limit}"

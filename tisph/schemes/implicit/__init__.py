@@ -114,10 +114,10 @@ def _problems_without_walls(config):
         )
         yield "discretisation.particles_across", text
     if "walls" in config.members:
-        text = f"implicit has no {config.walls.treatment.type} walls where the flow turns"
+        text = f"implicit has no {config.walls.treatment.type} walls in two-dimensional flow"
         yield "walls.treatment.type", f"{text}, but closes its operators itself: leave treatment out, or take wcsph"
     if config.scheme.type == "implicit" and config.scheme.operators.order != 4:
-        yield "scheme.operators.order", "must be 4 where the flow turns"
+        yield "scheme.operators.order", "must be 4 in two-dimensional flow"
 
 
 def estimates(config, scene):

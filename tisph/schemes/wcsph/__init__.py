@@ -50,7 +50,7 @@ def problems(config):
         text = f"{config.fluid.rheology.type} needs the velocity gradient of the consistent operators"
         yield "scheme.operators", f"{text}: give consistent, or fluid.rheology {{type: newtonian}}"
     if config.fluid.rheology.carries_stress and not config.parallel:
-        text = f"wcsph has no {config.fluid.rheology.type} liquid where the flow turns"
+        text = f"wcsph has no {config.fluid.rheology.type} fluid in two-dimensional flow"
         yield "scheme.type", f"{text}; take implicit, or fluid.rheology {{type: newtonian}}"
     if not any(config.periodic):
         yield from _problems_around_bodies(config)

@@ -16,13 +16,12 @@ from typing import TYPE_CHECKING, Any
 
 from tisph import clock as _clock  # noqa: F401 (the process begins here)
 from tisph import errors as errors
+from tisph.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from tisph.interface import check, run
     from tisph.results import Results
     from tisph.results import open_run as open
-
-__version__ = "0.1.0"
 
 __all__ = ["Results", "check", "open", "run"]
 

@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from tisph import __version__
 from tisph.cli import (
     bench,
     check,
@@ -24,6 +23,7 @@ from tisph.cli import (
     verify,
 )
 from tisph.cli.outcome import reported
+from tisph.version import __version__
 
 HELP = """Laminar, wall-bounded flow by smoothed particles: a YAML file describes a run, one command runs it.
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from tisph import __version__
+from tisph.version import __version__
 
 
 @dataclass(frozen=True)

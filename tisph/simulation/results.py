@@ -8,8 +8,8 @@ import sys
 from importlib import metadata
 from pathlib import Path
 
-from tisph import __version__
 from tisph.observers._files import replaced
+from tisph.version import __version__
 
 
 def write_summary(path, summary):

@@ -9,7 +9,6 @@ from pathlib import Path
 from filelock import Timeout
 from ruamel.yaml import YAML
 
-import tisph
 from tisph.errors import ConfigError
 from tisph.folder import held
 from tisph.studies.processes import POLL_SECONDS, Process, read_result, run_side_by_side
@@ -111,7 +110,7 @@ class Store:
 
 def fingerprint():
     """Hash of the source files on which the numbers of a run depend."""
-    root = Path(tisph.__file__).parent
+    root = Path(__file__).parents[1]
     paths = [path for path in root.rglob("*.py") if not path.relative_to(root).as_posix().startswith(WITHOUT_EFFECT)]
     digest = hashlib.sha256()
     for path in sorted(paths):

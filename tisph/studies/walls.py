@@ -10,7 +10,6 @@ import platform
 from contextlib import closing
 from pathlib import Path
 
-import tisph
 from tisph import registry
 from tisph.studies import walls_cases as walls
 from tisph.studies import walls_table
@@ -18,6 +17,7 @@ from tisph.studies.engine import Engine
 from tisph.studies.store import Store, claimed
 from tisph.studies.walls_picture import plot_walls
 from tisph.text_table import format_header, format_row
+from tisph.version import __version__
 
 PICTURE = "verify_walls.png"
 NUMBERS = "walls.json"
@@ -85,7 +85,7 @@ def _conclude(folder, rows, columns, extent):
     """Print what follows from the rows, write numbers and picture; True if there is a recommendation."""
     found = walls.standings(rows, extent.measured_at)
     name = walls.recommended(found)
-    numbers = {**walls.as_data(rows, extent.measured_at), "version": tisph.__version__, "platform": platform.platform()}
+    numbers = {**walls.as_data(rows, extent.measured_at), "version": __version__, "platform": platform.platform()}
     (folder / NUMBERS).write_text(json.dumps(numbers, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     plot_walls(folder / PICTURE, rows)
     texts = [

@@ -8,9 +8,9 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tisph import __version__
 from tisph.results.page import tables
 from tisph.results.page.view import View, element
+from tisph.version import __version__
 
 if TYPE_CHECKING:
     from jinja2 import Environment

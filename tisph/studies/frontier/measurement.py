@@ -13,7 +13,6 @@ from statistics import median
 
 from rich.console import Console
 
-import tisph
 from tisph.errors import TisphError
 from tisph.studies.frontier import peers
 from tisph.studies.frontier.cases import BENCHMARKS, points
@@ -28,6 +27,7 @@ from tisph.studies.frontier.pareto import Measured, pareto_front
 from tisph.studies.frontier.picture import plot_frontier
 from tisph.studies.store import Store
 from tisph.text_table import format_header, format_row
+from tisph.version import __version__
 
 HEADER = ("flow", "method", "across", "threads", "steps", "error", "loop [s]", "process [s]", "front")
 WIDTHS = (25, 6, 7, 5, 7, 26, 23, 5)
@@ -141,5 +141,5 @@ def machine():
         "processor": names[0] if names else platform.processor() or platform.machine(),
         "cores": os.cpu_count(),
         "platform": platform.platform(),
-        "version": tisph.__version__,
+        "version": __version__,
     }

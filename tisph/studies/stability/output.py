@@ -6,13 +6,13 @@ import platform
 import time
 from datetime import datetime
 
-import tisph
 from tisph.observers._files import replaced
 from tisph.studies.engine import START_SECONDS
 from tisph.studies.stability import limits, maps
 from tisph.studies.stability.judge import VERDICTS
 from tisph.studies.stability.picture import plot_maps
 from tisph.text_table import format_header, format_row
+from tisph.version import __version__
 
 NUMBERS_JUDGED = {
     "error": ("error", "{:.1e}", 7),
@@ -83,7 +83,7 @@ class Output:
         numbers = {
             "complete": len(self.rows) == len(self.plans),
             "written": datetime.now().astimezone().isoformat(timespec="seconds"),
-            "version": tisph.__version__,
+            "version": __version__,
             "platform": platform.platform(),
             "cores": os.cpu_count(),
             "processes": self.engine.processes,

@@ -4,9 +4,8 @@ import numpy as np
 
 from tisph import config, schemes
 from tisph.scenes.channel import Channel
-from tisph.schemes._forecast.elastic_rows import ElasticRows
-from tisph.schemes._forecast.implicit_rows import Rows
-from tisph.schemes.implicit._scheme import control
+from tisph.schemes._error_estimate.implicit_layers import ImplicitLayers
+from tisph.schemes.implicit._settings import control
 
 IMPLICIT = ("scheme={type: implicit}", "time.tolerance=1.0e-5")
 
@@ -41,9 +40,14 @@ def channel_of(folder, text, overrides):
     return settings, Channel.from_config(settings)
 
 
-def rows(settings, channel):
-    """The rows of the lattice at the end."""
-    kind = ElasticRows if channel.polymer or channel.driven_side is not None else Rows
-    found = kind(settings, channel, control(settings, channel, sorted({*settings.time.samples, settings.time.end})))
+def start_of_layers(settings, channel):
+    """The layers of the lattice at the start."""
+    targets = sorted({*settings.time.samples, settings.time.end})
+    return ImplicitLayers(settings, channel, control(settings, channel, targets))
+
+
+def layers(settings, channel):
+    """The layers of the lattice at the end."""
+    found = start_of_layers(settings, channel)
     found.run_to(settings.time.end)
     return found

@@ -14,7 +14,7 @@ from tisph import config, registry, simulation
 from tisph.cli import check
 from tisph.folder import Folder
 from tisph.observers.history import read_history
-from tisph.schemes._forecast import Forecast
+from tisph.schemes._error_estimate import SampleEstimate
 from tisph.snapshot import Snapshot
 
 CASE = """
@@ -73,7 +73,7 @@ class Carried:
 
 
 def estimates(settings, scene):
-    sample = Forecast(t=0.2, steps=STEPS, l2=None, rms=None)
+    sample = SampleEstimate(t=0.2, steps=STEPS, l2=None, rms=None)
     numbers = {"mach": 0.0, "sound_speed": None, "time_step": 0.02, "binding_limit": "cfl"}
     return {**numbers, "steps": STEPS, "run_time": 1.0, "lost": False, "samples": [sample]}
 
@@ -92,7 +92,12 @@ def settings(tmp_path, monkeypatch):
 def test_check_says_what_the_flow_is(settings, tmp_path, capsys):
     check.check(str(tmp_path / "case.yaml"), None)
     text = capsys.readouterr().out
-    for part in ("valid (taylor_green, wcsph)", "100  (U L / nu)", "(12 across, 24 along)", "no estimate of the error"):
+    for part in (
+        "valid (taylor_green, wcsph)",
+        "100  (U L / nu)",
+        "(12 across, 24 along)",
+        "the error is not predicted",
+    ):
         assert part in text
 
 

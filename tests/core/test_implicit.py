@@ -21,7 +21,7 @@ def test_particles_around_a_place_are_those_of_a_snapshot_there(make):
     scheme = make(jitter=0.2)
     for _ in range(3):
         scheme.advance()
-    times = scheme.time - np.array([0.75, 0.25, 0.0]) * scheme.dense.length
+    times = scheme.time - np.array([0.75, 0.25, 0.0]) * scheme.dense.dt
     x, length = np.array([0.3, 0.6, 0.0]), scheme.channel.length
     when, place, y, u = scheme.around(times, x, 0.1)
     for index, t in enumerate(times):
@@ -76,14 +76,14 @@ def test_a_restart_gives_the_bits_of_going_on(make, tmp_path, overrides):
 # --- linear systems
 
 
-@pytest.mark.parametrize(("jitter", "alike"), [(0.0, True), (1e-6, False)])
-def test_on_a_sheared_lattice_the_rows_solve_the_systems_and_off_it_particles_do(make, jitter, alike):
+@pytest.mark.parametrize(("jitter", "identical"), [(0.0, True), (1e-6, False)])
+def test_on_a_sheared_lattice_the_layers_solve_the_systems_and_off_it_particles_do(make, jitter, identical):
     scheme = make(f"initial.jitter={jitter}", "time.end=1.0")
     solve, counts = scheme.solver.solve, []
     scheme.solver.solve = lambda *numbers: (solve(*numbers), counts.append(scheme.solver.iterations))[0]
     run(scheme)
-    assert scheme.solver.coarse.alike == alike
-    assert (max(counts) == 0) == alike  # to rounding of the operators, over a tolerance of 1e-7 of the right side
+    assert scheme.solver.coarse.layers_identical == identical
+    assert (max(counts) == 0) == identical  # to rounding of the operators, over a tolerance of 1e-7 of the right side
 
 
 # --- volume
@@ -93,7 +93,7 @@ def test_no_volume_is_counted_before_derivatives_mean_something(make):
     """Re = 1000, 12 across: truncation errors of the layer while it is thinner than two spacings made 5.8e-3 of it."""
     scheme = make("fluid.kinematic_viscosity=5e-4", "initial.jitter=0.3", f"time.end={5 / 144 / 5e-4}")
     run(scheme)
-    assert 2.0 < scheme.depth < 2.5
+    assert 2.0 < scheme.layer_thickness < 2.5
     assert 0.0 < np.abs(scheme.snapshot().density - 1.0).max() < 1e-3
 
 

@@ -13,8 +13,8 @@ from scipy.optimize import brentq
 
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import view
+from tisph.schemes._stages.esdirk import B_HAT, GAMMA, A, B
 from tisph.schemes._step_control import SAFETY
-from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, WEIGHTS
 
 NU, ROWS = 0.01, 12
 HEIGHTS = (np.arange(ROWS) + 0.5) / ROWS
@@ -79,12 +79,12 @@ def parts(profile):
 
 def stages(z):
     """Rates (4,) of the stages of one step of y' = z y from y = 1, times its length."""
-    return z * np.linalg.solve(np.eye(4) - z * np.array(STAGES), np.ones(4))
+    return z * np.linalg.solve(np.eye(4) - z * np.array(A), np.ones(4))
 
 
 def growth(z):
     """Factor by which one step of y' = z y grows."""
-    return 1.0 + np.array(WEIGHTS) @ stages(z)
+    return 1.0 + np.array(B) @ stages(z)
 
 
 @pytest.fixture(scope="module")
@@ -162,7 +162,7 @@ def test_the_error_estimate_of_a_step_is_that_of_the_embedded_method(make, modes
     mode, tolerance = 3, 1e-4
     first = 0.25 / ROWS**2 / NU
     z = values[mode - 1] * NU * first
-    error = abs((np.array(WEIGHTS) - np.array(EMBEDDED)) @ stages(z)) / (1 - GAMMA * z)
+    error = abs((np.array(B) - np.array(B_HAT)) @ stages(z)) / (1 - GAMMA * z)
     rms = np.sqrt((MODES[mode - 1] ** 2).mean())
     scheme = make(
         f"walls.top.velocity={SLOW}",

@@ -294,6 +294,6 @@ def test_the_same_bits_on_one_thread_and_on_two(make):
         scheme = make(*IMPLICIT, "discretisation.particles_across=25", f"runtime.threads={threads}", jitter=0.2)
         for _ in range(6):
             scheme.advance()
-        states.append([active(scheme.motion.position).copy(), active(scheme.viscous.velocity).copy(), scheme.time])
+        states.append([active(scheme.motion.position).copy(), active(scheme.stepper.velocity).copy(), scheme.time])
     for one, two in zip(*states, strict=True):
         assert np.array_equal(one, two)

@@ -1,16 +1,14 @@
-"""Walls whose velocity is given at some times, scheme implicit: against the reference, on rows and on particles."""
+"""Walls whose velocity is given at some times, scheme implicit: against the reference, on layers and on particles."""
 
 import numpy as np
 import pytest
-from implicit_case import channel_of, rows, run
+from implicit_case import channel_of, layers, run, start_of_layers
 from oracles import oldroyd_b
 
 from tisph import registry, runtime
 from tisph.measures.wall_shear import _slope
-from tisph.schemes._forecast.elastic_rows import ElasticRows
-from tisph.schemes.implicit._elastic_stages import Flow
-from tisph.schemes.implicit._scheme import control
-from tisph.schemes.implicit._walls import WallSeries
+from tisph.schemes._stages.stages import FlowState
+from tisph.schemes._stages.walls import PrescribedWall
 from tisph.simulation.run import start_values
 
 CASE = """
@@ -44,54 +42,52 @@ def error(found, channel):
 @pytest.mark.parametrize("shape", [[], [TRIANGLE]], ids=["pulse", "triangle"])
 def test_steps_end_where_the_velocity_has_a_kink(case, shape):
     settings, channel = case(*shape)
-    found = rows(settings, channel)
+    found = layers(settings, channel)
     assert found.control.changes == list(channel.top.changes)
-    assert error(found, channel) < 1e-4  # of 12 rows; measured: 2.6e-5 and 1.1e-5
+    assert error(found, channel) < 1e-4  # of 12 layers; measured: 2.6e-5 and 1.1e-5
 
 
 # measured: 35 and 2.3
 @pytest.mark.parametrize(("shape", "worse"), [([], 20.0), ([TRIANGLE], 2.0)], ids=["pulse", "triangle"])
-def test_the_kick_at_a_kink_makes_the_order(case, monkeypatch, shape, worse):
+def test_the_impulse_at_a_kink_makes_the_order(case, monkeypatch, shape, worse):
     fine = ["discretisation.particles_across=24", *shape]
-    coarse, finer = (error(*rows_of(case, *overrides)) for overrides in (shape, fine))
+    coarse, finer = (error(*layers_of(case, *overrides)) for overrides in (shape, fine))
     assert coarse > 2.0**3.5 * finer  # measured: 2^4.2, with steps that err by 1e-6
-    monkeypatch.setattr(WallSeries, "_later_jumps", lambda *_: [[0.0, 0.0], [0.0, 0.0]])
-    assert error(*rows_of(case, *shape)) > worse * coarse
+    monkeypatch.setattr(PrescribedWall, "later_jumps", lambda *_: (0.0, 0.0))
+    assert error(*layers_of(case, *shape)) > worse * coarse
 
 
-def rows_of(case, *overrides):
+def layers_of(case, *overrides):
     settings, channel = case(*overrides)
-    return rows(settings, channel), channel
+    return layers(settings, channel), channel
 
 
-def test_stress_is_kicked_with_the_velocity(case):
-    found, channel = rows_of(case, OLDROYD_B)
-    assert isinstance(found, ElasticRows)
+def test_an_impulse_changes_the_stress_with_the_velocity(case):
+    found, channel = layers_of(case, OLDROYD_B)
     # linear in velocity and shear stress: a wall that stops is the difference of two that start
-    liquid = oldroyd_b.Fluid(density=2.0, solvent_viscosity=0.2, polymer_viscosity=0.8, relaxation_time=1.0)
-    numbers = {"fluid": liquid, "flow": oldroyd_b.Flow(1.0, 0.0, 1.0, 0.0), "before": None}
-    stress = channel.density * found.stages.memory.shear_stress(found.flow.state, None)
+    fluid = oldroyd_b.Fluid(density=2.0, solvent_viscosity=0.2, polymer_viscosity=0.8, relaxation_time=1.0)
+    numbers = {"fluid": fluid, "flow": oldroyd_b.Flow(1.0, 0.0, 1.0, 0.0), "before": None}
+    stress = channel.density * found.stages.model.shear_stress(found.flow.state, None)
     for mine, profile in ((found.velocity, oldroyd_b.velocity), (stress, oldroyd_b.shear_stress)):
         since_start, since_stop = (profile(found.heights, t, **numbers) for t in (0.3, 0.1))
         wrong = np.linalg.norm(mine - (since_start - since_stop))
-        assert wrong < 1e-2 * np.linalg.norm(since_start)  # of 12 rows a layer after the stop; measured: 2.7e-3, 6.4e-3
+        assert wrong < 1e-2 * np.linalg.norm(since_start)  # of 12 layers; measured: 2.7e-3, 6.4e-3
 
 
 def test_the_error_of_a_step_is_what_its_last_stage_makes_of_the_defects(case):
     # Oldroyd-B: shear stress and velocity of a stage are linear in what it starts from
-    found, channel = rows_of(case, OLDROYD_B)
-    stages, flow, implicit, random = found.stages, found.flow, 0.02, np.random.default_rng(0)
+    found, channel = layers_of(case, OLDROYD_B)
+    stages, flow, gamma_dt, random = found.stages, found.flow, 0.02, np.random.default_rng(0)
     defects = random.normal(size=12), np.zeros_like(flow.state)
     defects[1][1] = random.normal(size=12)
     ends = []
     for share in (0.0, 1.0):
-        known, known_state = (
-            value + share * defect for value, defect in zip((flow.velocity, flow.state), defects, strict=True)
-        )
-        ends.append(stages.solved(known, known_state, known, known_state, found.time, implicit, 1e-12)[0])
-    (velocity, state, rate, stress, slope), (velocity_2, _, _, stress_2, _) = ends
-    stated = stages.error(Flow(velocity, state, rate), implicit, slope, *defects)
-    differences = np.stack([velocity_2 - velocity, (stress_2 - stress) * channel.gap / channel.kinematic_viscosity])
+        known = FlowState(flow.velocity + share * defects[0], flow.state + share * defects[1])
+        ends.append(stages.solve_stage(3, found.time, known, known, gamma_dt, 1e-12)[0])
+    one, other = ends
+    stated = stages.error(one, gamma_dt, *defects)
+    stress = (other.stress - one.stress) * channel.gap / channel.kinematic_viscosity
+    differences = np.stack([other.velocity - one.velocity, stress])
     assert stated == pytest.approx(np.sqrt(np.mean(differences**2, axis=1).sum()), rel=1e-6)
 
 
@@ -99,8 +95,8 @@ def test_a_small_step_strain_shows_the_relaxation_modulus(case):
     # in a gap so narrow that momentum crosses it in 1e-3 of the relaxation time, 1
     step = "walls.top={times: [0.0, 0.05, 0.05], velocities: [0.02, 0.02, 0.0]}"
     narrow = ["geometry={gap: 0.01, length: 0.01}", "time={end: 0.5, tolerance: 1e-5}"]
-    found, channel = rows_of(case, OLDROYD_B, step, *narrow)
-    stress = channel.density * found.stages.memory.shear_stress(found.flow.state, None)
+    found, channel = layers_of(case, OLDROYD_B, step, *narrow)
+    stress = channel.density * found.stages.model.shear_stress(found.flow.state, None)
     stress += channel.density * channel.solvent_viscosity * found.flow.shear_rate
     middle, half = 0.025, 0.025  # of the ramp, over which exp(-t) has the mean exp(-middle) sinh(half)/half
     modulus = 0.8 * np.exp(middle - 0.5) * np.sinh(half) / half
@@ -109,7 +105,7 @@ def test_a_small_step_strain_shows_the_relaxation_modulus(case):
 
 def test_a_slow_ramp_shows_the_viscosity_and_a_third_of_the_inertia(case):
     ramp = "walls.top={times: [0.0, 10.0], velocities: [0.0, 1.0]}"
-    found, channel = rows_of(case, "geometry={gap: 0.5, length: 0.5}", ramp, "time={end: 5.0}")
+    found, channel = layers_of(case, "geometry={gap: 0.5, length: 0.5}", ramp, "time={end: 5.0}")
     slope = _slope(channel, 0.5 - found.heights, 0.5 - found.velocity)
     # u = a t y/gap + a/(6 nu gap) (y^3 - gap^2 y) after the start: a cubic, for which the operators are exact
     assert channel.dynamic_viscosity * slope == pytest.approx(1.0 + 2.0 * 0.1 * 0.5 / 3.0, rel=1e-9)
@@ -118,24 +114,24 @@ def test_a_slow_ramp_shows_the_viscosity_and_a_third_of_the_inertia(case):
 def test_a_stress_may_drive_the_other_wall(case):
     plate = "walls.bottom={times: [0.0, 0.15], stresses: [0.5, 0.0]}"
     settings, channel = case(plate, "walls.top={times: [0.0, 0.2], velocities: [0.0, 1.0]}")
-    found = ElasticRows(settings, channel, control(settings, channel, [settings.time.end]))
+    found = start_of_layers(settings, channel)
     found.run_to(settings.time.end)
     assert found.control.changes == [0.15, 0.2]
     assert error(found, channel) < 3e-5  # measured: 6.4e-6
 
 
 def test_either_wall_may_be_the_one(case):
-    one, other = rows_of(case, TRIANGLE)[0], rows_of(case, UPSIDE_DOWN)[0]
+    one, other = layers_of(case, TRIANGLE)[0], layers_of(case, UPSIDE_DOWN)[0]
     assert np.abs(one.velocity - other.velocity[::-1]).max() < 1e-14
 
 
 @pytest.mark.parametrize(
     "liquid", [[], pytest.param([OLDROYD_B], marks=pytest.mark.slow)], ids=["newtonian", "oldroyd_b"]
 )
-def test_particles_do_what_rows_do(case, liquid):
+def test_particles_do_what_layers_do(case, liquid):
     slow = ["walls.top.velocities=[1e-6, 1e-6, 0.0]", *liquid]  # nothing moves noticeably
     settings, channel = case(*slow)
-    found = rows(settings, channel)
+    found = layers(settings, channel)
     runtime.start("f64", 1)
     scheme = registry.load("schemes", "implicit").build(settings, channel, [settings.time.end], True)
     scheme.start(*start_values(channel, settings.initial))

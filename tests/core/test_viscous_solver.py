@@ -135,15 +135,9 @@ def test_particles_get_from_the_nodes_by_the_weights_by_which_they_gave(lattice)
 
 def laplacian_of(scheme):
     """The rows of the Laplacian as a square matrix, ghosts having minus what they mirror: from products with units."""
-    solver, viscous, fluid = scheme.solver, scheme.viscous, scheme.points.fluid
-    columns = []
-    for i in range(fluid):
-        active(viscous.velocity)[0] = np.arange(fluid) == i
-        active(viscous.source)[:] = 0.0
-        viscous.begin(0)
-        columns.append(active(viscous.start_rate)[0] / float(view(viscous.viscosity)))
-    assert solver.parity == -1.0
-    return np.stack(columns, 1)
+    operators = scheme.stepper.closed_operators
+    assert scheme.solver.parity == -1.0
+    return np.stack([operators.laplacian(unit) for unit in np.eye(scheme.points.fluid)], 1)
 
 
 @pytest.mark.parametrize("overrides", [(), ("walls.treatment.type=virtual_image",)], ids=["mirrored", "virtual"])

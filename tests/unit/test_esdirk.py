@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from tisph.schemes.implicit._esdirk import EMBEDDED, GAMMA, STAGES, TIMES, WEIGHTS, guesses
+from tisph.schemes._stages import esdirk
+from tisph.schemes._stages.esdirk import GAMMA
 
-A, B, C, EMBEDDED_B = (np.array(numbers) for numbers in (STAGES, WEIGHTS, TIMES, EMBEDDED))
+A, B, C, B_HAT = (np.array(numbers) for numbers in (esdirk.A, esdirk.B, esdirk.C, esdirk.B_HAT))
 
 ROUNDING = 1e-14  # fractions of 13 digits each carry about 25; what is left is the rounding of sums of four terms
 
@@ -40,13 +41,13 @@ def test_order_conditions_up_to_three(order, vector, value):
 
 @pytest.mark.parametrize(("order", "vector", "value"), CONDITIONS[:2], ids=["1", "c"])
 def test_order_conditions_of_the_embedded_result_up_to_two(order, vector, value):
-    assert pytest.approx(value, rel=0, abs=ROUNDING) == EMBEDDED_B @ vector
+    assert pytest.approx(value, rel=0, abs=ROUNDING) == B_HAT @ vector
 
 
 @pytest.mark.parametrize(("order", "vector", "value"), CONDITIONS[2:], ids=["c^2", "A c"])
 def test_the_embedded_result_misses_third_order(order, vector, value):
     # or the difference of the two results would not estimate the error
-    assert abs(EMBEDDED_B @ vector - value) > 1e-3
+    assert abs(B_HAT @ vector - value) > 1e-3
 
 
 def test_the_last_stage_is_the_result():
@@ -78,8 +79,8 @@ def test_growth_follows_the_exponential_to_third_order():
     assert errors[0] / errors[1] == pytest.approx(16, rel=0.1)
 
 
-def test_a_stage_is_guessed_from_the_polynomial_of_the_rates_before_it():
-    weights = guesses()
+def test_a_stage_is_predicted_from_the_polynomial_of_the_rates_before_it():
+    weights = esdirk.stage_predictors()
     assert not np.triu(weights).any()
     for stage in range(1, 4):
         for power in range(stage):

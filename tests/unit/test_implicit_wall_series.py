@@ -1,4 +1,4 @@
-"""What the walls prescribe to images: twice the even part of the Taylor series of the velocity at a wall."""
+"""What walls prescribe to images: twice the even part of the Taylor series of the velocity at a wall."""
 
 from types import SimpleNamespace
 
@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from tisph.geometry.motion import WallMotion
-from tisph.schemes.implicit._elastic_walls import ElasticWalls
-from tisph.schemes.implicit._walls import WallSeries
+from tisph.schemes._stages.walls import CoupledWall, PrescribedWall
 
 NU, FREQUENCY, TIME = 0.02, 3.0, 0.7
 SWINGING, STILL = WallMotion(1.0, 0.5, FREQUENCY), WallMotion(0.0)
@@ -27,15 +26,16 @@ def even_part(depth):
 def test_the_series_is_that_of_the_layer_at_a_swinging_wall():
     errors = []
     for depth in (0.02, 0.01):
-        found = np.polyval(WallSeries(channel(), "consistent_image")(TIME)[0][::-1], depth**2)
+        found = np.polyval(PrescribedWall(channel(), 0, True).series_at(TIME)[::-1], depth**2)
         errors.append(abs(found - even_part(depth)))
     # what the series leaves is of the sixth power of the depth: 64, less the eighth's part of some per cent
     assert errors[0] / errors[1] == pytest.approx(64.0, rel=0.05)
 
 
 def test_with_polymer_the_derivatives_at_the_wall_are_those_of_a_taylor_series():
-    walls = SimpleNamespace(walls=(SWINGING, STILL))
+    wall = SimpleNamespace(obeys_momentum=True, series=[], stress_series=[])
     second, fourth, depth = 3.0, -40.0, 0.1
-    found = ElasticWalls.series(walls, 0, (0.0, 0.0, second, fourth), TIME)
+    CoupledWall.prescribe(wall, SWINGING.velocity(TIME), 0.0, 0.0, second, fourth, 0.0, 0.0)
+    (found,) = wall.series
     exact = 2.0 * (SWINGING.velocity(TIME) + second * depth**2 / 2.0 + fourth * depth**4 / 24.0)
     assert np.polyval(found[::-1], depth**2) == pytest.approx(exact, rel=1e-14)

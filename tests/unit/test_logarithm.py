@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import expm, expm_frechet
 
 from tisph import registry
-from tisph.schemes._pointwise import SMALL, eliminate, matrix
+from tisph.schemes._local_newton import SMALL, eliminate, matrix
 from tisph.schemes._splitting._logarithm import deviation, logarithm, rate
 
 LAWS = {

@@ -9,12 +9,18 @@ import typer
 from tisph.cli.options import ConfigFile, Overrides
 from tisph.errors import ConfigError
 from tisph.measures.resolution import resolution
-from tisph.schemes._limits import DISORDERED_OF_ORDER_2, DISORDERED_SOLVENT, RESOLVED, STIFF
+from tisph.schemes._limits import (
+    DISORDERED_CELL_RE_OF_ORDER_2,
+    DISORDERED_SOLVENT_CELL_RE,
+    STABLE_CELL_RE,
+    STIFF_POLYMER,
+    polymer_stiffness,
+)
 
 HIGHEST_MACH = 0.1
 """Density varies by about Mach^2: above this the fluid is no longer nearly incompressible."""
 
-HIGHEST_CELL_REYNOLDS = {"wcsph": RESOLVED, "implicit": 400.0}
+HIGHEST_CELL_REYNOLDS = {"wcsph": STABLE_CELL_RE, "implicit": 400.0}
 """Cell Reynolds number U spacing / nu up to which disordered runs of the stability matrix are stable, by scheme. With
 the explicit one they vary in density at 125 and lose the start of the flow at 400; the implicit one is stopped at 1250.
 """
@@ -107,7 +113,11 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
     length, time = config.units.length, config.units.time
     largest = "" if numbers["sound_speed"] else "at most "
     step = f"{largest}{numbers['time_step']:.4g} {time}, set by the {numbers['binding_limit']} limit"
-    guessed = "" if numbers["samples"][-1].known else "; a guess: how the particles will flow is not known beforehand"
+    guessed = (
+        ""
+        if numbers["samples"][-1].steps_reliable
+        else "; a guess: how the particles will flow is not known beforehand"
+    )
     number = (
         f"{config.rows} across, {config.columns} along" if any(config.periodic) else f"{config.particles_across} across"
     )
@@ -128,18 +138,18 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def _sample_lines(scene: Any, samples: Sequence[Any]) -> Iterator[tuple[str, str]]:
-    """Of every sample, a ``Forecast``, whether it is resolved, and its steps and error as far as they are known."""
+    """Of every ``SampleEstimate`` whether the sample is resolved, and steps and error as far as they are known."""
     for sample in samples:
         resolved, reason = resolution(scene, sample.t)
         state = "resolved" if resolved else f"not resolved: {reason}"
-        steps = f"{sample.steps} steps, " if sample.known else ""
+        steps = f"{sample.steps} steps, " if sample.steps_reliable else ""
         text = f"{state}{', ' if resolved else '; '}{steps}{_error_text(sample)}"
         yield f"at t = {sample.t:g} {scene.units.time}", text
 
 
 def _error_text(sample: Any) -> str:
     if sample.rms is None:
-        return "no estimate of the error"
+        return "the error is not predicted (tisph run --estimate-error finds it)"
     word = "at most" if sample.at_most else "about"
     if sample.l2 is None:
         return f"rms error {word} {sample.rms:.0e} U (estimate)"
@@ -161,7 +171,7 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
     if numbers["sound_speed"] and not scene.parallel:
         highest = HIGHEST_CELL_REYNOLDS_2D
     if scene.polymer:
-        highest = DISORDERED_SOLVENT
+        highest = DISORDERED_SOLVENT_CELL_RE
     if numbers["cell_reynolds"] > highest:
         enough = math.ceil(config.particles_across * numbers["cell_reynolds"] / highest)
         yield (
@@ -169,8 +179,9 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
             f"disordered particles may break up: give {enough} particles across or more"
         )
     order_2 = config.scheme.type == "implicit" and config.scheme.operators.order == 2
-    if order_2 and config.initial.jitter and numbers["cell_reynolds"] > DISORDERED_OF_ORDER_2:
-        yield f"above a cell Reynolds number of {DISORDERED_OF_ORDER_2:g} order 2 may fail in disorder: take order 4"
+    if order_2 and config.initial.jitter and numbers["cell_reynolds"] > DISORDERED_CELL_RE_OF_ORDER_2:
+        highest = DISORDERED_CELL_RE_OF_ORDER_2
+        yield f"above a cell Reynolds number of {highest:g} order 2 may fail for disordered particles: take order 4"
     if not numbers["sound_speed"]:
         yield from _stiff(config, scene)
     if numbers["sound_speed"] and scene.polymer and scene.polymer.solvent_fraction < LEAST_SOLVENT_FRACTION:
@@ -184,11 +195,9 @@ def _stiff(config: Any, scene: Any) -> Iterator[str]:
     """Warning of an impulsive start where polymer relaxes before the layer of the solvent is a spacing thick."""
     if not scene.parallel or not scene.polymer or not any(scene.wall_jumps):
         return
-    from tisph.schemes._forecast.beyond import stiffness
-
-    number = stiffness(config, scene)
-    if number > STIFF:
-        enough = math.ceil(config.particles_across * math.sqrt(number / STIFF))
+    number = polymer_stiffness(config, scene)
+    if number > STIFF_POLYMER:
+        enough = math.ceil(config.particles_across * math.sqrt(number / STIFF_POLYMER))
         yield (
             "the polymer stress grows at an impulsively started wall before the layer of the solvent is one spacing "
             "thick; errors of disordered particles last until it is many spacings thick: "

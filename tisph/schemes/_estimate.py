@@ -4,8 +4,7 @@ import itertools
 import math
 
 from tisph.equation_of_state import sound_speed
-from tisph.schemes import _forecast
-from tisph.schemes._forecast import beyond
+from tisph.schemes import _error_estimate, _limits
 from tisph.schemes._plan import steps_between
 from tisph.schemes._time_step import effective_viscosity, time_step_limits
 
@@ -47,21 +46,21 @@ def explicit(config, channel):
         "binding_limit": binding,
         "steps": steps,
         "run_time": channel.particles * steps * EXPLICIT_COST,
-        "lost": channel.parallel and beyond.lost(config, channel),
-        "samples": _forecast.explicit(config, channel, limits[binding]),
+        "lost": channel.parallel and _limits.profile_lost(config, channel),
+        "samples": _error_estimate.explicit(config, channel, limits[binding]),
     }
 
 
 def implicit(config, channel, control):
     """Return the numbers of a run of scheme ``implicit``, with the ``control`` of its steps."""
-    samples, rows = _forecast.implicit(config, channel, control)
+    samples, layers = _error_estimate.implicit(config, channel, control)
     return {
         "mach": 0.0,
         "sound_speed": None,
-        "time_step": rows.longest,
-        "binding_limit": "cfl" if control.fixed else "strain" if rows.strained else "accuracy",
-        "steps": rows.steps,
-        "run_time": rows.steps * (IMPLICIT_OVERHEAD + channel.rows * channel.columns * IMPLICIT_COST),
+        "time_step": layers.longest,
+        "binding_limit": "cfl" if control.fixed else "strain" if layers.strained else "accuracy",
+        "steps": layers.steps,
+        "run_time": layers.steps * (IMPLICIT_OVERHEAD + channel.rows * channel.columns * IMPLICIT_COST),
         "lost": False,
         "samples": samples,
     }

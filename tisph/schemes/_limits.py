@@ -1,27 +1,64 @@
-"""Where the stability matrix (``tisph stress``) found the end of what is known of a scheme, in plain numbers."""
+"""Where the stability matrix (``tisph stability``) found the end of what is known of a scheme, in plain numbers."""
 
-MIXED = 125.0
-"""Cell Reynolds number U spacing/nu above which rows that slide past each other in the layer at a wall that started mix
-the liquid of the explicit scheme: the error is no longer that of rows then. In the stability matrix it is at 125 (8
-across, Re = 1000), and many times as large at 200 and 400."""
+import math
 
-RESOLVED = 60.0
+MIXING_CELL_RE = 125.0
+"""Cell Reynolds number U spacing/nu above which layers that shear at an impulsively started wall mix the fluid of the
+explicit scheme: the error is no longer that of layers then. In the stability matrix it is at 125 (8 across, Re = 1000),
+and many times as large at 200 and 400."""
+
+STABLE_CELL_RE = 60.0
 """The same up to which disordered runs of the stability matrix vary little in density, and above which they mix."""
 
-LOST = 4.0
-"""Cell Reynolds number over ``RESOLVED``, over the depth of the layer at a wall in spacings, from which on the profile
-is lost: half of it, where the error of rows is multiplied by the square of the former."""
+LOST_LAYERS = 4.0
+"""Cell Reynolds number over ``STABLE_CELL_RE``, over the thickness of the layer at a wall in spacings, from which on
+the profile is lost: half of it, where the error of layers is multiplied by the square of the former."""
 
-STIFFEST = 3.0
-"""Steps over the default, from which on disorder grows in them: some runs of the stability matrix are stopped then."""
+DISORDERED_CELL_RE_OF_ORDER_2 = 1.0
+"""Cell Reynolds number above which disordered runs of order 2 of the implicit scheme have any error, or stop."""
 
-DISORDERED_OF_ORDER_2 = 1.0
-"""Cell Reynolds number above which disordered runs of order 2 of the implicit scheme err as they will, or stop."""
-
-DISORDERED_SOLVENT = 10.0
+DISORDERED_SOLVENT_CELL_RE = 10.0
 """Cell Reynolds number by the viscosity of the solvent, where there is polymer, up to which disordered runs are stable:
-one failed at 20, and above it they take more steps and err more than rows do, or stop."""
+one failed at 20, and above it they take more steps and have larger errors than layers, or stop."""
 
-STIFF = 4.0
-"""Modulus of the polymer over density times (spacing over solvent viscosity) squared, up to which disordered particles
-of the implicit scheme err as a lattice does where a wall jumps: at 3.5 they did, at 14 they erred eight times more."""
+STIFF_POLYMER = 4.0
+"""Modulus of the polymer per unit density times (spacing over solvent viscosity) squared, up to which disordered
+particles of the implicit scheme have the error of a lattice at an impulsively started wall: at 3.5 they had, at 14 it
+was eight times as large."""
+
+
+def cell_reynolds(channel):
+    """Reynolds number of a spacing, U spacing / nu."""
+    return channel.reference_velocity * channel.spacing / channel.kinematic_viscosity
+
+
+def mixes(config, channel):
+    """Tell whether the explicit scheme mixes the fluid next to a wall that starts or oscillates, on a lattice."""
+    return _starts(channel) and cell_reynolds(channel) > MIXING_CELL_RE
+
+
+def profile_lost(config, channel):
+    """Tell whether it has mixed all of it up to the last sample."""
+    fastest = max(channel.bottom.angular_frequency, channel.top.angular_frequency)
+    time = min(config.time.samples[-1], 1 / fastest if fastest else math.inf)
+    thickness = min(math.sqrt(channel.kinematic_viscosity * time), channel.gap) / channel.spacing
+    ratio = cell_reynolds(channel) / STABLE_CELL_RE
+    return _starts(channel) and ratio > 1.0 and ratio >= LOST_LAYERS * thickness
+
+
+def polymer_stiffness(config, channel):
+    """Return what ``STIFF_POLYMER`` is about: how fast polymer responds, the solvent's layer being a spacing thick."""
+    if not channel.polymer:
+        return 0.0
+    modulus = sum(law.modulus for law in config.fluid.rheology.laws(channel.kinematic_viscosity))
+    return modulus * (channel.spacing / channel.solvent_viscosity) ** 2
+
+
+def breaks_up(config, channel):
+    """Tell whether disordered particles of the implicit scheme may leave the flow that layers have."""
+    solvent = channel.reference_velocity * channel.spacing / channel.solvent_viscosity
+    return bool(channel.polymer) and config.initial.jitter > 0 and solvent > DISORDERED_SOLVENT_CELL_RE
+
+
+def _starts(channel):
+    return any(channel.wall_jumps) or channel.bottom.oscillates or channel.top.oscillates

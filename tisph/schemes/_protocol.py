@@ -128,7 +128,7 @@ class SchemeEstimates(TypedDict):
     """Whether the result would be worthless: ``tisph check`` refuses the config then."""
 
     samples: list[Any]
-    """Estimate of each sample (``_forecast``): its time, steps up to it, errors as far as they can be estimated."""
+    """A ``SampleEstimate`` of each sample: its time, steps up to it, errors as far as they can be estimated."""
 
 
 class Member(Protocol):

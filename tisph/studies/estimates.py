@@ -34,7 +34,7 @@ VERDICTS = ("pass", "FAIL", "no estimate", "stopped", "refused")
 
 @dataclass(frozen=True)
 class Comparison:
-    """A sample as it was predicted (an estimate of ``tisph check``) and as it was found, a dict of ``summary.json``.
+    """A sample as it was predicted (a ``SampleEstimate``) and as it was found, a dict of ``summary.json``.
 
     The error is the root mean square over the reference velocity, which there is at every time.
     """
@@ -53,7 +53,7 @@ class Comparison:
     @property
     def steps(self):
         """Steps found over the predicted ones; None where these are a guess."""
-        return self.found["step"] / self.predicted.steps if self.predicted.known else None
+        return self.found["step"] / self.predicted.steps if self.predicted.steps_reliable else None
 
     @property
     def verdict(self):
@@ -160,7 +160,7 @@ def _line(case, summary):
         sign = "< " if predicted.at_most else ""
         error = (f"{sign}{predicted.rms:.1e}", error[1], f"{found['rms'] / predicted.rms:.2g}")
     steps = ("-", str(found["step"]), "-")
-    if predicted.known:
+    if predicted.steps_reliable:
         steps = (str(predicted.steps), str(found["step"]), f"{worst.steps:.3g}")
     return worst.verdict, (case.name, f"{predicted.t:.3g}", *error, *steps, worst.verdict)
 

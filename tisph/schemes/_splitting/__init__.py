@@ -3,7 +3,7 @@
 import numpy as np
 
 from tisph.geometry.box import box_around
-from tisph.schemes._forecast import Forecast
+from tisph.schemes._error_estimate import SampleEstimate
 from tisph.schemes._splitting._flow import BoundedFlow, PeriodicFlow
 from tisph.schemes._splitting._scheme import SMALLEST_SPEED, TOLERANCE, Scheme
 from tisph.schemes._splitting._step_limits import FIRST, viscous_step
@@ -88,7 +88,8 @@ def estimates(config, scene):
         "run_time": counts[-1] * (OVERHEAD + scene.particles * cost),
         "lost": False,
         "samples": [
-            Forecast(t, count, None, None, known=known) for t, count in zip(config.time.samples, counts, strict=False)
+            SampleEstimate(t, count, None, None, steps_reliable=known)
+            for t, count in zip(config.time.samples, counts, strict=False)
         ],
     }
 

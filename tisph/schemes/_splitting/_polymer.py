@@ -26,7 +26,7 @@ import numpy as np
 
 from tisph.errors import DivergedError
 from tisph.runtime import real, ti, view
-from tisph.schemes._pointwise import SMALL, Modes, solve
+from tisph.schemes._local_newton import SMALL, Modes, solve
 from tisph.schemes._splitting._history import change, slopes
 from tisph.schemes._splitting._logarithm import deviation, logarithm, rate
 from tisph.schemes._splitting._series import ORDER

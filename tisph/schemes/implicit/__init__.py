@@ -17,7 +17,8 @@ from pydantic import Field
 from tisph.config.base import Model
 from tisph.least_squares import SKIN, SUPPORT
 from tisph.schemes import _supported
-from tisph.schemes.implicit._walls import OBEY_MOMENTUM
+from tisph.schemes._stages.walls import OBEY_MOMENTUM
+from tisph.schemes.implicit._settings import TOLERANCE, control
 
 PERIODIC = [(True, False), (True, True), (False, False)]
 """Boxes that it can have, by whether they are periodic in x and y."""
@@ -79,10 +80,10 @@ def coarsen_steps(config, factor):
 def usual_tolerance(turns):
     """Return the tolerance of a step where a config gives none; ``turns``: whether the flow does."""
     if not turns:
-        from tisph.schemes.implicit._scheme import TOLERANCE
-    else:
-        from tisph.schemes._splitting import TOLERANCE
-    return TOLERANCE
+        return TOLERANCE
+    from tisph.schemes import _splitting
+
+    return _splitting.TOLERANCE
 
 
 def orders(config):
@@ -127,6 +128,5 @@ def estimates(config, scene):
 
         return _splitting.estimates(config, scene)
     from tisph.schemes._estimate import implicit
-    from tisph.schemes.implicit._scheme import control
 
     return implicit(config, scene, control(config, scene, sorted({*config.time.samples, config.time.end})))

@@ -7,48 +7,43 @@ import numpy as np
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import real, ti, view
 
-EVENED = 0.5
+VOLUME_SMOOTHING = 0.5
 """Part of the difference of a particle's volume from the mean around it that a step takes away."""
 
 
 @ti.data_oriented
 class VelocityField:
-    """Measures ``viscous.end``, component by component.
+    """Measures the ``end`` of an ``ImplicitStep``, component by component.
 
     ``slope`` (2, fluid) vectors: gradient of a component; ``curvature`` (2, fluid): its xx, xy, yy derivatives.
-    ``volume`` (fluid): logarithm of a particle's volume over that at the start.
+    ``log_volume`` (fluid): of a particle's volume over that at the start.
     """
 
-    def __init__(self, viscous):
-        self.viscous, self.operators, self.ghosts, self.points = (
-            viscous,
-            viscous.operators,
-            viscous.ghosts,
-            viscous.points,
-        )
+    def __init__(self, step):
+        self.step, self.operators, self.ghosts, self.points = step, step.operators, step.ghosts, step.points
         self.slope = self.points.field(ti.types.vector(2, real()), 2)
         self.curvature = self.points.field(ti.types.vector(3, real()), 2)
-        self.volume = self.points.field(real())
+        self.log_volume = self.points.field(real())
         self.values = ti.field(ti.types.vector(2, real()), self.points.slots + 1)
         self.found = ti.field(ti.types.matrix(2, 2, real()), self.points.capacity)
         self.volumes = ti.field(real(), self.points.capacity)
         self.values.used = self.found.used = self.volumes.used = None
         self.steepest = self.divergence_squared = self.gradient_squared = 0.0
 
-    def measure(self, time, transverse):
-        """Take up the derivatives of the velocities at the end of the step, at ``time``.
+    def measure(self, transverse):
+        """Take up the derivatives of the velocities at the end of the step.
 
         ``transverse``: whether there are velocities across the channel.
         """
-        self.ghosts.prescribe(*self.viscous.wall_series(time))
+        self.ghosts.prescribe(*self.step.walls.series(-1))
         slope, curvature = active(self.slope), active(self.curvature)
         both = self.ghosts.parities(-1.0, -1.0)
         both[..., 1] = -1.0  # across the channel every wall is at rest
-        slope[...] = self.gradients(active(self.viscous.end).T, both, [self.ghosts.given(), 0.0])
+        slope[...] = self.gradients(active(self.step.end).T, both, [self.ghosts.boundary_values(), 0.0])
         for component in range(1 + transverse):
-            given = self.ghosts.series_slope() if component == 0 else 0.0  # the walls drive the first alone
+            boundary = self.ghosts.series_slope() if component == 0 else 0.0  # the walls move the first alone
             parity = self.ghosts.parities(-1.0, 1.0) if component == 0 else np.array([-1.0, 1.0])
-            along, across = self.gradients(slope[component], parity, [0.0, given])
+            along, across = self.gradients(slope[component], parity, [0.0, boundary])
             curvature[component, :, :2] = along
             curvature[component, :, 2] = across[:, 1]
         along, across = slope
@@ -58,16 +53,16 @@ class VelocityField:
         self.gradient_squared = float(square.sum())
         self.steepest = math.sqrt(square.max())
 
-    def gradients(self, values, parity, given):
+    def gradients(self, values, parity, boundary):
         """Return the gradients of two fields, ``values`` (fluid, 2), until the next are computed: (field, fluid, 2).
 
-        Ghosts have ``parity`` times what they take from the fluid, and what they are ``given`` more, for each field.
+        Ghosts have ``parity`` times what they take from the fluid, and what the ``boundary`` adds, for each field.
         """
         everywhere = view(self.values)
         everywhere[: self.points.fluid] = values
         ghosts = self.ghosts.part(everywhere)
-        ghosts[...] = parity * self.ghosts.taken(everywhere)
-        for field, more in enumerate(given):
+        ghosts[...] = parity * self.ghosts.source_values(everywhere)
+        for field, more in enumerate(boundary):
             ghosts[:, field] += more
         self.differentiate()
         return view(self.found)[: self.points.fluid].transpose(1, 0, 2)
@@ -89,7 +84,7 @@ class VelocityField:
             self.found[i] = [[along[0], across[0]], [along[1], across[1]]]
 
     @ti.kernel
-    def stretch(self, length: float):
+    def advance_volumes(self, dt: float):
         """Let the volumes follow the divergence for a step, and even them out among neighbours.
 
         The divergence of disordered particles has a truncation error that differs from one to the next. As the density
@@ -98,7 +93,7 @@ class VelocityField:
         particles = self.points.particles[None]
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(particles):
-            self.volumes[i] = self.volume[i] + length * (self.slope[0, i].x + self.slope[1, i].y)
+            self.volumes[i] = self.log_volume[i] + dt * (self.slope[0, i].x + self.slope[1, i].y)
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(particles):
             total, number = 0.0, 0
@@ -108,4 +103,4 @@ class VelocityField:
                     total += self.volumes[j]
                     number += 1
             mean = total / ti.max(number, 1)
-            self.volume[i] = self.volumes[i] + EVENED * (mean - self.volumes[i])
+            self.log_volume[i] = self.volumes[i] + VOLUME_SMOOTHING * (mean - self.volumes[i])

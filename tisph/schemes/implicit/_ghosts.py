@@ -9,8 +9,8 @@ wall gives for a particle F and its mirror image I
 the order of the operators): ``consistent_image``. Without the terms in w: ``comoving_image``, and ``virtual_image``,
 where the ghosts stay on the lattice and u_F is interpolated at their mirror points.
 
-Where a wall is driven by a stress it is the slope that is known, and the even terms cancel: ``turned``, see
-``_plates.py``. The series is then one of odd powers.
+At a massless stress-controlled wall it is the slope that is known, and the even terms cancel: ``even_reflection``, see
+``schemes/_stages/stress_controlled.py``. The series is then one of odd powers.
 
 There are few of them: what is not asked for in each iteration of a solver is computed by NumPy, for all at once.
 """
@@ -28,13 +28,13 @@ class Ghosts:
 
     ``count``: how many there are. ``near``: the particles within ``reach`` of a wall, which have ghosts among their
     neighbours; ``offset``: their distance from each wall (2, near). ``listed``: those neighbours one after another, in
-    the lists of the near particles ``row``. ``turned``: whether the (bottom, top) wall is driven by a stress.
+    the lists of the near particles ``row``. ``even_reflection``: of velocities in the (bottom, top) wall, else odd.
     """
 
     mirrors = False
     """Whether the points list the neighbours of mirror points."""
 
-    turned = (False, False)
+    even_reflection = (False, False)
 
     def __init__(self, points, channel, reach):
         self.points, self.gap, self.reach = points, channel.gap, reach
@@ -48,7 +48,7 @@ class Ghosts:
     def follow(self):
         """Let the ghosts follow particles that have been shifted."""
 
-    def weigh(self):
+    def prepare(self):
         """Take note of the particles near walls, and prepare what ghosts take from them, at their final places."""
         height = self.heights()
         self.near = np.flatnonzero((height < self.reach) | (self.gap - height < self.reach))
@@ -79,34 +79,34 @@ class Ghosts:
         return self.needed if self.needed > self.points.ghost_capacity else 0
 
     def prescribe(self, bottom, top):
-        """Take up the series of each wall, c0 + c1 d^2 + c2 d^4: three numbers; d times that where it is turned."""
+        """Take up the series of each wall, c0 + c1 d^2 + c2 d^4: three numbers; d times that with even reflection."""
         self.series[...] = bottom, top
 
-    def given(self):
+    def boundary_values(self):
         """Return what the series of its wall prescribes for each ghost."""
         constant, second, fourth = self.series[self.side].T
         square = self.depth * self.depth
-        given = constant + square * (second + square * fourth)
-        return np.where(self.sign() < 0.0, self.depth * given, given) if any(self.turned) else given
+        values = constant + square * (second + square * fourth)
+        return np.where(self.sign() < 0.0, self.depth * values, values) if any(self.even_reflection) else values
 
     def series_slope(self):
         """Return the derivative across the channel of the series at each ghost."""
         constant, second, fourth = self.series[self.side].T
         square = self.depth * self.depth
         outwards = 2.0 * self.depth * (second + 2.0 * square * fourth)
-        if any(self.turned):
+        if any(self.even_reflection):
             odd = constant + square * (3.0 * second + 5.0 * square * fourth)
             outwards = np.where(self.sign() < 0.0, odd, outwards)
         return np.where(self.side == 1, outwards, -outwards)
 
     def sign(self):
-        """Return 1 for each ghost, -1 beyond a wall that is turned."""
-        return np.where(np.array(self.turned)[self.side], -1.0, 1.0)
+        """Return 1 for each ghost, -1 beyond a wall with even reflection."""
+        return np.where(np.array(self.even_reflection)[self.side], -1.0, 1.0)
 
     def parities(self, *usual):
-        """Return the parities of fields of the velocity along the channel, ``usual`` but for walls that are turned."""
+        """Return the parities of fields of the velocity along the channel, ``usual`` but for even reflections."""
         usual = np.array(usual)
-        return np.multiply.outer(self.sign(), usual) if any(self.turned) else usual
+        return np.multiply.outer(self.sign(), usual) if any(self.even_reflection) else usual
 
 
 @ti.data_oriented
@@ -143,7 +143,7 @@ class MirrorGhosts(Ghosts):
         place[:, 1] = np.where(top, 2.0 * self.gap - height, -height)
         places[first : first + count] = place
 
-    def taken(self, values):
+    def source_values(self, values):
         """Return the values of an array over the slots that the ghosts mirror."""
         return values[view(self.source)[: self.side.size]]
 

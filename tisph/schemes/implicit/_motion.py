@@ -10,20 +10,20 @@ class Motion:
     """Positions (fluid), what moves them, and positions and velocities (2, fluid) before the last step."""
 
     def __init__(self, field, shift, period):
-        viscous = field.viscous
-        self.field, self.viscous, self.points, self.shift = field, viscous, viscous.points, shift
+        step = field.step
+        self.field, self.step, self.points, self.shift = field, step, step.points, shift
         self.period = period
         self.position, self.start_position = (self.points.field(ti.types.vector(2, real())) for _ in range(2))
         self.start_velocity = self.points.field(real(), 2)
 
     def predict(self, half):
         """Put the points where the particles are in the middle of a step twice as long as ``half``."""
-        place = active(self.position) + half * active(self.viscous.velocity).T
+        place = active(self.position) + half * active(self.step.velocity).T
         place[:, 0] = self.wrapped(place[:, 0])
         view(self.points.position)[: self.points.fluid] = place
 
-    def take_along(self, half):
-        """Let positions and velocities follow the shift of the points: by the Taylor series of the velocities.
+    def shift_fields(self, half):
+        """Transfer positions and velocities to the shifted points: by the Taylor series of the velocities.
 
         A shift D in the middle of the step is one by D_x - ``half`` u_y D_y along the channel at its start.
         """
@@ -34,19 +34,19 @@ class Motion:
         x = x - half * slope[0, :, 1] * y
         squares = np.stack([0.5 * x * x, x * y, 0.5 * y * y], axis=1)
         change = slope[..., 0] * x + slope[..., 1] * y + np.einsum("cnk,nk->cn", curvature, squares)
-        self.viscous.follow(moved, y)
-        velocity = active(self.viscous.velocity)
+        self.step.shift_fields(moved, y)
+        velocity = active(self.step.velocity)
         velocity[:, moved] += change
         active(self.position)[moved] = view(self.points.position)[moved] - half * velocity[:, moved].T
 
-    def move(self, length):
+    def move(self, dt):
         """Move the particles over the step and take up the velocities at its end."""
-        position, velocity, end = (active(field) for field in (self.position, self.viscous.velocity, self.viscous.end))
+        position, velocity, end = (active(field) for field in (self.position, self.step.velocity, self.step.end))
         active(self.start_position)[...] = position
         active(self.start_velocity)[...] = velocity
-        position += (0.5 * length) * (velocity + end).T
+        position += (0.5 * dt) * (velocity + end).T
         position[:, 0] = self.wrapped(position[:, 0])
-        self.viscous.accept()
+        self.step.accept()
 
     def wrapped(self, x):
         """Return ``x`` moved by whole periods into [0, period)."""

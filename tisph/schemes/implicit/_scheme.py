@@ -12,39 +12,29 @@ from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.runtime import view
 from tisph.schemes._momentum import MomentumBalance
 from tisph.schemes._overflow import clustered
-from tisph.schemes._step_control import StepControl
+from tisph.schemes._stages.esdirk import EMBEDDED_ORDER
+from tisph.schemes._stages.models import model_of
+from tisph.schemes._stages.stages import MOST_ATTEMPTS, SOLVER_TOLERANCE, WORST
+from tisph.schemes._stages.wall_pair import WallPair
 from tisph.schemes.implicit._dense import DenseOutput
-from tisph.schemes.implicit._esdirk import EMBEDDED_ORDER
 from tisph.schemes.implicit._field import VelocityField
+from tisph.schemes.implicit._fixed_ghosts import FixedGhosts
 from tisph.schemes.implicit._ghosts import MirrorGhosts
 from tisph.schemes.implicit._motion import Motion
+from tisph.schemes.implicit._operators import ClosedParticleOperators
+from tisph.schemes.implicit._overlap_shifting import OverlapShifting
 from tisph.schemes.implicit._pressure import Projection
-from tisph.schemes.implicit._shift import Shift
-from tisph.schemes.implicit._solver import ViscousSolver
-from tisph.schemes.implicit._virtual import VirtualGhosts
-from tisph.schemes.implicit._viscous import ViscousStep
-from tisph.schemes.implicit._walls import WallSeries
+from tisph.schemes.implicit._settings import control
+from tisph.schemes.implicit._step import ImplicitStep
+from tisph.schemes.implicit._wall_force import WallForce
 from tisph.snapshot import STRESSES, Snapshot
-
-SOLVER_TOLERANCE = 1e-3
-"""Residual of a linear system, as a part of the tolerance of a step."""
 
 LARGEST_DIVERGENCE = 2e-2
 """Of the velocities over their gradient, as root mean squares, that needs no pressure. Truncation errors of disordered
 shear flow are below 5e-3 once the layers are resolved; a flow that needs a pressure soon has 1e-1."""
 
 RESOLVED = 2.0
-"""Depth sqrt(nu t) of a layer, in particle spacings, from which on derivatives of the velocities mean something."""
-
-TOLERANCE = 3e-7
-"""Of a step, where the config leaves it open."""
-
-MOST_ATTEMPTS = 20
-WORST = 1e6
-"""What counts for an error that is infinite, over the reference velocity: the step is taken again."""
-
-FIRST = 0.25
-"""First step in spacing^2 / nu, the time in which a wall that starts moves the row next to it."""
+"""Thickness sqrt(nu t) of a layer, in particle spacings, from which on derivatives of the velocities mean something."""
 
 HOST_STATE = ("time", "steps", "rejected", "shortest", "longest", "reduced", "dropped", "projections", "transverse")
 """Attributes of a Scheme that change while it runs."""
@@ -62,24 +52,19 @@ class Scheme:
         self.channel = channel
         self.domain = ChannelDomain(channel)
         treatment = config.walls.treatment.type
-        kind = VirtualGhosts if treatment == "virtual_image" else MirrorGhosts
+        kind = FixedGhosts if treatment == "virtual_image" else MirrorGhosts
         self.points = PointCloud(channel, self.domain, reach, kind.room(channel, reach), serial, kind.mirrors)
         self.ghosts = kind(self.points, channel, reach)
         self.operators = LeastSquaresOperators(self.points, SUPPORT[order] * channel.spacing, order)
-        if config.fluid.rheology.type == "newtonian" and channel.driven_side is None:
-            solver = ViscousSolver(self.operators, self.ghosts, channel)
-            self.viscous = ViscousStep(solver, channel, WallSeries(channel, treatment))
-        else:
-            from tisph.schemes.implicit import _viscoelastic  # of no use to most runs
-
-            self.viscous = _viscoelastic.step(config, channel, self.operators, self.ghosts)
-        self.wall_force = self.viscous.wall_force()
-        self.solver, self.walls = self.viscous.solver, self.viscous.wall_series
-        self.field = VelocityField(self.viscous)
-        self.shift = Shift(self.points, self.ghosts, channel.spacing)
-        self.projection = Projection(self.viscous, self.field, channel.gap)
+        walls = WallPair(channel, treatment, model_of(config.fluid.rheology, channel))
+        self.ghosts.even_reflection = walls.even_reflection
+        closed = ClosedParticleOperators(self.operators, self.ghosts, channel, coupled=walls.model is not None)
+        self.stepper, self.walls, self.solver = ImplicitStep(closed, channel, walls), walls, closed.solver
+        self.wall_force, self.field = WallForce(self.stepper, channel), VelocityField(self.stepper)
+        self.shift = OverlapShifting(self.points, self.ghosts, channel.spacing)
+        self.projection = Projection(self.stepper, self.field, channel.gap)
         self.motion = Motion(self.field, self.shift, channel.length)
-        self.dense = DenseOutput(self.viscous, self.motion, (self.field.volume, self.projection.pressure))
+        self.dense = DenseOutput(self.stepper, self.motion, (self.field.log_volume, self.projection.pressure))
         self.control = control(config, channel, targets)
         self.reset()
 
@@ -90,20 +75,20 @@ class Scheme:
         self.transverse = False
         self.shortest, self.longest = math.inf, 0.0
         self.momentum = MomentumBalance(self.time)
-        active(self.field.volume)[...] = 0.0
+        active(self.field.log_volume)[...] = 0.0
         active(self.projection.pressure)[...] = 0.0
-        self.viscous.push = None
+        self.stepper.set_force((0.0, 0.0))
         self.walls.enter(self.time)
 
     def start(self, position, velocity, _stress=None):
-        """Place the particles, (particles, 2) arrays; what they remember, more than a stress, the channel knows."""
+        """Place the particles, (particles, 2) arrays; what they carry, more than a stress, the channel knows."""
         active(self.motion.position)[...] = position
-        active(self.viscous.velocity)[...] = velocity.T
+        active(self.stepper.velocity)[...] = velocity.T
         self.momentum.initial = float(velocity[:, 0].sum())
         self.transverse = bool(np.any(velocity[:, 1] != 0.0))
-        self.viscous.begin_with(position[:, 1])
+        self.stepper.begin_with(position[:, 1])
         if self.walls.obeys_momentum and self.walls.any_jump:
-            self.turn()
+            self.apply_impulse()
 
     @property
     def finished(self):
@@ -113,40 +98,40 @@ class Scheme:
     def advance(self):
         """Take one step, in as many attempts as its error asks for; raise DivergedError where none succeeds."""
         if self.time in self.control.changes:
-            self.turn()
+            self.apply_impulse()
         for attempt in range(MOST_ATTEMPTS):
-            length = self.control.choose_dt(self.time)
-            self.assemble(length, shift=self.steps > 0 and self.smooth and attempt == 0)
-            error = self.solve(length)
+            dt = self.control.choose_dt(self.time)
+            self.assemble(dt, shift=self.steps > 0 and self.layer_resolved and attempt == 0)
+            error = self.solve(dt)
             if math.isnan(error) or (math.isinf(error) and self.control.fixed):
                 raise DivergedError(
                     f"u, v: the linear systems cannot be solved at step {self.steps + 1}, t = {self.time:.6g}"
                 )
-            if self.control.accepts(min(error, WORST), EMBEDDED_ORDER, length):
+            if self.control.accepts(min(error, WORST), EMBEDDED_ORDER, dt):
                 break
             self.rejected += 1
         else:
             raise DivergedError(f"u: no step is short enough at step {self.steps + 1}, t = {self.time:.6g}")
-        self.conclude(length)
+        self.conclude(dt)
 
-    def turn(self):
+    def apply_impulse(self):
         """Let walls that change at once now give their impulse."""
         self.assemble(0.0)
-        self.momentum.add_impulse(self.viscous.turn(self.time))
+        self.momentum.add_impulse(self.stepper.apply_impulse(self.time))
 
-    def assemble(self, length, shift=False):
-        """Put the points where they are in the middle of a step, push them apart, and compute the operators there."""
-        self.motion.predict(0.5 * length)
+    def assemble(self, dt, shift=False):
+        """Put the points where they are in the middle of a step, shift them apart, and compute the operators there."""
+        self.motion.predict(0.5 * dt)
         self.ghosts.find()
         self.require_room("images of particles", self.ghosts.overflow())
         self.points.find_neighbours()
         self.require_room("neighbours of a particle", self.points.overflow())
-        if shift and self.shift.spread():
-            self.motion.take_along(0.5 * length)
-        self.ghosts.weigh()
+        if shift and self.shift.shift():
+            self.motion.shift_fields(0.5 * dt)
+        self.ghosts.prepare()
         self.operators.assemble()
         if self.projections:
-            self.projection.lay()
+            self.stepper.set_force(-self.projection.gradient(active(self.projection.pressure)))
 
     def require_room(self, what, needed):
         """Raise DivergedError if ``needed`` (0 where all fits) tells of an overflow."""
@@ -154,62 +139,59 @@ class Scheme:
             raise clustered(f"{what} ({needed})", self.steps + 1, self.time)
 
     @property
-    def smooth(self):
-        """Whether a Taylor series describes the velocities: not before layers of a jump are as deep as a spacing."""
-        return self.depth >= 1.0
+    def layer_resolved(self):
+        """Whether a Taylor series describes the velocities: not before layers of a jump are as thick as a spacing."""
+        return self.layer_thickness >= 1.0
 
     @property
-    def depth(self):
-        """Depth sqrt(nu t) of the layers that walls have made by changing at once, in spacings; infinite without."""
+    def layer_thickness(self):
+        """Thickness sqrt(nu t) of layers at walls that have changed at once, in spacings; infinite without."""
         if not self.walls.any_jump:
             return math.inf
         since = self.time - max((change for change in self.control.changes if change <= self.time), default=0.0)
         return math.sqrt(self.channel.solvent_viscosity * since) / self.channel.spacing
 
-    def solve(self, length):
+    def solve(self, dt):
         """Compute the velocities at the end of a step; return the estimated error over the reference velocity."""
-        tolerance = SOLVER_TOLERANCE * self.control.tolerance
-        components = range(1 + self.transverse)
-        errors = [self.viscous.advance(component, self.time, length, tolerance) for component in components]
-        return math.hypot(*errors) / self.channel.reference_velocity
+        error = self.stepper.advance(self.transverse, self.time, dt, SOLVER_TOLERANCE * self.control.tolerance)
+        return error / self.channel.reference_velocity
 
-    def require_positive(self):
-        """Raise DivergedError where a polymer has lost the positive conformation that it has in nature."""
-        lost = self.viscous.lost()
-        if lost.size:
+    def require_definite(self):
+        """Raise DivergedError where a polymer has an indefinite conformation tensor."""
+        found = self.stepper.indefinite()
+        if found.size:
             raise DivergedError(
-                f"stress: the conformation tensor of particle {lost[0]} is not positive definite any more, at step "
-                f"{self.steps + 1}, t = {self.time:.6g} ({lost.size} particles are wrong)"
+                f"stress: the conformation tensor of particle {found[0]} is not positive definite any more, at step "
+                f"{self.steps + 1}, t = {self.time:.6g} ({found.size} particles are wrong)"
             )
 
-    def conclude(self, length):
+    def conclude(self, dt):
         """Measure the new velocities and move the particles."""
-        self.require_positive()
-        resolved = self.depth >= RESOLVED
-        self.momentum.add_impulse(self.wall_force.impulse(self.time, length, resolved))
-        end = self.control.end(self.time, length)
-        self.field.measure(end, self.transverse)
+        self.require_definite()
+        resolved = self.layer_thickness >= RESOLVED
+        self.momentum.add_impulse(self.wall_force.impulse(self.time, dt, resolved))
+        end = self.control.end(self.time, dt)
+        self.field.measure(self.transverse)
         if resolved and (self.projections or self.field.residual > LARGEST_DIVERGENCE):
-            self.project(end, length)
+            self.project(dt)
         if resolved:
-            self.field.stretch(length)
-        self.dense.keep(self.time, length)
-        self.motion.move(length)
+            self.field.advance_volumes(dt)
+        self.dense.keep(self.time, dt)
+        self.motion.move(dt)
         self.time = end
         self.control.step_taken(end, self.field.steepest)
         self.steps += 1
-        self.shortest, self.longest = min(self.shortest, length), max(self.longest, length)
+        self.shortest, self.longest = min(self.shortest, dt), max(self.longest, dt)
         self.reduced += int(view(self.operators.order_reduced))
         self.dropped += int(view(self.operators.singular))
 
-    def project(self, end, length):
-        """Project the velocities at the end of a step, at time ``end``; from then on there is a pressure."""
+    def project(self, dt):
+        """Project the velocities at the end of a step; from then on there is a pressure."""
         self.transverse = True
-        if not self.projection.project(length):
+        if not self.projection.project(dt):
             raise DivergedError(f"pressure: cannot be solved for at step {self.steps + 1}, t = {self.time:.6g}")
-        self.field.measure(end, self.transverse)
+        self.field.measure(self.transverse)
         self.projections += 1
-        self.viscous.push = self.projection.push
 
     def output_times(self, due):
         """Return the times at which there is a snapshot, of those that are ``due``: all, since steps are dense."""
@@ -219,12 +201,12 @@ class Scheme:
         """Return the state at ``time``, within the last step, or now, as a Snapshot."""
         if time is None or time == self.time:
             time = self.time
-            fields = (self.motion.position, self.viscous.velocity, self.field.volume, self.projection.pressure)
+            fields = (self.motion.position, self.stepper.velocity, self.field.log_volume, self.projection.pressure)
             position, velocity, volume, pressure = (active(field).astype(float) for field in fields)
-            stresses = self.viscous.stress()
+            stresses = self.stepper.stress()
         else:
             position, velocity, volume, pressure = self.dense.at(time)
-            stresses = self.viscous.stress_at(*self.dense.within(time))
+            stresses = self.stepper.stress_at(*self.dense.within(time))
         with np.errstate(over="ignore"):  # of a run that diverges; the guard finds it
             density = self.channel.density * np.exp(-volume)
         return Snapshot(
@@ -248,7 +230,7 @@ class Scheme:
 
     def momentum_balance(self):
         """Return the balance of momentum along x up to ``time``, see ``MomentumBalance.report``."""
-        total = active(self.viscous.velocity)[0].sum(dtype=float)
+        total = active(self.stepper.velocity)[0].sum(dtype=float)
         return self.momentum.report(self.channel, self.time, float(total))
 
     def numbers(self):
@@ -266,14 +248,14 @@ class Scheme:
 
     def parts(self):
         """Return everything whose fields a resumed run needs, by name."""
-        parts = {"motion": self.motion, "viscous": self.viscous, "field": self.field, "projection": self.projection}
-        return {**parts, **self.viscous.parts()}
+        parts = {"motion": self.motion, "stepper": self.stepper, "field": self.field, "projection": self.projection}
+        return {**parts, **self.stepper.parts()}
 
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
         state = {name: getattr(self, name) for name in HOST_STATE}
         parts = {"momentum": vars(self.momentum), **self.control.host_state()}
-        return {**state, **parts, **self.viscous.host_state()}
+        return {**state, **parts, **self.stepper.host_state()}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
@@ -282,27 +264,8 @@ class Scheme:
         self.control.restore_host_state(state)
         vars(self.momentum).update(state["momentum"])
         self.walls.enter(self.time)
-        self.viscous.restore_host_state(state)
-        if self.projections:
-            self.viscous.push = self.projection.push
+        self.stepper.restore_host_state(state)
 
     def set_targets(self, targets):
         """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""
         return self.control.set_targets(targets, self.time)
-
-
-def control(config, channel, targets):
-    """Return the control of the steps that a config asks for."""
-    tolerance = TOLERANCE if config.time.tolerance == "auto" else config.time.tolerance
-    changes = {time for wall in (channel.bottom, channel.top) for time in wall.changes}
-    if config.time.cfl != "auto":
-        first = config.time.cfl * channel.spacing / channel.reference_velocity
-        chosen = StepControl(tolerance, lambda _gradient: first, fixed=True, changes=changes)
-    else:
-        first = FIRST * channel.spacing**2 / channel.kinematic_viscosity
-        strain = config.scheme.largest_strain
-        limit = lambda gradient: strain / gradient if gradient > 0.0 else math.inf  # noqa: E731
-        chosen = StepControl(tolerance, limit, changes=changes)
-    chosen.dt_next = first
-    chosen.set_targets(targets, channel.start_time)
-    return chosen

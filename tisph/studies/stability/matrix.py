@@ -9,7 +9,7 @@ import numpy as np
 from ruamel.yaml import YAML
 
 from tisph.equation_of_state import SCALE_RATIO
-from tisph.schemes.implicit._walls import OBEY_MOMENTUM
+from tisph.schemes._stages.walls import OBEY_MOMENTUM
 from tisph.studies.stability.cells import Cell
 from tisph.studies.stability.flows import digits
 

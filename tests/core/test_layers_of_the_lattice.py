@@ -1,12 +1,12 @@
-"""The rows that `tisph check` computes with do what the particles of a run do, while they stand on their lattice."""
+"""The layers that `tisph check` computes with do what particles do, while they stand on their lattice."""
 
 import numpy as np
 import pytest
 
 from tisph import config, runtime, schemes
 from tisph.scenes.channel import Channel
-from tisph.schemes._forecast import elastic_rows, explicit_rows, implicit_rows
-from tisph.schemes.implicit._scheme import control
+from tisph.schemes._error_estimate import explicit_layers, implicit_layers
+from tisph.schemes.implicit._settings import control
 from tisph.simulation.run import start_values
 
 CASE = """
@@ -23,7 +23,7 @@ POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.2, solvent_fracti
 DRIVEN = "drive.acceleration=2e-5"
 WIDE = ("discretisation.smoothing_ratio=1.4", "geometry.length=0.7")
 SPEED = 5e-5
-"""Of the top wall: so slow that rows do not slide past each other."""
+"""Of the top wall: so slow that layers do not shear."""
 
 
 @pytest.fixture
@@ -40,7 +40,7 @@ def case(tmp_path):
 
 
 def profiles(settings, channel, times):
-    """Yield the scheme at every one of ``times``, and the velocities (rows,) of its rows of particles."""
+    """Yield the scheme at every one of ``times``, and the velocities (layers,) of its layers of particles."""
     runtime.start("f64", 1)
     scheme = schemes.build(settings, channel, times, True)
     scheme.start(*start_values(channel, settings.initial))
@@ -59,15 +59,15 @@ def profiles(settings, channel, times):
         (STEADY, DRIVEN, "walls.treatment.type=comoving_image", "scheme.operators.order=2"),
     ],
 )
-def test_rows_of_the_implicit_scheme(case, flow):
+def test_layers_of_the_implicit_scheme(case, flow):
     settings, channel = case("scheme={type: implicit}", *flow, "time.tolerance=1e-5")
     times = [0.1, 0.3]
-    rows = implicit_rows.Rows(settings, channel, control(settings, channel, times))
+    layers = implicit_layers.ImplicitLayers(settings, channel, control(settings, channel, times))
     for scheme, velocity in profiles(settings, channel, times):
-        rows.run_to(scheme.time)
-        assert rows.steps == scheme.steps
+        layers.run_to(scheme.time)
+        assert layers.steps == scheme.steps
         # systems are solved to 1e-3 of the tolerance
-        assert np.abs(rows.velocity - velocity).max() < 1e-6 * SPEED
+        assert np.abs(layers.velocity - velocity).max() < 1e-6 * SPEED
 
 
 @pytest.mark.parametrize(
@@ -81,20 +81,20 @@ def test_rows_of_the_implicit_scheme(case, flow):
         (STEADY, DRIVEN, POLYMER, "walls.treatment.type=consistent_image"),
     ],
 )
-def test_rows_of_the_explicit_scheme(case, flow):
+def test_layers_of_the_explicit_scheme(case, flow):
     settings, channel = case("scheme={type: wcsph}", *flow)
-    rows = explicit_rows.Rows(settings, channel)
+    layers = explicit_layers.ExplicitLayers(settings, channel)
     for scheme, velocity in profiles(settings, channel, list(np.arange(1, 61) * 5e-3)):
-        # second order in steps of 0.005, against rows that decay at a rate of 30: 0.15^2 / 24 in the first of them
-        assert np.abs(rows.velocity(scheme.time) - velocity).max() < 1e-3 * SPEED
+        # second order in steps of 0.005, against layers that decay at a rate of 30: 0.15^2 / 24 in the first of them
+        assert np.abs(layers.velocity(scheme.time) - velocity).max() < 1e-3 * SPEED
 
 
 def test_of_a_run_without_end_steps_are_counted_alone(case, monkeypatch):
     # relaxation times far shorter than a layer needs to cross a spacing: steps follow the fastest
-    monkeypatch.setattr(elastic_rows, "MOST_STEPS", 30)
+    monkeypatch.setattr(implicit_layers, "MOST_STEPS", 30)
     settings, channel = case(POLYMER, "walls.top.velocity=5e-5", "scheme={type: implicit}", "time.tolerance=1e-9")
-    rows = elastic_rows.ElasticRows(settings, channel, control(settings, channel, [settings.time.end]))
-    rows.run_to(settings.time.end)
-    assert rows.beyond
-    assert rows.time == settings.time.end
-    assert rows.steps > 30
+    layers = implicit_layers.ImplicitLayers(settings, channel, control(settings, channel, [settings.time.end]))
+    layers.run_to(settings.time.end)
+    assert layers.unknown
+    assert layers.time == settings.time.end
+    assert layers.steps > 30

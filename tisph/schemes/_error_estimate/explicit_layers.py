@@ -1,25 +1,25 @@
-"""The rows of scheme ``wcsph``: its operators on the start lattice, in continuous time.
+"""The explicit scheme on the layers of its start lattice, in continuous time.
 
-Steps of the explicit scheme are so short that their own error does not count. With polymer the rows carry the shear
+Steps of the explicit scheme are so short that their own error does not count. With polymer the layers carry the shear
 stress, and the walls its slope (``walls/_track.py``): all of it is linear in plane flow.
 """
 
 import numpy as np
 
 from tisph import registry
-from tisph.schemes._forecast.images import images
-from tisph.schemes._forecast.linear import LinearFlow
-from tisph.schemes._forecast.stencils import kernel_sums, sliding_viscosity
+from tisph.schemes._error_estimate.images import image_shares
+from tisph.schemes._error_estimate.linear_flow import LinearFlow
+from tisph.schemes._error_estimate.stencils import kernel_sums, sliding_viscosity
 
 SLOPE = 1e-4
 """Of the gap: distance over which the slope of the initial stress at the walls is taken, as in ``walls/_track.py``."""
 
 
-class Rows:
-    """Velocities of the rows of a channel at any time.
+class ExplicitLayers:
+    """Velocities of the ``rows`` layers of a channel at any time.
 
-    ``layers`` of images beyond each wall, at ``depths`` [length]; an extended field is one of rows with the images of
-    both walls, (layers + rows + layers, ...), from below to above.
+    ``images`` beyond each wall, at ``depths`` [length]; an extended field is one of layers with the images of both
+    walls, (images + rows + images, ...), from below to above.
     """
 
     def __init__(self, config, channel):
@@ -27,40 +27,35 @@ class Rows:
         self.kernel = registry.load("kernels", config.discretisation.kernel)
         self.ratio = config.discretisation.smoothing_ratio
         self.standard = config.scheme.operators == "standard"
-        self.disordered = config.initial.jitter > 0
         laplacian, across = kernel_sums(self.kernel, self.ratio, self.standard)
-        self.layers = len(laplacian) // 2
+        self.images = len(laplacian) // 2
         self.laplacian = self._banded(laplacian) / channel.spacing**2
         self.across = self._banded(across) / channel.spacing
         treatment = config.walls.treatment
         self.obeys_momentum = treatment.obeys_momentum
-        self.shares, self.wall = images(treatment, self.kernel, self.ratio, self.layers, self.rows)
-        self.depths = (np.arange(self.layers) + 0.5) * channel.spacing
+        self.shares, self.wall = image_shares(treatment, self.kernel, self.ratio, self.images, self.rows)
+        self.depths = (np.arange(self.images) + 0.5) * channel.spacing
         self.heights = (np.arange(self.rows) + 0.5) * channel.spacing
         self.flow = (self._with_polymer if channel.polymer else self._newtonian)()
 
     def velocity(self, time):
         """Return the velocities (rows,) at ``time``."""
-        return self.flow.at(time, self._stretch(time))[: self.rows]
+        return self.flow.at(time, self._viscosity_ratio(time))[: self.rows]
 
-    def _stretch(self, time):
-        """Viscosity over the true one, of rows that have slid past each other by the mean shear of the flow.
-
-        Particles in disorder stand as if they had from the start.
-        """
+    def _viscosity_ratio(self, time):
+        """Viscosity over the true one, of layers that have sheared by the mean shear of the flow."""
         if self.standard or self.channel.polymer:
             return 1.0
         profile = self.channel.exact_velocity(self.heights, time)
         rate = np.mean(np.abs(np.diff(profile))) / self.channel.spacing
-        slide = 1.0 if self.disordered else rate * (time - self.channel.start_time)
-        return sliding_viscosity(self.kernel, self.ratio, slide)
+        return sliding_viscosity(self.kernel, self.ratio, rate * (time - self.channel.start_time))
 
     def _banded(self, weights):
         """Return the operator (rows, extended rows) of a row's weights."""
-        matrix = np.zeros((self.rows, self.rows + 2 * self.layers))
+        matrix = np.zeros((self.rows, self.rows + 2 * self.images))
         for row in range(self.rows):
             matrix[row, row : row + len(weights)] = weights
-            matrix[row, row + self.layers] -= weights.sum()
+            matrix[row, row + self.images] -= weights.sum()
         return matrix
 
     def _extend(self, inside, bottom, top):
@@ -85,7 +80,7 @@ class Rows:
         viscous = channel.kinematic_viscosity * self.laplacian
         steady, waves = np.zeros(self.rows), []
         for side, wall in enumerate((channel.bottom, channel.top)):
-            other = np.zeros(self.layers)
+            other = np.zeros(self.images)
             driven = self._image_velocity(-channel.acceleration, 0.0 if wall.oscillates else wall.cosine)
             steady += viscous @ self._beyond(*((driven, other), (other, driven))[side])
             if wall.oscillates:
@@ -98,10 +93,10 @@ class Rows:
 
     def _image_velocity(self, relative_acceleration, velocity):
         """Return what a wall gives to its images, by layer."""
-        images_ = self.wall * velocity
+        values = self.wall * velocity
         if self.obeys_momentum:
-            images_ = images_ + self.depths**2 * relative_acceleration / self.channel.solvent_viscosity
-        return images_
+            values = values + self.depths**2 * relative_acceleration / self.channel.solvent_viscosity
+        return values
 
     def _with_polymer(self):
         """State: velocities and shear stresses of the rows, slopes of the stress at the bottom and the top wall."""
@@ -115,14 +110,14 @@ class Rows:
         matrix[:rows] = viscous @ velocity + self.across @ stress
         matrix[rows:-2] = modulus * self.across @ velocity
         matrix[rows:-2, rows:-2] -= rate * np.eye(rows)
-        settling = modulus / channel.solvent_viscosity
-        matrix[-2:, -2:] = -(rate + settling) * np.eye(2)
+        solvent_rate = modulus / channel.solvent_viscosity
+        matrix[-2:, -2:] = -(rate + solvent_rate) * np.eye(2)
         walls = self._beyond(
             *(self._image_velocity(-channel.acceleration, wall.cosine) for wall in (channel.bottom, channel.top))
         )
         steady = np.concatenate([viscous @ walls, modulus * self.across @ walls, [0.0, 0.0]])
         drive = np.concatenate([np.full(rows, channel.acceleration), np.zeros(rows + 2)])
-        drive[-2:] = -settling * channel.acceleration if self.obeys_momentum else 0.0
+        drive[-2:] = -solvent_rate * channel.acceleration if self.obeys_momentum else 0.0
         _, shear = channel.initial_polymer_stress(self.heights)
         start = np.concatenate([self._start(), shear / channel.density, self._wall_slopes()])
         upside_down = np.arange(rows)[::-1]
@@ -132,14 +127,14 @@ class Rows:
 
     def _extended_fields(self):
         """Return extended velocities and stresses (extended rows, state) by the state."""
-        rows, layers = self.rows, self.layers
-        velocity, stress = np.zeros((2, rows + 2 * layers, 2 * rows + 2))
+        rows, images = self.rows, self.images
+        velocity, stress = np.zeros((2, rows + 2 * images, 2 * rows + 2))
         velocity[:, :rows] = self._extend(np.eye(rows), -self.shares, -self.shares[:, ::-1])
         totals = self.shares.sum(axis=1)
         carried = self.shares / np.where(totals > 0.0, totals, 1.0)[:, None]
         stress[:, rows:-2] = self._extend(np.eye(rows), carried, carried[:, ::-1])
         if self.obeys_momentum:
-            other = np.zeros(layers)
+            other = np.zeros(images)
             for side, sign in ((0, -1.0), (1, 1.0)):
                 pair = (self.depths, other) if side == 0 else (other, self.depths)
                 squares = self._beyond(*pair) ** 2

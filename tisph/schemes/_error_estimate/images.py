@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 
-def images(treatment, kernel, ratio, layers, rows):
+def image_shares(treatment, kernel, ratio, layers, rows):
     """Arrays ``mirrored`` (layers, rows) and ``wall`` (layers,) of a treatment's parameters, in scheme ``wcsph``."""
     if treatment.type == "fixed_image":
         return _extrapolated(layers, rows, treatment.least_distance)

@@ -1,4 +1,4 @@
-"""Virtual ghosts: layers that continue the lattice beyond the walls, mirroring the fluid at their mirror points.
+"""Fixed ghosts: layers that continue the lattice beyond the walls, mirroring the fluid at their mirror points.
 
 The value there is a least-squares fit of c0 + c1 x + c2 y + c3 x^2 + c4 x y + c5 y^2 to the fluid particles around it
 (F. Bierbrauer, "No-Slip Boundary Conditions in Smoothed Particle Hydrodynamics", slides 4 and 6, second way, whose fit
@@ -19,7 +19,7 @@ SMALLEST_PIVOT = 1e-8
 
 
 @ti.data_oriented
-class VirtualGhosts(Ghosts):
+class FixedGhosts(Ghosts):
     """Fixed ghosts; ``share[k, n]`` is what neighbour n of the mirror point of ghost k contributes."""
 
     mirrors = True
@@ -29,14 +29,14 @@ class VirtualGhosts(Ghosts):
         self.share = ti.field(real(), shape=(points.ghost_slots, points.row_capacity))
         self.radius = scalar(reach)
         self.vector, self.matrix = ti.types.vector(UNKNOWNS, real()), ti.types.matrix(UNKNOWNS, UNKNOWNS, real())
-        self.settle(channel)
+        self.place(channel)
 
     @staticmethod
     def room(channel, reach):
         """Return the number of ghosts: all layers within reach."""
         return 2 * min(math.ceil(reach / channel.spacing), channel.rows) * channel.columns
 
-    def settle(self, channel):
+    def place(self, channel):
         """Lay out the layers; they stay where they are."""
         layers = self.points.ghost_capacity // (2 * channel.columns)
         layer, column = np.divmod(np.arange(layers * channel.columns), channel.columns)
@@ -48,9 +48,9 @@ class VirtualGhosts(Ghosts):
         holding(self.count, count)
         self.depth, self.side = np.tile(depth, 2), np.repeat([0, 1], depth.size)
 
-    def weigh(self):
+    def prepare(self):
         """Fit at all mirror points."""
-        super().weigh()
+        super().prepare()
         self.fit()
 
     @ti.kernel
@@ -99,7 +99,7 @@ class VirtualGhosts(Ghosts):
             first[k] *= usable / ti.select(usable > 0.0, lower[k, k], 1.0)
         return first
 
-    def taken(self, values):
+    def source_values(self, values):
         """Return the values at the mirror points, of an array over the slots or of two, (slots + 1, 2)."""
         count = self.side.size
         table, listed = self.points.listed_neighbours(slice(self.points.capacity, self.points.capacity + count))

@@ -2,7 +2,7 @@
 
 Discs of 0.9 spacings that overlap push one another apart, half of the overlap at a time, in the arrangement in which
 the operators are to be assembled: no other matters. A sheared lattice has no overlap, so that shifting does nothing
-there, exactly. The velocities follow by their Taylor series (``_motion.py``).
+there, exactly. The velocities are transferred by their Taylor series (``_motion.py``).
 """
 
 from tisph.runtime import real, scalar, ti, view
@@ -22,7 +22,7 @@ SMALLEST = 1e-3
 
 
 @ti.data_oriented
-class Shift:
+class OverlapShifting:
     """Moves the places of the points; ``moved`` (fluid) is by how much."""
 
     def __init__(self, points, ghosts, spacing):
@@ -32,7 +32,7 @@ class Shift:
         self.move, self.moved = ti.field(vector, points.capacity), ti.field(vector, points.capacity)
         self.farthest = scalar(0.0)
 
-    def spread(self):
+    def shift(self):
         """Push points apart; return whether any moved."""
         view(self.moved)[: self.points.fluid] = 0.0
         farthest = view(self.farthest)
@@ -51,14 +51,14 @@ class Shift:
         ti.loop_config(serialize=self.points.serial)
         for i in range(particles):
             reach = DIAMETER * self.spacing[None]
-            push = ti.Vector([0.0, 0.0])
+            displacement = ti.Vector([0.0, 0.0])
             for k in range(self.points.count[i]):
                 apart = self.points.separation(i, self.points.neighbours[i, k])
                 distance = ti.sqrt(apart.dot(apart)) + 1e-30
-                push -= SOFTNESS * ti.max(0.0, reach - distance) / distance * apart
-            size = ti.sqrt(push.dot(push)) / self.spacing[None]
-            push *= ti.min(1.0, LARGEST / ti.max(size, LARGEST))
-            self.move[i] = push
+                displacement -= SOFTNESS * ti.max(0.0, reach - distance) / distance * apart
+            size = ti.sqrt(displacement.dot(displacement)) / self.spacing[None]
+            displacement *= ti.min(1.0, LARGEST / ti.max(size, LARGEST))
+            self.move[i] = displacement
             ti.atomic_max(self.farthest[None], size)
         ti.loop_config(serialize=self.points.serial)
         for i in range(particles):

@@ -1,13 +1,13 @@
-"""Walls that a stress drives, scheme implicit: against the reference, on rows and on particles in disorder."""
+"""Stress-controlled walls, scheme implicit: against the reference, on layers and on disordered particles."""
 
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from implicit_case import channel_of, rows, run
+from implicit_case import channel_of, layers, run
 
 from tisph import registry, runtime
-from tisph.schemes.implicit._plate import Plate
+from tisph.schemes._stages.stress_controlled import MasslessWall
 from tisph.simulation.run import start_values
 
 CASE = """
@@ -48,7 +48,7 @@ def apart(found, expected):
     return np.linalg.norm(found - expected) / np.linalg.norm(expected)
 
 
-# measured: 2.5e-5, 7.7e-5, 1.1e-5, 1.7e-4 and 3.7e-5; the error of 20 rows
+# measured: 2.5e-5, 7.7e-5, 1.1e-5, 1.7e-4 and 3.7e-5; the error of 20 layers
 @pytest.mark.parametrize(
     ("overrides", "bound"),
     [
@@ -59,22 +59,22 @@ def apart(found, expected):
         pytest.param([HEAVY, "drive={acceleration: 3.0}"], 2e-4, id="heavy_driven"),
     ],
 )
-def test_rows_meet_the_reference(case, overrides, bound):
+def test_layers_meet_the_reference(case, overrides, bound):
     settings, channel = case(*overrides)
-    found = rows(settings, channel)
-    plate, end = found.walls.plate, settings.time.end
+    found = layers(settings, channel)
+    wall, end = found.walls.stress_controlled, settings.time.end
     assert apart(found.velocity, channel.exact_velocity(found.heights, end)) < bound
     nodes, weights = np.polynomial.legendre.leggauss(24)
     halves = [0.25 * end * (nodes + 1.0), 0.25 * end * (nodes + 3.0)]  # the stress jumps in the middle, or not
     way = 0.25 * end * sum(float(weights @ channel.exact_velocity(channel.gap, half)) for half in halves)
-    assert plate.displacement == pytest.approx(way, rel=bound)
+    assert wall.displacement == pytest.approx(way, rel=bound)
 
 
 @pytest.mark.parametrize("overrides", [[], [HEAVY]], ids=["massless", "heavy"])
-def test_particles_do_what_rows_do_and_disorder_does_little(case, overrides):
+def test_particles_do_what_layers_do_and_disorder_does_little(case, overrides):
     slow = ["walls.top.shear_stress=1e-5", "time.end=0.2", "discretisation.particles_across=12", *overrides]
     settings, channel = case(*slow)
-    reference, last = rows(settings, channel), particles(settings, channel)
+    reference, last = layers(settings, channel), particles(settings, channel)
     order = np.argsort(last.y, kind="stable")
     lines = np.array([last.u[row].mean() for row in np.array_split(order, 12)])
     assert apart(lines, reference.velocity) < 1e-7  # what residuals of linear systems leave
@@ -86,37 +86,37 @@ def test_particles_do_what_rows_do_and_disorder_does_little(case, overrides):
 
 def test_either_wall_may_be_the_one(case):
     flipped = "walls={bottom: {shear_stress: 1.0, mass_per_area: 2.0}, top: {velocity: 0.0}}"
-    one, other = rows(*case(HEAVY)), rows(*case(flipped))
+    one, other = layers(*case(HEAVY)), layers(*case(flipped))
     assert apart(one.velocity, other.velocity[::-1]) < 1e-12
 
 
-def test_images_in_a_plate_go_by_its_curvature_and_those_in_the_other_wall_by_their_slope_alone(case):
-    walls = rows(*case("time.end=0.1")).walls
-    plate, other = walls.plate.side, 1 - walls.plate.side
-    assert walls.third[plate, 1] != 0.0
-    assert walls.of_states(plate, 1) == (walls.first[plate, 1], walls.third[plate, 1])
-    assert walls.of_states(other, 1) == (walls.first[other, 1], 0.0)
+def test_images_in_a_massless_wall_have_its_curvature_and_others_their_slope_alone(case):
+    other, massless = layers(*case("time.end=0.1")).walls
+    assert massless.second[1] != 0.0
+    assert massless.state_excess(1) == (massless.state[1], massless.second[1])
+    assert other.state_excess(1) == (other.slope[1], 0.0)
 
 
-def test_the_shear_rate_of_a_liquid_that_thins_changes_with_the_stress_on_it(case):
+def test_the_shear_rate_of_a_shear_thinning_fluid_changes_with_the_stress_on_it(case):
     thins = "fluid.rheology={type: power_law, index: 0.5, reference_rate: 1.0, least_rate: 1e-3}"
-    plate = rows(*case(thins, "time.end=0.1")).walls.plate
+    wall = layers(*case(thins, "time.end=0.1")).walls.stress_controlled
     moment = SimpleNamespace(stress=lambda t: 1.0 + 2.0 * t)
-    plate.wall = SimpleNamespace(during=lambda t: moment, stress_rate=lambda t: 2.0)
-    plate.jump(0.5, np.zeros(0))
-    rate, step = plate.rate, 1e-5
+    wall.control = SimpleNamespace(during=lambda t: moment, stress_rate=lambda t: 2.0)
+    wall.jump(0.5)
+    rate, step = wall.rate, 1e-5
     # stresses are over the density: half the root of the rate is 2 there, and grows by 2 in a unit of time
-    assert (rate, plate.change) == pytest.approx((16.0, 32.0), rel=1e-5)
-    plate.drive = moment.stress(0.5 + step)
-    plate.balance(rate)
-    assert (plate.now - rate) / step == pytest.approx(32.0, rel=1e-4)
+    assert (rate, wall.change) == pytest.approx((16.0, 32.0), rel=1e-5)
+    wall.stress = moment.stress(0.5 + step)
+    wall.balance(rate)
+    assert (wall.shear_rate - rate) / step == pytest.approx(32.0, rel=1e-4)
 
 
-@pytest.mark.parametrize("towards", [1.0, -1.0])
-def test_the_velocity_of_a_plate_is_what_its_shear_rate_and_bend_leave_of_that_around(towards):
-    # u = U + s (u_y d + u_yyy d^3 / 6) at the distance d, s towards the liquid: exact for any weights
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_velocity_of_a_massless_wall_follows_from_that_near_it_and_its_odd_derivatives(sign):
+    # u = U + s (u_y d + u_yyy d^3 / 6) at the distance d, s the normal's sign: exact for any weights
     distance = np.array([0.1, 0.25, 0.4, 0.7])
-    velocity = 2.0 + towards * (0.3 * distance - 1.7 * distance**3 / 6.0)
-    fit = np.array([3, 1, 0, 2]), distance[[3, 1, 0, 2]], np.array([0.4, 0.3, 0.2, 0.1])
-    found = Plate.at_wall(SimpleNamespace(towards=towards), fit, velocity, 0.3, -1.7)
+    velocity = 2.0 + sign * (0.3 * distance - 1.7 * distance**3 / 6.0)
+    near, weights = np.array([3, 1, 0, 2]), np.array([0.4, 0.3, 0.2, 0.1])
+    wall = SimpleNamespace(normal_sign=sign, near=near, distance=distance[near], weights=weights)
+    found = MasslessWall.fitted_velocity(wall, velocity, 0.3, -1.7)
     assert found == pytest.approx(2.0, rel=1e-14)

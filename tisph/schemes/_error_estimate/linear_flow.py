@@ -4,7 +4,7 @@ import numpy as np
 
 
 class LinearFlow:
-    """x' = stretch * (matrix x + walls(t)) + drive, from the state ``start`` at ``start_time``.
+    """x' = viscosity_ratio * (matrix x + walls(t)) + drive, from the state ``start`` at ``start_time``.
 
     walls(t) = ``steady`` + Re sum(amplitude exp(i w t)) over ``waves``, pairs (w, amplitude). All arrays (size,),
     ``matrix`` (size, size) without an eigenvalue 0. ``mirror``: pair of arrays, for each entry of a state that in its
@@ -22,9 +22,9 @@ class LinearFlow:
         ]
         self.start_time = start_time
 
-    def at(self, time, stretch=1.0):
+    def at(self, time, viscosity_ratio=1.0):
         """Return the state at ``time``."""
-        return sum(part.at(time, self.start_time, stretch) for part in self.parts)
+        return sum(part.at(time, self.start_time, viscosity_ratio) for part in self.parts)
 
 
 class _Part:
@@ -38,16 +38,16 @@ class _Part:
         self.waves = list(zip([*frequencies, *(-one for one in frequencies)], 0.5 * solved[3:], strict=True))
         self.modes = product(basis, modes)
 
-    def at(self, time, start_time, stretch):
-        deviation = self.start - self._settled(start_time, stretch)
-        deviation = deviation * np.exp(stretch * self.values * (time - start_time))
-        return product(self.modes, self._settled(time, stretch) + deviation).real
+    def at(self, time, start_time, viscosity_ratio):
+        deviation = self.start - self._particular_solution(start_time, viscosity_ratio)
+        deviation = deviation * np.exp(viscosity_ratio * self.values * (time - start_time))
+        return product(self.modes, self._particular_solution(time, viscosity_ratio) + deviation).real
 
-    def _settled(self, time, stretch):
+    def _particular_solution(self, time, viscosity_ratio):
         """Amplitudes of the modes that are left after a long time."""
-        state = -(self.steady + self.drive / stretch) / self.values
+        state = -(self.steady + self.drive / viscosity_ratio) / self.values
         for frequency, amplitude in self.waves:
-            state = state + amplitude * np.exp(1j * frequency * time) / (1j * frequency / stretch - self.values)
+            state = state + amplitude * np.exp(1j * frequency * time) / (1j * frequency / viscosity_ratio - self.values)
         return state
 
 

@@ -1,8 +1,8 @@
 """A rheometer of two cylinders, seen as the plane one that ``rheometry.py`` reads.
 
 The stress at the moving cylinder, of radius a, is its torque per length over 2 pi a^2. The nominal shear rate there, of
-the usual evaluation, is that of steady flow of a liquid of constant viscosity, 2 W b^2/(a^2 - b^2) with the radius b of
-the other cylinder and the angular velocity W. Without inertia it holds for all linear liquids.
+the usual evaluation, is that of steady flow of a fluid of constant viscosity, 2 W b^2/(a^2 - b^2) with the radius b of
+the other cylinder and the angular velocity W. Without inertia it holds for all linear fluids.
 """
 
 from types import SimpleNamespace
@@ -26,7 +26,7 @@ def as_plane(annulus, table):
     radii = annulus.inner_radius, annulus.outer_radius
     own, other = radii if moving == ["inner"] else radii[::-1]
     wall = getattr(annulus, moving[0]).scaled(2 * other**2 / abs(own**2 - other**2))
-    # what the liquid does to the cylinder that moves is against its motion
+    # what the fluid does to the cylinder that moves is against its motion
     columns = {name: -table[f"torque_{moving[0]}{name}"] / (2 * np.pi * own**2) for name in ("", "_exact")}
     plane = SimpleNamespace(
         gap=1.0,

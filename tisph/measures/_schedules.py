@@ -2,7 +2,7 @@
 
 Beside what is read stands the answer of the law to the same nominal shear rate without inertia (``uniform_shear``). By
 what the reference of the run differs from that is what inertia and an uneven shear rate make; by what that differs from
-the linear theory of a step, or from steady shear, is the strain, or a ramp too fast for the memory of the liquid.
+the linear theory of a step, or from steady shear, is the strain, or a ramp too fast for the relaxation of the fluid.
 """
 
 import numpy as np
@@ -23,10 +23,10 @@ POINTS = 41
 """Of the steady flow curve."""
 
 
-def read_schedule(config, channel, liquid, wall, table):
+def read_schedule(config, channel, fluid, wall, table):
     """Return the ``Reading``: of a step strain where the ``wall`` rests for longer than it moved, else a flow curve.
 
-    ``liquid``: its ``Spectrum``; ``table``: columns of the history as of a moving upper wall. One that comes back to
+    ``fluid``: its ``Spectrum``; ``table``: columns of the history as of a moving upper wall. One that comes back to
     where it was leaves no strain.
     """
     law, end = _uniform(config, channel), wall.times[-1]
@@ -35,7 +35,7 @@ def read_schedule(config, channel, liquid, wall, table):
     alone = law.response(rates, table["t"])
     strained = abs(wall.displacement(end)) > NOTHING * wall.largest_speed * end
     if strained and wall.velocities[-1] == 0.0 and table["t"][-1] > 2.0 * end:
-        return _step_strain(channel.gap, liquid, wall, table, alone)
+        return _step_strain(channel.gap, fluid, wall, table, alone)
     return _flow_curve(channel.gap, law, wall, table, alone)
 
 
@@ -47,16 +47,16 @@ def _uniform(config, channel):
     return UniformShear(channel.viscous_stress)
 
 
-def _step_strain(gap, liquid, wall, table, alone):
+def _step_strain(gap, fluid, wall, table, alone):
     """``alone``: shear stress and N1 without inertia at all times of the table."""
     end = wall.times[-1]
     strain, late = wall.displacement(end) / gap, table["t"] > end
     t = table["t"][late] - _middle(wall)
     alone, alone_normal = (values[late] for values in alone)
     found, known = (table[name][late] / strain for name in ("wall_shear", "wall_shear_exact"))
-    alone, step = alone / strain, liquid.modulus(t)
+    alone, step = alone / strain, fluid.modulus(t)
     lines = [f"relaxation modulus G, t from the middle of the step on; strain {strain:.6g} in the time {end:.6g}"]
-    lines += over_time(t, {"as read": found, "reference": known, "no inertia": alone, "linear, step": step})
+    lines += over_time(t, {"apparent": found, "reference": known, "no inertia": alone, "linear, step": step})
     numbers = {"strain": strain}
     names = {"": found, "_reference": known, "_without_inertia": alone, "_linear": step}
     numbers |= {f"modulus_at_the_end{name}": float(values[-1]) for name, values in names.items()}
@@ -102,13 +102,13 @@ def _flow_curve(gap, law, wall, table, alone):
     steady[rows] = [law.steady(rate[row])[0] for row in rows]
     with np.errstate(all="ignore"):
         columns = {"rate": rate}
-        parts = {"as read": found, "reference": known, "no inertia": alone, "steady": steady}
+        parts = {"apparent": found, "reference": known, "no inertia": alone, "steady": steady}
         columns |= {name: stress / rate for name, stress in parts.items()}
     lines = ["viscosity, stress at the moving wall over the nominal shear rate", *at_rows(t, columns, rows)]
     off = {
         "the run is off its reference by": _largest(found, known, judged),
         "inertia and an uneven shear rate make": _largest(known, alone, judged),
-        "the ramp, too fast for the memory of the liquid, makes": _largest(alone, steady, rows),
+        "the ramp, too fast for the relaxation of the fluid, makes": _largest(alone, steady, rows),
     }
     lines += [
         f"  {words} {value:.2e} of the stress at most, from {FASTEST:.0%} of the fastest rate on"

@@ -10,8 +10,8 @@ MARGIN = 4.0
 
 def min_distance(scene, snapshot):
     """Smallest distance of two particles over the spacing; 1 on a lattice."""
-    tree, places = periodic_tree(scene, _places(snapshot))
-    return tree.query(places, 2)[0][:, 1].min() / scene.spacing
+    tree, positions = periodic_tree(scene, _positions(snapshot))
+    return tree.query(positions, 2)[0][:, 1].min() / scene.spacing
 
 
 def max_void_radius(scene, snapshot):
@@ -24,19 +24,19 @@ def max_void_radius(scene, snapshot):
 
     low, sizes = np.asarray(scene.origin), np.asarray(scene.extent)
     periods = np.where(scene.periodic, sizes, 1.0)
-    places = np.where(scene.periodic, _places(snapshot) % periods, _places(snapshot))
+    positions = np.where(scene.periodic, _positions(snapshot) % periods, _positions(snapshot))
     for axis in (0, 1):
         if scene.periodic[axis]:
-            copies = [places + shift * sizes[axis] * np.eye(2)[axis] for shift in (-1, 0, 1)]
-            places = np.concatenate(copies)
-            near = np.abs(places[:, axis] - 0.5 * sizes[axis]) <= 0.5 * sizes[axis] + MARGIN * scene.spacing
-            places = places[near]
-    cells = Voronoi(places)
+            copies = [positions + shift * sizes[axis] * np.eye(2)[axis] for shift in (-1, 0, 1)]
+            positions = np.concatenate(copies)
+            near = np.abs(positions[:, axis] - 0.5 * sizes[axis]) <= 0.5 * sizes[axis] + MARGIN * scene.spacing
+            positions = positions[near]
+    cells = Voronoi(positions)
     within = cells.vertices[((cells.vertices >= low) & (cells.vertices <= low + sizes)).all(axis=1)]
     centres = within[scene.inside(within, snapshot.t)] if scene.bodies else within
-    tree, _ = periodic_tree(scene, _places(snapshot))
+    tree, _ = periodic_tree(scene, _positions(snapshot))
     return tree.query(np.where(scene.periodic, centres % periods, centres))[0].max() / scene.spacing
 
 
-def _places(snapshot):
+def _positions(snapshot):
     return np.stack([snapshot.x, snapshot.y], axis=1).astype(float)

@@ -22,25 +22,26 @@ ACROSS = 4, 9
 
 
 def with_walls(scene, snapshot):
-    """Return places and velocities (n, 2) of the particles, and after them of points on walls a spacing apart."""
+    """Return positions and velocities (n, 2) of the particles, and after them of points on walls a spacing apart."""
     points = [body.boundary_points(scene.spacing, snapshot.t).point for body in scene.bodies]
-    walls = [body.velocity(places, snapshot.t) for body, places in zip(scene.bodies, points, strict=True)]
-    places = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
+    walls = [body.velocity(positions, snapshot.t) for body, positions in zip(scene.bodies, points, strict=True)]
+    positions = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
     velocity = np.stack([snapshot.u, snapshot.v], axis=1).astype(float)
-    return np.concatenate([places, *points]), np.concatenate([velocity, *walls])
+    return np.concatenate([positions, *points]), np.concatenate([velocity, *walls])
 
 
-def interpolated(scene, places, values, points):
-    """Return ``values`` (particles, fields) at ``places`` (particles, 2) as they are at ``points`` (n, 2): (n, fields).
+def interpolated(scene, positions, values, points):
+    """Return ``values`` (particles, fields) at ``positions`` (particles, 2) as they are at ``points`` (n, 2).
 
-    Where all flow is along x the values are taken to depend on y alone. NaN everywhere where a number is none.
+    An array (n, fields). Where all flow is along x the values are taken to depend on y alone. NaN everywhere where a
+    number is none.
     """
-    if not (np.isfinite(values).all() and np.isfinite(places).all()):
+    if not (np.isfinite(values).all() and np.isfinite(positions).all()):
         return np.full((len(points), values.shape[1]), np.nan)
     axes = [1] if scene.parallel else [0, 1]
     degree, near = ACROSS if scene.parallel else PLANE
-    near = min(near * scene.columns if scene.parallel else near, len(places))
-    tree, _ = periodic_tree(scene, places, axes)
+    near = min(near * scene.columns if scene.parallel else near, len(positions))
+    tree, _ = periodic_tree(scene, positions, axes)
     points = _wrapped(points[:, axes], _sizes(scene, axes))
     return np.concatenate([local_fits(tree, part, values, degree, near)[0][:, 0] for part in parts(points)])
 
@@ -53,7 +54,7 @@ def parts(points):
 def local_fits(tree, points, values, degree, near):
     """Return coefficients (points, terms, fields) of the fits around ``points`` to ``near`` of ``values``, and radii R.
 
-    ``tree`` holds the places of the ``values`` (n, fields). Terms are the constant, x/R, y/R and then the rest.
+    ``tree`` holds the positions of the ``values`` (n, fields). Terms are the constant, x/R, y/R and then the rest.
     """
     distance, nearest = tree.query(points, near)
     radius = distance[:, -1:]
@@ -67,15 +68,15 @@ def local_fits(tree, points, values, degree, near):
     return np.linalg.solve(weighted @ basis.transpose(0, 2, 1), weighted @ values[nearest]), radius
 
 
-def periodic_tree(scene, places, axes=(0, 1)):
-    """Return a search tree of ``places`` (n, 2) in the box of ``scene``, and the places as it holds them.
+def periodic_tree(scene, positions, axes=(0, 1)):
+    """Return a search tree of ``positions`` (n, 2) in the box of ``scene``, and the positions as it holds them.
 
     With one of the ``axes`` alone it is of that coordinate.
     """
     from scipy.spatial import cKDTree  # a fifth of a second to import, which only some runs need
 
     sizes = _sizes(scene, list(axes))
-    wrapped = _wrapped(places[:, list(axes)], sizes)
+    wrapped = _wrapped(positions[:, list(axes)], sizes)
     return cKDTree(wrapped, boxsize=sizes), wrapped
 
 
@@ -83,8 +84,8 @@ def _sizes(scene, axes):
     return np.where(scene.periodic, scene.extent, 0.0)[axes]
 
 
-def _wrapped(places, sizes):
-    wrapped = np.where(sizes > 0, places % np.where(sizes > 0, sizes, 1.0), places)
+def _wrapped(positions, sizes):
+    wrapped = np.where(sizes > 0, positions % np.where(sizes > 0, sizes, 1.0), positions)
     return np.where((sizes > 0) & (wrapped >= sizes), 0.0, wrapped)  # what is -1e-20 is a whole size after rounding
 
 

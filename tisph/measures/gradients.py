@@ -19,11 +19,11 @@ def velocity_gradients(scene, snapshot, degree=4):
     NaN everywhere where a number of the snapshot is none.
     """
     velocity = np.stack([snapshot.u, snapshot.v], axis=1).astype(float)
-    places = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
-    if not (np.isfinite(velocity).all() and np.isfinite(places).all()):
-        return np.full((4, len(places)), np.nan)
-    tree, places = periodic_tree(scene, places)
-    return np.concatenate([_gradients(tree, part, velocity, degree) for part in parts(places)], axis=1)
+    positions = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
+    if not (np.isfinite(velocity).all() and np.isfinite(positions).all()):
+        return np.full((4, len(positions)), np.nan)
+    tree, positions = periodic_tree(scene, positions)
+    return np.concatenate([_gradients(tree, part, velocity, degree) for part in parts(positions)], axis=1)
 
 
 def _gradients(tree, points, velocity, degree):

@@ -74,7 +74,7 @@ def _solved(moments, sums):
     """First of the coefficients of each fit: of ``moments`` (fits, 6, 6) c = ``sums`` (fits, 6)."""
     try:
         return np.linalg.solve(moments, sums[..., None])[:, 0, 0]
-    except np.linalg.LinAlgError:  # a hole in a flow that goes wrong shall give a value and not an exception
+    except np.linalg.LinAlgError:  # a void in a flow that goes wrong shall give a value and not an exception
         return (np.linalg.pinv(moments, rcond=1e-12, hermitian=True) @ sums[..., None])[:, 0, 0]
 
 

@@ -23,17 +23,17 @@ def cell_mean(scene, snapshot):
     Over nodes a particle spacing or more apart: those of Gauss and Legendre between walls, where the velocity has a
     slope at the ends, else of a lattice. NaN where a number of the snapshot is none.
     """
-    places, velocity = with_walls(scene, snapshot)
-    if not (np.isfinite(velocity).all() and np.isfinite(places).all()):
+    positions, velocity = with_walls(scene, snapshot)
+    if not (np.isfinite(velocity).all() and np.isfinite(positions).all()):
         return np.full(2, np.nan)
-    tree, _ = periodic_tree(scene, places)
+    tree, _ = periodic_tree(scene, positions)
     nodes, weights = _nodes(scene)
     feet = np.stack([body.nearest(nodes, snapshot.t).distance for body in scene.bodies])
-    values, nearest, liquid = np.zeros_like(nodes), np.argmin(feet, axis=0), feet.min(axis=0) > 0.0
+    values, nearest, in_fluid = np.zeros_like(nodes), np.argmin(feet, axis=0), feet.min(axis=0) > 0.0
     for index, body in enumerate(scene.bodies):
-        within = (nearest == index) & ~liquid & bool(body.shape.liquid == "outside" and body.shape.area)
+        within = (nearest == index) & ~in_fluid & bool(body.shape.liquid == "outside" and body.shape.area)
         values[within] = body.velocity(nodes[within], snapshot.t)
-    values[liquid] = local_fits(tree, nodes[liquid], velocity, DEGREE, NEAREST)[0][:, 0]
+    values[in_fluid] = local_fits(tree, nodes[in_fluid], velocity, DEGREE, NEAREST)[0][:, 0]
     return weights @ values
 
 
@@ -42,14 +42,14 @@ def _nodes(scene):
     size = np.asarray(scene.extent)
     counts = np.maximum(1, np.floor(size / max(scene.spacing, np.sqrt(size.prod() / MOST_NODES)) + 1e-9)).astype(int)
     rows = [_rule(int(count), periodic) for count, periodic in zip(counts, scene.periodic, strict=True)]
-    nodes = np.stack(np.meshgrid(*(places for places, _ in rows), indexing="ij"), axis=-1).reshape(-1, 2)
+    nodes = np.stack(np.meshgrid(*(positions for positions, _ in rows), indexing="ij"), axis=-1).reshape(-1, 2)
     return scene.origin + size * nodes, np.outer(*(weights for _, weights in rows)).ravel()
 
 
 @lru_cache
 def _rule(count, periodic):
-    """Return places (count,) and weights (count,) to integrate over the interval from 0 to 1."""
+    """Return positions (count,) and weights (count,) to integrate over the interval from 0 to 1."""
     if periodic:
         return (np.arange(count) + 0.5) / count, np.full(count, 1.0 / count)
-    places, weights = np.polynomial.legendre.leggauss(count)
-    return 0.5 * (places + 1.0), 0.5 * weights
+    positions, weights = np.polynomial.legendre.leggauss(count)
+    return 0.5 * (positions + 1.0), 0.5 * weights

@@ -13,7 +13,7 @@ def sample_metrics(scene, snapshot, followed):
     """Compare a snapshot with the reference of its scene at its time.
 
     ``followed`` is what the scene follows in time, see ``Scene.measures``. Returns a dict of numbers, None
-    where one does not exist (a relative error of a liquid at rest, any error without a reference):
+    where one does not exist (a relative error of a fluid at rest, any error without a reference):
 
     ``t``, ``step`` (how many there have been), ``t_star`` = t / time scale of the scene; ``resolved`` and the
     ``reason`` why not, None where it is (``resolution.py``); over the particles at their own positions, u standing for

@@ -2,7 +2,7 @@
 
 A reading has a ``title``, lines of text, and curves for a picture. "As read" is the usual evaluation of a rheometer:
 stress at the moving wall over the nominal shear rate (its speed over the gap), as if the shear rate were uniform and
-the liquid had no inertia. What that is off is the difference from the linear theory of the liquid. Between cylinders
+the fluid had no inertia. What that is off is the difference from the linear theory of the fluid. Between cylinders
 the torque gives the stress (``_cylinders.py``).
 """
 
@@ -32,7 +32,7 @@ FADED = 15.0
 
 
 def spectrum(rheology, channel):
-    """``Spectrum`` of a liquid at small deformations."""
+    """``Spectrum`` of a fluid at small deformations."""
     if not rheology.carries_stress:
         law = rheology.law(channel.kinematic_viscosity, channel.density)
         return Spectrum(channel.density * float(law.viscosity(0.0)))
@@ -47,27 +47,27 @@ def read(config, channel, table):
     ConfigError where it is none of what a rheometer does.
     """
     if config.scene == "annulus":
-        liquid = spectrum(config.fluid.rheology, channel)
+        fluid = spectrum(config.fluid.rheology, channel)
         plane, wall, table = as_plane(channel, table)
-        return _by_velocity(config, plane, liquid, wall, table)
+        return _by_velocity(config, plane, fluid, wall, table)
     if channel.monitored is None or "strain" not in table:
-        raise ConfigError("RUN_DIR: its history has no wall stress: it is of a Newtonian liquid, or has not ended")
-    liquid = spectrum(config.fluid.rheology, channel)
+        raise ConfigError("RUN_DIR: its history has no wall stress: it is of a Newtonian fluid, or has not ended")
+    fluid = spectrum(config.fluid.rheology, channel)
     if channel.driven_side is not None:
-        return _creep(channel, liquid, table)
+        return _creep(channel, fluid, table)
     moving = [side for side, wall in (("bottom", channel.bottom), ("top", channel.top)) if wall.largest_speed]
     if len(moving) != 1 or channel.acceleration:
         raise ConfigError("RUN_DIR: a rheometer has one moving wall, a wall at rest and no drive")
     wall = getattr(channel, moving[0])
     table = _as_if_upper(table, moving[0])
-    return _by_velocity(config, channel, liquid, wall, table)
+    return _by_velocity(config, channel, fluid, wall, table)
 
 
-def _by_velocity(config, channel, liquid, wall, table):
+def _by_velocity(config, channel, fluid, wall, table):
     """The reading of a ``wall`` with a velocity."""
     if isinstance(wall, Schedule):
-        return read_schedule(config, channel, liquid, wall, table)
-    return _oscillation(channel, liquid, wall, table) if wall.oscillates else _start_up(channel, liquid, wall, table)
+        return read_schedule(config, channel, fluid, wall, table)
+    return _oscillation(channel, fluid, wall, table) if wall.oscillates else _start_up(channel, fluid, wall, table)
 
 
 def _as_if_upper(table, side):
@@ -77,20 +77,20 @@ def _as_if_upper(table, side):
     return {**table, **names, "strain": table["strain"], "t": table["t"]}
 
 
-def _oscillation(channel, liquid, wall, table):
+def _oscillation(channel, fluid, wall, table):
     frequency, gap = wall.angular_frequency, channel.gap
     rate = np.hypot(wall.cosine, wall.sine) / gap
-    t, first = _window(table["t"], frequency, liquid.longest_time)
-    settled = np.exp(-t[0] / liquid.longest_time) < SETTLED if liquid.longest_time else True
+    t, first = _window(table["t"], frequency, fluid.longest_time)
+    settled = np.exp(-t[0] / fluid.longest_time) < SETTLED if fluid.longest_time else True
     degree = 0 if settled else DEGREE
     nominal = (wall.cosine - 1j * wall.sine) / gap
     stress, exact = (_amplitudes(t, table[name][first:], frequency, degree) for name in _both("wall_shear"))
-    as_read, reference = stress[1] / nominal, exact[1] / nominal
-    theory = liquid.complex_viscosity(1j * frequency)
-    corrected = corrected_viscosity(as_read, lambda eta: channel.impedance(eta, frequency), theory)
+    apparent, reference = stress[1] / nominal, exact[1] / nominal
+    theory = fluid.complex_viscosity(1j * frequency)
+    corrected = corrected_viscosity(apparent, lambda eta: channel.impedance(eta, frequency), theory)
     modulus = {
-        "as read": 1j * frequency * as_read,
-        "reference, as read": 1j * frequency * reference,
+        "apparent": 1j * frequency * apparent,
+        "reference, apparent": 1j * frequency * reference,
         "corrected for inertia": 1j * frequency * corrected,
         "linear theory": 1j * frequency * theory,
     }
@@ -118,13 +118,13 @@ def _compared(modulus, linear):
     """Lines of what each way to read a modulus is off another; ``linear``: whether the strain is small."""
     if linear:
         pairs = {
-            "the usual evaluation errs by inertia": ("as read", "linear theory"),
+            "the usual evaluation is wrong by inertia": ("apparent", "linear theory"),
             "corrected, it is off the linear theory by": ("corrected for inertia", "linear theory"),
         }
     else:
         pairs = {
-            "large strain: it takes off the linear theory": ("reference, as read", "linear theory"),
-            "the run is off its reference by": ("as read", "reference, as read"),
+            "large strain: it takes off the linear theory": ("reference, apparent", "linear theory"),
+            "the run is off its reference by": ("apparent", "reference, apparent"),
         }
     return [_off(words, *(modulus[name] for name in names)) for words, names in pairs.items()]
 
@@ -161,17 +161,17 @@ def _off(words, value, best):
     return f"  {words}: {elastic:+.2e} of G', {value.imag / best.imag - 1.0:+.2e} of G''"
 
 
-def _start_up(channel, liquid, wall, table):
+def _start_up(channel, fluid, wall, table):
     rate = wall.cosine / channel.gap
     before = (wall.before or 0.0) / channel.gap
     steady = before or rate
     t = table["t"][1:]
-    growth = liquid.growth(t)
-    theory = growth if rate else liquid.viscosity - growth
+    growth = fluid.growth(t)
+    theory = growth if rate else fluid.viscosity - growth
     found, exact = (table[name][1:] / steady for name in _both("wall_shear"))
     what = "viscosity growth eta+" if rate else "stress after cessation, over the rate before"
     lines = [f"{what}; shear rate {rate:.6g}, before {before:.6g}"]
-    lines += over_time(t, {"as read": found, "reference": exact, "no inertia": theory})
+    lines += over_time(t, {"apparent": found, "reference": exact, "no inertia": theory})
     numbers = {"viscosity_at_the_end": float(found[-1]), "viscosity_at_the_end_reference": float(exact[-1])}
     axis = "time", what
     curves = [
@@ -190,11 +190,11 @@ def _start_up(channel, liquid, wall, table):
         axis = "time", "N1 over the square of the rate"
         curves += normal_curves(table, axis, t, slice(1, None), steady**2)
         if rate:
-            curves.append((axis, "upper-convected modes, without inertia", t, liquid.normal_growth(t), "--"))
+            curves.append((axis, "upper-convected modes, without inertia", t, fluid.normal_growth(t), "--"))
     return Reading("start-up" if rate else "cessation", lines, numbers, curves)
 
 
-def _creep(channel, liquid, table):
+def _creep(channel, fluid, table):
     side = ("bottom", "top")[channel.driven_side]
     plate = getattr(channel, side)
     t, sign = table["t"], 1.0 if side == "top" else -1.0
@@ -205,7 +205,7 @@ def _creep(channel, liquid, table):
     exact = integral(t, table[f"wall_velocity_{side}_exact"]) / channel.gap
     end = min(plate.changes, default=t[-1])
     during = (t > 0) & (t <= end * (1 + 1e-12))
-    found, known, theory = strain[during] / stress, exact[during] / stress, liquid.compliance(t[during])
+    found, known, theory = strain[during] / stress, exact[during] / stress, fluid.compliance(t[during])
     lines = [f"creep compliance J under the stress {stress:.6g}"]
     lines += over_time(t[during], {"run": found, "reference": known, "no inertia": theory})
     axis = "time", "strain over stress"
@@ -221,16 +221,16 @@ def _creep(channel, liquid, table):
         numbers |= {"recovered_strain": recovered[0], "recovered_strain_reference": recovered[1]}
     if plate.mass_per_area:
         velocities = [table[f"wall_velocity_{side}{end}"][during] for end in ("", "_exact")]
-        _ring(channel, liquid, plate, t[during], velocities, lines, numbers)
+        _ring(channel, fluid, plate, t[during], velocities, lines, numbers)
     return Reading("creep", lines, numbers, curves)
 
 
-def _ring(channel, liquid, plate, t, velocities, lines, numbers):
-    """Add the frequency and damping with which the plate rings, of run and reference, and by theory."""
+def _ring(channel, fluid, plate, t, velocities, lines, numbers):
+    """Add the frequency and damping of the free oscillation of the wall, of run and reference, and by theory."""
     found, known = (_slowest_pair(t, one) for one in velocities)
     if found is None or known is None:
         return
-    theory = liquid.ringing(known, channel.density, channel.gap, plate.mass_per_area)
+    theory = fluid.ringing(known, channel.density, channel.gap, plate.mass_per_area)
     lines.append("  ringing, e^(-d t) cos(w t):")
     for name, root in (("run", found), ("reference", known), ("linear theory", theory)):
         lines.append(f"    {name:14} w = {root.imag:.6g}   d = {-root.real:.6g}")

@@ -154,8 +154,8 @@ def _profiles(compared, snapshots):
 
 
 def _at(scene, snapshot, values, points):
-    places = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
-    return interpolated(scene, places, values, points)
+    positions = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
+    return interpolated(scene, positions, values, points)
 
 
 def _norms(values):

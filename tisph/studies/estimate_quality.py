@@ -85,9 +85,9 @@ def _true_errors(config, data, root, result):
 
 def _differences(snapshot, truth, scene):
     """Relative L2 differences of velocity and pressure from ``truth``, a snapshot of ``scene``."""
-    places = [np.stack([each.x, each.y], axis=1) for each in (snapshot, truth)]
+    positions = [np.stack([each.x, each.y], axis=1) for each in (snapshot, truth)]
     ours, theirs = (np.stack([each.u, each.v, each.pressure], axis=1) for each in (snapshot, truth))
-    theirs = interpolated(scene, places[1], theirs, places[0])
+    theirs = interpolated(scene, positions[1], theirs, positions[0])
     ours[:, 2] -= ours[:, 2].mean()
     theirs[:, 2] -= theirs[:, 2].mean()
     parts = {"velocity": [0, 1], "pressure": [2]}

@@ -18,7 +18,7 @@ NEWTONIAN = {
 
 
 def oldroyd_b(relaxation_time=1.0, solvent_fraction=0.1):
-    """Change that makes the liquid an Oldroyd-B liquid of total viscosity 1."""
+    """Change that makes the fluid an Oldroyd-B fluid of total viscosity 1."""
     rheology = {"type": "oldroyd_b", "relaxation_time": relaxation_time, "solvent_fraction": solvent_fraction}
     return {"fluid": {"kinematic_viscosity": 1.0, "rheology": rheology}}
 
@@ -97,7 +97,7 @@ def sampled(config, sample_times):
 
 
 def merged(config, *changes):
-    """Copy of a nested dict with the values of others put in their places, in turn."""
+    """Copy of a nested dict with the values of others put in their place, in turn."""
     result = dict(config)
     for change in changes:
         for key, value in change.items():

@@ -55,8 +55,8 @@ def layout(part):
 
     Columns and rows are in the order in which the values of each axis first appear.
     """
-    places = {(label(cell, part.rows), label(cell, part.columns)): cell for cell in part.cells}
-    return _labels(part, part.columns), _labels(part, part.rows), places
+    positions = {(label(cell, part.rows), label(cell, part.columns)): cell for cell in part.cells}
+    return _labels(part, part.columns), _labels(part, part.rows), positions
 
 
 def _labels(part, axes):
@@ -95,8 +95,8 @@ def _summary(parts, rows):
 
 
 def _map(part, rows):
-    columns, names, places = layout(part)
-    lines = [(name, *(_entry(rows, places.get((name, column))) for column in columns)) for name in names]
+    columns, names, positions = layout(part)
+    lines = [(name, *(_entry(rows, positions.get((name, column))) for column in columns)) for name in names]
     return format_table((", ".join(part.rows), *columns), lines)
 
 

@@ -60,8 +60,8 @@ def _height(part, rows):
 
 
 def _draw_map(panel, part, rows):
-    columns, names, places = layout(part)
-    for (name, column), cell in places.items():
+    columns, names, positions = layout(part)
+    for (name, column), cell in positions.items():
         x, y = columns.index(column), names.index(name)
         row = rows[cell]
         colour = COLOURS[row.judgement.verdict]

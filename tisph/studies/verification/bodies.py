@@ -167,7 +167,7 @@ def _torque(name, bound):
 
 
 def _momentum(name, bound):
-    """What drives the liquid less the force on the body is what it gains, between any two of the times in turn."""
+    """What drives the fluid less the force on the body is what it gains, between any two of the times in turn."""
     solid = _solid(name)
     drive = FULL[name]["drive"]["acceleration"] * (1.0 - solid)
 

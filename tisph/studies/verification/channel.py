@@ -1,4 +1,4 @@
-"""Driven flow, oscillating and stopped walls of a Newtonian liquid in the verification suite.
+"""Driven flow, oscillating and stopped walls of a Newtonian fluid in the verification suite.
 
 These are the flows in which the velocity profile is curved at a wall: consistent images must show it there.
 """

@@ -1,6 +1,6 @@
 """Circular Couette flow in the verification suite: steady, from jumps and oscillating, for several pairs of cylinders.
 
-But for what their names say the radii are 1 and 2 and the inner cylinder turns at 1, at Re = 50 by its speed and the
+But for what their names say the radii are 1 and 2 and the inner cylinder rotates at 1, at Re = 50 by its speed and the
 gap; the particles start up to a fifth of a spacing off an even arrangement, and move.
 """
 
@@ -35,9 +35,9 @@ ELSEWHERE = {  # the same in millimetres and minutes
 }
 
 WIDE = _between(0.25, 1.25, (4.0, 0.0))
-"""Between the usual radii operators err less than steps at 12 across, and no order in the spacing is to be seen."""
+"""Between the usual radii the error of the steps is the larger one at 12 across, and hides the order in the spacing."""
 
-SWINGING = {"walls": {"inner": {"angular_velocity": None, "amplitude": 1.0, "angular_frequency": 0.25}}}
+OSCILLATING_INNER = {"walls": {"inner": {"angular_velocity": None, "amplitude": 1.0, "angular_frequency": 0.25}}}
 """At 25 across the layer at the cylinder is sqrt(2 nu/w) = 10 spacings deep."""
 
 STEADY = 0.03
@@ -59,7 +59,7 @@ FULL = {
     "annulus_25_narrow": (ANNULUS, _between(9.0, 10.0, (1 / 9, -0.1)), (STEADY / 3,)),
     "annulus_25_start": (ANNULUS, START, LATE),
     "annulus_50_start": (ANNULUS, START, across(50), LATE),
-    "annulus_25_oscillating": (ANNULUS, SWINGING, (0.06, 0.12)),
+    "annulus_25_oscillating": (ANNULUS, OSCILLATING_INNER, (0.06, 0.12)),
 }
 """Of each run its config, changes of it, and the t* of its samples, the last one its end."""
 
@@ -81,7 +81,7 @@ ERRORS = {
 """Largest L2 of the velocity and error of both torques of steady flows, by run."""
 
 STARTS = {0.027: 5e-5, 0.2: 2e-5, 1.0: 1e-5}
-"""Largest L2 at 50 across after the inner cylinder has begun to turn, by t*."""
+"""Largest L2 at 50 across after the inner cylinder has begun to rotate, by t*."""
 
 
 def runs(quick):
@@ -122,6 +122,6 @@ def _steady(name):
 def _sampled(config, *changes_and_times):
     *changes, times = changes_and_times
     merged_config = merged(config, *changes)
-    geometry, liquid = merged_config["geometry"], merged_config["fluid"]
-    unit = (geometry["outer_radius"] - geometry["inner_radius"]) ** 2 / liquid["kinematic_viscosity"]
+    geometry, fluid = merged_config["geometry"], merged_config["fluid"]
+    unit = (geometry["outer_radius"] - geometry["inner_radius"]) ** 2 / fluid["kinematic_viscosity"]
     return merged(merged_config, at_times([t_star * unit for t_star in times]))

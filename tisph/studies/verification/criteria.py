@@ -44,86 +44,50 @@ class Criterion:
 
 def at_most(case, t_star, quantity, bound):
     """The sample's number ``quantity`` is at most ``bound`` at dimensionless time ``t_star``."""
-    return Criterion(
-        case,
-        f"{quantity} at t* = {t_star:g}",
-        f"<= {bound:g}",
-        runs=(case,),
-        value=lambda result: result.measure(t_star, quantity),
-        accepts=lambda value: value <= bound,
-    )
+    return _bounded(case, f"{quantity} at t* = {t_star:g}", bound, lambda result: result.measure(t_star, quantity))
 
 
 def at_least(case, t_star, quantity, bound):
     """The sample's number ``quantity`` is at least ``bound`` at dimensionless time ``t_star``."""
-    return Criterion(
-        case,
-        f"{quantity} at t* = {t_star:g}",
-        f">= {bound:g}",
-        runs=(case,),
-        value=lambda result: result.measure(t_star, quantity),
-        accepts=lambda value: value >= bound,
-    )
+    quantity_at = f"{quantity} at t* = {t_star:g}"
+    return _bounded(case, quantity_at, bound, lambda result: result.measure(t_star, quantity), sign=">=")
 
 
 def closes(case, bound):
     """The momentum balance of the whole run closes within the fraction ``bound``."""
-    return Criterion(
-        case,
-        "momentum closure",
-        f"<= {bound:g}",
-        runs=(case,),
-        value=lambda result: result.closure,
-        accepts=lambda value: value <= bound,
-    )
+    return _bounded(case, "momentum closure", bound, lambda result: result.closure)
 
 
 def steps_at_most(case, bound, t_star):
     """The sample at dimensionless time ``t_star`` comes after at most ``bound`` steps."""
-    return Criterion(
-        case,
-        f"steps to t* = {t_star:g}",
-        f"<= {bound}",
-        runs=(case,),
-        value=lambda result: result.measure(t_star, "step"),
-        accepts=lambda value: value <= bound,
-    )
+    return _bounded(case, f"steps to t* = {t_star:g}", bound, lambda result: result.measure(t_star, "step"))
 
 
 def ends_at(case, quantity, expected, bound, value):
     """At the end of the run ``value(sample)``, called ``quantity``, is ``expected`` within the fraction ``bound``."""
-    return Criterion(
-        case,
-        f"{quantity} off {expected:g}",
-        f"<= {bound:g}",
-        runs=(case,),
-        value=lambda result: abs(value(result.last) / expected - 1) if result.last else math.nan,
-        accepts=lambda value: value <= bound,
-    )
+
+    def off(result):
+        return abs(value(result.last) / expected - 1) if result.last else math.nan
+
+    return _bounded(case, f"{quantity} off {expected:g}", bound, off)
 
 
 def near(case, reference, t_star, tolerance, quantity="l2"):
     """The error is that of the run ``reference`` at the same t*, within a relative ``tolerance``."""
-    return Criterion(
-        case,
-        f"{quantity} off {reference} at t* = {t_star:g}",
-        f"<= {tolerance:g}",
-        runs=(case, reference),
-        value=lambda ours, other: abs(ours.measure(t_star, quantity) / other.measure(t_star, quantity) - 1),
-        accepts=lambda value: value <= tolerance,
-    )
+
+    def off(ours, other):
+        return abs(ours.measure(t_star, quantity) / other.measure(t_star, quantity) - 1)
+
+    return _bounded(case, f"{quantity} off {reference} at t* = {t_star:g}", tolerance, off, (case, reference))
 
 
 def share(case, reference, t_star, bound, quantity="l2"):
     """The error over that of the run ``reference`` at the same t* is at most ``bound``."""
-    return Criterion(
-        case,
-        f"{quantity} over {reference}'s at t* = {t_star:g}",
-        f"<= {bound:g}",
-        runs=(case, reference),
-        value=lambda ours, other: ours.measure(t_star, quantity) / other.measure(t_star, quantity),
-        accepts=lambda value: value <= bound,
-    )
+
+    def ratio(ours, other):
+        return ours.measure(t_star, quantity) / other.measure(t_star, quantity)
+
+    return _bounded(case, f"{quantity} over {reference}'s at t* = {t_star:g}", bound, ratio, (case, reference))
 
 
 def order(case, resolutions, t_star, bound, quantity="l2"):
@@ -131,16 +95,11 @@ def order(case, resolutions, t_star, bound, quantity="l2"):
 
     ``resolutions`` maps run names to particles across the gap.
     """
-    return Criterion(
-        case,
-        f"{quantity} order at t* = {t_star:g}",
-        f">= {bound:g}",
-        runs=tuple(resolutions),
-        value=lambda *results: fitted_order(
-            resolutions.values(), [result.measure(t_star, quantity) for result in results]
-        ),
-        accepts=lambda value: value >= bound,
-    )
+
+    def fitted(*results):
+        return fitted_order(resolutions.values(), [result.measure(t_star, quantity) for result in results])
+
+    return _bounded(case, f"{quantity} order at t* = {t_star:g}", bound, fitted, tuple(resolutions), sign=">=")
 
 
 def same_velocities(case, reference, bound):
@@ -156,18 +115,11 @@ def same_velocities(case, reference, bound):
             return math.nan
         return max(np.max(np.abs(arrays[key] - others[key])) for key in arrays)
 
-    return Criterion(
-        case,
-        f"velocities off {reference}",
-        f"<= {bound:g}",
-        runs=(case, reference),
-        value=largest_difference,
-        accepts=lambda value: value <= bound,
-    )
+    return _bounded(case, f"velocities off {reference}", bound, largest_difference, (case, reference))
 
 
 def same_bits(case, reference):
-    """Every array in ``samples.h5`` has the same bits as in the run ``reference``."""
+    """Every array in ``samples.h5`` is bitwise equal to that in the run ``reference``."""
 
     def differing_arrays(ours, other):
         arrays, others = ours.arrays(), other.arrays()
@@ -175,11 +127,13 @@ def same_bits(case, reference):
             return math.nan
         return sum(arrays[key].tobytes() != others[key].tobytes() for key in arrays)
 
-    return Criterion(
-        case,
-        f"arrays that differ from {reference}",
-        "= 0",
-        runs=(case, reference),
-        value=differing_arrays,
-        accepts=lambda value: value == 0,
-    )
+    return _bounded(case, f"arrays that differ from {reference}", 0, differing_arrays, (case, reference), sign="=")
+
+
+def _bounded(case, quantity, bound, value, runs=None, sign="<="):
+    """The ``Criterion`` that ``value`` of the ``runs``, of ``case`` alone if not given, is beside ``bound``."""
+
+    def accepts(number):
+        return {"<=": number <= bound, ">=": number >= bound, "=": number == bound}[sign]
+
+    return Criterion(case, quantity, f"{sign} {bound:g}", runs or (case,), value, accepts)

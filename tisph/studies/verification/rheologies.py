@@ -1,4 +1,4 @@
-"""Liquids with laws of their own in the verification suite: start-up from rest, and what it leads to.
+"""Rheological laws in the verification suite: start-up from rest, and what it leads to.
 
 Laws that remember are those of ``tisph/rheology`` with the numbers of the Oldroyd-B base: total viscosity 1, a tenth of
 it the solvent's, longest relaxation time 1. The reference is ``tisph/exact/start_up.py``; bounds are those of the
@@ -43,7 +43,7 @@ VISCOUS = {
         "regularisation": 200.0,
     },
 }
-"""Without memory; driven, since a wall that jumps takes their reference long."""
+"""Inelastic; driven, since the reference of an impulsively started wall takes long."""
 
 QUICK_VISCOUS = ("carreau", "bingham")
 
@@ -58,7 +58,7 @@ DRIVES = {"couette": flows.walls(0.0, 1.0), "poiseuille": flows.drive(4.0)}
 
 
 def runs(quick):
-    """Configs by run name: law and what drives the liquid."""
+    """Configs by run name: law and what drives the fluid."""
     times, resolution = ((1.0,), across(25)) if quick else ((0.5, 1.0, 2.0, LATE), {})
     found = {f"{law}_{drive}": _config(LAWS[law], DRIVES[drive], resolution, times) for law, drive in _driven(quick)}
     times = (SOON,) if quick else (SOON, SETTLED)
@@ -87,5 +87,5 @@ def _driven(quick):
 
 
 def _config(law, drive, resolution, times):
-    liquid = {"fluid": {"kinematic_viscosity": 1.0, "rheology": law}, "scheme": {"type": "implicit"}}
-    return flows.sampled(merged(flows.NEWTONIAN, liquid, drive, resolution), times)
+    fluid = {"fluid": {"kinematic_viscosity": 1.0, "rheology": law}, "scheme": {"type": "implicit"}}
+    return flows.sampled(merged(flows.NEWTONIAN, fluid, drive, resolution), times)

@@ -1,6 +1,6 @@
 """Rheometry in the verification suite: creep, recovery, a plate that rings, step strain, a rate that rises.
 
-Oldroyd-B liquid of the base: total viscosity 1, a tenth of it the solvent's, relaxation time 1. Bounds are those of
+Oldroyd-B fluid of the base: total viscosity 1, a tenth of it the solvent's, relaxation time 1. Bounds are those of
 start-up between walls of given velocities.
 """
 

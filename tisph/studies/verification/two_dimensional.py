@@ -1,4 +1,4 @@
-"""Flow that turns in the verification suite: Taylor-Green vortices against their exact decay, and a shear layer.
+"""Two-dimensional flow in the verification suite: Taylor-Green vortices against their exact decay, and a shear layer.
 
 Every config has U = L = 1 and a density of 1, so that t* = t, and scheme ``auto``. But for what their names say the
 vortices have Re = U L / nu = 100 and 50 x 50 particles that start up to a fifth of a spacing off a lattice.
@@ -109,7 +109,7 @@ def _errors(name):
 
 
 def _balances(name, number):
-    """Criteria of what the flow keeps or loses at a known rate, and of the particles' places."""
+    """Criteria of what the flow keeps or loses at a known rate, and of the particles' positions."""
     return [
         at_most(name, 2.0, "kinetic_energy off exact", 2e-4),
         at_most(name, 2.0, "dissipation off exact", 1e-3),

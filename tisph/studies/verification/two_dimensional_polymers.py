@@ -1,8 +1,8 @@
-"""Liquids with polymer where the flow turns, in the verification suite: between two cylinders, and past one.
+"""Viscoelastic fluids in two-dimensional flow, in the verification suite: between two cylinders, and past one.
 
-Between the cylinders, of radii 1 and 2, the liquid is at rest until the inner one turns at 1; viscosity, density and
+Between the cylinders, of radii 1 and 2, the fluid is at rest until the inner one rotates at 1; viscosity, density and
 relaxation time are 1, so that times are relaxation times. The cylinder of radius 1 is in the middle of a channel of
-width 4 and period 16; what drives the liquid was chosen for a Weissenberg number lambda U/R, U the mean velocity in the
+width 4 and period 16; what drives the fluid was chosen for a Weissenberg number lambda U/R, U the mean velocity in the
 channel, of about 0.25. All particles start up to a fifth of a spacing off an even arrangement.
 """
 
@@ -33,16 +33,16 @@ GIESEKUS = {
     }
 }
 
-SWINGING = {
+OSCILLATING_INNER = {
     "fluid": {"rheology": {"type": "oldroyd_b", "relaxation_time": 0.1, "solvent_fraction": 0.1}},
     "walls": {"inner": {"angular_velocity": None, "amplitude": 1.0, "angular_frequency": 6.2832, "phase": "sin"}},
 }
-"""The inner cylinder swings, one period in ten relaxation times."""
+"""The inner cylinder oscillates, one period in ten relaxation times."""
 
 STRAINED = {
     "walls": {"inner": {"angular_velocity": None, "times": [0.0, 0.2, 0.2], "angular_velocities": [1.0, 1.0, 0.0]}},
 }
-"""The inner cylinder turns for a fifth of a relaxation time and stops: step strain."""
+"""The inner cylinder rotates for a fifth of a relaxation time and stops: step strain."""
 
 STRAINED_BOUNDS = {"rms": 1e-3, "shear_stress_l2": 6e-3, "normal_stress_l2": 6e-3, "torque_inner off exact": 6e-3}
 """At 16 across; of stress and torque those at 25, 1e-3, for a spacing 25/16 as large, with the fourth power."""
@@ -82,7 +82,7 @@ FULL = {
     "oldroyd_b_annulus_25": merged(START, at_times(SAMPLES)),
     "oldroyd_b_annulus_50": merged(START, across(50), at_times(SAMPLES)),
     "giesekus_annulus_50": merged(START, GIESEKUS, across(50), at_times(SAMPLES)),
-    "oldroyd_b_swinging_16": merged(START, SWINGING, across(16), at_times((0.5, 1.0))),
+    "oldroyd_b_swinging_16": merged(START, OSCILLATING_INNER, across(16), at_times((0.5, 1.0))),
     "oldroyd_b_step_strain_16": merged(START, STRAINED, across(16), at_times(SAMPLES)),
     "confined_cylinder": CONFINED,
 }

@@ -1,4 +1,4 @@
-"""Oldroyd-B liquids in the verification suite: start-up from rest, in which velocity and stress overshoot.
+"""Oldroyd-B fluids in the verification suite: start-up from rest, in which velocity and stress overshoot.
 
 The base has Weissenberg number 1, by the wall's velocity, and a tenth of the viscosity from the solvent. Scheme
 ``auto`` takes the implicit one; the explicit one has rows of its own.
@@ -118,7 +118,7 @@ def _accuracy(case, samples, bounds):
 
 
 def _without_polymer():
-    """The same liquid as an Oldroyd-B liquid whose viscosity is all the solvent's, and as a Newtonian one; explicit."""
+    """The same fluid as an Oldroyd-B fluid whose viscosity is all the solvent's, and as a Newtonian one; explicit."""
     driven = flows.OLDROYD_B_POISEUILLE
     newtonian = merged(driven.config, across(25))
     newtonian["fluid"] = {"density": 1.0, "kinematic_viscosity": 1.0}

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from tisph.runtime import integer, real, size_class, ti, view
+from tisph.runtime import integer, real, ti, view
+from tisph.size_class import size_class
 
 
 @ti.data_oriented

@@ -9,9 +9,10 @@ from stripped_program import FLAGS, fields, size
 
 from tisph import config, registry, runtime
 from tisph.report import movie
-from tisph.runtime import size_class, ti
+from tisph.runtime import ti
 from tisph.scenes.channel import Channel
 from tisph.simulation import checkpoint
+from tisph.size_class import size_class
 
 CASE = """
 scene: channel

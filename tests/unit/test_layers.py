@@ -14,7 +14,7 @@ PACKAGE = Path(tisph.__file__).parent
 
 # Each part may import the parts in the levels below its own, and itself. Parts of one level are independent.
 LEVELS = [
-    ["clock", "signals", "errors", "snapshot", "registry", "text_table", "version"],
+    ["clock", "signals", "errors", "snapshot", "registry", "size_class", "text_table", "version"],
     ["folder"],
     ["config", "exact", "geometry"],
     ["equation_of_state", "measures"],
@@ -40,8 +40,8 @@ LEVEL_OF = {part: level for level, parts in enumerate(LEVELS) for part in parts}
 WITHOUT_TAICHI = ["bodies", "config", "scenes", "exact", "geometry", "measures", "report", "assessment", "kernels"]
 FILES = sorted(PACKAGE.rglob("*.py"))
 BY_NAME = {"tisph/registry.py", "tisph/__init__.py", "tisph/assessment/reading.py"}
-BY_NAME |= {"tisph/results/export/__init__.py"}
-"""Files that import modules whose names are put together: members of a folder, and the public names."""
+BY_NAME |= {"tisph/results/export/__init__.py", "tisph/runtime/_package.py"}
+"""Files that import modules whose names are put together: members of a folder, public names, what is installed."""
 
 
 def module_of(path):

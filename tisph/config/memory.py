@@ -4,6 +4,8 @@ import math
 import os
 from typing import Any
 
+from tisph.size_class import size_class
+
 REALS = {False: 25, True: 280}
 """Numbers with fractions that a particle has in fields, by whether the scheme is implicit: the explicit one keeps two
 copies of 11 and where the lists were made, the implicit one three rows of operators with 52 entries and vectors."""
@@ -31,25 +33,6 @@ HOST_BYTES = 165
 """What a particle takes outside the fields while a run is set up or output is written."""
 
 MOST_PARTICLES = 20_000_000
-
-SMALL, MIDDLE, LARGE = 10_000, (24_000, 50_000), 100_000
-STEP = 1.1
-"""Size classes: a few for what runs in seconds, where compiling takes longest by comparison and memory is nothing, and
-from ``LARGE`` on never more than this factor apart, where it is the other way round."""
-
-
-def size_class(count: float) -> int:
-    """Return the size of fields that are to hold ``count`` entries: the next larger size class.
-
-    The size of a field is compiled into every kernel that reads it, ``count`` is not: runs of one class share kernels.
-    """
-    for size in (SMALL, *MIDDLE):
-        if count <= size:
-            return size
-    size = LARGE
-    while count > size:
-        size = int(size * STEP)
-    return size
 
 
 def estimated_bytes(particles: float, config: Any, implicit: bool) -> float:

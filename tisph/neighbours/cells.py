@@ -9,7 +9,8 @@ of bodies in it are in rows rows + 1 .. 2 rows, which cover the box once more.
 import numpy as np
 
 from tisph.neighbours.counting_sort import counting_sort
-from tisph.runtime import integer, size_class, ti
+from tisph.runtime import integer, ti
+from tisph.size_class import size_class
 
 
 @ti.data_oriented

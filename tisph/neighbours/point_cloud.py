@@ -10,7 +10,8 @@ import math
 import numpy as np
 
 from tisph.neighbours.counting_sort import counting_sort, slot_of
-from tisph.runtime import integer, real, scalar, size_class, ti, view
+from tisph.runtime import integer, real, scalar, ti, view
+from tisph.size_class import size_class
 
 LANES = 4
 """Rows are padded to a multiple of this with the sentinel, so that loops over them can be unrolled."""

@@ -92,7 +92,7 @@ class PairOperators:
         trace = 0.0
         pull = ti.Vector([0.0, 0.0])
         push = ti.Vector([0.0, 0.0])
-        for k in unrolled(self.lists.count[i]):
+        for k in range(unrolled(self.lists.count[i])):
             j = self.lists.table[i, k]
             apart, weight = self.pair(now, i, j, True)
             trace += weight * apart.dot(apart)

@@ -1,65 +1,46 @@
 """Fields as the host sees them: numbers that they start with, and their memory.
 
-Taichi compiles a kernel for each field that is filled, copied from or to an array, or read by one value, and more for
-each time that it gives memory to the fields declared since the last one: a tenth of a second each at first, and a third
-of that when found in the cache. Here nothing is compiled but what finds the address.
+Taichi compiles a kernel for each field that is filled, copied from or to an array, or read by one value: a tenth of a
+second each at first, and a third of that when found in the cache. Here nothing is compiled but what finds the address.
 """
 
 import ctypes
 from math import prod
 
 import numpy as np
-import taichi as ti
-from taichi.lang import impl, snode
-from taichi.lang.impl import PyTaichi, get_runtime
-from taichi.lang.util import to_numpy_type
 
-_waiting = []
-"""Fields, and what they are to hold as soon as there is memory for them: for all together, at the first kernel."""
+from tisph.runtime._package import ti
 
-_bases = {}
-"""Addresses of the trees that Taichi lays fields out in, by their numbers."""
-
-_materialize = PyTaichi.materialize
+_real = None
+_program = 0
 
 
-def install():
-    """Let fields have their first values before any kernel sees them, and be declared without a look at the stack.
-
-    Taichi writes down for each number of a field, 16 for a vector of 16, which lines have led to it.
-    """
-    PyTaichi.materialize = _materialize_and_set
-    impl.get_traceback = snode.get_traceback = lambda stacklevel=1: ""
-
-
-def forget():
-    """Forget the fields that there were."""
-    _waiting.clear()
-    _bases.clear()
-
-
-def _materialize_and_set(self):
-    _materialize(self)
-    waiting = _waiting.copy()
-    _waiting.clear()
-    for field, values in waiting:
-        view(field)[...] = values
+def begin(precision):
+    """Begin with a new program: fields that there were are gone."""
+    global _real, _program
+    _real = {"f64": ti.f64, "f32": ti.f32}[precision]
+    _program += 1
 
 
 def real():
     """Return the floating-point type chosen at the start."""
-    return get_runtime().default_fp
+    return _real
 
 
 def holding(field, values):
     """Return ``field``, which holds ``values`` before any kernel sees it."""
-    _waiting.append((field, values))
+    fill(field, values)
     return field
+
+
+def fill(field, values):
+    """Give ``field`` its first ``values``."""
+    view(field)[...] = values
 
 
 def scalar(value):
     """Return a 0-D field holding ``value``: a number that kernels read but that is not compiled in."""
-    return holding(ti.field(real(), shape=()), value)
+    return holding(ti.field(_real, shape=()), value)
 
 
 def integer(value):
@@ -72,25 +53,28 @@ def view(field):
 
     The memory is gone after ``stop`` and the next ``start``: do not keep the array.
     """
-    program = get_runtime()
-    kept = getattr(field, "_kept_view", None)
-    if kept is None or kept[0] is not program.prog:
-        program.materialize()
-        kept = field._kept_view = program.prog, _view(field)
-    return kept[1]
+    program, array = getattr(field, "_kept_view", (None, None))
+    if program != _program:
+        array = array_at(address(field), field)
+        field._kept_view = _program, array
+    return array
 
 
-def _view(field):
-    block = field.parent()
-    tree, offset = block._snode_tree_id, block._offset_bytes_in_parent_cell
-    if tree not in _bases:
-        _bases[tree] = _address(field) - offset
+def array_at(place, field):
+    """Return the NumPy array of a ``field`` whose memory begins at the address ``place``."""
     within = (field.n, field.m)[: field.ndim] if isinstance(field, ti.MatrixField) else ()
-    shape, kind = (*field.shape, *within), to_numpy_type(field.dtype)
-    memory = ctypes.c_char * (prod(shape) * np.dtype(kind).itemsize)
-    return np.frombuffer(memory.from_address(_bases[tree] + offset), kind).reshape(shape)
+    shape, kind = (*field.shape, *within), _numpy_type(field.dtype)
+    memory = ctypes.c_char * (prod(shape) * kind.itemsize)
+    return np.frombuffer(memory.from_address(place), kind).reshape(shape)
+
+
+def _numpy_type(kind):
+    """Return NumPy's type of ``kind``, such as ``ti.f64``, which tells its letter and its bits."""
+    name = str(kind)
+    return np.dtype(f"{name[0]}{int(name[1:]) // 8}")
 
 
 @ti.kernel
-def _address(field: ti.template()) -> ti.u64:
+def address(field: ti.template()) -> ti.u64:
+    """Return where the memory of ``field`` begins."""
     return ti.get_addr(field, ti.static([0] * len(field.shape)))

@@ -10,7 +10,8 @@ any number of threads.
 import numpy as np
 
 from tisph.neighbours.counting_sort import counting_sort
-from tisph.runtime import integer, real, scalar, size_class, threads, ti, view
+from tisph.runtime import integer, real, scalar, threads, ti, view
+from tisph.size_class import size_class
 
 
 @ti.data_oriented

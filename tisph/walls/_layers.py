@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tisph.runtime import real, size_class, ti, view
+from tisph.runtime import real, ti, view
+from tisph.size_class import size_class
 from tisph.walls._dummies import Dummies
 from tisph.walls._solids import SolidWalls
 

@@ -21,7 +21,8 @@ distance d from the wall, with two rows in reach the one-sided difference (-8 f_
 
 import numpy as np
 
-from tisph.runtime import integer, real, scalar, size_class, ti, view
+from tisph.runtime import integer, real, scalar, ti, view
+from tisph.size_class import size_class
 
 STEP = 1e-4
 """Of the gap: distance over which the slope of the initial stress at the walls is taken."""

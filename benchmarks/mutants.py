@@ -81,7 +81,7 @@ TESTS = {
         UNIT + "cli_check",
         UNIT + "estimates",
     ],
-    "schemes/_estimate": [UNIT + "plan", UNIT + "cli_check", UNIT + "stress_cells", UNIT + "estimates"],
+    "schemes/_estimate": [UNIT + "plan", UNIT + "cli_check", UNIT + "stability_cells", UNIT + "estimates"],
     "schemes/_splitting/_polymer": [UNIT + "logarithm", CORE + "polymer_*"],
     "schemes/_splitting": [UNIT + "splitting_steps", UNIT + "logarithm", UNIT + "layers", *TURNS],
     "schemes/_step_control": [UNIT + "step_control", UNIT + "splitting_steps", *IMPLICIT],

@@ -38,7 +38,7 @@ def verify(
 
     Prints a table of case, error, bound, pass or FAIL; exit status 1 on a FAIL. With --walls a table of wall
     treatments, with a picture and all numbers in DIR, where finished runs are kept: an interrupted comparison goes
-    on with the same command. With --estimates a line for each run, of the sample whose error is stated worst: errors
+    on with the same command. With --estimates a line for each run, of the sample whose error is predicted worst: errors
     within a factor of 3 (10 where the sample is not resolved), steps within 1.5. The whole suite ends with the errors
     that runs state of themselves (tisph run --estimate-error), over the true ones.
 

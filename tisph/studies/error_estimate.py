@@ -1,10 +1,10 @@
-"""``tisph run --estimate-error``: the error of a run, stated from the run itself and two coarser ones.
+"""``tisph run --estimate-error``: the error of a run, estimated from the run itself and two coarser ones.
 
 The coarser runs have 1/2 and 1/sqrt(2) of the particles across, or what is nearest and fills the box, and steps longer
 by the same factor (``schemes.coarsen_steps``). They are processes of their own, kept in a folder beside the results.
 
 Fields are compared where the particles of the coarsest run are, so that only the finer two are interpolated. Of each
-field at each sample there is an observed order; that of the run is their median, and with it errors are stated:
+field at each sample there is an observed order; that of the run is their median, and errors are estimated with it:
 disorder makes single orders scatter by one and more. Numbers are extrapolated each with its own order.
 """
 
@@ -95,19 +95,19 @@ def _validated(config, data):
 def compare(results, configs):
     """Return the estimates of the last of three runs from their ``Result`` and configs, as in ``summary.json``."""
     compared = [scenes.of(each) for each in configs]
-    spacings, believed = [scene.spacing for scene in compared], schemes.orders(schemes.resolve(configs[-1])[0])
+    spacings, expected = [scene.spacing for scene in compared], schemes.orders(schemes.resolve(configs[-1])[0])
     snapshots = zip(*(read_snapshots(Folder(result.folder).samples) for result in results), strict=True)
     norms = [{**_fields(compared, each), **_profiles(compared, each)} for each in snapshots]
-    observed = [of_norms(spacings, each, believed) for sample in norms for each in sample.values()]
+    observed = [of_norms(spacings, each, expected) for sample in norms for each in sample.values()]
     orders = [each.order for each in observed if each.error is not None]
     order = statistics.median(orders) if orders else None
     samples = []
     for fields, *numbers in zip(norms, *(result.summary["samples"] for result in results), strict=True):
-        stated = {name: of_norms(spacings, each, believed, order=order) for name, each in fields.items()}
+        errors = {name: of_norms(spacings, each, expected, order=order) for name, each in fields.items()}
         values = {name: [each[name] for each in numbers] for name in compared[-1].flow_numbers}
         values = {name: each for name, each in values.items() if None not in each}
-        found = {name: of_number(spacings, each, believed) for name, each in values.items()}
-        samples.append({"t": numbers[-1]["t"], "fields": _plain(stated), "numbers": _plain(found)})
+        found = {name: of_number(spacings, each, expected) for name, each in values.items()}
+        samples.append({"t": numbers[-1]["t"], "fields": _plain(errors), "numbers": _plain(found)})
     return {"particles_across": [each.particles_across for each in configs], "order": order, "samples": samples}
 
 

@@ -15,7 +15,7 @@ from tisph.studies.store import config_text
 from tisph.studies.verification.criteria import Check
 
 BOUND = 3.0
-"""Factor between the stated and the true error."""
+"""Factor between the estimated and the true error."""
 
 FINER = 2
 """Times as many particles across in the run that stands for the truth where there is no exact one."""
@@ -41,12 +41,12 @@ CASES = {
 
 
 def checks(folder):
-    """Run the cases in ``folder`` and yield a ``Check`` of each field at each sample: stated error over true one."""
+    """Run the cases in ``folder`` and yield a ``Check`` of each field at each sample: estimated error over true one."""
     for name, data in CASES.items():
         root, config = folder / name, Config.model_validate({"name": name, **data})
-        stated, result = _estimated(config, data, root)
+        estimate, result = _estimated(config, data, root)
         true = _true_errors(config, data, root, result)
-        for sample, errors in zip(stated.get("samples", []), true, strict=False):
+        for sample, errors in zip(estimate.get("samples", []), true, strict=False):
             for field, error in errors.items():
                 found = sample["fields"][field]["error"]
                 factor = np.nan if found is None else found / error

@@ -29,7 +29,7 @@ LARGEST_MISFIT = math.log(2.0)
 class Extrapolation:
     """``order`` that was observed and ``error`` of the finest run, in what the differences are in.
 
-    Where no error can be stated, it is None and ``reason`` says why, in words; ``order`` is None where there is none.
+    Where no error can be estimated, it is None and ``reason`` says why, in words; ``order`` is None where there is none.
     """
 
     order: float | None
@@ -37,23 +37,23 @@ class Extrapolation:
     reason: str | None = None
 
 
-def of_number(spacings, values, believed, size=None):
+def of_number(spacings, values, expected, size=None):
     """Return the Extrapolation of a number with ``values`` in runs of ``spacings``, three each, from coarse to fine.
 
-    ``believed``: smallest and largest order with which an error is stated; ``size``: what rounding errors refer to,
+    ``expected``: smallest and largest order with which an error is estimated; ``size``: what round-off errors refer to,
     the largest value by default. The error is absolute.
     """
     first, second = values[0] - values[1], values[1] - values[2]
     size = max(map(abs, values)) if size is None else size
     if max(abs(first), abs(second)) > ROUNDING * size and first * second <= 0:
         return Extrapolation(None, None, "not monotone: it goes up and down with the spacing")
-    return of_norms(spacings, [abs(values[one] - values[other]) for one, other in PAIRS], believed, size)
+    return of_norms(spacings, [abs(values[one] - values[other]) for one, other in PAIRS], expected, size)
 
 
-def of_norms(spacings, norms, believed, size=1.0, order=None):
+def of_norms(spacings, norms, expected, size=1.0, order=None):
     """Return the Extrapolation of a field from the ``norms`` of its differences 1-2, 2-3 and 1-3.
 
-    With an ``order`` the error is that at this one, be the observed one what it may in between ``believed``: that of
+    With an ``order`` the error is that at this one, be the observed one what it may in between ``expected``: that of
     one field at one time scatters.
     """
     if not np.isfinite(norms).all():
@@ -66,8 +66,8 @@ def of_norms(spacings, norms, believed, size=1.0, order=None):
     reason = None
     if misfit > LARGEST_MISFIT:
         reason = "no one order: the three differences do not fit a power of the spacing"
-    elif not believed[0] <= observed <= believed[1]:
-        reason = f"order {observed:.2g} where {believed[0]:g} to {believed[1]:g} is to be expected"
+    elif not expected[0] <= observed <= expected[1]:
+        reason = f"order {observed:.2g} where {expected[0]:g} to {expected[1]:g} is to be expected"
     if reason:
         return Extrapolation(observed, None, reason)
     scale, _ = _scale(np.asarray(spacings), np.asarray(norms), order or observed, model)

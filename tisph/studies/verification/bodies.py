@@ -25,10 +25,10 @@ MORRIS_RESISTANCE, MORRIS_VELOCITY = 106.812, 0.122902
 acceleration * radius^2 / kinematic viscosity: the cell of J. P. Morris et al., J. Comput. Phys. 136 (1997) 214-226, who
 have 106.77, by finite elements on three meshes."""
 
-HELD_TORQUE, HELD_STRESS, FREE_TURNING, FREE_STRESS = -0.063876, 1.096644, -0.490785, 1.065294
+HELD_TORQUE, HELD_STRESS, FREE_ROTATION, FREE_STRESS = -0.063876, 1.096644, -0.490785, 1.065294
 """Of a cylinder in the middle of Couette flow, by finite elements, to 1e-6: torque over dynamic viscosity, shear rate
 and gap^2, and shear stress of the walls over dynamic viscosity and shear rate, if it is held; angular velocity over
-shear rate with which it would turn by itself, and the stress then."""
+shear rate with which it would rotate freely, and the stress then."""
 
 CELL = {"geometry": {"length": 1.0, "height": 1.0}}
 
@@ -84,7 +84,7 @@ FULL = {
     "array_0.05": _array(0.05, 80, 0.05),
     "array_0.2_corners": _array(0.2, 40, 0.03, centre=0.0),
     "morris": MORRIS,
-    "shear_turned": _in_shear(50, {"angular_velocity": FREE_TURNING}),
+    "shear_turned": _in_shear(50, {"angular_velocity": FREE_ROTATION}),
     "shear_held_fine": _in_shear(100, "fixed"),
 }
 

@@ -25,7 +25,7 @@ def config(tmp_path):
     return lambda *overrides: load(path, overrides)
 
 
-def test_steps_of_coarser_runs_are_as_much_longer_as_their_spacing_is_wider(config, tmp_path):
+def test_steps_of_coarser_runs_are_longer_by_the_ratio_of_spacings(config, tmp_path):
     half, root_half = Coarser(config(), tmp_path).configs
     assert [each["discretisation"]["particles_across"] for each in (half, root_half)] == [14, 20]
     for each, factor in ((half, 2.0), (root_half, 1.4)):
@@ -35,7 +35,7 @@ def test_steps_of_coarser_runs_are_as_much_longer_as_their_spacing_is_wider(conf
     assert (half["time"]["cfl"], half["time"]["tolerance"]) == (0.2, 2e-6)
 
 
-def test_the_error_of_a_vortex_is_stated(config, tmp_path, monkeypatch):
+def test_the_error_of_a_vortex_is_estimated(config, tmp_path, monkeypatch):
     folder = tmp_path / "results"
     coarser = Coarser(config(), folder)
     folder.mkdir()

@@ -68,7 +68,7 @@ def stated(name, end, folder):
         if run["status"] == "done"
     ],
 )
-def test_stated_errors_and_steps_are_within_the_factors(name, tmp_path):
+def test_predicted_errors_and_steps_are_within_the_factors(name, tmp_path):
     run = MEASURED[name]
     found = study.compare(stated(name, run["end"], tmp_path), run["samples"])
     assert [each for each in found if each.verdict == "FAIL"] == []

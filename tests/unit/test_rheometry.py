@@ -40,7 +40,7 @@ def test_inertia_is_taken_off(frequency):
     assert found == pytest.approx(theory, rel=1e-10)
 
 
-def test_compliance_of_a_liquid_with_one_mode():
+def test_compliance_of_a_fluid_with_one_mode():
     # Jeffreys: J = t/eta + (eta_p lambda/eta^2) (1 - exp(-t eta/(lambda eta_s)))
     liquid, t = Spectrum(0.1, ((0.9, 2.0),)), np.array([0.01, 0.5, 3.0])
     assert liquid.compliance(t) == pytest.approx(t + 1.8 * -np.expm1(-t / 0.2), rel=1e-9)
@@ -48,7 +48,7 @@ def test_compliance_of_a_liquid_with_one_mode():
     assert liquid.normal_growth(1e3) == pytest.approx(2.0 * 0.9 * 2.0)
 
 
-def test_a_free_plate_on_a_newtonian_liquid_slows_down():
+def test_a_free_wall_on_a_newtonian_fluid_slows_down():
     # heavy: no waves in the liquid, d = eta/(mass gap), less the liquid's own third
     assert Spectrum(1.0).ringing(-0.01, 1.0, 1.0, 100.0) == pytest.approx(-1.0 / (100.0 + 1.0 / 3.0), rel=1e-5)
 
@@ -120,7 +120,7 @@ def test_the_compliance_is_the_strain_over_the_stress_on_either_wall(side, sign)
     assert numbers["compliance_at_the_end_reference"] == pytest.approx(liquid.compliance(4.0), rel=1e-3)
 
 
-def test_the_strain_recovered_is_that_from_the_end_of_the_stress_to_the_end_of_the_run():
+def test_recovered_strain_counts_from_the_end_of_the_stress():
     plate, t = Plate(0.0, steps=((0.0, 2.0), (1.0, 0.0))), np.linspace(0.0, 3.0, 31)
     rate = np.where(t <= 1.0, 1.0, -0.25)
     strain = np.where(t <= 1.0, t, 1.0 - 0.25 * (t - 1.0))

@@ -33,7 +33,7 @@ def test_a_constant_rate_shows_the_growth_of_stress_and_normal_stress():
     assert uniform().steady(3.0) == pytest.approx((3.0, 2.0 * 0.9 * 2.0 * 9.0), rel=1e-9)
 
 
-def test_steady_shear_of_a_giesekus_liquid_balances():
+def test_steady_shear_of_a_giesekus_fluid_balances():
     law = uniform("giesekus", mobility=0.3)
     end, state = 120.0, np.zeros(law.laws[0].components)
     _, state = law._solved(lambda t: 5.0, 0.0, end, state, np.zeros(0))
@@ -46,7 +46,7 @@ def normal_curve(reading, name="without inertia"):
     return found
 
 
-def test_stress_jumps_with_the_rate_and_memory_does_not():
+def test_stress_jumps_with_the_rate_and_conformation_does_not():
     wall = Schedule((0.0, 1.0, 1.0), (0.3, 0.3, 0.0))
     found, _ = uniform().response(rates(wall, 0.1), np.array([0.5, 1.0, 1.0 + 1e-9, 3.0]))
     grown = 0.9 * 3.0 * -np.expm1(-np.array([0.25, 0.5, 0.5]))
@@ -75,7 +75,7 @@ def test_a_relaxation_modulus_is_read_from_a_ramp(times):
     assert numbers["normal_over_shear_stress_at_the_end"] == pytest.approx(strain / 1.01, rel=0.05)
 
 
-def test_a_flow_curve_tells_inertia_from_memory():
+def test_a_flow_curve_tells_inertia_from_relaxation():
     gap, density = 0.1, 1.0
     wall = Schedule((0.0, 6.0), (0.0, 1.2))
     law = UniformShear(lambda rate: 2.0 * rate)
@@ -89,7 +89,7 @@ def test_a_flow_curve_tells_inertia_from_memory():
     assert numbers["off_by_memory"] == pytest.approx(0.0, abs=1e-14)
 
 
-def test_a_flow_curve_of_a_liquid_with_memory_shows_its_normal_stress():
+def test_a_flow_curve_of_a_viscoelastic_fluid_shows_its_normal_stress():
     wall, law = Schedule((0.0, 6.0), (0.0, 1.2)), uniform()
     stress, normal = law.response(rates(wall, 0.1), TIMES)
     table = {"t": TIMES, "wall_shear": stress, "wall_shear_exact": stress, "n1_mean": 1.01 * normal}
@@ -102,7 +102,7 @@ def test_a_flow_curve_of_a_liquid_with_memory_shows_its_normal_stress():
     assert steady == pytest.approx((0.1 + 0.9) * curve)
 
 
-def test_the_law_alone_is_asked_for_what_the_wall_does_from_the_start_across_the_gap():
+def test_the_law_alone_has_the_wall_motion_in_the_whole_gap():
     member = registry.load("rheology", "oldroyd_b").Parameters(relaxation_time=2.0, solvent_fraction=0.1)
     config = SimpleNamespace(fluid=SimpleNamespace(rheology=member))
     channel = SimpleNamespace(gap=0.1, density=1.0, solvent_viscosity=0.1, dynamic_viscosity=1.0)
@@ -128,7 +128,7 @@ def test_the_law_alone_is_asked_for_what_the_wall_does_from_the_start_across_the
     ],
     ids=["held", "not held for as long", "slows down for long", "goes on", "there and back"],
 )
-def test_a_wall_that_rests_for_longer_than_it_moved_is_a_step_strain(times, velocities, title):
+def test_a_wall_that_rests_longer_than_it_moves_is_step_strain(times, velocities, title):
     config = SimpleNamespace(fluid=SimpleNamespace(rheology=SimpleNamespace(carries_stress=False)))
     channel = SimpleNamespace(gap=1.0, viscous_stress=lambda rate: 2.0 * rate)
     table = {"t": TIMES, "wall_shear": TIMES, "wall_shear_exact": TIMES}

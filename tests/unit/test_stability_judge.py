@@ -108,7 +108,7 @@ def test_a_warning_excuses_more_but_not_everything():
     assert verdict(errors=(0.11,) * 4, plan=warned).verdict == "silent failure"
 
 
-def test_what_was_predicted_is_no_silent_failure_up_to_where_the_profile_is_lost():
+def test_a_predicted_error_is_no_silent_failure_up_to_a_limit():
     told = replace(PLAN, cell=Cell(), predicted=0.15)
     for error, wanted in ((0.19, "stable"), (0.21, "silent failure")):
         own = summary(errors=(error,) * 4)

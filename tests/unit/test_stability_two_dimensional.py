@@ -77,7 +77,7 @@ def test_the_cell_itself_is_its_baseline():
     assert judge.VOID > 1.0 > judge.DISTANCE
 
 
-def test_walls_may_drive_the_flow_and_errors_have_a_bound_that_falls_with_the_spacing():
+def test_between_walls_energy_may_grow_and_errors_fall_with_spacing():
     assert verdict(CYLINDERS, energies=(0.1, 0.2, 0.3, 0.4), l2=0.9e-3).verdict == "stable"
     found = verdict(CYLINDERS, l2=1.1e-3)
     assert (found.verdict, found.reason) == ("inaccurate", "error 1.1e-03 U")

@@ -122,7 +122,7 @@ def test_table_order_and_cheapest_run(study, runs, tmp_path, capsys):
     assert (tmp_path / "out/sweep.png").stat().st_size > 10_000
 
 
-def test_a_run_that_fails_or_is_refused_is_a_row_with_its_message(study, runs, undrawn, tmp_path):
+def test_failed_and_refused_runs_are_rows_with_messages(study, runs, undrawn, tmp_path):
     study.write_text(STUDY.replace("[10, 20, 40]", "[10, 13, -1]").replace("count: 3", "count: 1"))
     rows = run(study, tmp_path / "out", forecast, 2)
     assert [row.status for row in rows] == ["done", "failed", "refused"]
@@ -182,7 +182,7 @@ def test_a_larger_study_runs_only_what_is_new(study, runs, undrawn, tmp_path):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="kills by signal")
-def test_dask_with_a_worker_that_is_killed_half_way_gives_the_same_table(study, runs, undrawn, tmp_path, monkeypatch):
+def test_dask_with_a_killed_worker_gives_the_same_table(study, runs, undrawn, tmp_path, monkeypatch):
     distributed = pytest.importorskip("distributed", reason="Dask is an extra")
     run(study, tmp_path / "whole", forecast, 2)
     monkeypatch.undo()

@@ -29,7 +29,8 @@ LARGEST_MISFIT = math.log(2.0)
 class Extrapolation:
     """``order`` that was observed and ``error`` of the finest run, in what the differences are in.
 
-    Where no error can be estimated, it is None and ``reason`` says why, in words; ``order`` is None where there is none.
+    Where no error can be estimated, it is None and ``reason`` says why, in words; ``order`` is None where there is
+    none.
     """
 
     order: float | None

@@ -22,7 +22,7 @@ runtime: {threads: 1}
 """
 
 
-def test_they_have_the_bits_of_the_command_line_and_times_of_their_own(tmp_path):
+def test_they_have_the_bits_of_the_command_line(tmp_path):
     path = tmp_path / "case.yaml"
     path.write_text(CASE)
     for folder in ("first", "second"):  # the server starts with the first one

@@ -108,7 +108,7 @@ def test_interpolation_error_is_far_below_the_errors_that_it_measures():
     assert errors[1] < 1e-4  # a tenth of the error bound 1.5e-3 of the flow at this time
 
 
-def test_a_hole_at_a_probe_is_no_exception():
+def test_a_void_at_a_probe_is_no_exception():
     channel = make_channel(rows=20)
     full = make_snapshot(channel)
     keep = np.abs(full.y - 0.5) > 0.2

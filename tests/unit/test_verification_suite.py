@@ -67,7 +67,7 @@ def test_orders_are_those_of_the_spacings_that_the_runs_have(quick):
     assert found
 
 
-def test_the_drag_of_a_confined_cylinder_is_that_of_the_literature_at_the_weissenberg_number_of_the_flow():
+def test_drag_of_a_confined_cylinder_is_read_at_its_weissenberg_number():
     """117.78 at Wi = 0.6 (Hulsen et al. 2005), over viscosity and velocity; the drive pushes the area, pi, too."""
     criterion = two_dimensional_polymers._drag("confined_cylinder")
     fluid = two_dimensional_polymers.CONFINED["fluid"]
@@ -99,7 +99,7 @@ def test_all_couette_runs_are_the_same_flow(quick):
         assert reynolds == pytest.approx(50, rel=1e-14)
 
 
-def test_the_creeping_flow_and_the_fast_one_have_the_reynolds_numbers_that_they_are_named_for():
+def test_creeping_and_fast_flow_have_the_reynolds_numbers_of_their_names():
     runs = suite.runs(quick=False)
     for name, expected in (("implicit_creeping", 0.0125), ("implicit_re_1000", 1000.0)):
         config = runs[name]
@@ -136,7 +136,7 @@ def test_runs_have_names_of_their_own(quick):
     assert len(suite.runs(quick)) == sum(map(len, parts))
 
 
-def test_every_flow_is_held_to_its_wall_shear_and_its_momentum_at_50_across():
+def test_every_flow_has_bounds_of_wall_shear_and_momentum():
     criteria = suite.criteria(quick=False)
     for part in (suite.channel, suite.viscoelastic):
         for name, flow in part.FLOWS.items():
@@ -145,7 +145,7 @@ def test_every_flow_is_held_to_its_wall_shear_and_its_momentum_at_50_across():
             assert {f"wall_shear at t* = {t_star:g}" for t_star in flow.samples} <= set(own)
 
 
-def test_the_liquid_without_polymer_differs_from_the_newtonian_one_in_its_rheology_only():
+def test_the_fluid_without_polymer_differs_in_its_rheology_only():
     runs = suite.runs(quick=False)
     ours, newtonian = runs["oldroyd_b_without_polymer"], runs["newtonian"]
     assert ours["fluid"].pop("rheology")["solvent_fraction"] == 1.0

@@ -68,7 +68,7 @@ def test_quartic_profiles_have_their_slopes(walls):
     assert wall_shear(channel, snapshot_of(channel, profile)) == pytest.approx(expected, abs=1e-13)
 
 
-def test_the_velocity_of_a_wall_that_a_stress_drives_is_that_of_the_particles_next_to_it():
+def test_a_stress_controlled_wall_has_the_velocity_of_its_next_particles():
     channel = make_channel()
     snapshot = snapshot_of(channel, lambda y: 0.3 + y * (1.0 + y * (-2.0 + y * (1.5 - 0.4 * y))))
     # rounding times the condition number of the five columns, some 1e4
@@ -95,7 +95,7 @@ def test_solvent_and_polymer_add_up():
     assert wall_shear(channel, snapshot) == pytest.approx([solvent + 0.3, solvent + 0.9], abs=1e-12)
 
 
-def test_of_a_profile_that_no_fit_has_the_nearest_one_counts_by_its_weights():
+def test_the_weights_choose_among_fits_that_are_not_exact():
     """(1 - f)^2 (1 + 2 f) at the part f of five spacings: what is left is orthogonal to all powers with that weight."""
     channel, random = make_channel(**oldroyd_b(1.0, 0.25)), np.random.default_rng(0)
     snapshot = snapshot_of(channel, lambda y: random.uniform(size=y.size), lambda y: random.uniform(size=y.size))

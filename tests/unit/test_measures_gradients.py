@@ -70,14 +70,14 @@ def test_spread_of_a_lattice(periodic):
     assert max_void_radius(scene, snapshot(x, y, x, x)) == pytest.approx(np.sqrt(0.5), rel=1e-12)
 
 
-def test_a_hole_across_the_edge_of_a_box_of_any_size_is_found():
+def test_a_void_across_the_edge_of_a_box_is_found():
     x, y = (np.delete(values, 0) for values in scattered(12, jitter=0.0))
     scene = SimpleNamespace(origin=(0.0, 0.0), bodies=(), extent=(3.0, 3.0), periodic=(True, True), spacing=0.25)
     assert max_void_radius(scene, snapshot(3.0 * x, 3.0 * y, x, x)) == pytest.approx(1.0, rel=1e-12)
 
 
 @pytest.mark.parametrize("place", [0, 77])
-def test_a_missing_particle_is_a_hole_wherever_it_is(place):
+def test_a_missing_particle_is_a_void_wherever_it_is(place):
     x, y = (np.delete(values, place) for values in scattered(12, jitter=0.0))
     assert max_void_radius(box(12), snapshot(x, y, x, x)) == pytest.approx(1.0, rel=1e-12)  # as above
 

@@ -88,7 +88,7 @@ def test_a_row_is_read_from_its_runs():
     assert row.stopped == {}
 
 
-def test_a_row_with_a_run_that_stopped_has_no_order_but_the_other_errors():
+def test_a_row_with_a_stopped_run_has_no_order():
     case = Case("poiseuille", "adami", "lattice")
     nothing = Result(None, {"status": "failed", "samples": []})
     results = {25: (run_result(0.1), ""), 50: (run_result(0.02), ""), 100: (nothing, "diverged: u of particle 7")}

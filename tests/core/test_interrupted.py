@@ -13,7 +13,7 @@ from tisph import config, simulation
 from tisph.errors import TisphError
 from tisph.folder import Folder
 from tisph.observers.samples import Samples
-from tisph.report.studio import Studio
+from tisph.report.drawing_process import DrawingProcess
 from tisph.simulation import checkpoint
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="sends signals")
@@ -56,7 +56,7 @@ def test_a_hang_up_leaves_results_and_a_checkpoint(folder, tmp_path, monkeypatch
 
 
 def test_a_run_whose_pictures_cannot_be_drawn_says_so_once_and_has_all_other_results(folder, tmp_path, monkeypatch):
-    gone = Studio()
+    gone = DrawingProcess()
     gone._process.kill()
     monkeypatch.setattr("tisph.simulation.drawing.shared", lambda: gone)
     with pytest.raises(TisphError, match="the process that draws has ended"):

@@ -7,11 +7,11 @@ from matplotlib.text import Text
 from report_scene import END, make_channel, make_polymer_channel, make_snapshot, make_video
 
 from tisph.report import style
-from tisph.report.driving import DriveLabel, wall_labels
+from tisph.report.background import build_figure
+from tisph.report.drive_labels import DriveLabel, wall_labels
+from tisph.report.frame import FrameRenderer
 from tisph.report.layout import arrange
-from tisph.report.painter import FramePainter
 from tisph.report.quantities import quantity
-from tisph.report.stage import build_figure
 from tisph.report.text import text_width
 from tisph.scenes._motion import WallMotion
 
@@ -135,6 +135,6 @@ def test_words_on_walls_and_of_the_drive_fit_their_places(ratio, flow):
 @pytest.mark.parametrize("size", [(240, 240), (240, 1200), (1200, 240)])
 def test_small_and_odd_shaped_frames_can_be_drawn(size):
     channel = make_channel(rows=6)
-    frame = FramePainter(channel, make_video(*size), "extreme", END).paint(make_snapshot(channel, 1.0))
+    frame = FrameRenderer(channel, make_video(*size), "extreme", END).render(make_snapshot(channel, 1.0))
     assert frame.shape == (size[1], size[0], 3)
     assert np.all(frame[0, 0] == 255)

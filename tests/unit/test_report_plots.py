@@ -6,8 +6,8 @@ from matplotlib.figure import Figure
 from PIL import Image
 from report_scene import make_annulus, make_channel, make_polymer_channel, make_snapshot
 
-from tisph.report.history import plot_history
-from tisph.report.profiles import plot_profiles
+from tisph.report.history import history_figure
+from tisph.report.profiles import profile_figure
 from tisph.scenes._motion import WallMotion
 
 PNG_SIZE = (1320, 720)
@@ -38,7 +38,7 @@ def history(channel, count, times):
 
 def test_profiles_show_particles_on_the_exact_curve_and_their_error(tmp_path, figures):
     channel = make_channel(rows=20)
-    plot_profiles(tmp_path / "profiles.png", channel, [make_snapshot(channel, t, slip=1e-3) for t in (1.8, 20.0)])
+    profile_figure(channel, [make_snapshot(channel, t, slip=1e-3) for t in (1.8, 20.0)]).save(tmp_path / "profiles.png")
     assert Image.open(tmp_path / "profiles.png").size == PNG_SIZE
     velocity, error = figures[0].axes
     dots, curve = velocity.lines[:2]
@@ -55,7 +55,7 @@ def test_profiles_with_polymer_show_its_stresses_on_their_exact_curves(tmp_path,
     channel = make_polymer_channel()
     snapshots = [make_snapshot(channel, t) for t in (0.5, 5.0)]
     snapshots = [replace(s, stress_xy=s.stress_xy + 1e-5, stress_yy=s.stress_yy + 3e-5) for s in snapshots]
-    plot_profiles(tmp_path / "profiles.png", channel, snapshots)
+    profile_figure(channel, snapshots).save(tmp_path / "profiles.png")
     assert Image.open(tmp_path / "profiles.png").size == (1320, 1260)
     shear, normal = figures[0].axes[2:]
     for index, t in enumerate((0.5, 5.0)):
@@ -74,7 +74,7 @@ def test_profiles_with_polymer_show_its_stresses_on_their_exact_curves(tmp_path,
 
 def test_samples_that_coincide_can_be_told_apart(tmp_path, figures):
     channel = make_channel(initial_state="developed")
-    plot_profiles(tmp_path / "profiles.png", channel, [make_snapshot(channel, t) for t in (1.0, 2.0, 3.0)])
+    profile_figure(channel, [make_snapshot(channel, t) for t in (1.0, 2.0, 3.0)]).save(tmp_path / "profiles.png")
     dots = figures[0].axes[0].lines[0:6:2]
     sizes = [line.get_markersize() for line in dots]
     assert np.all(np.diff(sizes) < -1.0)  # later ones lie on top and leave a rim, half a point wide, of the earlier
@@ -83,16 +83,16 @@ def test_samples_that_coincide_can_be_told_apart(tmp_path, figures):
 
 def test_profiles_of_a_perfect_run_and_of_the_start_can_be_drawn(tmp_path):
     channel = make_channel(initial_state="developed")
-    plot_profiles(tmp_path / "perfect.png", channel, [make_snapshot(channel, 1.8)])
+    profile_figure(channel, [make_snapshot(channel, 1.8)]).save(tmp_path / "perfect.png")
     channel = make_channel()
-    plot_profiles(tmp_path / "start.png", channel, [make_snapshot(channel, 0.0)])
+    profile_figure(channel, [make_snapshot(channel, 0.0)]).save(tmp_path / "start.png")
 
 
 def test_history_shows_tracers_on_the_exact_history(tmp_path, figures):
     channel = make_channel()
     settings, times, u = history(channel, 5, np.linspace(0.0, 20.0, 30))
     y = channel.probe_positions(5)[1]
-    plot_history(tmp_path / "history.png", channel, settings, times, u)
+    history_figure(channel, settings, times, u).save(tmp_path / "history.png")
     assert Image.open(tmp_path / "history.png").size == PNG_SIZE
     markers, curve = figures[0].axes[0].lines[:2]
     t, velocity = markers.get_data()
@@ -110,7 +110,7 @@ def test_history_shows_tracers_on_the_exact_history(tmp_path, figures):
 @pytest.mark.parametrize("frequency", [1.0, 15.0])
 def test_history_of_an_oscillation_resolves_every_period(tmp_path, figures, frequency):
     channel = make_channel(top=WallMotion(0.0, 0.005, frequency), initial_state="developed")
-    plot_history(tmp_path / "history.png", channel, *history(channel, 3, np.linspace(0.0, 20.0, 401)))
+    history_figure(channel, *history(channel, 3, np.linspace(0.0, 20.0, 401))).save(tmp_path / "history.png")
     markers, curve = figures[0].axes[0].lines[:2]
     period = 2 * np.pi / frequency
     # A straight line between points P/40 apart misses the crest by (2 pi/40)^2/8 = 0.3 %: less than the line's width.
@@ -120,21 +120,21 @@ def test_history_of_an_oscillation_resolves_every_period(tmp_path, figures, freq
 
 def test_history_of_a_run_that_stopped_at_once_can_be_drawn(tmp_path):
     channel = make_channel()
-    plot_history(tmp_path / "history.png", channel, *history(channel, 2, np.array([0.0])))
+    history_figure(channel, *history(channel, 2, np.array([0.0]))).save(tmp_path / "history.png")
 
 
 def test_legends_stay_short(tmp_path, figures):
     channel = make_channel()
-    plot_profiles(tmp_path / "profiles.png", channel, [make_snapshot(channel, t) for t in np.linspace(1, 20, 30)])
-    plot_history(tmp_path / "history.png", channel, *history(channel, 40, np.linspace(0.0, 20.0, 30)))
+    profile_figure(channel, [make_snapshot(channel, t) for t in np.linspace(1, 20, 30)]).save(tmp_path / "profiles.png")
+    history_figure(channel, *history(channel, 40, np.linspace(0.0, 20.0, 30))).save(tmp_path / "history.png")
     # twelve of them, "exact", and "not resolved" in the history
     assert [len(legend_texts(figure)) for figure in figures] == [13, 14]
 
 
 def test_legends_overlap_no_other_text(tmp_path, figures):
     channel = make_channel(top=WallMotion(-2.5e-4), bottom=WallMotion(1e-4))  # the longer kind of error label
-    plot_profiles(tmp_path / "profiles.png", channel, [make_snapshot(channel, t) for t in np.linspace(1, 20, 12)])
-    plot_history(tmp_path / "history.png", channel, *history(channel, 12, np.linspace(0.0, 20.0, 30)))
+    profile_figure(channel, [make_snapshot(channel, t) for t in np.linspace(1, 20, 12)]).save(tmp_path / "profiles.png")
+    history_figure(channel, *history(channel, 12, np.linspace(0.0, 20.0, 30))).save(tmp_path / "history.png")
     for figure in figures:
         box = figure.legends[0].get_window_extent()
         assert box.x0 >= 0
@@ -148,12 +148,12 @@ def test_a_torque_that_begins_at_infinity_leaves_room_for_the_rest(tmp_path, fig
     exact = np.stack(annulus.exact_torques(times), axis=1)
     assert np.isinf(exact[0, 0])
     torques = np.vstack([[np.nan, np.nan], exact[1:]])
-    plot_history(tmp_path / "history.png", annulus, {}, times, torques)
+    history_figure(annulus, {}, times, torques).save(tmp_path / "history.png")
     low, high = figures[0].axes[0].get_ylim()
     resolved = exact[times >= (2 / 8) ** 2 / 0.02]  # a layer of two spacings
     assert low < resolved.min() < resolved.max() < high
     assert high - low == pytest.approx(1.2 * np.ptp(resolved))
-    plot_history(tmp_path / "history.png", annulus, {}, times[:1], torques[:1])  # stopped at once: nothing to fit to
+    history_figure(annulus, {}, times[:1], torques[:1]).save(tmp_path / "history.png")  # stopped at once
 
 
 def test_a_flow_between_cylinders_that_swings_or_stops_has_errors_over_the_wall_speed():

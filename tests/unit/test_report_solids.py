@@ -13,8 +13,8 @@ from tisph.geometry.line import Line
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.polygon import Polygon
 from tisph.report import style
+from tisph.report.frame import FrameRenderer
 from tisph.report.layout import arrange, box_of
-from tisph.report.painter import FramePainter
 from tisph.report.solids import Solids
 from tisph.simulation.start import start_snapshot, start_values
 from tisph.snapshot import Bodies
@@ -119,12 +119,12 @@ def test_frames_of_the_annulus_have_liquid_between_the_cylinders(annulus):
     initial = SimpleNamespace(seed=0, jitter=0.2)
     snapshot = start_snapshot(annulus, start_values(annulus, initial), "f64")
     for name in ("speed", "vorticity"):
-        painter = FramePainter(annulus, make_video(640, 320, name), "annulus", 10.0)
-        box = painter.paint(snapshot)[painter.layout.box.slices]
-        x, y = places(painter.layout)
+        renderer = FrameRenderer(annulus, make_video(640, 320, name), "annulus", 10.0)
+        box = renderer.render(snapshot)[renderer.layout.box.slices]
+        x, y = places(renderer.layout)
         radius = np.hypot(x - 3.0, y + 1.0)
         solid = np.all(box == style.rgb(style.SOLID), axis=2)
-        wide = 3 / painter.layout.pixels_per_length
+        wide = 3 / renderer.layout.pixels_per_length
         assert not solid[(radius > 1.0 + wide) & (radius < 2.0 - wide)].any()
         assert solid[radius > 2.2].all()  # the corners, beyond any mark
         assert 0.9 < solid[radius < 1.0 - wide].mean() < 1.0  # all but the spoke

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from report_scene import END, make_annulus, make_channel, make_snapshot, make_video
 
+from tisph.report.frame import FrameRenderer
 from tisph.report.layout import arrange, box_of
-from tisph.report.painter import FramePainter
 from tisph.report.streamlines import Streamlines
 from tisph.simulation.start import start_snapshot, start_values
 from tisph.snapshot import Snapshot
@@ -79,8 +79,8 @@ def test_lines_between_cylinders_are_circles_and_none_is_within_a_body(annulus):
 
 def test_lines_lie_on_the_liquid_in_a_frame_and_are_not_seen_within_bodies(annulus):
     scene, snapshot = annulus
-    plain, lined = (FramePainter(scene, make_video(overlay=each), "", END) for each in ("none", "streamlines"))
-    changed = np.any(lined.paint(snapshot) != plain.paint(snapshot), axis=2)[plain.layout.box.slices]
+    plain, lined = (FrameRenderer(scene, make_video(overlay=each), "", END) for each in ("none", "streamlines"))
+    changed = np.any(lined.render(snapshot) != plain.render(snapshot), axis=2)[plain.layout.box.slices]
     rows, columns = np.mgrid[: changed.shape[0], : changed.shape[1]] + 0.5
     radius = np.hypot(columns - changed.shape[1] / 2, rows - changed.shape[0] / 2) / plain.layout.pixels_per_length
     pixel = 1 / plain.layout.pixels_per_length
@@ -90,9 +90,9 @@ def test_lines_lie_on_the_liquid_in_a_frame_and_are_not_seen_within_bodies(annul
 
 def test_liquid_at_rest_and_a_run_that_went_wrong_have_no_lines():
     channel = make_channel()
-    plain, lined = (FramePainter(channel, make_video(overlay=each), "", END) for each in ("none", "streamlines"))
+    plain, lined = (FrameRenderer(channel, make_video(overlay=each), "", END) for each in ("none", "streamlines"))
     snapshot = make_snapshot(channel, 5.0)
-    assert not np.array_equal(lined.paint(snapshot), plain.paint(snapshot))
+    assert not np.array_equal(lined.render(snapshot), plain.render(snapshot))
     snapshot.u[3] = np.nan
-    assert np.array_equal(lined.paint(snapshot), plain.paint(snapshot))
+    assert np.array_equal(lined.render(snapshot), plain.render(snapshot))
     assert lines_of(lambda x, y: 1e-6 * np.sin(9 * x), lambda x, y: 0.0) == []

@@ -9,7 +9,7 @@ from report_scene import END, make_channel, make_polymer_channel, make_snapshot,
 
 from tisph.report import style
 from tisph.report.error_label import field_error_label, velocity_error_label
-from tisph.report.painter import FramePainter
+from tisph.report.frame import FrameRenderer
 from tisph.scenes._motion import WallMotion
 
 VIDEO = make_video(960, 480, color_by="shear_stress")
@@ -19,32 +19,32 @@ DEVELOPED = {"initial_state": "developed"}
 
 
 @pytest.fixture(scope="module")
-def painter():
-    return FramePainter(make_polymer_channel(), VIDEO, "test", END)
+def renderer():
+    return FrameRenderer(make_polymer_channel(), VIDEO, "test", END)
 
 
 def with_stress(channel, stress):
     return replace(particles(channel, 5.0, [0.004], [0.006], [0.0]), stress_xy=np.array([stress]))
 
 
-def colour_under_the_particle(painter, snapshot):
-    rect, scale = painter.layout.box, painter.layout.pixels_per_length
-    gap = painter.scene.gap
+def colour_under_the_particle(renderer, snapshot):
+    rect, scale = renderer.layout.box, renderer.layout.pixels_per_length
+    gap = renderer.scene.gap
     row, column = rect.top + int((gap - snapshot.y[0]) * scale), rect.left + int(snapshot.x[0] * scale)
-    return painter.paint(snapshot)[row, column].astype(float)
+    return renderer.render(snapshot)[row, column].astype(float)
 
 
 @pytest.mark.parametrize("share", [-1.5, -1.0, -0.3, 0.0, 0.7, 1.0])
-def test_disc_has_the_colour_of_its_stress(painter, share):
-    colour = colour_under_the_particle(painter, with_stress(painter.scene, share * LARGEST))
+def test_disc_has_the_colour_of_its_stress(renderer, share):
+    colour = colour_under_the_particle(renderer, with_stress(renderer.scene, share * LARGEST))
     expected = 255 * np.array(matplotlib.colormaps[style.DIVERGING_MAP](0.5 + 0.5 * np.clip(share, -1, 1))[:3])
     # The look-up table has 256 stresses and 256 coverages: neighbouring entries differ by at most 3 levels.
     assert np.abs(colour - expected).max() <= 3
 
 
-def test_both_signs_and_none_can_be_told_apart_and_from_the_background(painter):
+def test_both_signs_and_none_can_be_told_apart_and_from_the_background(renderer):
     minus, none, plus = (
-        colour_under_the_particle(painter, with_stress(painter.scene, share * LARGEST)) for share in (-1, 0, 1)
+        colour_under_the_particle(renderer, with_stress(renderer.scene, share * LARGEST)) for share in (-1, 0, 1)
     )
     assert minus[2] - minus[0] > 100  # blue, ...
     assert plus[0] - plus[2] > 100  # ... red: the two colours that all kinds of colour-blind eyes tell apart
@@ -52,12 +52,12 @@ def test_both_signs_and_none_can_be_told_apart_and_from_the_background(painter):
     assert none.max() < 230  # not the white of the background
 
 
-def test_profile_panel_shows_the_stress_of_particles_and_the_exact_one(painter):
-    channel, rect = painter.scene, painter.layout.profile
-    lowest, highest = painter.quantity.profile_range
+def test_profile_panel_shows_the_stress_of_particles_and_the_exact_one(renderer):
+    channel, rect = renderer.scene, renderer.layout.profile
+    lowest, highest = renderer.quantity.profile_range
     shift = 0.5 * LARGEST
     snapshot = make_snapshot(channel, 5.0)
-    frame = painter.paint(replace(snapshot, stress_xy=snapshot.stress_xy + shift)).astype(float)
+    frame = renderer.render(replace(snapshot, stress_xy=snapshot.stress_xy + shift)).astype(float)
     row = rect.top + int((1 - 3.5 / channel.rows) * rect.height)  # through the fourth row of particles
     exact = channel.exact_polymer_stress(channel.gap * 3.5 / channel.rows, 5.0)[1]
     for colour, stress in ((style.EXACT, exact), (style.PARTICLES, exact + shift)):
@@ -67,16 +67,16 @@ def test_profile_panel_shows_the_stress_of_particles_and_the_exact_one(painter):
         assert columns.mean() + 1.5 == pytest.approx(expected, abs=1.0)  # a pixel
 
 
-def test_error_of_the_stress_is_named(painter):
-    channel = painter.scene
+def test_error_of_the_stress_is_named(renderer):
+    channel = renderer.scene
     snapshot = make_snapshot(channel, 10.0)
     label = field_error_label(channel, "stress_xy", "Sxy")
     assert label(replace(snapshot, stress_xy=1.02 * snapshot.stress_xy)) == f"L2 error of Sxy 2.0{TIMES}10⁻²"
     assert label(make_snapshot(channel, 0.0)) == "unresolved: 0.0 spacings"
 
 
-def test_particles_with_wrong_stress_do_not_stop_the_picture(painter):
-    colour = colour_under_the_particle(painter, with_stress(painter.scene, np.nan))
+def test_particles_with_wrong_stress_do_not_stop_the_picture(renderer):
+    colour = colour_under_the_particle(renderer, with_stress(renderer.scene, np.nan))
     assert colour[0] - colour[2] > 100  # the colour of the largest
 
 

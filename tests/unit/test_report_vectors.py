@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from report_scene import END, make_channel, make_snapshot, make_video
 
+from tisph.report.frame import FrameRenderer
 from tisph.report.layout import arrange
-from tisph.report.painter import FramePainter
 from tisph.report.vectors import Vectors
 from tisph.snapshot import Snapshot
 
@@ -62,9 +62,9 @@ def test_there_are_no_arrows_where_there_are_no_particles():
 
 def test_a_run_that_went_wrong_and_one_without_arrows_get_their_pictures():
     channel = make_channel()
-    plain, arrows = (FramePainter(channel, make_video(overlay=each), "", END) for each in ("none", "vectors"))
+    plain, arrows = (FrameRenderer(channel, make_video(overlay=each), "", END) for each in ("none", "vectors"))
     snapshot = make_snapshot(channel, 5.0)
-    before = plain.paint(snapshot).copy()
-    assert not np.array_equal(arrows.paint(snapshot), before)
+    before = plain.render(snapshot).copy()
+    assert not np.array_equal(arrows.render(snapshot), before)
     snapshot.u[3] = np.nan
-    assert np.array_equal(arrows.paint(snapshot), plain.paint(snapshot))
+    assert np.array_equal(arrows.render(snapshot), plain.render(snapshot))

@@ -12,9 +12,9 @@ from tisph.errors import ConfigError
 from tisph.measures.metrics import sample_metrics
 from tisph.observers.history import History, read_history
 from tisph.observers.samples import Samples, read_samples
-from tisph.report.history import plot_history
-from tisph.report.painter import FramePainter
-from tisph.report.profiles import plot_profiles
+from tisph.report.frame import FrameRenderer
+from tisph.report.history import history_figure
+from tisph.report.profiles import profile_figure
 from tisph.scenes.shear_layer import Scene
 from tisph.simulation.start import start_snapshot, start_values
 
@@ -95,20 +95,20 @@ def test_files_and_pictures_do_without_a_reference(scene, start, tmp_path):
     history.observe(start)
     history.close()
     assert (tmp_path / "history.csv").read_text().splitlines()[0] == "t,kinetic_energy,resolved"
-    plot_history(tmp_path / "history.png", scene, {}, *read_history(tmp_path / "history.csv"))
+    history_figure(scene, {}, *read_history(tmp_path / "history.csv")).save(tmp_path / "history.png")
     samples = Samples(tmp_path / "samples.h5", scene, [0.0])
     samples.observe(start)
     samples.close()
-    plot_profiles(tmp_path / "profiles.png", scene, read_samples(tmp_path / "samples.h5"))
+    profile_figure(scene, read_samples(tmp_path / "samples.h5")).save(tmp_path / "profiles.png")
     assert Image.open(tmp_path / "profiles.png").size == (1320, 720)
 
 
 @pytest.mark.parametrize("color_by", ["speed", "vorticity"])
 def test_the_movie_shows_the_layers(scene, start, color_by):
     video = make_video(640, 320, color_by)
-    painter = FramePainter(scene, video, "layers", 4.0)
-    assert painter._error_label(start) == ""
-    panel = painter.paint(start)[painter.layout.box.slices].astype(float)
+    renderer = FrameRenderer(scene, video, "layers", 4.0)
+    assert renderer._error_label(start) == ""
+    panel = renderer.render(start)[renderer.layout.box.slices].astype(float)
     bands = np.array([band.mean(axis=(0, 1)) for band in np.array_split(panel, 20)])  # of three rows of particles
     layers, streams = bands[[4, 5, 14, 15]], bands[[0, 9, 10, 19]]
     # colours of the layers are other than those of the streams between them, which are alike

@@ -17,9 +17,9 @@ from tisph.observers.frames import Frames, read_frames
 from tisph.observers.guard import Guard
 from tisph.observers.history import History, read_history
 from tisph.observers.samples import Samples
-from tisph.report.history import plot_history
-from tisph.report.painter import FramePainter
-from tisph.report.profiles import plot_profiles
+from tisph.report.frame import FrameRenderer
+from tisph.report.history import history_figure
+from tisph.report.profiles import profile_figure
 from tisph.simulation.start import start_snapshot, start_values
 
 ROUNDING = 1e-13  # relative, of sums over hundreds of particles of values with 1e-16
@@ -146,7 +146,7 @@ def test_history_of_the_kinetic_energy(tmp_path):
     assert times.tolist() == [0.0, 1.0, 2.0]
     table = np.loadtxt(path, delimiter=",", skiprows=1)
     assert np.allclose(values[:, 0], 0.99**2 * table[:, 3], rtol=ROUNDING)
-    plot_history(tmp_path / "history.png", scene, {}, times, values)
+    history_figure(scene, {}, times, values).save(tmp_path / "history.png")
     assert Image.open(tmp_path / "history.png").size == (1320, 720)
 
 
@@ -175,13 +175,13 @@ def test_frames_keep_the_pressure_where_it_is_shown(tmp_path, shown):
 
 def test_profiles_are_drawn(tmp_path):
     scene = make_scene()
-    plot_profiles(tmp_path / "profiles.png", scene, [make_snapshot(scene, t) for t in (0.5, 2.0)])
+    profile_figure(scene, [make_snapshot(scene, t) for t in (0.5, 2.0)]).save(tmp_path / "profiles.png")
     assert Image.open(tmp_path / "profiles.png").size == (1320, 1800)
 
 
-def make_painter(color_by, **changes):
+def make_renderer(color_by, **changes):
     video = make_video(960, 480, color_by)
-    return FramePainter(make_scene(**changes), video, "vortices", 2.0)
+    return FrameRenderer(make_scene(**changes), video, "vortices", 2.0)
 
 
 EXACT = {
@@ -194,30 +194,30 @@ EXACT = {
 @pytest.mark.parametrize("color_by", EXACT)
 @pytest.mark.parametrize("place", [(0.525, 0.775), (0.475, 0.525), (0.025, 0.325)])
 def test_discs_have_the_colour_of_what_is_shown(color_by, place):
-    painter = make_painter(color_by)
-    quantity, rect, scale = painter.quantity, painter.layout.box, painter.layout.pixels_per_length
-    frame = painter.paint(make_snapshot(painter.scene, 0.0, jitter=0.0))
+    renderer = make_renderer(color_by)
+    quantity, rect, scale = renderer.quantity, renderer.layout.box, renderer.layout.pixels_per_length
+    frame = renderer.render(make_snapshot(renderer.scene, 0.0, jitter=0.0))
     found = frame[rect.bottom - 1 - int(place[1] * scale), rect.left + int(place[0] * scale)].astype(float)
     lowest, highest = quantity.colour_range
-    share = (EXACT[color_by](painter.scene, *place) - lowest) / (highest - lowest)
+    share = (EXACT[color_by](renderer.scene, *place) - lowest) / (highest - lowest)
     # vorticity is that of a quadratic fit to 18 neighbours, which is up to (k 2.4 spacings)^2/8 = 7 % small
     near = matplotlib.colormaps[quantity.colour_map](share + np.linspace(-0.04, 0.04, 41) * (color_by == "vorticity"))
     assert np.abs(255 * near[:, :3] - found).max(axis=1).min() <= 3  # levels, as in test_report_stress.py
 
 
 def test_error_in_the_picture_is_that_of_what_is_shown():
-    shown = {name: make_painter(name) for name in ("speed", "vorticity", "pressure")}
+    shown = {name: make_renderer(name) for name in ("speed", "vorticity", "pressure")}
     snapshot = make_snapshot(shown["speed"].scene)
     off = scaled(replace(snapshot, pressure=2.0 * snapshot.pressure), 1.01)
-    labels = {name: painter._error_label(off) for name, painter in shown.items()}
+    labels = {name: renderer._error_label(off) for name, renderer in shown.items()}
     assert labels["speed"] == labels["vorticity"] == "L2 error 1.0×10⁻²"
     assert labels["pressure"].startswith("L2 error of p 1.0×10⁰") or labels["pressure"].startswith("L2 error of p 9.9")
 
 
 def test_discs_wrap_around_in_both_directions():
-    painter = make_painter("speed")
-    one = replace(make_snapshot(painter.scene), **{name: np.array([0.0]) for name in ("x", "y", "u", "v")})
-    panel = painter.paint(one)[painter.layout.box.slices]
+    renderer = make_renderer("speed")
+    one = replace(make_snapshot(renderer.scene), **{name: np.array([0.0]) for name in ("x", "y", "u", "v")})
+    panel = renderer.render(one)[renderer.layout.box.slices]
     for row in (0, -1):
         for column in (0, -1):
             assert panel[row, column].min() < 128  # the dark colour of rest in all four corners
@@ -226,7 +226,7 @@ def test_discs_wrap_around_in_both_directions():
 
 
 def test_several_periods_fill_the_frame():
-    painter = make_painter("vorticity", cells=(3, 1))
-    box = painter.layout.box
+    renderer = make_renderer("vorticity", cells=(3, 1))
+    box = renderer.layout.box
     assert box.width / box.height == pytest.approx(3.0, rel=0.02)  # whole pixels
-    painter.paint(make_snapshot(painter.scene))
+    renderer.render(make_snapshot(renderer.scene))

@@ -2,7 +2,7 @@
 
 import json
 
-from tisph.report.profiles import plot_profiles
+from tisph.report.profiles import profile_figure
 from tisph.text_table import format_table
 
 NUMBERS, PICTURE = "comparison.json", "comparison.png"
@@ -103,7 +103,7 @@ def write(judgement, folder):
     numbers.write_text(json.dumps(_as_data(judgement), indent=1), encoding="utf-8")
     finest = min(each.scene.spacing for each in judgement.samples)
     shown = [each for each in judgement.samples if each.scene.spacing == finest]
-    plot_profiles(picture, shown[0].scene, [each.aligned.snapshot for each in shown])
+    profile_figure(shown[0].scene, [each.aligned.snapshot for each in shown]).save(picture)
     return numbers, picture
 
 

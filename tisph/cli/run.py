@@ -68,9 +68,9 @@ def run(
 def _simulate(config: Any, folder: Path, coarser: Any, *, pictures: bool, video: bool, resume: bool) -> None:
     with held_back():
         if pictures:
-            from tisph.report import studio
+            from tisph.report import drawing_process
 
-            studio.shared()  # it imports matplotlib while this process imports Taichi
+            drawing_process.shared()  # it imports matplotlib while this process imports Taichi
         from tisph import simulation
 
     with _partial_results_named(folder, coarser):

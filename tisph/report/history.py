@@ -1,9 +1,6 @@
 """What a scene follows in time, against the exact history."""
 
-from pathlib import Path
-
 import numpy as np
-from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
 from tisph.measures.resolution import resolution
@@ -20,13 +17,7 @@ _LEGEND_ENTRIES = 12
 _MARGIN = 0.1  # of the axis, beyond what is resolved of a history that begins at infinity
 
 
-def plot_history(path: Path | str, scene, settings: dict, times: np.ndarray, values: np.ndarray) -> None:
-    """Write the ``history_figure`` as PNG."""
-    with style.plot_style():
-        style.save(history_figure(scene, settings, times, values), path)
-
-
-def history_figure(scene, settings: dict, times: np.ndarray, values: np.ndarray) -> Figure:
+def history_figure(scene, settings: dict, times: np.ndarray, values: np.ndarray) -> style.PlotFigure:
     """Return the numbers that ``scene`` follows in time, as markers on their exact history.
 
     ``settings`` are those of ``scene.followed``; ``times`` (n,) and ``values`` (n, numbers) are in the units of the

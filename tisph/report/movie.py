@@ -8,7 +8,7 @@ from PIL import Image
 
 from tisph.errors import TisphError
 from tisph.report.encoder import Encoder
-from tisph.report.painter import FramePainter
+from tisph.report.frame import FrameRenderer
 from tisph.snapshot import Snapshot
 
 
@@ -25,12 +25,12 @@ class Movie:
     def __init__(self, path: Path | str, scene, video, title: str, end: float):
         self.path = Path(path)
         self._video = video
-        self._painter = FramePainter(scene, video, title, end)
+        self._renderer = FrameRenderer(scene, video, title, end)
         self._encoder: Encoder | None = None
 
     def frame(self, snapshot: Snapshot) -> np.ndarray:
         """Return the picture of ``snapshot``, uint8 of shape (height, width, 3)."""
-        return self._painter.paint(snapshot).copy()
+        return self._renderer.render(snapshot).copy()
 
     def save_frame(self, path: Path | str, snapshot: Snapshot) -> None:
         """Write the picture of ``snapshot`` as PNG."""
@@ -40,8 +40,8 @@ class Movie:
         """Append the picture of ``snapshot`` to the movie."""
         if self._encoder is None:
             self._encoder = Encoder(self.path, self._video.width, self._video.height, self._video.fps)
-        self._painter.paint(snapshot)
-        self._encoder.write(self._painter.frame)
+        self._renderer.render(snapshot)
+        self._encoder.write(self._renderer.frame)
 
     def close(self) -> None:
         """Finish the file. May be called again, and does nothing then."""

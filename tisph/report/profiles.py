@@ -1,11 +1,9 @@
 """Profiles at the samples: particles against exact curves along the lines of a scene, and their errors."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
@@ -26,13 +24,7 @@ Panel = tuple[Profile, bool]
 """A profile, and whether its error over its scale is shown."""
 
 
-def plot_profiles(path: Path | str, scene, snapshots: Sequence[Snapshot]) -> None:
-    """Write the ``profile_figure`` as PNG."""
-    with style.plot_style():
-        style.save(profile_figure(scene, snapshots), path)
-
-
-def profile_figure(scene, snapshots: Sequence[Snapshot]) -> Figure:
+def profile_figure(scene, snapshots: Sequence[Snapshot]) -> style.PlotFigure:
     """Return the profiles of ``scene`` at every snapshot with the exact curves, and their errors.
 
     There are two panels a row. Of more than twelve snapshots the legend names twelve, evenly chosen.

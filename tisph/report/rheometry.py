@@ -21,4 +21,4 @@ def plot_reading(path, name, reading):
             axes.legend(frameon=False)
         figure.suptitle(f"{name}: {reading.title}")
         figure.tight_layout()
-        style.save(figure, path)
+        figure.save(path)

@@ -46,13 +46,20 @@ def plot_style() -> AbstractContextManager:
 
 
 class PlotFigure(Figure):
-    """A figure that a notebook shows, whatever it does with those of pyplot."""
+    """A figure in this project's style, which a notebook shows, whatever it does with those of pyplot."""
 
-    def _repr_png_(self) -> bytes:
-        picture = io.BytesIO()
+    def save(self, path) -> None:
+        """Write it as PNG to a path or an open file: quickly, a quarter larger than it could be."""
         with plot_style():
-            save(self, picture)
+            self.savefig(path, format="png", pil_kwargs={"compress_level": 2})
+
+    def png(self) -> bytes:
+        """Return it as PNG."""
+        picture = io.BytesIO()
+        self.save(picture)
         return picture.getvalue()
+
+    _repr_png_ = png
 
 
 def plot_figure(rows: int = 1) -> PlotFigure:
@@ -63,11 +70,6 @@ def plot_figure(rows: int = 1) -> PlotFigure:
     figure = PlotFigure((11.0, 1.5 + 4.5 * rows), dpi=120)
     FigureCanvasAgg(figure)
     return figure
-
-
-def save(figure: Figure, path) -> None:
-    """Write ``figure`` as PNG to a path or an open file: quickly, a quarter larger than it could be."""
-    figure.savefig(path, format="png", pil_kwargs={"compress_level": 2})
 
 
 def rgb(colour: str) -> np.ndarray:

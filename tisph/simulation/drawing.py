@@ -1,5 +1,6 @@
-"""Movie and pictures of a run: the studio draws them, the files are written here."""
+"""Movie and pictures of a run: the drawing process makes them, the files are written here."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,20 +10,19 @@ from tisph.observers._files import replaced
 from tisph.observers.frames import read_frames
 from tisph.observers.history import read_history
 from tisph.observers.samples import read_samples
-from tisph.report.studio import Answer, DistantMovie, described, shared
+from tisph.report.drawing_process import RemoteMovie, described, shared
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture that is being drawn, for the file ``path``: what ``name`` stands for in what is ``drawn``."""
+    """A picture that is being drawn, for the file ``path``: ``image`` waits for it and returns it as PNG."""
 
     path: Path
-    drawn: Answer
-    name: str
+    image: Callable
 
     def write(self):
         """Wait for it and write it. TisphError where it could not be drawn or cannot be written."""
-        image = self.drawn.result()[self.name]
+        image = self.image()
         with replaced(self.path) as new:
             new.write_bytes(image)
 
@@ -53,7 +53,7 @@ def render(run_dir):
 
 def movie(folder, settings, channel):
     """Return the movie of a run, to which frames can be added."""
-    return DistantMovie(shared(), folder.movie, channel, settings.output.video, settings.name, settings.time.end)
+    return RemoteMovie(shared(), folder.movie, channel, settings.output.video, settings.name, settings.time.end)
 
 
 def begin_pictures(folder, settings, channel):
@@ -65,12 +65,12 @@ def begin_pictures(folder, settings, channel):
     times, values = read_history(folder.history)
     if len(times):
         wanted["history"] = settings.followed, times, values
-    drawn = shared().ask("plots", described(channel)[0], wanted) if wanted else None
-    return [Picture(paths[name], drawn, name) for name in wanted]
+    drawn = shared().request("plots", described(channel)[0], wanted) if wanted else None
+    return [Picture(paths[name], lambda name=name: drawn.result()[name]) for name in wanted]
 
 
 def begin_still(path, settings, channel, snapshot):
     """Let the frame of ``snapshot`` be drawn for the file ``path``."""
     video = settings.output.video or type(settings.output).model_fields["video"].default
     scene = described(channel, video)
-    return Picture(path, shared().ask("still", *scene, settings.name, settings.time.end, snapshot), "still")
+    return Picture(path, shared().request("still", *scene, settings.name, settings.time.end, snapshot).result)

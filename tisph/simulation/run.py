@@ -16,7 +16,7 @@ from tisph.observers.frames import Frames, frame_times
 from tisph.observers.guard import INTERVAL, Guard
 from tisph.observers.history import History
 from tisph.observers.samples import Samples
-from tisph.report import studio
+from tisph.report import drawing_process
 from tisph.simulation import checkpoint, drawing
 from tisph.simulation.interrupts import interrupts_to
 from tisph.simulation.log import log, logging_to
@@ -46,7 +46,7 @@ def run(config, out_dir, *, pictures=True, video=True, resume=False):
     try:
         folder.root.mkdir(parents=True, exist_ok=True)
         if pictures or video:
-            studio.shared()  # it gets ready while this process does
+            drawing_process.shared()  # it gets ready while this process does
         with logging_to(folder.log, append=resume):
             Run(config, folder, pictures).execute(video, resume)
     except OSError as error:

@@ -23,7 +23,7 @@ def plot(study, rows, path):
             if study.bound:
                 axes[0].axhline(study.bound, color=style.EXACT, linewidth=0.9)
         figure.tight_layout()
-        style.save(figure, path)
+        figure.save(path)
     return True
 
 

@@ -3,8 +3,8 @@ import pytest
 from report_scene import END, make_channel, make_snapshot, make_video, particles
 
 from tisph.report import style
-from tisph.report.driving import DriveLabel, wall_labels
-from tisph.report.painter import FramePainter
+from tisph.report.drive_labels import DriveLabel, wall_labels
+from tisph.report.frame import FrameRenderer
 from tisph.scenes._motion import WallMotion
 
 VIDEO = make_video(960, 480)
@@ -12,28 +12,28 @@ FREQUENCY = np.pi  # radians a second: a period of 2 s
 DEVELOPED = {"initial_state": "developed"}
 
 
-def painter_of(**changes):
-    return FramePainter(make_channel(**{"top": WallMotion(0.0), **changes}), VIDEO, "test", END)
+def renderer_of(**changes):
+    return FrameRenderer(make_channel(**{"top": WallMotion(0.0), **changes}), VIDEO, "test", END)
 
 
-def frame_at(painter, t):
-    return painter.paint(particles(painter.scene, t, [0.0], [0.005], [0.0])).copy()
+def frame_at(renderer, t):
+    return renderer.render(particles(renderer.scene, t, [0.0], [0.005], [0.0])).copy()
 
 
-def arrow_directions(painter, t):
+def arrow_directions(renderer, t):
     """Of each white arrow left of the words on the upper wall: +1 if its head is at the right, -1 at the left."""
-    bar, words = painter.layout.top_wall, wall_labels(painter.scene, painter.layout)[0].box
-    height = (frame_at(painter, t)[bar.top + 2 : bar.bottom - 2, bar.left : words.left, 0] > 200).sum(axis=0)
+    bar, words = renderer.layout.top_wall, wall_labels(renderer.scene, renderer.layout)[0].box
+    height = (frame_at(renderer, t)[bar.top + 2 : bar.bottom - 2, bar.left : words.left, 0] > 200).sum(axis=0)
     columns = np.flatnonzero(height)
     arrows = np.split(columns, np.flatnonzero(np.diff(columns) > 1) + 1) if columns.size else []
     return [1 if np.argmax(height[arrow]) > len(arrow) / 2 else -1 for arrow in arrows]
 
 
 def test_labels_and_arrows_follow_a_wall_that_oscillates():
-    painter = painter_of(top=WallMotion(0.004, 0.0, FREQUENCY))
-    directions = {t: set(arrow_directions(painter, t)) for t in (0.0, 0.5, 1.0, 1.5, 2.0)}
+    renderer = renderer_of(top=WallMotion(0.004, 0.0, FREQUENCY))
+    directions = {t: set(arrow_directions(renderer, t)) for t in (0.0, 0.5, 1.0, 1.5, 2.0)}
     assert directions == {0.0: {1}, 0.5: set(), 1.0: {-1}, 1.5: set(), 2.0: {1}}
-    label = wall_labels(painter.scene, painter.layout)[0]
+    label = wall_labels(renderer.scene, renderer.layout)[0]
     assert [label.words(t) for t in (0.0, 0.5, 1.0, 1.25)] == [
         "0.00400 m/s",
         "0.00000 m/s",
@@ -43,23 +43,23 @@ def test_labels_and_arrows_follow_a_wall_that_oscillates():
 
 
 def test_arrows_are_as_long_as_the_wall_is_fast():
-    painter = painter_of(top=WallMotion(0.004, 0.0, FREQUENCY))
-    bar, box = painter.layout.top_wall, wall_labels(painter.scene, painter.layout)[0].box
+    renderer = renderer_of(top=WallMotion(0.004, 0.0, FREQUENCY))
+    bar, box = renderer.layout.top_wall, wall_labels(renderer.scene, renderer.layout)[0].box
     left_of_words = slice(bar.left, box.left)
     lengths = []
     for t in (0.0, 1.0 / 3.0, 5.0 / 3.0):  # velocity 1, 1/2 and 1/2 of the amplitude
-        wall = frame_at(painter, t)[bar.top : bar.bottom, left_of_words, 0]
+        wall = frame_at(renderer, t)[bar.top : bar.bottom, left_of_words, 0]
         lengths.append(np.count_nonzero((wall > 200).any(axis=0)))
     assert lengths[1] == lengths[2]
     # Arrows of 26 and 13 pixels; their tips, less than a pixel high, are too pale to count: two pixels each.
-    arrows = len(arrow_directions(painter, 0.0))
+    arrows = len(arrow_directions(renderer, 0.0))
     assert lengths[1] == pytest.approx(lengths[0] / 2, abs=2.0 * arrows)
 
 
 def test_only_a_wall_that_oscillates_changes_with_time():
-    painter = painter_of(bottom=WallMotion(0.0, 0.002, FREQUENCY), top=WallMotion(0.005), acceleration=1e-3)
-    layout = painter.layout
-    one, other = (painter.paint(make_snapshot(painter.scene, t, slip=0.1 * t)).copy() for t in (0.5, 1.5))
+    renderer = renderer_of(bottom=WallMotion(0.0, 0.002, FREQUENCY), top=WallMotion(0.005), acceleration=1e-3)
+    layout = renderer.layout
+    one, other = (renderer.render(make_snapshot(renderer.scene, t, slip=0.1 * t)).copy() for t in (0.5, 1.5))
     changed = np.any(one != other, axis=2)
     assert changed[layout.bottom_wall.slices].any()
     for part in (layout.bottom_wall, layout.box, layout.profile, layout.time_label, layout.error_label):
@@ -68,10 +68,10 @@ def test_only_a_wall_that_oscillates_changes_with_time():
 
 
 def test_stopped_wall_is_light_without_arrows_and_says_what_it_did():
-    painter = painter_of(top=WallMotion(0.0, before=0.005), **DEVELOPED)
-    label = wall_labels(painter.scene, painter.layout)[0]
+    renderer = renderer_of(top=WallMotion(0.0, before=0.005), **DEVELOPED)
+    label = wall_labels(renderer.scene, renderer.layout)[0]
     assert label.words(0.0) == "stopped (0.005 m/s before t = 0)"
-    frame, bar = frame_at(painter, 0.0), painter.layout.top_wall
+    frame, bar = frame_at(renderer, 0.0), renderer.layout.top_wall
     assert frame[bar.slices].mean() > 180  # no dark bar
     behind = frame[label.box.slices]
     assert (behind[:, :, 0] < 90).any()  # words on the plain colour of the wall, without hatching
@@ -80,33 +80,33 @@ def test_stopped_wall_is_light_without_arrows_and_says_what_it_did():
 
 
 def test_words_beside_a_short_wall_stand_on_white():
-    painter = painter_of(top=WallMotion(0.0, before=0.005), length=0.003, **DEVELOPED)
-    box = wall_labels(painter.scene, painter.layout)[0].box
-    assert box.left >= painter.layout.top_wall.right
-    place = frame_at(painter, 0.0)[box.slices]
+    renderer = renderer_of(top=WallMotion(0.0, before=0.005), length=0.003, **DEVELOPED)
+    box = wall_labels(renderer.scene, renderer.layout)[0].box
+    assert box.left >= renderer.layout.top_wall.right
+    place = frame_at(renderer, 0.0)[box.slices]
     assert np.all(place[0] == 255)
     assert place.min() < 90
 
 
 def test_wall_that_changed_its_velocity_names_both():
-    painter = painter_of(top=WallMotion(0.002, before=-0.005), **DEVELOPED)
-    label = wall_labels(painter.scene, painter.layout)[0]
+    renderer = renderer_of(top=WallMotion(0.002, before=-0.005), **DEVELOPED)
+    label = wall_labels(renderer.scene, renderer.layout)[0]
     assert label.words(0.0) == "0.002 m/s (\N{MINUS SIGN}0.005 before t = 0)"
-    assert set(arrow_directions(painter, 1.0)) == {1}
+    assert set(arrow_directions(renderer, 1.0)) == {1}
 
 
 @pytest.mark.parametrize("acceleration", [2e-3, -2e-3])
 def test_drive_has_an_arrow_in_its_direction(acceleration):
-    painter = painter_of(acceleration=acceleration)
-    box = DriveLabel(painter.scene, painter.layout).box
-    arrow = box.right - painter.layout.pixels(34)
-    ink = (frame_at(painter, 1.0)[box.top : box.bottom, arrow : box.right, 0] < 90).sum(axis=0)
+    renderer = renderer_of(acceleration=acceleration)
+    box = DriveLabel(renderer.scene, renderer.layout).box
+    arrow = box.right - renderer.layout.pixels(34)
+    ink = (frame_at(renderer, 1.0)[box.top : box.bottom, arrow : box.right, 0] < 90).sum(axis=0)
     columns = np.flatnonzero(ink)
     head = np.argmax(ink) - columns[0] > len(columns) / 2
     assert head == (acceleration > 0)
 
 
 def test_without_drive_its_place_is_empty():
-    painter = painter_of(top=WallMotion(0.005))
-    box = DriveLabel(painter.scene, painter.layout).box
-    assert np.all(frame_at(painter, 1.0)[box.slices] == 255)
+    renderer = renderer_of(top=WallMotion(0.005))
+    box = DriveLabel(renderer.scene, renderer.layout).box
+    assert np.all(frame_at(renderer, 1.0)[box.slices] == 255)

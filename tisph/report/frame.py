@@ -3,14 +3,14 @@
 import numpy as np
 
 from tisph.report import style
-from tisph.report.driving import DriveLabel, wall_labels
+from tisph.report.background import draw_background
+from tisph.report.drive_labels import DriveLabel, wall_labels
 from tisph.report.error_label import field_error_label, velocity_error_label
 from tisph.report.labels import time_label
 from tisph.report.layout import arrange, box_of
 from tisph.report.quantities import quantity
 from tisph.report.raster import Discs, Shades, blend, dense_line
 from tisph.report.solids import Solids
-from tisph.report.stage import draw_background
 from tisph.report.streamlines import Streamlines
 from tisph.report.text import paint_text
 from tisph.report.vectors import Vectors
@@ -21,7 +21,7 @@ _CURVE_POINTS = 600  # about two a pixel row at the usual size
 _OVERLAYS = {"vectors": Vectors, "streamlines": Streamlines}
 
 
-class FramePainter:
+class FrameRenderer:
     """Draws the frames of one run, each uint8 of shape (height, width, 3).
 
     ``scene`` is a ``tisph.scenes._scene.Scene``, ``video`` the config's ``output.video`` (width, height, color_by,
@@ -64,7 +64,7 @@ class FramePainter:
         """Radius of a particle's disc in pixels: neighbours on a lattice touch."""
         return max(_SMALLEST_DIAMETER, self.scene.spacing * self.layout.pixels_per_length) / 2.0
 
-    def paint(self, snapshot: Snapshot) -> np.ndarray:
+    def render(self, snapshot: Snapshot) -> np.ndarray:
         """Return the picture of ``snapshot``, which the next call paints over (a new array costs 3 ms)."""
         frame, picture = self.frame, self.frame[:, :, :3]
         for box in self._changing_boxes:

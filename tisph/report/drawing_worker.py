@@ -1,6 +1,6 @@
 """The program of the process that draws: tasks from standard input, answers to standard output, both pickled.
 
-``tisph.report.studio`` starts it and sends the tasks. It ends where its input does, that is, with the run.
+``tisph.report.drawing_process`` starts it and sends the tasks. It ends where its input does, that is, with the run.
 """
 
 import contextlib
@@ -14,14 +14,14 @@ from multiprocessing import get_context
 from typing import BinaryIO
 
 from tisph.errors import TisphError
-from tisph.report.history import plot_history
+from tisph.report.history import history_figure
 from tisph.report.movie import Movie
-from tisph.report.profiles import plot_profiles
+from tisph.report.profiles import profile_figure
 
-PLOTS = {"profiles": plot_profiles, "history": plot_history}
+PLOTS = {"profiles": profile_figure, "history": history_figure}
 
 
-class Artist:
+class Worker:
     """The tasks. A movie that has failed fails once, when it is closed."""
 
     def __init__(self):
@@ -54,23 +54,22 @@ class Artist:
         with contextlib.suppress(Exception):
             self.close()
 
-    def still(self, scene, video, title, end, snapshot) -> dict[str, bytes]:
-        """Return the picture of ``snapshot`` as PNG, by the name ``still``."""
-        return {"still": _png(Movie("", scene, video, title, end).save_frame, snapshot)}
+    def still(self, scene, video, title, end, snapshot) -> bytes:
+        """Return the picture of ``snapshot`` as PNG."""
+        picture = io.BytesIO()
+        Movie("", scene, video, title, end).save_frame(picture, snapshot)
+        return picture.getvalue()
 
     def plots(self, scene, wanted) -> dict[str, bytes]:
-        """Return the pictures ``wanted`` as PNG: arguments beside the scene by name, of ``PLOTS``.
+        """Return the plots ``wanted`` as PNG: arguments beside the scene by name, of ``PLOTS``.
 
         They are drawn side by side, where a process can be forked: at the end of a run all processors are free.
         """
-        pictures = [(PLOTS[name], scene, *arguments) for name, arguments in wanted.items()]
-        if len(pictures) == 1 or not hasattr(os, "fork"):
-            return dict(zip(wanted, [_png(*picture) for picture in pictures], strict=True))
-        *others, last = pictures
-        with ProcessPoolExecutor(len(others), get_context("fork")) as pool:
-            drawn = [pool.submit(_png, *picture) for picture in others]
-            images = [_png(*last), *(image.result() for image in drawn)]
-        return dict(zip(wanted, [*images[1:], images[0]], strict=True))
+        if len(wanted) == 1 or not hasattr(os, "fork"):
+            return {name: _plot(name, scene, *arguments) for name, arguments in wanted.items()}
+        with ProcessPoolExecutor(len(wanted), get_context("fork")) as pool:
+            drawn = {name: pool.submit(_plot, name, scene, *arguments) for name, arguments in wanted.items()}
+            return {name: image.result() for name, image in drawn.items()}
 
     @contextlib.contextmanager
     def _remembered(self):
@@ -86,19 +85,19 @@ def main() -> None:
         signal.signal(number, signal.SIG_IGN)  # the run decides how to end
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what a library prints is no answer
-    artist = Artist()
+    worker = Worker()
     with contextlib.suppress(EOFError, OSError, pickle.UnpicklingError):  # the run has ended, maybe in mid-word
-        _work(artist, sys.stdin.buffer, answers)
-    artist.abandon()
+        _work(worker, sys.stdin.buffer, answers)
+    worker.abandon()
     os._exit(0)  # nothing is left to clear up
 
 
-def _work(artist: Artist, tasks: BinaryIO, answers: BinaryIO) -> None:
+def _work(worker: Worker, tasks: BinaryIO, answers: BinaryIO) -> None:
     while True:
         number, task, arguments = pickle.load(tasks)
         result = message = None
         try:
-            result = getattr(artist, task)(*arguments)
+            result = getattr(worker, task)(*arguments)
         except TisphError as error:
             message = str(error)
         except Exception as error:
@@ -108,7 +107,5 @@ def _work(artist: Artist, tasks: BinaryIO, answers: BinaryIO) -> None:
             answers.flush()
 
 
-def _png(draw, *arguments) -> bytes:
-    picture = io.BytesIO()
-    draw(picture, *arguments)
-    return picture.getvalue()
+def _plot(name: str, *arguments) -> bytes:
+    return PLOTS[name](*arguments).png()

@@ -14,17 +14,17 @@ from PIL import Image
 from report_scene import END, VIDEO, make_channel, make_snapshot
 
 from tisph.errors import TisphError
-from tisph.report import studio
+from tisph.report import drawing_process
+from tisph.report.drawing_process import DrawingProcess, RemoteMovie, described
 from tisph.report.movie import Movie
-from tisph.report.studio import DistantMovie, Studio, described
 
 TIMES = (1.0, 2.0, 5.0)
 
 
 @pytest.fixture(scope="module")
 def drawing():
-    """A studio for all of these tests, but those that end it."""
-    one = Studio()
+    """A process for all of these tests, but those that end it."""
+    one = DrawingProcess()
     yield one
     one.close()
 
@@ -42,13 +42,13 @@ def frame_count(path):
 
 def test_a_picture_is_the_one_that_is_drawn_here(drawing, channel):
     snapshot = make_snapshot(channel, 1.0)
-    image = drawing.ask("still", *described(channel, VIDEO), "test", END, snapshot).result()["still"]
+    image = drawing.request("still", *described(channel, VIDEO), "test", END, snapshot).result()
     here = Movie("unused.mp4", channel, VIDEO, "test", END).frame(snapshot)
     assert np.array_equal(np.asarray(Image.open(io.BytesIO(image))), here)
 
 
 def test_a_movie_has_every_frame_once_it_is_closed(drawing, channel, tmp_path):
-    movie = DistantMovie(drawing, tmp_path / "movie.mp4", channel, VIDEO, "test", END)
+    movie = RemoteMovie(drawing, tmp_path / "movie.mp4", channel, VIDEO, "test", END)
     for t in TIMES:
         movie.add(make_snapshot(channel, t))
     movie.close()
@@ -56,14 +56,14 @@ def test_a_movie_has_every_frame_once_it_is_closed(drawing, channel, tmp_path):
 
 
 def test_answers_can_be_taken_in_any_order(drawing, channel):
-    first = drawing.ask("plots", channel, {"profiles": ([make_snapshot(channel, 1.0)],)})
-    second = drawing.ask("plots", channel, {"profiles": ([make_snapshot(channel, 5.0)],)})
+    first = drawing.request("plots", channel, {"profiles": ([make_snapshot(channel, 1.0)],)})
+    second = drawing.request("plots", channel, {"profiles": ([make_snapshot(channel, 5.0)],)})
     late, early = second.result(), first.result()
-    assert late != early == drawing.ask("plots", channel, {"profiles": ([make_snapshot(channel, 1.0)],)}).result()
+    assert late != early == drawing.request("plots", channel, {"profiles": ([make_snapshot(channel, 1.0)],)}).result()
 
 
 def test_a_movie_that_fails_says_so_once_and_only_when_it_is_closed(drawing, channel, tmp_path):
-    movie = DistantMovie(drawing, tmp_path / "no_such_folder" / "movie.mp4", channel, VIDEO, "test", END)
+    movie = RemoteMovie(drawing, tmp_path / "no_such_folder" / "movie.mp4", channel, VIDEO, "test", END)
     for _ in range(20):
         movie.add(make_snapshot(channel, 1.0))
     with pytest.raises(TisphError, match="No such file or directory"):
@@ -74,15 +74,15 @@ def test_a_movie_that_fails_says_so_once_and_only_when_it_is_closed(drawing, cha
 
 def test_an_error_in_drawing_has_a_name_and_ends_nothing(drawing, channel):
     with pytest.raises(TisphError, match=r"plots: \w+Error: "):
-        drawing.ask("plots", channel, {"profiles": ([None],)}).result()
-    assert drawing.ask("plots", channel, {"profiles": ([make_snapshot(channel, 1.0)],)}).result()
+        drawing.request("plots", channel, {"profiles": ([None],)}).result()
+    assert drawing.request("plots", channel, {"profiles": ([make_snapshot(channel, 1.0)],)}).result()
 
 
 def test_a_process_that_has_gone_is_one_error_and_keeps_nobody_waiting(channel, tmp_path, monkeypatch):
-    monkeypatch.setattr(studio, "ROOM", 1)  # every letter waits for the one before it
-    gone = Studio()
+    monkeypatch.setattr(drawing_process, "QUEUE_BYTES", 1)  # every message waits for the one before it
+    gone = DrawingProcess()
     os.kill(gone._process.pid, signal.SIGKILL)
-    movie = DistantMovie(gone, tmp_path / "movie.mp4", channel, VIDEO, "test", END)
+    movie = RemoteMovie(gone, tmp_path / "movie.mp4", channel, VIDEO, "test", END)
     for t in TIMES:
         movie.add(make_snapshot(channel, t))
     with pytest.raises(TisphError, match="the process that draws has ended"):
@@ -91,12 +91,12 @@ def test_a_process_that_has_gone_is_one_error_and_keeps_nobody_waiting(channel, 
 
 
 def test_a_new_process_takes_the_place_of_one_that_has_gone(monkeypatch):
-    monkeypatch.setattr(studio, "_shared", None)
-    first = studio.shared()
-    assert studio.shared() is first
+    monkeypatch.setattr(drawing_process, "_shared", None)
+    first = drawing_process.shared()
+    assert drawing_process.shared() is first
     first._process.kill()
     first._process.wait()
-    second = studio.shared()
+    second = drawing_process.shared()
     assert second is not first
     second.close()
 
@@ -104,15 +104,15 @@ def test_a_new_process_takes_the_place_of_one_that_has_gone(monkeypatch):
 PARENT = """
 import os, sys, time
 from pathlib import Path
-sys.path.insert(0, sys.argv[2])
+sys.path[:0] = sys.argv[2:]
 from report_scene import END, VIDEO, make_channel, make_snapshot
-from tisph.report.studio import DistantMovie, Studio
-channel, studio = make_channel(), Studio()
-movie = DistantMovie(studio, Path(sys.argv[1]), channel, VIDEO, "test", END)
+from tisph.report.drawing_process import DrawingProcess, RemoteMovie
+channel, process = make_channel(), DrawingProcess()
+movie = RemoteMovie(process, Path(sys.argv[1]), channel, VIDEO, "test", END)
 for t in (1.0, 2.0, 5.0):
     movie.add(make_snapshot(channel, t))
-studio.ask("plots", channel, {"profiles": ([make_snapshot(channel, 1.0)],)}).result()  # the frames before it are drawn
-print(studio._process.pid, flush=True)
+process.request("plots", channel, {"profiles": ([make_snapshot(channel, 1.0)],)}).result()  # so the frames are drawn
+print(process._process.pid, flush=True)
 time.sleep(60)
 """
 
@@ -120,7 +120,7 @@ time.sleep(60)
 @pytest.mark.skipif(os.name == "nt", reason="sends signals")
 def test_it_ends_with_the_process_that_started_it_and_finishes_the_movie(tmp_path):
     path = tmp_path / "movie.mp4"
-    command = [sys.executable, "-c", PARENT, path, os.path.dirname(__file__)]
+    command = [sys.executable, "-c", PARENT, path, *sys.path]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as parent:
         pid = int(parent.stdout.readline())
         parent.kill()
@@ -140,6 +140,9 @@ def runs(pid):
 
 
 def test_it_imports_no_taichi_and_starting_it_no_matplotlib():
-    for module, others in (("studio", ("taichi", "matplotlib")), ("artist", ("taichi", "pydantic", "h5py"))):
+    for module, others in (
+        ("drawing_process", ("taichi", "matplotlib")),
+        ("drawing_worker", ("taichi", "pydantic", "h5py")),
+    ):
         program = f"import sys, tisph.report.{module}; sys.exit(any(name in sys.modules for name in {others!r}))"
         assert subprocess.run([sys.executable, "-c", program]).returncode == 0

@@ -2,6 +2,7 @@
 
 import gc
 import os
+import signal
 
 import pytest
 from hypothesis import settings
@@ -27,3 +28,15 @@ def kept_program():
     kept_program.install()
     yield
     kept_program.uninstall()
+
+
+@pytest.fixture
+def hang_up_heard():
+    """Let a hang-up be heard during a test, as in a terminal, where the tests were started to ignore it (nohup)."""
+    number = getattr(signal, "SIGHUP", None)  # Windows has none
+    ignored = number is not None and signal.getsignal(number) is signal.SIG_IGN
+    if ignored:
+        signal.signal(number, signal.SIG_DFL)
+    yield
+    if ignored:
+        signal.signal(number, signal.SIG_IGN)

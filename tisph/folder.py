@@ -66,7 +66,7 @@ def held(root):
 
     root.mkdir(parents=True, exist_ok=True)
     lock = FileLock(root / LOCK, timeout=0)
-    with lock:
+    with _interrupts_alone(), lock:
         own = os.stat(root / LOCK)
         try:
             yield
@@ -74,6 +74,21 @@ def held(root):
             with suppress(OSError):  # the folder may be gone, or be another one by now; Windows keeps what is open
                 if os.path.samestat(own, os.stat(root / LOCK)):
                     os.unlink(root / LOCK)
+
+
+@contextmanager
+def _interrupts_alone():
+    """Raise KeyboardInterrupt where a group of errors has one: a second interrupt, while the lock is taken or given."""
+    try:
+        yield
+    except BaseException as error:
+        if _has_interrupt(error):
+            raise KeyboardInterrupt from None
+        raise
+
+
+def _has_interrupt(error):
+    return isinstance(error, KeyboardInterrupt) or any(map(_has_interrupt, getattr(error, "exceptions", ())))
 
 
 RESULTS = tuple(path.name for path in Folder(".").files())

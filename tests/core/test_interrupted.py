@@ -39,6 +39,7 @@ def test_a_second_interrupt_waits_for_the_checkpoint_and_the_summary(folder, tmp
     assert not folder.profiles_picture.exists()  # it has no time for what render can make
 
 
+@pytest.mark.usefixtures("hang_up_heard")
 def test_a_hang_up_leaves_results_and_a_checkpoint(folder, tmp_path, monkeypatch):
     observe = Samples.observe
 

@@ -89,6 +89,7 @@ def test_numpy_has_one_thread_unless_the_user_wants_more(monkeypatch, given, kep
 
 
 @POSIX
+@pytest.mark.usefixtures("hang_up_heard")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGINT)])
 def test_an_import_is_not_interrupted_but_what_comes_after_it(number):
     done = []
@@ -104,6 +105,7 @@ def test_an_import_is_not_interrupted_but_what_comes_after_it(number):
 
 
 @POSIX
+@pytest.mark.usefixtures("hang_up_heard")
 def test_a_hang_up_is_not_heard_where_the_process_was_started_to_ignore_it():
     assert signal.SIGHUP in ending_signals()
     heard = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # as nohup does

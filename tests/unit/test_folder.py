@@ -81,3 +81,24 @@ def test_processes_that_take_turns_are_never_inside_together(tmp_path):
     said = [worker.communicate()[1] for worker in workers]
     assert said == ["", "", ""]
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(os.name == "nt", reason="interrupts a call of POSIX systems")
+@pytest.mark.parametrize("call", ["LOCK_EX", "LOCK_UN"])
+def test_interrupts_while_a_folder_is_taken_or_given_back_are_one_interrupt(tmp_path, monkeypatch, call):
+    import filelock._unix as unix
+
+    lock, heard = unix.fcntl.flock, []
+
+    def interrupted(descriptor, operation):
+        if operation & getattr(unix.fcntl, call) and not heard:
+            heard.append(operation)
+            raise KeyboardInterrupt
+        return lock(descriptor, operation)
+
+    monkeypatch.setattr(unix.fcntl, "flock", interrupted)
+    with pytest.raises(KeyboardInterrupt), held(tmp_path):
+        raise KeyboardInterrupt
+    assert heard
+    with held(tmp_path):  # it is free again
+        pass

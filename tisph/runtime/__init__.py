@@ -24,6 +24,7 @@ replacements.install()
 
 __all__ = [
     "CACHE",
+    "PACKAGE",
     "WRITTEN_SECONDS",
     "available_threads",
     "compile_seconds",
@@ -38,6 +39,9 @@ __all__ = [
     "unrolled",
     "view",
 ]
+
+PACKAGE = _package.NAME
+"""Name of the package that ``ti`` is, of which a summary gives the version."""
 
 _log = logging.getLogger("tisph")
 _threads = 1

@@ -8,6 +8,7 @@ import sys
 from importlib import metadata
 from pathlib import Path
 
+from tisph import runtime
 from tisph.observers._files import replaced
 from tisph.version import __version__
 
@@ -25,7 +26,7 @@ def fingerprint(resolved):
 
 def provenance(config, resolved, threads):
     """Return what else a number in the summary depends on; ``resolved`` is the config as YAML."""
-    packages = ("taichi", "numpy", "scipy", "h5py", "pydantic", "matplotlib")
+    packages = (runtime.PACKAGE, "numpy", "scipy", "h5py", "pydantic", "matplotlib")
     return {
         "versions": {
             "tisph": __version__,

@@ -11,7 +11,7 @@ from tisph import config, registry, runtime
 from tisph.report import movie
 from tisph.runtime import ti
 from tisph.scenes.channel import Channel
-from tisph.simulation import checkpoint
+from tisph.simulation import checkpoint, run
 from tisph.size_class import size_class
 
 CASE = """
@@ -156,9 +156,9 @@ def test_a_run_without_movie_and_checkpoints_opens_none(load, tmp_path, monkeypa
     def refuse(*arguments):
         pytest.fail("there was to be no movie and no checkpoint")
 
-    simulation = importlib.import_module("tisph.simulation.run")
+    recording = importlib.import_module("tisph.simulation.recording")
     monkeypatch.setattr(movie, "Movie", refuse)
-    monkeypatch.setattr(simulation, "Frames", refuse)
+    monkeypatch.setattr(recording, "Frames", refuse)
     monkeypatch.setattr(checkpoint, "save", refuse)
-    simulation.run(load(EXPLICIT, "output={video: null, checkpoint_every: null}"), tmp_path / "out")
+    run(load(EXPLICIT, "output={video: null, checkpoint_every: null}"), tmp_path / "out")
     assert not list((tmp_path / "out").glob("*.mp4"))

@@ -9,7 +9,7 @@ from tisph import registry, runtime
 from tisph.measures.wall_shear import _slope
 from tisph.schemes._stages.stages import FlowState
 from tisph.schemes._stages.walls import PrescribedWall
-from tisph.simulation.run import start_values
+from tisph.simulation.start import start_values
 
 CASE = """
 scene: channel

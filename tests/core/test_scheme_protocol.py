@@ -7,12 +7,12 @@ import pytest
 
 from tisph import runtime, scenes, schemes
 from tisph.config import load
-from tisph.schemes._protocol import DenseScheme, Scheme
+from tisph.schemes._protocol import ProbedScheme, Scheme
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 BUILT = [
-    ("couette", "scheme={type: wcsph}", Scheme),
-    ("couette", "scheme={type: implicit}", DenseScheme),
+    ("couette", "scheme={type: wcsph}", ProbedScheme),
+    ("couette", "scheme={type: implicit}", ProbedScheme),
     ("taylor_green", "scheme={type: implicit}", Scheme),
     ("taylor_green", "scheme={type: wcsph}", Scheme),
     ("circular_couette", "scheme={type: implicit}", Scheme),

@@ -52,7 +52,7 @@ def arguments(function):
 PROTOCOLS = [
     _scene.Scene,
     _protocol.Scheme,
-    _protocol.DenseScheme,
+    _protocol.ProbedScheme,
     _protocol.SchemeEstimates,
     _protocol.Member,
     _protocol.SchemeMember,

@@ -12,7 +12,7 @@ from tisph import registry, runtime, scenes
 from tisph.config import load
 from tisph.exact import couette
 from tisph.kernels import wendland_c2
-from tisph.simulation.run import start_values
+from tisph.simulation.start import start_values
 
 sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
 import reference_loop as reference

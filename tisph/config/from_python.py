@@ -34,6 +34,16 @@ def config_file(config: Asked) -> Iterator[str]:
             raise type(error)(re.sub(rf"{re.escape(str(path))}(:\d+)?", "config", str(error))) from None
 
 
+def loaded(config: Asked, overrides: Mapping[str, Any]) -> "Config":
+    """Return what is asked for as a checked ``Config``; ConfigError where it is none."""
+    from tisph.config import Config, load
+
+    if isinstance(config, Config) and not overrides:
+        return config
+    with config_file(config) as path:
+        return load(path, override_texts(overrides))
+
+
 def override_texts(overrides: Mapping[str, Any]) -> list[str]:
     """Return ``key.path=value`` for each of ``overrides``, values by dotted key."""
     return [f"{key}={json.dumps(_plain(value))}" for key, value in overrides.items()]

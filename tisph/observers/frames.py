@@ -3,6 +3,7 @@
 import numpy as np
 
 from tisph.observers._storage import Storage, read_snapshots
+from tisph.observers.protocol import StateObserver
 from tisph.observers.schedule import Times, even_times
 
 FIELDS = ("x", "y", "u", "v", "stress_xy")
@@ -13,7 +14,7 @@ DELAY = 5.0
 takes longer than many a simulation, and what is written before the end is written twice, once into each file."""
 
 
-class Frames:
+class Frames(StateObserver):
     """Draws a frame at evenly spaced times and stores its particles in single precision, and bodies as they are.
 
     The stored frames let ``tisph render`` draw the movie again and an interrupted run go on with it; those up
@@ -32,7 +33,6 @@ class Frames:
 
     def observe(self, snapshot):
         """Store and draw one frame."""
-        self.schedule.mark(snapshot.t)
         self.storage.add(snapshot)
         self.movie.add(snapshot)
 

@@ -3,7 +3,9 @@
 import numpy as np
 
 from tisph.errors import DivergedError
-from tisph.observers._storage import STRESSES
+from tisph.observers.protocol import StateObserver
+from tisph.observers.schedule import EverySteps
+from tisph.snapshot import STRESSES
 
 INTERVAL = 50
 """Steps between two looks: a run that goes wrong is stopped within twice as many."""
@@ -23,13 +25,18 @@ that did (docs/stability.md).
 """
 
 
-class Guard:
+class Guard(StateObserver):
     """Checks every snapshot for numbers that are none, compression, break-up, and particles beyond a wall."""
 
     def __init__(self, scene):
+        self.schedule = EverySteps(INTERVAL)
         self.scene = scene
         self.settled_from = scene.start_time + SETTLING * scene.spacing**2 / scene.solvent_viscosity
         self.last_good = None
+
+    def tell(self, step, times):
+        """Check the last step, once, whoever asks for it."""
+        step.check()
 
     def check(self, snapshot):
         """Raise DivergedError naming field, particle, step and time; else keep ``snapshot`` as good."""

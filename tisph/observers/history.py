@@ -8,6 +8,7 @@ import numpy as np
 
 from tisph.measures.resolution import resolution
 from tisph.observers._files import readable, replaced, written
+from tisph.observers.protocol import StateObserver
 from tisph.observers.schedule import Times, even_times
 
 RECORDS = 401
@@ -17,7 +18,7 @@ RESOLVED = "resolved"
 """Name of the column after those that are followed; in files of older versions they are the last."""
 
 
-class History:
+class History(StateObserver):
     """Appends a line ``t, NUMBERS, resolved`` at evenly spaced times from the start of the run to ``end``.
 
     ``followed`` (``scenes/_views.py: Followed``) says which numbers. ``resolved`` is 1 or 0, see
@@ -43,6 +44,14 @@ class History:
         with replaced(path) as new:
             new.write_text(f"{self.header}\n" + "".join(self._line(*record) for record in kept), encoding="utf-8")
 
+    def tell(self, step, times):
+        """Append lines: from the particles around the probes, where that is enough, else from whole states."""
+        if self.probes is None or step.steps == 0:
+            super().tell(step, times)
+        else:
+            when, x, y, u = step.around(times, self.probes.centre, self.probes.half_width)
+            self.record(times, self.probes.velocities(len(times), when, x, y, u))
+
     def observe(self, snapshot):
         """Append one line."""
         values = self.followed.measure(snapshot)
@@ -55,15 +64,11 @@ class History:
 
     def record(self, times, values):
         """Append lines of ``values`` (times, numbers) at ``times``."""
-        self.schedule.mark(times[-1])
         self._append("".join(map(self._line, times, values)).encode())
 
     def reading(self, snapshot):
         """Return what is followed: places and values, arrays of shape (numbers,), and times and values so far."""
         return self.followed.places, self.followed.measure(snapshot), read_history(self.path)
-
-    def flush(self):
-        """Do nothing: what was observed is in the file."""
 
     def close(self):
         """Add the references."""

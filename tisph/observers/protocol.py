@@ -29,6 +29,9 @@ class LastStep(Protocol):
         No state is given out before the guard has seen the latest one that is asked for after this step.
         """
 
+    def check(self) -> None:
+        """Let the guard see the latest state, once; DivergedError where it is not sound."""
+
     def around(
         self, times: Sequence[float], x: float, half_width: float
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

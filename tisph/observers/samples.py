@@ -2,12 +2,13 @@
 
 from tisph.measures.reference import with_reference
 from tisph.observers._storage import Storage, read_snapshots
+from tisph.observers.protocol import StateObserver
 from tisph.observers.schedule import Times
 
 CONTENT = "particles at the times of the samples"
 
 
-class Samples:
+class Samples(StateObserver):
     """Writes a group ``sample_000``, ... at each of ``times``; ``snapshots`` keeps them, with their reference.
 
     A group has the attributes ``t`` and ``step`` and the datasets x, y, u, v, density, pressure, with polymer also
@@ -31,13 +32,9 @@ class Samples:
 
     def observe(self, snapshot):
         """Write one sample."""
-        self.schedule.mark(snapshot.t)
         snapshot = with_reference(self.scene, snapshot)
         self.storage.add(snapshot)
         self.snapshots.append(snapshot)
-
-    def flush(self):
-        """Do nothing: what was observed is in the file."""
 
     def close(self):
         """Leave nothing but the samples."""

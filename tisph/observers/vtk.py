@@ -2,10 +2,11 @@
 
 from tisph.observers._storage import EXACT, FIELDS, STRESSES, Storage
 from tisph.observers._vtkhdf import append
+from tisph.observers.protocol import StateObserver
 from tisph.observers.schedule import Times
 
 
-class Vtk:
+class Vtk(StateObserver):
     """Appends each of ``samples`` (a ``Samples`` observer, which sees a snapshot before this one) to the file ``path``.
 
     Once there is one, the file can be read at any time, and is what ``tisph export --to vtkhdf`` makes. ``resumed_at``
@@ -22,11 +23,7 @@ class Vtk:
 
     def observe(self, snapshot):
         """Append one sample."""
-        self.schedule.mark(snapshot.t)
-        self.storage.add(self.samples.snapshots[-1])
-
-    def flush(self):
-        """Do nothing: what was observed is in the file."""
+        self.storage.add(next(kept for kept in reversed(self.samples.snapshots) if kept.t == snapshot.t))
 
     def close(self):
         """Leave nothing but the file."""

@@ -11,12 +11,13 @@ import io
 import logging
 import os
 
-from tisph.runtime import _clock, _fields, _package, replacements
+from tisph.runtime import _clock, _fields, _package, _program, replacements
 from tisph.runtime._cache import CACHE, CACHE_BYTES, WRITTEN_SECONDS, unlock
 from tisph.runtime._clock import compile_seconds
 from tisph.runtime._fields import holding, integer, real, scalar, view
 from tisph.runtime._loops import unrolled
 from tisph.runtime._package import ti
+from tisph.runtime._program import foreign_program, program
 from tisph.runtime._threads import available_threads, processors_shared
 
 _clock.install()
@@ -28,8 +29,10 @@ __all__ = [
     "WRITTEN_SECONDS",
     "available_threads",
     "compile_seconds",
+    "foreign_program",
     "holding",
     "integer",
+    "program",
     "real",
     "scalar",
     "start",
@@ -72,6 +75,7 @@ def start(precision, threads):
             log_level=ti.ERROR,
         )
     _fields.begin(precision)
+    _program.mark()
     replacements.begin()
     _threads = threads
 

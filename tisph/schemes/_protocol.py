@@ -90,13 +90,13 @@ class Scheme(Protocol):
         """Go on to other target times; return whether a run that had them from the start would have the same steps."""
 
 
-class DenseScheme(Scheme, Protocol):
-    """A scheme with dense output, of which a history of velocities at fixed points is asked without whole snapshots."""
+class ProbedScheme(Scheme, Protocol):
+    """A scheme that serves plane channels, whose history asks for the particles around its probes, not for snapshots."""
 
     def around(
         self, times: Sequence[float], x: np.ndarray, half_width: float
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return the particles around places ``x`` (times, points) at ``times`` of the last step.
+        """Return the particles around places ``x`` (times,) at ``times`` of the last step, some of ``output_times``.
 
         Four arrays of one length: index of the time, x, y and velocity along x of every particle that is within
         ``half_width`` along x of a place.

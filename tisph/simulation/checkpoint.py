@@ -8,6 +8,7 @@ import os
 import h5py
 import numpy as np
 
+from tisph.config import yaml_text
 from tisph.errors import ConfigError
 from tisph.observers._files import readable, replaced
 from tisph.runtime import ti, view
@@ -54,6 +55,14 @@ def restore(path, scheme, config, targets=()):
             values[...] = file[name][()]
         scheme.restore_host_state(host)
     return made_with == config or scheme.set_targets(targets)
+
+
+def config_of(path):
+    """Return the config that the checkpoint ``path`` was made with, as a dict; ConfigError where it cannot be read."""
+    if not path.is_file():
+        raise ConfigError(f"{path}: no checkpoint to restore")
+    with readable(path), h5py.File(io.BytesIO(_image(path)), "r") as file:
+        return yaml_text.parse(file.attrs["config"]).data
 
 
 def _image(path):

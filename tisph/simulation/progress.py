@@ -1,10 +1,16 @@
 """Progress: a bar with remaining time on a terminal, plain lines otherwise."""
 
+import math
 import sys
 import time
 
+from tisph.observers.protocol import StateObserver
+
 REFRESH = 0.2
 """Seconds between two updates of the bar."""
+
+LOOK = 0.05
+"""Seconds between two looks at how far the run is."""
 
 LINES = 10
 """Plain lines over a whole run of medium length."""
@@ -16,16 +22,19 @@ LEAST_BAR = 30
 """Columns of the terminal that are kept for bar, percentage and remaining time."""
 
 
-class RunProgress:
-    """Shows how far a run from ``start`` to ``end`` is, and its particle-steps per second."""
+class RunProgress(StateObserver):
+    """Shows how far a run from ``start`` to ``end`` is, and its particle-steps per second.
+
+    It is its own schedule, by the clock on the wall.
+    """
 
     def __init__(self, start, end, particles, unit):
-        self.start = start
-        self.end = end
-        self.particles = particles
-        self.unit = unit
+        self.start, self.end = start, end
+        self.particles, self.unit = particles, unit
+        self.schedule = self
+        self.looked = -math.inf
         self.began = self.shown = time.perf_counter()
-        self.first_step = None
+        self.first_step = 0
         self.lines = 0
         self.bar = None
         if sys.stderr.isatty():
@@ -43,10 +52,29 @@ class RunProgress:
         if self.bar:
             self.bar.stop()
 
+    def begin(self, start, time, steps):
+        """Count the steps from here."""
+        self.first_step = steps
+
+    def due(self, now, steps):
+        """Tell whether it is worth while to look again."""
+        return now >= self.end or time.perf_counter() - self.looked > LOOK
+
+    def pending(self, now, steps):
+        """Return nothing: no state is needed."""
+        return []
+
+    def mark(self, now, steps):
+        """Take note that somebody has looked."""
+        self.looked = time.perf_counter()
+
+    def tell(self, step, times):
+        """Show where the run is."""
+        if step.steps > self.first_step:
+            self.update(step.time, step.steps)
+
     def update(self, now, steps):
         """Show simulated time ``now`` and ``steps`` if it is time to."""
-        if self.first_step is None:
-            self.first_step = steps
         wall = time.perf_counter()
         part = (now - self.start) / (self.end - self.start)
         if self.bar and (wall - self.shown > REFRESH or part >= 1.0):

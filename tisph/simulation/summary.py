@@ -3,7 +3,6 @@
 import math
 import time
 
-from tisph import clock
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.steady import steady_since
 from tisph.observers._files import hdf5_file, replaced
@@ -13,57 +12,56 @@ from tisph.simulation.drawing import begin_still
 from tisph.simulation.results import peak_memory_mb, provenance
 
 
-def summarise(job):
-    """Return the summary of a run that has ended in whatever way."""
+def summarise(recording):
+    """Return the summary of a run that has ended in whatever way, from its ``Recording``."""
+    simulation, history = recording.simulation, recording.history
+    scene, config = simulation.scene, simulation.config
+    snapshots = recording.samples.snapshots
     return {
-        "name": job.config.name,
-        "status": job.status,
-        **({"message": job.message} if job.message else {}),
-        "samples": [
-            sample_metrics(job.channel, snapshot, job.history.reading(snapshot)) for snapshot in job.samples.snapshots
-        ],
-        "numbers": _numbers(job),
-        "momentum": _momentum(job),
-        "cost": cost(job),
-        "provenance": provenance(job.config, job.about.resolved, job.threads),
+        "name": config.name,
+        "status": recording.status,
+        **({"message": recording.message} if recording.message else {}),
+        "samples": [sample_metrics(scene, snapshot, history.reading(snapshot)) for snapshot in snapshots],
+        "numbers": _numbers(scene, simulation.scheme, history),
+        "momentum": _momentum(simulation.scheme),
+        "cost": cost(simulation),
+        "provenance": provenance(config, recording.about.resolved, simulation.threads),
     }
 
 
-def _numbers(job):
-    channel, scheme = job.channel, job.scheme
+def _numbers(scene, scheme, history):
     return {
-        "reynolds": channel.reynolds,
-        "reference_velocity": channel.reference_velocity,
-        "spacing": channel.spacing,
-        "particles_fluid": job.particles,
+        "reynolds": scene.reynolds,
+        "reference_velocity": scene.reference_velocity,
+        "spacing": scene.spacing,
+        "particles_fluid": scene.particles,
         **scheme.numbers(),
-        **_steady(job),
+        **_steady(history),
         "dt_min": scheme.shortest if scheme.steps else None,
         "dt_max": scheme.longest if scheme.steps else None,
     }
 
 
-def _steady(job):
+def _steady(history):
     """Since when the numbers that the scene follows have been the last ones, of scenes that may become steady."""
-    sizes = job.history.followed.sizes
-    return {"steady_since": steady_since(*read_history(job.history.path), sizes)} if sizes else {}
+    sizes = history.followed.sizes
+    return {"steady_since": steady_since(*read_history(history.path), sizes)} if sizes else {}
 
 
-def _momentum(job):
+def _momentum(scheme):
     """The balance of momentum along x [mass * velocity per length out of the plane]; None for what is no number."""
-    balance = job.scheme.momentum_balance()
+    balance = scheme.momentum_balance()
     return {key: value if value is not None and math.isfinite(value) else None for key, value in balance.items()}
 
 
-def cost(job):
-    """Return what the run has cost by now; times in seconds of the clock."""
-    steps = job.scheme.steps - job.first_step
-    loop = job.costs["loop"]
+def cost(simulation):
+    """Return what the run has cost by now; times elapsed, in seconds of the clock."""
+    steps, loop = simulation.steps - simulation.first_step, simulation.costs["loop"]
     return {
-        "steps": job.scheme.steps,
-        "wall_total_s": time.perf_counter() - clock.PROCESS_START,
-        **{f"wall_{kind}_s": seconds for kind, seconds in job.costs.items()},
-        "particle_steps_per_s": steps * job.particles / loop if loop > 0 else None,
+        "steps": simulation.steps,
+        "wall_total_s": time.perf_counter() - simulation.began,
+        **{f"wall_{kind}_s": seconds for kind, seconds in simulation.costs.items()},
+        "particle_steps_per_s": steps * simulation.scene.particles / loop if loop > 0 else None,
         "peak_memory_mb": peak_memory_mb(),
     }
 

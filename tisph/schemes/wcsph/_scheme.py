@@ -213,6 +213,23 @@ class Scheme:
         )
         return self.surroundings.described(snapshot)
 
+    def around(self, times, x, half_width):
+        """Return the particles within ``half_width`` of ``x`` (times,) at the end of the last step, as flat arrays.
+
+        Which of the ``times``, all of them that end; x, y and u of each. Only x less its period counts. Nothing is put
+        in order or computed for the others: a history asks for some particles hundreds of times in a run.
+        """
+        fluid, length = self.particles.fluid, self.scene.extent[0]
+        fields = self.particles.position, self.particles.velocity
+        position, velocity = (view(field)[self.now, :fluid] for field in fields)
+        found = []
+        for number, centre in enumerate(x):
+            apart = position[:, 0] - centre
+            apart -= length * np.round(apart / length)
+            near = np.flatnonzero(np.abs(apart) < half_width)
+            found.append((np.full(len(near), number), centre + apart[near], position[near, 1], velocity[near, 0]))
+        return tuple(np.concatenate(column) for column in zip(*found, strict=True))
+
     def momentum_balance(self):
         """Return the balance of momentum along x up to ``time``."""
         return self.surroundings.momentum_balance(self.time, self.particles.momentum(self.now))

@@ -7,6 +7,9 @@
     results = tisph.open("runs/couette")                    # again, without running
     results.summary.samples[-1].l2                          # error against the exact solution
     results.samples[-1]["u"], results.history.to_pandas()   # arrays, in the units of the config
+    with tisph.Simulation("couette.yaml") as simulation:    # in this process, step by step; nothing is written
+        for state in simulation.every(0.5):
+            state.t, state.x, state.u, state.error
 
 In a notebook ``results`` on a line of its own shows movie, plots and errors. What goes wrong is an exception of
 ``tisph.errors``. docs/tutorial.ipynb is the tour, docs/results.md says what each number is.
@@ -20,16 +23,20 @@ from tisph.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from tisph.interface import check, run
+    from tisph.observers.schedule import every
     from tisph.results import Results
     from tisph.results import open_run as open
+    from tisph.simulation.simulation import Simulation
 
-__all__ = ["Results", "check", "open", "run"]
+__all__ = ["Results", "Simulation", "check", "every", "open", "run"]
 
 _PLACES = {
     "run": ("tisph.interface", "run"),
     "check": ("tisph.interface", "check"),
     "open": ("tisph.results", "open_run"),
     "Results": ("tisph.results", "Results"),
+    "Simulation": ("tisph.simulation.simulation", "Simulation"),
+    "every": ("tisph.observers.schedule", "every"),
 }
 """Where the public names are, which are imported when they are first used: a command line pays for what it uses."""
 

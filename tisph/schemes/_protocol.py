@@ -91,7 +91,7 @@ class Scheme(Protocol):
 
 
 class ProbedScheme(Scheme, Protocol):
-    """A scheme that serves plane channels, whose history asks for the particles around its probes, not for snapshots."""
+    """A scheme for plane channels, whose history asks for the particles around its probes and not for snapshots."""
 
     def around(
         self, times: Sequence[float], x: np.ndarray, half_width: float

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.special import lambertw
 
 from tisph import registry
-from tisph.scenes._motion import Polymer
+from tisph.scenes._motion import PolymerParameters
 
 VISCOSITY, TIME = 0.7, 1.5
 KINDS = {
@@ -27,7 +27,7 @@ def oldroyd_b(relaxation_time, solvent_fraction):
     """What a channel needs to be told of an Oldroyd-B fluid, as keyword arguments."""
     numbers = {"relaxation_time": relaxation_time, "solvent_fraction": solvent_fraction}
     return {
-        "polymer": Polymer(**numbers),
+        "polymer": PolymerParameters(**numbers),
         "rheology": registry.load("rheology", "oldroyd_b").Parameters(type="oldroyd_b", **numbers),
     }
 

@@ -30,7 +30,7 @@ def write(folder, channel, pipe):
     """Write all kinds of results into ``folder``, and a byte to ``pipe`` after each of ``TIMES``."""
     values = np.random.default_rng(0).uniform(0.1, 0.9, (6, channel.rows * channel.columns))
     movie = SimpleNamespace(add=lambda snapshot: None, close=lambda: None)
-    history = History(folder.history, channel, channel.followed(4), TIMES[-1])
+    history = History(folder.history, channel, channel.time_series(4), TIMES[-1])
     observers = [Samples(folder.samples, channel, TIMES), history, Frames(folder.frames, movie, TIMES)]
     for step, t in enumerate(TIMES):
         for observer in observers:

@@ -48,7 +48,7 @@ def main(path):
         folder.root.mkdir()
         resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
         samples = Samples(folder.samples, channel, TIMES)
-        history = History(folder.history, channel, channel.followed(4), TIMES[-1])
+        history = History(folder.history, channel, channel.time_series(4), TIMES[-1])
         print(write(samples, values, limit), write(history, values, limit // 100))
 
 

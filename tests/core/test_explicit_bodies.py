@@ -196,7 +196,7 @@ def test_errors_fall_with_the_second_order_and_torques_follow(make, name, bounds
 def test_a_snapshot_has_the_cylinders_with_their_torques(make):
     # pictures draw them, and a history has a place for torques, which nobody knows before the first step
     scheme = make()
-    assert np.isnan(scheme.scene.followed().measure(scheme.snapshot())).all()
+    assert np.isnan(scheme.scene.time_series().measure(scheme.snapshot())).all()
     scheme.advance()
     end = scheme.snapshot()
     assert end.bodies.angle.tolist() == [end.t, 0.0]

@@ -34,7 +34,7 @@ def case(tmp_path):
         path = tmp_path / "case.yaml"
         path.write_text(CASE)
         settings = config.load(path, overrides)
-        return settings, Channel.from_config(settings).in_own_frame()
+        return settings, Channel.from_config(settings).in_flow_frame()
 
     return build
 

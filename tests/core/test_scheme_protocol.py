@@ -36,7 +36,7 @@ def arguments(function):
 def test_schemes_have_what_the_simulation_asks_of_them(name, override, protocol):
     config = load(CONFIGS / f"{name}.yaml", [override, "discretisation.particles_across=24"])
     runtime.start(config.discretisation.precision, 1)
-    scene = scenes.of(config).in_own_frame()
+    scene = scenes.of(config).in_flow_frame()
     scheme = schemes.build(config, scene, [config.time.end], serial=True)
     for member, asked in members(protocol).items():
         if member == "finished":  # from the start of the steps on

@@ -96,7 +96,7 @@ def test_bodies_at_the_start_are_in_their_places_and_no_number_says_what_the_liq
     snapshot = start_snapshot(scene, start_values(scene, settings.initial), "f64")
     assert snapshot.bodies.centre.tolist() == [[3.0, 0.0]] * 2
     assert snapshot.bodies.angular_velocity.tolist() == [1.0, 0.0]
-    assert np.isnan(scene.followed().measure(snapshot)).all()
+    assert np.isnan(scene.time_series().measure(snapshot)).all()
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # of a liquid at rest, and of an infinite torque
         found = sample_metrics(scene, snapshot, None)

@@ -3,7 +3,6 @@
 from types import SimpleNamespace
 
 import numpy as np
-from polymer_laws import oldroyd_b
 
 from tisph.scenes._motion import WallMotion
 from tisph.scenes.annulus import Annulus
@@ -57,6 +56,8 @@ class PolymerChannel(Channel):
 
 
 def make_polymer_channel(**changes) -> PolymerChannel:
+    from polymer_laws import oldroyd_b  # not on the path of the process that test_report_studio starts
+
     channel = make_channel(**oldroyd_b(2.0, 0.5), **changes)
     return PolymerChannel(**vars(channel))
 

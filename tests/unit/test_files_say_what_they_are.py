@@ -92,7 +92,7 @@ def history_lines(path):
 def test_history_says_what_it_is_and_what_is_exact(tmp_path, run):
     channel, about = run()
     path = tmp_path / "history.csv"
-    history = History(path, channel, channel.followed(3), 20.0, about=about)
+    history = History(path, channel, channel.time_series(3), 20.0, about=about)
     for t in (0.0, 0.25, 20.0):
         history.observe(make_snapshot(channel, t))
     before = read_history(path)
@@ -105,7 +105,7 @@ def test_history_says_what_it_is_and_what_is_exact(tmp_path, run):
     # two spacings of 1/12 are crossed at t = (1/6)^2 / 0.01 = 2.8
     assert table[:, 4].tolist() == [0.0, 0.0, 1.0]
     # the series is cut where it is below rounding, which depends on the times that are asked for together
-    exact = channel.exact_velocity(history.followed.places, table[:, :1])
+    exact = channel.exact_velocity(history.time_series.places, table[:, :1])
     assert np.array_equal(table[:, 5:], exact)
     after = read_history(path)
     assert all(np.array_equal(one, other) for one, other in zip(before, after, strict=True))
@@ -115,7 +115,7 @@ def test_history_says_what_it_is_and_what_is_exact(tmp_path, run):
 def test_numbers_that_are_none_leave_their_cells_empty(tmp_path, run):
     channel, _ = run()
     path = tmp_path / "history.csv"
-    history = History(path, channel, channel.followed(2), 20.0)
+    history = History(path, channel, channel.time_series(2), 20.0)
     history.record([0.0, 10.0], [[np.nan, np.inf], [0.25, -0.5]])
     history.close()
     assert history_lines(path)[1][1].startswith("0.0,,inf,0,")
@@ -138,11 +138,11 @@ def test_an_interrupted_history_goes_on_where_it_was(tmp_path, run):
     texts = []
     for interrupted in (True, False):
         path = tmp_path / f"history{interrupted}.csv"
-        history = History(path, channel, channel.followed(3), 20.0, about=about)
+        history = History(path, channel, channel.time_series(3), 20.0, about=about)
         history.observe(make_snapshot(channel, 0.0))
         if interrupted:
             history.close()
-            history = History(path, channel, channel.followed(3), 20.0, 0.0, about)
+            history = History(path, channel, channel.time_series(3), 20.0, 0.0, about)
         history.observe(make_snapshot(channel, 20.0))
         history.close()
         texts.append(path.read_text())

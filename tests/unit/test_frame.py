@@ -49,7 +49,7 @@ def test_the_scales_of_a_flow_are_those_of_every_frame(flow):
     for name in ("wall_speed", "reference_velocity", "peak_velocity", "reynolds"):
         assert getattr(moved, name) == pytest.approx(getattr(channel, name), rel=ROUNDING), name
     for wall in ("bottom", "top"):
-        own, other = (getattr(seen.in_own_frame(), wall) for seen in (channel, moved))
+        own, other = (getattr(seen.in_flow_frame(), wall) for seen in (channel, moved))
         assert vars(other) == pytest.approx(vars(own), abs=1e-15)  # SPEED's last digit
 
 
@@ -57,7 +57,7 @@ def test_the_scales_of_a_flow_are_those_of_every_frame(flow):
 def test_a_wall_that_stays_at_rest_is_the_frame(flow):
     channel = seen_from_two_frames(flow)[0]
     assert channel.frame_velocity == 0.0
-    assert channel.in_own_frame() == channel
+    assert channel.in_flow_frame() == channel
     assert channel.reference_velocity == pytest.approx(0.005, rel=1e-15)
 
 
@@ -121,10 +121,10 @@ def walls(bottom, top, before=None):
 @pytest.mark.parametrize("scheme", ["implicit", "wcsph"])
 @pytest.mark.parametrize("before", [None, 0.0])
 def test_check_says_the_same_in_every_frame(case, scheme, before):
-    settled = ("initial.state=developed", f"scheme={{type: {scheme}}}")
+    developed = ("initial.state=developed", f"scheme={{type: {scheme}}}")
     moved = None if before is None else before + SPEED
-    one = estimates(case(*settled, *walls(0.0, 0.005, before)))
-    other = estimates(case(*settled, *walls(SPEED, SPEED + 0.005, moved)))
+    one = estimates(case(*developed, *walls(0.0, 0.005, before)))
+    other = estimates(case(*developed, *walls(SPEED, SPEED + 0.005, moved)))
     (first,), (second,) = one.pop("samples"), other.pop("samples")
     assert second.steps == first.steps
     # an error is a small difference of velocities: rounding counts for more, in the smallest, 2e-13, for a thousandth

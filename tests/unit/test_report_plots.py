@@ -158,5 +158,5 @@ def test_a_torque_that_begins_at_infinity_leaves_room_for_the_rest(tmp_path, fig
 
 def test_a_flow_between_cylinders_that_swings_or_stops_has_errors_over_the_wall_speed():
     swinging, stopped = WallMotion(0.0, 1.0, 2.0), WallMotion(0.0, before=1.0)
-    assert not make_annulus().loses_its_scale
-    assert all(make_annulus(inner=wall).loses_its_scale for wall in (swinging, stopped))
+    assert not make_annulus().vanishing_scale
+    assert all(make_annulus(inner=wall).vanishing_scale for wall in (swinging, stopped))

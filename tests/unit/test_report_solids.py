@@ -137,4 +137,4 @@ def test_exact_vorticity_of_the_annulus_is_the_curl_of_its_velocity(annulus):
         for field, dx, dy in (("v", small, 0.0), ("u", 0.0, small))
     ]
     assert annulus.exact_vorticity(x, y, t) == pytest.approx(slopes[0] - slopes[1], abs=1e-8)
-    assert annulus.shown("vorticity", 1.0).ends == pytest.approx([-2.0, -2.0])  # twice a of u = a r + b / r
+    assert annulus.movie_view("vorticity", 1.0).ends == pytest.approx([-2.0, -2.0])  # twice a of u = a r + b / r

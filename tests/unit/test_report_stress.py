@@ -98,7 +98,7 @@ def test_particles_with_wrong_stress_do_not_stop_the_picture(renderer):
     ],
 )
 def test_flows_that_cross_zero_or_die_away_are_known(flow, expected):
-    assert make_channel(**flow).loses_its_scale == expected
+    assert make_channel(**flow).vanishing_scale == expected
 
 
 def test_error_is_a_multiple_of_the_reference_velocity_where_u_crosses_zero():

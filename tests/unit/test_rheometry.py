@@ -9,7 +9,12 @@ from oracles.circular_couette import CircularCouette, Rotation
 from tisph import registry
 from tisph.errors import ConfigError
 from tisph.exact.circular_start_up import CircularStartUp
-from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity, cylinder_impedance, impedance
+from tisph.exact.linear_viscoelasticity import (
+    Spectrum,
+    apparent_viscosity,
+    corrected_viscosity,
+    cylinder_apparent_viscosity,
+)
 from tisph.exact.start_up import ViscoelasticFluid, Wall
 from tisph.geometry.plate import Plate
 from tisph.measures._cylinders import as_plane
@@ -23,20 +28,22 @@ NORMALS = {"inner": 1.01, "inner_exact": 1.0, "outer": 7.0, "outer_exact": 7.0}
 
 def plane(gap, wall):
     """What is asked of a channel with a moving wall, of density 1."""
-    return SimpleNamespace(gap=gap, top=wall, impedance=lambda eta, frequency: impedance(eta, frequency, 1.0, gap))
+    return SimpleNamespace(
+        gap=gap, top=wall, apparent_viscosity=lambda eta, frequency: apparent_viscosity(eta, frequency, 1.0, gap)
+    )
 
 
 def test_a_slow_oscillation_shows_the_viscosity_and_a_fast_one_the_solvent():
     assert LIQUID.complex_viscosity(1e-9j) == pytest.approx(LIQUID.viscosity, rel=1e-8)
     assert LIQUID.complex_viscosity(1e9j) == pytest.approx(0.1, rel=1e-7)
-    assert LIQUID.impedance(1.0, 1e-9, 1.0) == pytest.approx(LIQUID.complex_viscosity(1j), rel=1e-8)
+    assert LIQUID.apparent_viscosity(1.0, 1e-9, 1.0) == pytest.approx(LIQUID.complex_viscosity(1j), rel=1e-8)
 
 
 @pytest.mark.parametrize("frequency", [0.1, 1.0, 10.0, 100.0])
 def test_inertia_is_taken_off(frequency):
-    measured = LIQUID.impedance(frequency, 1.0, 0.1)
+    measured = LIQUID.apparent_viscosity(frequency, 1.0, 0.1)
     theory = LIQUID.complex_viscosity(1j * frequency)
-    found = corrected_viscosity(measured, lambda eta: impedance(eta, frequency, 1.0, 0.1), 1.2 * theory)
+    found = corrected_viscosity(measured, lambda eta: apparent_viscosity(eta, frequency, 1.0, 0.1), 1.2 * theory)
     assert found == pytest.approx(theory, rel=1e-10)
 
 
@@ -57,7 +64,7 @@ def test_moduli_are_found_in_a_history_with_a_start():
     frequency, gap = 10.0, 0.1
     wall = WallMotion(0.0, 0.01, frequency)
     t = np.linspace(0.0, 6 * 2 * np.pi / frequency, 401)
-    complex_stress = LIQUID.impedance(frequency, 1.0, gap) * -0.01j / gap
+    complex_stress = LIQUID.apparent_viscosity(frequency, 1.0, gap) * -0.01j / gap
     stress = (complex_stress * np.exp(1j * frequency * t)).real + 0.02 * np.exp(-t)
     table = {"t": t, "strain": wall.displacement(t) / gap, "wall_shear": stress, "wall_shear_exact": stress}
     numbers = _oscillation(plane(gap, wall), LIQUID, wall, table).numbers
@@ -152,13 +159,13 @@ def test_cylinders_bear_the_torque_of_the_closed_form(own, other):
     flow = CircularCouette(1.0, 2.0, viscosity / density, *motions)
     torque = flow.settled_torque(1.7, density=density)[0 if own == 1.0 else 1]
     rate = 2 * other**2 / abs(own**2 - other**2)
-    factor = cylinder_impedance(viscosity, frequency, density, own, other)
+    factor = cylinder_apparent_viscosity(viscosity, frequency, density, own, other)
     expected = -2 * np.pi * own**2 * rate * (factor * -1j * np.exp(1j * frequency * 1.7)).real
     assert torque == pytest.approx(expected, rel=1e-9)
 
 
 def test_cylinders_with_a_narrow_gap_are_planes():
-    both = cylinder_impedance(1.0, 1e4, 1.0, 1.0, 1.01), impedance(1.0, 1e4, 1.0, 0.01)
+    both = cylinder_apparent_viscosity(1.0, 1e4, 1.0, 1.0, 1.01), apparent_viscosity(1.0, 1e4, 1.0, 0.01)
     assert both[0] == pytest.approx(both[1], rel=0.02)  # twice the gap over the radius
 
 
@@ -195,6 +202,6 @@ def test_the_reference_between_cylinders_comes_to_the_impedance():
     flow = CircularStartUp(1.0, 2.0, ViscoelasticFluid(0.1, laws), swings, Wall(), finest=0.05, order=8)
     t, density = np.array([6.0, 6.3, 6.6]), 2.0
     viscosity = density * Spectrum(0.1, ((0.9, 0.2),)).complex_viscosity(3j)
-    stress = (cylinder_impedance(viscosity, 3.0, density, 1.0, 2.0) * 1e-3 * 8 / 3 * -1j * np.exp(3j * t)).real
+    stress = (cylinder_apparent_viscosity(viscosity, 3.0, density, 1.0, 2.0) * 1e-3 * 8 / 3 * -1j * np.exp(3j * t)).real
     torque = flow.torque(t, density=density)[0]
     assert torque == pytest.approx(-2 * np.pi * stress, rel=1e-6)  # measured: 1e-7, what is left of the start

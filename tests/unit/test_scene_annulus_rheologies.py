@@ -97,10 +97,10 @@ def exact_snapshot(annulus, t):
 
 def test_measures_of_exact_fields_and_of_wrong_ones(annulus):
     snapshot = exact_snapshot(annulus, TIME)
-    measures = annulus.measures(snapshot, None)
-    assert max(measures[f"{name}_stress_l2"] for name in ("shear", "normal")) < 1e-13
-    assert measures["torque_inner"] == measures["torque_inner_exact"]
-    off = annulus.measures(replace(snapshot, **{name: 1.1 * getattr(snapshot, name) for name in STRESSES}), None)
+    diagnostics = annulus.diagnostics(snapshot, None)
+    assert max(diagnostics[f"{name}_stress_l2"] for name in ("shear", "normal")) < 1e-13
+    assert diagnostics["torque_inner"] == diagnostics["torque_inner_exact"]
+    off = annulus.diagnostics(replace(snapshot, **{name: 1.1 * getattr(snapshot, name) for name in STRESSES}), None)
     assert [off[f"{name}_stress_l2"] for name in ("shear", "normal")] == pytest.approx([0.1, 0.1])
     for profile in annulus.profiles():
         found, expected = profile.of(snapshot), profile.exact(snapshot.x, snapshot.y, TIME)
@@ -108,16 +108,16 @@ def test_measures_of_exact_fields_and_of_wrong_ones(annulus):
 
 
 def test_history_has_the_normal_stress_at_both_cylinders(annulus):
-    monitored, times = annulus.monitored, np.array([0.0, 0.3, TIME])
-    assert monitored.columns == ["n1_inner", "n1_outer"]
-    exact = monitored.final(times, None)
+    extra_series, times = annulus.extra_series, np.array([0.0, 0.3, TIME])
+    assert extra_series.columns == ["n1_inner", "n1_outer"]
+    exact = extra_series.final(times, None)
     assert exact.shape == (3, 2)
     for place, column in zip((1.0, 2.0), exact.T, strict=True):
         stress = [annulus.exact(name, CENTRE[0], CENTRE[1] - place, times) for name in STRESSES]
         assert column == pytest.approx(stress[0] - stress[2], rel=1e-12)  # below the axis x is around it
     before = SimpleNamespace(bodies=SimpleNamespace(normal_stress=None))
-    assert np.isnan(monitored.measure(before)).all()
-    assert make_annulus().monitored is None
+    assert np.isnan(extra_series.measure(before)).all()
+    assert make_annulus().extra_series is None
 
 
 def test_a_start_from_rest_has_no_stress(annulus):
@@ -125,10 +125,10 @@ def test_a_start_from_rest_has_no_stress(annulus):
     fields = annulus.initial(x, y)
     assert set(fields) == {"u", "v", *STRESSES}
     assert not any(values.any() for values in fields.values())
-    shown = annulus.shown("shear_stress", 2.0)
-    assert shown.signed
-    assert shown.ends[0] < 0
-    assert set(STRESSES) <= {"stress_xy", *annulus.shown_fields("shear_stress")}
+    view = annulus.movie_view("shear_stress", 2.0)
+    assert view.signed
+    assert view.ends[0] < 0
+    assert set(STRESSES) <= {"stress_xy", *annulus.movie_fields("shear_stress")}
     assert "stress_xx" not in make_annulus().fields
 
 

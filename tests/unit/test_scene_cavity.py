@@ -156,10 +156,10 @@ def test_a_lid_that_moves_the_other_way_is_held_against_the_same_tables(case):
 def test_check_and_movie_find_what_they_ask_for(case, regular):
     for scene in (regular, Scene.from_config(case())):
         state = snapshot_of(scene)
-        assert len(scene.facts()) == 5
+        assert len(scene.parameters()) == 5
         for colour in ("speed", "vorticity", "pressure"):
-            assert scene.shown(colour, 20.0).of(state).shape == state.x.shape
-        assert scene.followed().measure(state) == [0.0]
+            assert scene.movie_view(colour, 20.0).of(state).shape == state.x.shape
+        assert scene.time_series().measure(state) == [0.0]
         assert [profile.name for profile in scene.profiles()] == ["u", "v"]
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tisph import registry
-from tisph.scenes._motion import Polymer, WallMotion
+from tisph.scenes._motion import PolymerParameters, WallMotion
 from tisph.scenes.channel import Channel
 
 OIL = {
@@ -30,7 +30,7 @@ def rheology(name, **numbers):
 
 def test_giesekus_has_all_stresses_in_the_units_of_the_config():
     liquid = rheology("giesekus", relaxation_time=0.4, solvent_fraction=0.2, mobility=0.3)
-    channel = Channel(**OIL, polymer=Polymer(0.4, 0.2), rheology=liquid)
+    channel = Channel(**OIL, polymer=PolymerParameters(0.4, 0.2), rheology=liquid)
     assert not channel.initial_polymer_stress(HEIGHTS)[0].any()
     end = 30.0
     rate = 1.0 / 0.5
@@ -47,7 +47,12 @@ def test_giesekus_has_all_stresses_in_the_units_of_the_config():
 def test_a_flow_of_several_modes_and_one_that_stops():
     modes = [{"type": "oldroyd_b", "relaxation_time": 0.4, "fraction": part} for part in (0.5, 0.3)]
     both = rheology("multi_mode", solvent_fraction=0.2, modes=modes)
-    moving = {**OIL, "top": WallMotion(0.0, before=1.0), "initial_state": "developed", "polymer": Polymer(0.4, 0.2)}
+    moving = {
+        **OIL,
+        "top": WallMotion(0.0, before=1.0),
+        "initial_state": "developed",
+        "polymer": PolymerParameters(0.4, 0.2),
+    }
     one = rheology("oldroyd_b", relaxation_time=0.4, solvent_fraction=0.2)
     solved, closed = Channel(**moving, rheology=both), Channel(**moving, rheology=one)
     scale = np.abs(closed.exact_polymer_stress(HEIGHTS, 0.0)).max()

@@ -7,7 +7,7 @@ from polymer_laws import oldroyd_b
 
 from tisph.config import load
 from tisph.exact import couette
-from tisph.scenes._motion import Polymer, WallMotion
+from tisph.scenes._motion import PolymerParameters, WallMotion
 from tisph.scenes.channel import Channel
 
 NU, GAP, DENSITY = 0.01, 1.0, 2.0
@@ -73,7 +73,7 @@ def test_from_config_reads_motion_drive_and_polymer(tmp_path):
     assert (stopped.bottom, stopped.top) == (WallMotion(0.0), WallMotion(0.0, before=0.5))
     assert from_yaml(tmp_path, "drive.acceleration=-0.02").acceleration == -0.02
     polymer = from_yaml(tmp_path, "fluid.rheology={type: oldroyd_b, relaxation_time: 3.0, solvent_fraction: 0.25}")
-    assert (polymer.polymer, stopped.polymer) == (Polymer(3.0, 0.25), None)
+    assert (polymer.polymer, stopped.polymer) == (PolymerParameters(3.0, 0.25), None)
 
 
 def test_velocities_of_a_driven_flow():

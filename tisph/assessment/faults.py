@@ -123,7 +123,7 @@ def _slip(scene):
 
 def _start(scene, times):
     """The start was not at rest, or not the developed flow: superpositions, so of fluids with linear laws only."""
-    other = replace(scene, initial_state="rest" if scene.settled else "developed", start_time=0.0)
+    other = replace(scene, initial_state="rest" if scene.starts_developed else "developed", start_time=0.0)
     stops = any(wall.before is not None for _, wall in scene.walls)
     swings = scene.polymer and any(wall.oscillates for _, wall in scene.walls)
     scheduled = any(wall.changes for _, wall in scene.walls)  # nothing has developed before
@@ -134,12 +134,12 @@ def _start(scene, times):
         return lambda field, x, y, t: (1 - value) * scene.exact(field, x, y, t) + value * other.exact(field, x, y, t)
 
     def words(value):
-        if scene.settled:
+        if scene.starts_developed:
             return f"the start was not the developed flow, but {100 * (1 - value):.4g} % of it"
         return f"the start was not at rest, but with {100 * value:.4g} % of the developed flow"
 
     yield Fault("start", mixed, words, -1.5, 1.5, 0.002, (0.1,))
-    if not scene.settled and not scene.polymer:
+    if not scene.starts_developed and not scene.polymer:
         yield _uniform_start(scene)
 
 

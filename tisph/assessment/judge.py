@@ -47,7 +47,7 @@ class Sample:
     @property
     def error(self):
         """L2 error, or where the flow has no scale for it the root mean square error over U."""
-        name = "rms" if self.scene.loses_its_scale or self.numbers["l2"] is None else "l2"
+        name = "rms" if self.scene.vanishing_scale or self.numbers["l2"] is None else "l2"
         return self.numbers[name]
 
 
@@ -104,7 +104,7 @@ def _nearest(frames, t, factor, path):
 
 def _sample(path, frame, t, scene, question, config):
     aligned = _aligned(path, frame, t, scene, question)
-    own = aligned.scene.followed(**config.followed)
+    own = aligned.scene.time_series(**config.time_series)
     values = own.measure(aligned.snapshot)
     history = np.array([t]), np.asarray(values)[None]
     numbers = sample_metrics(aligned.scene, aligned.snapshot, (own.places, values, history))

@@ -61,7 +61,7 @@ def described(config: Any, numbers: dict[str, Any], warnings: Sequence[str]) -> 
     yield f"{config.name}: valid ({', '.join([config.scene, config.scheme.type, *walls])})"
     scene = _scene(config)
     samples = _sample_lines(scene, numbers["samples"])
-    for label, text in [*scene.facts(), *_run_lines(config, numbers), *samples]:
+    for label, text in [*scene.parameters(), *_run_lines(config, numbers), *samples]:
         yield f"  {label:22} {text}"
     for text in warnings:
         yield f"  warning: {text}"

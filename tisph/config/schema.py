@@ -265,7 +265,7 @@ class Config(Model):
         return {"rheology": self.fluid.rheology}
 
     @property
-    def followed(self) -> dict[str, Any]:
+    def time_series(self) -> dict[str, Any]:
         """What is said of the numbers that the scene follows in time, as plain values."""
         return {}
 

@@ -110,11 +110,12 @@ class Elements:
         return own + np.concatenate([[0.0], np.cumsum(own[:-1, -1])])[:, None]
 
     def interpolated(self, field, y):
-        """Values (..., heights) at ``y`` (heights,) of a field (..., count, p + 1)."""
+        """Values (..., heights) at ``y`` (heights,) of a field (..., count, p + 1); beyond an end that at the end."""
         heights, element, matrix = self._places
         if not np.array_equal(heights, y):
-            element = np.clip(np.searchsorted(self.edges, y, side="right") - 1, 0, self.count - 1)
-            matrix = interpolation(self.points, (y - self.edges[element]) / self.half_width[element, 0] - 1)
+            inside = np.clip(y, self.edges[0], self.edges[-1])
+            element = np.clip(np.searchsorted(self.edges, inside, side="right") - 1, 0, self.count - 1)
+            matrix = interpolation(self.points, (inside - self.edges[element]) / self.half_width[element, 0] - 1)
             self._places = np.array(y), element, matrix  # many fields and times are asked for at the same heights
         return np.einsum("...hi,hi->...h", field[..., element, :], matrix)
 

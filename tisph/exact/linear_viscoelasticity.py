@@ -58,9 +58,9 @@ class Spectrum:
         """Creep compliance J(t > 0), strain over stress, without inertia."""
         return np.array([_inverted(lambda s: 1.0 / (s * s * self.complex_viscosity(s)), one) for one in np.ravel(t)])
 
-    def impedance(self, angular_frequency, density, gap):
+    def apparent_viscosity(self, angular_frequency, density, gap):
         """Z of a ``gap`` between a wall at rest and one that oscillates."""
-        return impedance(self.complex_viscosity(1j * angular_frequency), angular_frequency, density, gap)
+        return apparent_viscosity(self.complex_viscosity(1j * angular_frequency), angular_frequency, density, gap)
 
     def ringing(self, guess, density, gap, mass_per_area):
         """Root s near ``guess`` of mass s + sqrt(density s eta*) coth(qH) = 0: a plate's free motion is e^(s t)."""
@@ -73,13 +73,13 @@ class Spectrum:
         return _root(balance, complex(guess))
 
 
-def impedance(viscosity, angular_frequency, density, gap):
+def apparent_viscosity(viscosity, angular_frequency, density, gap):
     """Z = eta* qH coth(qH) for a complex ``viscosity`` eta*."""
     root = gap * np.sqrt(1j * angular_frequency * density / viscosity)
     return viscosity * root / np.tanh(root)
 
 
-def cylinder_impedance(viscosity, angular_frequency, density, moving_radius, resting_radius):
+def cylinder_apparent_viscosity(viscosity, angular_frequency, density, moving_radius, resting_radius):
     """Stress at a cylinder that oscillates about its axis, over its nominal shear rate, beside a coaxial one at rest.
 
     With the modified Bessel functions that solve i w density u = eta* (u'' + u'/r - u/r^2); the nominal rate is 2 W
@@ -94,12 +94,12 @@ def cylinder_impedance(viscosity, angular_frequency, density, moving_radius, res
     return viscosity * own * sheared / moved * (moving_radius**2 - resting_radius**2) / (2.0 * resting_radius**2)
 
 
-def corrected_viscosity(measured, impedance, guess):
-    """The complex viscosity whose ``impedance(viscosity)`` is the ``measured`` one; of several, that from a guess.
+def corrected_viscosity(measured, apparent_viscosity, guess):
+    """The complex viscosity with the ``measured`` ``apparent_viscosity(viscosity)``, of several that nearest a guess.
 
     Where waves fit into the gap there are several.
     """
-    return _root(lambda eta: impedance(eta) - measured, complex(guess))
+    return _root(lambda eta: apparent_viscosity(eta) - measured, complex(guess))
 
 
 def _root(function, guess):

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from tisph.errors import ConfigError
-from tisph.exact.linear_viscoelasticity import cylinder_impedance
+from tisph.exact.linear_viscoelasticity import cylinder_apparent_viscosity
 
 
 def as_plane(annulus, table):
@@ -35,7 +35,9 @@ def as_plane(annulus, table):
         solvent_viscosity=annulus.solvent_viscosity,
         viscous_stress=lambda rate: annulus.dynamic_viscosity * rate,
         top=wall,
-        impedance=lambda viscosity, frequency: cylinder_impedance(viscosity, frequency, annulus.density, own, other),
+        apparent_viscosity=lambda viscosity, frequency: cylinder_apparent_viscosity(
+            viscosity, frequency, annulus.density, own, other
+        ),
     )
     shears = {f"wall_shear{name}": values for name, values in columns.items()}
     normals = {f"n1{end}": table[f"n1_{moving[0]}{end}"] for end in ("", "_exact") if f"n1_{moving[0]}{end}" in table}

@@ -33,14 +33,14 @@ def steady_since(times, values, sizes):
     return float(times[first]) if quiet else None
 
 
-def steadiness(scene, t, followed):
+def steadiness(scene, t, series):
     """Return ``energy_change``, ``steady`` and ``steady_reason`` (None where it is) at time ``t``, by name.
 
     The first is the relative change of the kinetic energy in a ``_moment``: the slope of a straight line through what
-    was followed in the last ``SPAN`` of them. ``followed`` is that of ``Scene.measures``.
+    was followed in the last ``SPAN`` of them. ``series`` is that of ``Scene.diagnostics``.
     """
     step = _moment(scene)
-    times, energies = followed[2] if len(followed) > 2 else (np.empty(0), np.empty((0, 1)))
+    times, energies = series[2] if len(series) > 2 else (np.empty(0), np.empty((0, 1)))
     if t < scene.start_time + SPAN * step:
         return _unsteady(f"the flow has run for less than {SPAN * step:.3g}")
     recent = (times >= t - SPAN * step) & (times <= t)

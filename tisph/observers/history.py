@@ -21,26 +21,26 @@ RESOLVED = "resolved"
 class History(StateObserver):
     """Appends a line ``t, NUMBERS, resolved`` at evenly spaced times from the start of the run to ``end``.
 
-    ``followed`` (``scenes/_views.py: Followed``) says which numbers. ``resolved`` is 1 or 0, see
+    ``series`` (``scenes/_views.py: TimeSeries``) says which numbers. ``resolved`` is 1 or 0, see
     ``measures/resolution.py``. ``close`` adds their references, of all lines at once, which costs little.
-    What the scene has ``monitored`` stands after ``resolved``, in the same lines.
+    What the scene has ``extra_series`` stands after ``resolved``, in the same lines.
     Lines of an interrupted run up to ``resumed_at`` are kept. ``about`` is the ``Description`` of the run, if the file
     is to say what it is, in lines that begin with ``#``. A cell is empty where there is no number.
     """
 
-    def __init__(self, path, scene, followed, end, resumed_at=None, about=None):
+    def __init__(self, path, scene, series, end, resumed_at=None, about=None):
         self.path = path
         self.scene = scene
-        self.followed, self.monitored = followed, scene.monitored
-        self.more = [] if self.monitored is None else list(self.monitored.columns)
+        self.time_series, self.extra_series = series, scene.extra_series
+        self.more = [] if self.extra_series is None else list(self.extra_series.columns)
         self.schedule = Times(even_times(scene.start_time, end, RECORDS))
         kept = []
         if resumed_at is not None:
             times, values = read_history(path, len(self.more))
             kept = [(t, row) for t, row in zip(times, values, strict=True) if t <= resumed_at]
             self.schedule.mark(resumed_at)
-        names = ",".join(["t", *followed.columns, RESOLVED, *self.more])
-        self.header = ("" if about is None else about.comment(followed.content)) + names
+        names = ",".join(["t", *series.columns, RESOLVED, *self.more])
+        self.header = ("" if about is None else about.comment(series.content)) + names
         with replaced(path) as new:
             new.write_text(f"{self.header}\n" + "".join(self._line(*record) for record in kept), encoding="utf-8")
 
@@ -54,13 +54,15 @@ class History(StateObserver):
 
     def observe(self, snapshot):
         """Append one line."""
-        values = self.followed.measure(snapshot)
-        self.record([snapshot.t], [np.append(values, self.monitored.measure(snapshot)) if self.monitored else values])
+        values = self.time_series.measure(snapshot)
+        self.record(
+            [snapshot.t], [np.append(values, self.extra_series.measure(snapshot)) if self.extra_series else values]
+        )
 
     @property
     def probes(self):
         """What reads the numbers from particles around some places; None where a line needs all of them."""
-        return None if self.monitored else self.followed.probes
+        return None if self.extra_series else self.time_series.probes
 
     def record(self, times, values):
         """Append lines of ``values`` (times, numbers) at ``times``."""
@@ -68,18 +70,18 @@ class History(StateObserver):
 
     def reading(self, snapshot):
         """Return what is followed: places and values, arrays of shape (numbers,), and times and values so far."""
-        return self.followed.places, self.followed.measure(snapshot), read_history(self.path)
+        return self.time_series.places, self.time_series.measure(snapshot), read_history(self.path)
 
     def close(self):
         """Add the references."""
         times, values = read_history(self.path, len(self.more))
-        exact = self.followed.exact(times) if len(times) else None
+        exact = self.time_series.exact(times) if len(times) else None
         if exact is None:
             return
-        names = list(self.followed.exact_columns)
-        if self.monitored:
-            names += self.monitored.final_columns
-            final = self.monitored.final(times, values[:, len(self.followed.columns) :])
+        names = list(self.time_series.exact_columns)
+        if self.extra_series:
+            names += self.extra_series.final_columns
+            final = self.extra_series.final(times, values[:, len(self.time_series.columns) :])
             exact = np.hstack([np.broadcast_to(exact, (len(times), exact.shape[-1])), final])
         more = [",".join(map(_digits, row)) for row in exact]
         lines = self.path.read_text(encoding="utf-8").splitlines()[-len(more) :]
@@ -88,7 +90,7 @@ class History(StateObserver):
             new.write_text(f"{self.header},{','.join(names)}\n{text}", encoding="utf-8")
 
     def _line(self, t, values):
-        resolved, count = str(int(resolution(self.scene, t)[0])), len(self.followed.columns)
+        resolved, count = str(int(resolution(self.scene, t)[0])), len(self.time_series.columns)
         return ",".join([*map(_digits, (t, *values[:count])), resolved, *map(_digits, values[count:])]) + "\n"
 
     def _append(self, lines):

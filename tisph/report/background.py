@@ -127,7 +127,7 @@ class _Stage:
         facts = [f"Re = {number(scene.reynolds)}", _count(scene)]
         if scene.polymer:
             facts.insert(1, f"Wi = {number(scene.weissenberg)}")
-        if scene.loses_its_scale:  # then errors are given as multiples of it
+        if scene.vanishing_scale:  # then errors are given as multiples of it
             facts.insert(0, f"U = {number(scene.reference_velocity)} {velocity_unit(scene.units)}")
         return facts
 

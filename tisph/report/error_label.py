@@ -11,14 +11,14 @@ from tisph.snapshot import Snapshot
 def velocity_error_label(scene) -> Callable[[Snapshot], str]:
     """Return a function snapshot -> error of the velocity in words, for example ``L2 error 1.5×10⁻³``.
 
-    Where u crosses zero or decays (``loses_its_scale``), a relative error would be large for no fault of the
+    Where u crosses zero or decays (``vanishing_scale``), a relative error would be large for no fault of the
     particles: it is then the rms error as a multiple of the reference velocity U, ``rms error 1.5×10⁻³ U``. Before a
     layer is resolved it has no error to speak of: ``unresolved: 0.3 spacings`` is how thin it is. Without a reference
     there are no words.
     """
     if not scene.fields:
         return lambda snapshot: ""
-    by_speed = scene.loses_its_scale
+    by_speed = scene.vanishing_scale
 
     def label(snapshot: Snapshot) -> str:
         if by_speed:

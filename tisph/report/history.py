@@ -20,35 +20,35 @@ _MARGIN = 0.1  # of the axis, beyond what is resolved of a history that begins a
 def history_figure(scene, settings: dict, times: np.ndarray, values: np.ndarray) -> style.PlotFigure:
     """Return the numbers that ``scene`` follows in time, as markers on their exact history.
 
-    ``settings`` are those of ``scene.followed``; ``times`` (n,) and ``values`` (n, numbers) are in the units of the
+    ``settings`` are those of ``scene.time_series``; ``times`` (n,) and ``values`` (n, numbers) are in the units of the
     scene. Of more than twelve numbers the legend names twelve, evenly chosen. Times at which the flow is not resolved
     are shaded.
     """
-    followed = scene.followed(**settings)
-    values = values / np.array(followed.sizes) if followed.sizes else values
+    series = scene.time_series(**settings)
+    values = values / np.array(series.sizes) if series.sizes else values
     with style.plot_style():
         figure = style.plot_figure()
         axes = figure.subplots()
-        periods = followed.angular_frequency * (times[-1] - times[0]) / (2.0 * np.pi)
+        periods = series.angular_frequency * (times[-1] - times[0]) / (2.0 * np.pi)
         shown = style.evenly_chosen(len(times), max(_MARKERS, round(_MARKERS_A_PERIOD * periods)))
         count = values.shape[1]
         named = style.evenly_chosen(count, _LEGEND_ENTRIES)
         colours = style.colours(count, 0.9)
         size = 5 if len(shown) <= 2 * _MARKERS else 3
         exact_times = _curve_times(times[0], times[-1], periods)
-        exact = followed.exact(exact_times)
+        exact = series.exact(exact_times)
         for index in reversed(range(count)):  # the legend from top to bottom, as in a channel
             markers = axes.plot(times[shown], values[shown, index], "o", color=colours[index], markersize=size)[0]
             if exact is not None:
                 axes.plot(exact_times, exact[:, index], "-", color=style.TEXT, linewidth=0.9)
             if index in named:
-                markers.set_label(_label(*followed.labels[index]))
+                markers.set_label(_label(*series.labels[index]))
         if exact is not None:
             axes.plot([], [], "-", color=style.TEXT, linewidth=0.9, label="exact")
             if not np.isfinite(exact).all():
                 _fit_to_what_is_resolved(axes, scene, times, values)
         _mark_unresolved(axes, scene, times)
-        _label_axes(axes, scene, followed, float(np.max(np.abs(times))))
+        _label_axes(axes, scene, series, float(np.max(np.abs(times))))
         legend = figure.legend(loc="center right", frameon=False, fontsize=10)
         set_margins(figure, np.array([[axes]]), legend, below=False)
     return figure
@@ -82,10 +82,10 @@ def _curve_times(first: float, last: float, periods: float) -> np.ndarray:
     return np.union1d(early, even)
 
 
-def _label_axes(axes, scene, followed, latest: float) -> None:
-    time_exponent, exponent = axis_exponent(latest), axis_exponent(followed.scale)
+def _label_axes(axes, scene, series, latest: float) -> None:
+    time_exponent, exponent = axis_exponent(latest), axis_exponent(series.scale)
     axes.set_xlabel(axis_label("t", scene.units.time, time_exponent), parse_math=False)
-    axes.set_ylabel(axis_label(followed.name, unit_label(followed.unit, scene.units), exponent), parse_math=False)
+    axes.set_ylabel(axis_label(series.name, unit_label(series.unit, scene.units), exponent), parse_math=False)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: tick_text(value, time_exponent)))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: tick_text(value, exponent)))
     axes.grid(True)

@@ -35,17 +35,17 @@ class Quantity:
 
 def quantity(name: str, scene, end: float) -> Quantity:
     """Return the quantity that ``output.video.color_by`` calls ``name``, for a run of ``scene`` to time ``end``."""
-    shown = scene.shown(name, end)
-    largest = _largest(shown.ends, shown.otherwise)
+    view = scene.movie_view(name, end)
+    largest = _largest(view.ends, view.otherwise)
     return Quantity(
-        unit=unit_label(shown.profile.unit, scene.units),
-        colour_name=shown.name,
-        colour_map=style.DIVERGING_MAP if shown.signed else style.COLOUR_MAP,
-        colour_range=(-largest if shown.signed else 0.0, largest),
-        of_discs=shown.of,
-        profile=shown.profile,
-        profile_range=_with_margin(shown.ends, largest),
-        error=shown.error,
+        unit=unit_label(view.profile.unit, scene.units),
+        colour_name=view.name,
+        colour_map=style.DIVERGING_MAP if view.signed else style.COLOUR_MAP,
+        colour_range=(-largest if view.signed else 0.0, largest),
+        of_discs=view.of,
+        profile=view.profile,
+        profile_range=_with_margin(view.ends, largest),
+        error=view.error,
     )
 
 

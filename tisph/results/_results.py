@@ -89,7 +89,7 @@ class Results:
         times, values = read_history(self._files.history) if self._files.history.is_file() else ([], [])
         if not len(times):
             raise ConfigError(f"{self.folder}: the run has no history")
-        return history_figure(self._scene, self.config.followed, times, values)
+        return history_figure(self._scene, self.config.time_series, times, values)
 
     def _repr_html_(self) -> str:
         from tisph.results.page import fragment

@@ -14,8 +14,8 @@ from tisph.geometry.line import Line
 from tisph.geometry.sliding import SlidingWall
 from tisph.measures.fits import interpolated, with_walls
 from tisph.measures.steady import steadiness
-from tisph.scenes import _turning
-from tisph.scenes._filled import Filled
+from tisph.scenes import _two_dimensional
+from tisph.scenes._body_scene import BodyScene
 
 REACH, VISCOUS_REACH, LEAST_REACH = 0.5, 100.0, 4.0
 """Of the inertial part of the flow in the corners: the most in shorter sides and nu/U, the least in spacings."""
@@ -31,7 +31,7 @@ POINTS = 401
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cavity(Filled):
+class Cavity(BodyScene):
     """The box 0 <= x <= ``width``, 0 <= y <= ``height`` under a lid; every number in the config's units.
 
     ``velocity`` is that of the lid, where it is ``regular`` that of its middle.
@@ -48,7 +48,7 @@ class Cavity(Filled):
     rheology: Any = None
 
     periodic = (False, False)
-    flow_numbers = ("u_extreme", "v_min", "v_max", "kinetic_energy")
+    flow_quantities = ("u_extreme", "v_min", "v_max", "kinetic_energy")
 
     @classmethod
     def from_config(cls, config):
@@ -142,7 +142,7 @@ class Cavity(Filled):
         found = interpolated(self, *with_walls(self, snapshot), points)
         return found[: len(upright), 0], found[len(upright) :, 1]
 
-    def measures(self, snapshot, followed):
+    def diagnostics(self, snapshot, series):
         """Numbers of a snapshot, and, where the flow is steady, their errors.
 
         ``u_extreme``: of u on the vertical centre line, against the lid; ``v_min``, ``v_max`` on the horizontal one;
@@ -154,10 +154,10 @@ class Cavity(Filled):
         u, v = (line / self.velocity for line in self.lines(snapshot, np.linspace(0.0, 1.0, POINTS)))
         exact = self.extremes()
         numbers = {"u_extreme": u.min(), "v_min": v.min(), "v_max": v.max()}
-        state = steadiness(self, snapshot.t, followed)
+        state = steadiness(self, snapshot.t, series)
         references = {f"{name}_exact": exact.get(name) if state["steady"] else None for name in numbers}
         errors = self._errors(snapshot) if state["steady"] else {}
-        others = _turning.measures(self, snapshot)[1]
+        others = _two_dimensional.diagnostics(self, snapshot)[1]
         if self.corners:
             del others["divergence_over_gradient"]  # both are infinite in the corners
         return {
@@ -165,13 +165,13 @@ class Cavity(Filled):
             **references,
             "centre_line_error": None,
             **errors,
-            "kinetic_energy": _turning.kinetic_energy(snapshot),
+            "kinetic_energy": _two_dimensional.kinetic_energy(snapshot),
             **state,
             **others,
         }
 
     def extremes(self):
-        """References of the extremes over the speed of the lid, by the names of ``measures``; none without one."""
+        """References of the extremes over the speed of the lid, by the names of ``diagnostics``; none without one."""
         if not (self._exact or self._tables):
             return {}
         known = self._exact.extremes() if self._exact else tabulated_extremes(round(self.reynolds, 9))
@@ -213,7 +213,7 @@ class Cavity(Filled):
         curve = CubicSpline(along[order], self.velocity * values[order])
         return lambda x, y, t: curve((y if table.component == "u" else x) / self.width) + 0.0 * t
 
-    def facts(self):
+    def parameters(self):
         """Numbers of the flow."""
         length, time = self.units.length, self.units.time
         kind = "regular: 16 X^2 (1 - X)^2 of it" if self.regular else "sharp"
@@ -230,11 +230,11 @@ class Cavity(Filled):
         """Velocities along the centre lines."""
         return [self._velocity("u", "y"), self._velocity("v", "x")]
 
-    def followed(self):
+    def time_series(self):
         """The kinetic energy."""
-        return _turning.followed_energy(self)
+        return _two_dimensional.followed_energy(self)
 
-    def shown(self, name, end):
+    def movie_view(self, name, end):
         """Speed with the velocity along the vertical centre line, or vorticity or pressure along it."""
         speed = self.reference_velocity
         largest = {
@@ -242,7 +242,7 @@ class Cavity(Filled):
             "vorticity": 10.0 * speed / self.width,
             "pressure": 0.5 * self.density * speed**2,
         }
-        return _turning.shown(self, name, self._velocity("u", "y"), largest)
+        return _two_dimensional.movie_view(self, name, self._velocity("u", "y"), largest)
 
     def _velocity(self, field, along):
         flow, table = self._exact, self._table(field)
@@ -252,4 +252,4 @@ class Cavity(Filled):
             reference = {"exact": lambda x, y, t: flow.velocity(x, y)["uv".index(field)], "scale": scale}
         elif table:
             reference = {"exact": self._curve(table), "reference": table.source}
-        return _turning.velocity_profile(self, field, along, **reference)
+        return _two_dimensional.velocity_profile(self, field, along, **reference)

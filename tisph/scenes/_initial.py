@@ -8,7 +8,7 @@ from pydantic import Field
 from tisph.config.base import LARGEST, Model, Problem
 
 
-class Start(Model):
+class RestInitial(Model):
     """The liquid is at rest at first. ``jitter``: uniform random displacement of every particle, +- that many spacings
     in x and y, after they have been spread evenly; the same ``seed`` gives the same displacements."""
 

@@ -5,15 +5,15 @@ from dataclasses import dataclass
 
 from tisph.geometry.motion import WallMotion
 
-__all__ = ["Polymer", "WallMotion"]
+__all__ = ["PolymerParameters", "WallMotion"]
 
 FAINT = 0.015
 """Part of a jump that counts no more: as much may velocities of a resolved sample err (measures/resolution.py)."""
 
 
 @dataclass(frozen=True)
-class Polymer:
-    """Polymer in an Oldroyd-B liquid: relaxation time [time], and the solvent's share of the total viscosity."""
+class PolymerParameters:
+    """Of a polymer: relaxation time [time], and the share of the solvent in the total viscosity."""
 
     relaxation_time: float
     solvent_fraction: float
@@ -23,7 +23,7 @@ class Polymer:
         """What stands first of it for a ``rheology`` with polymer; None for None."""
         return rheology and cls(rheology.relaxation_time, rheology.solvent_fraction)
 
-    def spreading_share(self, t):
+    def diffusive_fraction(self, t):
         """Share of the total viscosity by which what starts at t = 0 has spread at time ``t``.
 
         At first there is the front of a shear wave, of which exp(-t/(2 relaxation_time)) is left (Maxwell's liquid: the

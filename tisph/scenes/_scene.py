@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from tisph.scenes._views import Followed, Profile, Shown
+from tisph.scenes._views import MovieView, Profile, TimeSeries
 
 
 class Scene:
@@ -36,7 +36,7 @@ class Scene:
     """``config.schema.Units``: labels of the units for plots and tables."""
 
     polymer = None
-    """Relaxation time and solvent fraction (``_motion.Polymer``) of a fluid with polymer."""
+    """Relaxation time and solvent fraction (``_motion.PolymerParameters``) of a fluid with polymer."""
 
     rheology = None
     """Parameters of the liquid, where more is needed of them than viscosity and ``polymer``."""
@@ -74,11 +74,11 @@ class Scene:
     fields = ()
     """Those fields of a snapshot, by name, that ``exact`` knows; none without a reference solution."""
 
-    flow_numbers = ()
-    """Those of the ``measures`` that are numbers of the flow, not errors: what they would be at spacing 0 is asked."""
+    flow_quantities = ()
+    """Those of the ``diagnostics`` that are numbers of the flow, not errors: extrapolated to spacing 0."""
 
-    monitored = None
-    """``_views.Monitored``: what ``history.csv`` has beside what is followed."""
+    extra_series = None
+    """``_views.ExtraSeries``: what ``history.csv`` has beside what is followed."""
 
     frame_velocity = 0.0
     """Velocity along x of the frame that the flow has of its own, to which speeds and errors refer."""
@@ -154,11 +154,11 @@ class Scene:
         return self.polymer.relaxation_time * self.reference_velocity / self.reference_length
 
     @property
-    def loses_its_scale(self):
+    def vanishing_scale(self):
         """Whether the velocity crosses zero or dies away, so that an error relative to it says little."""
         return False
 
-    def in_own_frame(self):
+    def in_flow_frame(self):
         """The same scene as it is seen from a frame that moves with ``frame_velocity``."""
         return self
 
@@ -191,12 +191,12 @@ class Scene:
         """Reference for one of ``fields``, if any, at places ``x``, ``y`` and times ``t``; they broadcast."""
         raise NotImplementedError
 
-    def measures(self, snapshot, followed):
+    def diagnostics(self, snapshot, series):
         """What ``summary.json`` gets of a sample beside the errors: numbers by name, also true, false and words;
         None for what does not exist.
 
-        ``snapshot`` has its ``reference``, as far as there is one; ``followed`` has ``Followed.places``, what
-        ``Followed.measure`` returns for it, and, in a run, the pair of times (records,) and of what it was at all of
+        ``snapshot`` has its ``reference``, as far as there is one; ``series`` has ``TimeSeries.places``, what
+        ``TimeSeries.measure`` returns for it, and, in a run, the pair of times (records,) and of what it was at all of
         them, later ones too, (records, numbers).
         """
         return {}
@@ -206,7 +206,7 @@ class Scene:
         width, height = self.extent
         return {"width": width, "height": height}
 
-    def facts(self):
+    def parameters(self):
         """Pairs (label, text) of what the flow is, independent of particles, for ``tisph check``."""
         raise NotImplementedError
 
@@ -214,14 +214,14 @@ class Scene:
         """What ``profiles.png`` shows."""
         raise NotImplementedError
 
-    def followed(self, **settings) -> Followed:
-        """What ``history.csv`` and ``history.png`` show; ``settings`` are those of ``Config.followed``."""
+    def time_series(self, **settings) -> TimeSeries:
+        """What ``history.csv`` and ``history.png`` show; ``settings`` are those of ``Config.time_series``."""
         raise NotImplementedError
 
-    def shown_fields(self, name):
+    def movie_fields(self, name):
         """Fields of a snapshot that a movie coloured by ``name`` needs beside places, velocities and shear stress."""
         return ()
 
-    def shown(self, name, end) -> Shown:
+    def movie_view(self, name, end) -> MovieView:
         """What a movie to time ``end`` shows whose particles are coloured by ``name``."""
         raise NotImplementedError

@@ -96,7 +96,7 @@ class Profile:
 
 
 @dataclass(frozen=True)
-class Shown:
+class MovieView:
     """What colours the particles of a movie, and the profile beside them.
 
     ``of`` takes the colours' quantity from a snapshot; with ``signed`` they go from minus to plus the largest size of
@@ -114,7 +114,7 @@ class Shown:
 
 
 @dataclass(frozen=True)
-class Followed:
+class TimeSeries:
     """Numbers that are followed in time: ``measure`` takes them from a snapshot, array (numbers,).
 
     ``content`` says in words what they are, ``places`` where they are read, if that is somewhere. ``columns`` are their
@@ -142,7 +142,7 @@ class Followed:
 
 
 @dataclass(frozen=True)
-class Monitored:
+class ExtraSeries:
     """Numbers that stand in ``history.csv`` beside those that are followed, and are not drawn.
 
     ``measure`` takes them, ``columns``, from a snapshot; ``final`` takes all times (records,) and numbers (records,

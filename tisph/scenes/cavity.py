@@ -13,7 +13,7 @@ from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem, Signed
 from tisph.config.resolution import is_whole
 from tisph.scenes._cavity import Cavity
-from tisph.scenes._initial import Start, liquid_problems
+from tisph.scenes._initial import RestInitial, liquid_problems
 
 __all__ = ["Cavity", "Config", "Scene"]
 
@@ -46,7 +46,7 @@ class Config(schema.Config):
 
     geometry: Geometry
     walls: Walls
-    initial: Start = Start()
+    initial: RestInitial = RestInitial()
 
     periodic = (False, False)
     across_name = "the width"

@@ -180,7 +180,7 @@ class Config(schema.Config):
         return super().members if self.bodies else {"walls": self.walls.treatment, **super().members}
 
     @property
-    def followed(self) -> dict[str, Any]:
+    def time_series(self) -> dict[str, Any]:
         """The probes; with bodies it is the forces on them that are followed."""
         return {} if self.bodies else {"count": self.probes.count, "x": self.probes.x}
 
@@ -230,8 +230,8 @@ def _motion(config: Config) -> Iterator[Problem]:
     if config.drive.acceleration or any(wall.amplitude or wall.driven or wall.velocities for wall in walls):
         return
     velocities = {velocity for wall in walls for velocity in (wall.velocity, wall.velocity_before)} - {None}
-    settled = config.initial.state == "developed" or any(wall.velocity_before is not None for wall in walls)
-    if len(velocities | (set() if settled else {0.0})) == 1:
+    developed = config.initial.state == "developed" or any(wall.velocity_before is not None for wall in walls)
+    if len(velocities | (set() if developed else {0.0})) == 1:
         text = "nothing moves: give walls.bottom or walls.top a velocity other than 0, or drive.acceleration"
         together = f"{text}; walls and liquid move together at {walls[0].velocity:g}"
         yield "walls", together if walls[0].velocity else text

@@ -19,7 +19,7 @@ from tisph.config.base import Model, Positive, Problem
 from tisph.config.fields import Bodies
 from tisph.scenes._cell.scene import Cell
 from tisph.scenes._cell.sections import Drive, cell_problems, incommensurate_periods, periods
-from tisph.scenes._initial import Start
+from tisph.scenes._initial import RestInitial
 
 
 class Geometry(Model):
@@ -35,7 +35,7 @@ class Config(schema.Config):
     geometry: Geometry
     bodies: Annotated[Bodies, Field(min_length=1)]
     drive: Drive = Drive()
-    initial: Start = Start()
+    initial: RestInitial = RestInitial()
 
     periodic = (True, True)
     across_name = "the height"

@@ -20,7 +20,7 @@ from tisph.config.fields import Bodies, Member
 from tisph.scenes._cell.scene import Cell
 from tisph.scenes._cell.sections import Drive, cell_problems, incommensurate_periods, periods
 from tisph.scenes._cell.walls import farthest, plane_walls, planes
-from tisph.scenes._initial import Start
+from tisph.scenes._initial import RestInitial
 from tisph.scenes.channel import Wall
 
 
@@ -63,7 +63,7 @@ class Config(schema.Config):
     walls: Walls = Walls.model_validate({})
     bodies: Bodies = ()
     drive: Drive = Drive()
-    initial: Start = Start()
+    initial: RestInitial = RestInitial()
 
     unset_keys = ("geometry", "bodies")
     across_name = "the region"

@@ -20,9 +20,9 @@ from pydantic import Field
 
 from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem
-from tisph.scenes import _turning
+from tisph.scenes import _two_dimensional
 from tisph.scenes._initial import liquid_problems
-from tisph.scenes._motion import Polymer
+from tisph.scenes._motion import PolymerParameters
 from tisph.scenes._scene import Scene as AnyScene
 from tisph.snapshot import STRESSES
 
@@ -98,7 +98,7 @@ class Scene(AnyScene):
     units: Any
     rheology: Any = None
 
-    flow_numbers = ("kinetic_energy", "dissipation")
+    flow_quantities = ("kinetic_energy", "dissipation")
 
     @classmethod
     def from_config(cls, config):
@@ -120,7 +120,7 @@ class Scene(AnyScene):
     @property
     def polymer(self):
         """The numbers of the polymer by which times are told, None without."""
-        return Polymer.of(self.rheology)
+        return PolymerParameters.of(self.rheology)
 
     @property
     def extent(self):
@@ -153,15 +153,15 @@ class Scene(AnyScene):
         stress = dict.fromkeys(STRESSES, np.zeros(np.shape(x))) if self.rheology else {}
         return {"u": u, "v": self.perturbation * self.speed * np.sin(2 * np.pi * x / self.length), **stress}
 
-    def measures(self, snapshot, followed):
-        """Numbers of a snapshot: means over the particles, and those of ``_turning.measures``.
+    def diagnostics(self, snapshot, series):
+        """Numbers of a snapshot: means over the particles, and those of ``_two_dimensional.diagnostics``.
 
         ``kinetic_energy`` and ``dissipation``, that of the solvent, per mass; ``mean_u``, ``mean_v``: the velocity of
         all liquid, 0 at first.
         """
-        square, others = _turning.measures(self, snapshot)
+        square, others = _two_dimensional.diagnostics(self, snapshot)
         return {
-            "kinetic_energy": _turning.kinetic_energy(snapshot),
+            "kinetic_energy": _two_dimensional.kinetic_energy(snapshot),
             "dissipation": self.solvent_viscosity * square,
             "mean_u": np.mean(snapshot.u),
             "mean_v": np.mean(snapshot.v),
@@ -172,7 +172,7 @@ class Scene(AnyScene):
         """Side and thickness of the layers."""
         return {"length": self.length, "thickness": self.thickness}
 
-    def facts(self):
+    def parameters(self):
         """Numbers of the flow."""
         length, time = self.units.length, self.units.time
         elastic = [("Weissenberg number", f"{self.weissenberg:.4g}  (relaxation time * U / L)")] if self.polymer else []
@@ -188,14 +188,14 @@ class Scene(AnyScene):
 
     def profiles(self):
         """Velocities along the centre lines."""
-        return [_turning.velocity_profile(self, "u", "y"), _turning.velocity_profile(self, "v", "x")]
+        return [_two_dimensional.velocity_profile(self, "u", "y"), _two_dimensional.velocity_profile(self, "v", "x")]
 
-    def followed(self):
+    def time_series(self):
         """The kinetic energy."""
-        return _turning.followed_energy(self)
+        return _two_dimensional.followed_energy(self)
 
-    def shown(self, name, end):
+    def movie_view(self, name, end):
         """Speed with the velocity along the vertical centre line, or vorticity along it."""
         largest = self.speed * ROLLING_UP
         sizes = {"speed": largest, "vorticity": largest / self.thickness}
-        return _turning.shown(self, name, self.profiles()[0], sizes)
+        return _two_dimensional.movie_view(self, name, self.profiles()[0], sizes)

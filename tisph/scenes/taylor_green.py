@@ -15,9 +15,9 @@ from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem
 from tisph.exact import taylor_green
 from tisph.measures.metrics import field_error, velocities
-from tisph.scenes import _turning
+from tisph.scenes import _two_dimensional
 from tisph.scenes._scene import Scene as AnyScene
-from tisph.scenes._views import Followed, Profile, Shown
+from tisph.scenes._views import MovieView, Profile, TimeSeries
 
 Cells = Annotated[int, Field(ge=1, le=1000)]
 
@@ -83,7 +83,7 @@ class Scene(AnyScene):
     units: Any
 
     fields = ("u", "v", "pressure")
-    flow_numbers = ("kinetic_energy", "dissipation")
+    flow_quantities = ("kinetic_energy", "dissipation")
 
     @classmethod
     def from_config(cls, config):
@@ -130,18 +130,18 @@ class Scene(AnyScene):
         u, v = taylor_green.velocity(x, y, self.start_time, **self._flow)
         return {"u": u, "v": v}
 
-    def measures(self, snapshot, followed):
+    def diagnostics(self, snapshot, series):
         """Numbers of a snapshot with its reference.
 
         ``l2_pressure``: sqrt(sum (p-p_exact)^2 / sum p_exact^2), p - p_exact less its mean; ``kinetic_energy`` and
         ``dissipation`` per mass, means over the box, each also ``_exact``; ``momentum_drift``: size of the mean of u -
-        u_exact over U; and those of ``_turning.measures``.
+        u_exact over U; and those of ``_two_dimensional.diagnostics``.
 
         Mean energy and dissipation are the exact ones times what the particles have over what the exact flow has at
         their places: the scatter of a mean over places at random is not an error of the flow.
         """
         t, flow = snapshot.t, self._flow
-        square, others = _turning.measures(self, snapshot)
+        square, others = _two_dimensional.diagnostics(self, snapshot)
         values, exact = velocities(self, snapshot)
         exact_square = np.mean(np.square(self.exact_vorticity(snapshot.x, snapshot.y, t)))
         dissipation = taylor_green.dissipation(t, **flow)
@@ -159,7 +159,7 @@ class Scene(AnyScene):
         """Period and numbers of periods."""
         return {"length": self.length, "cells": list(self.cells)}
 
-    def facts(self):
+    def parameters(self):
         """Numbers of the flow."""
         length, time = self.units.length, self.units.time
         rate = taylor_green.dissipation(0.0, **self._flow) / taylor_green.kinetic_energy(0.0, **self._flow)
@@ -176,13 +176,13 @@ class Scene(AnyScene):
         """Velocities along the centre lines and pressure along the vertical one, with their errors."""
         return [self._velocity("u", "y"), self._velocity("v", "x"), self._pressure()]
 
-    def shown_fields(self, name):
+    def movie_fields(self, name):
         """The pressure, where it is shown."""
         return ("pressure",) if name == "pressure" else ()
 
-    def followed(self):
+    def time_series(self):
         """The kinetic energy."""
-        return Followed(
+        return TimeSeries(
             content="mean kinetic energy per mass over time t",
             name="kinetic energy per mass",
             unit="energy",
@@ -194,17 +194,17 @@ class Scene(AnyScene):
             exact=lambda times: taylor_green.kinetic_energy(times, **self._flow)[:, None],
         )
 
-    def shown(self, name, end):
+    def movie_view(self, name, end):
         """Speed with the velocity along the vertical centre line, or vorticity or pressure along it."""
         if name == "speed":
-            profile, of = self._velocity("u", "y"), _turning.speed
+            profile, of = self._velocity("u", "y"), _two_dimensional.speed
         elif name == "vorticity":
             profile = self._vorticity()
             of = profile.of
         else:
             profile = self._pressure()
             of = profile.of
-        return Shown(
+        return MovieView(
             name=name,
             signed=name != "speed",
             of=of,
@@ -224,16 +224,16 @@ class Scene(AnyScene):
 
     def _velocity(self, field, along):
         exact, scale = lambda x, y, t: self.exact(field, x, y, t), (self.speed, "largest speed U at the start")
-        return _turning.velocity_profile(self, field, along, exact=exact, scale=scale)
+        return _two_dimensional.velocity_profile(self, field, along, exact=exact, scale=scale)
 
     def _pressure(self):
-        return _turning.pressure_profile(self, _turning.centre_line(self, "y"))
+        return _two_dimensional.pressure_profile(self, _two_dimensional.centre_line(self, "y"))
 
     def _vorticity(self):
         return Profile(
             name="vorticity",
             unit="rate",
-            line=_turning.centre_line(self, "y"),
-            of=_turning.vorticity(self),
+            line=_two_dimensional.centre_line(self, "y"),
+            of=_two_dimensional.vorticity(self),
             exact=lambda x, y, t: self.exact_vorticity(x, y, t),
         )

@@ -17,7 +17,7 @@ def start_values(scene, initial):
 
 
 def start_snapshot(scene, values, precision):
-    """Return the ``start_values`` of ``scene.in_own_frame()`` as a Snapshot in the frame of ``scene``.
+    """Return the ``start_values`` of ``scene.in_flow_frame()`` as a Snapshot in the frame of ``scene``.
 
     It is the start as the config says, before walls give their impulse. ``precision``: ``f64`` or ``f32``, in which a
     scheme holds positions and velocities.
@@ -35,12 +35,12 @@ def start_snapshot(scene, values, precision):
     if "pressure" in scene.fields:
         state["pressure"] = scene.exact("pressure", x, y, scene.start_time)
     if scene.bodies:
-        state["bodies"] = Bodies.at(scene.start_time, scene.in_own_frame().bodies)
+        state["bodies"] = Bodies.at(scene.start_time, scene.in_flow_frame().bodies)
     return seen_from_config(Snapshot(t=scene.start_time, step=0, **state, **stresses), scene)
 
 
 def seen_from_config(snapshot, scene):
-    """Return ``snapshot`` of a run in the frame of ``scene.in_own_frame()`` as the config's ``scene`` sees it."""
+    """Return ``snapshot`` of a run in the frame of ``scene.in_flow_frame()`` as the config's ``scene`` sees it."""
     velocity = scene.frame_velocity
     if velocity == 0.0:
         return snapshot

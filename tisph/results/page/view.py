@@ -44,7 +44,7 @@ class View:
         shown = ", ".join(times if len(times) <= _TIMES_NAMED else [*times[:_TIMES_NAMED], "..."])
         video = run.config.output.video
         film = f"particles coloured by {video.color_by}, with the profile beside them" if video else "the particles"
-        followed = run._scene.followed(**run.config.followed).content
+        series = run._scene.time_series(**run.config.time_series).content
         return cls(
             title=title,
             folder=str(run.folder),
@@ -63,7 +63,7 @@ class View:
             ),
             history=element(
                 files.history_picture,
-                f"History of {title}: {followed}. Markers are the run, lines the reference where there is one.",
+                f"History of {title}: {series}. Markers are the run, lines the reference where there is one.",
             ),
         )
 
@@ -78,7 +78,7 @@ def element(path: Path, words: str) -> Element | None:
 def _facts(run: "Results") -> list[tuple[str, str]]:
     """What the flow is, as ``tisph check`` says it, and what it was computed with."""
     numbers, scheme = run.summary.numbers, run.config.scheme.model_dump()
-    facts = [*run._scene.facts(), ("scene", run.config.scene), ("scheme", scheme["type"])]
+    facts = [*run._scene.parameters(), ("scene", run.config.scene), ("scheme", scheme["type"])]
     if "particles_fluid" in numbers:
         facts.append(("particles", str(numbers["particles_fluid"])))
     units = run.config.units

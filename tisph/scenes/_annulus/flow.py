@@ -16,7 +16,7 @@ class ReferenceFlow:
 
     def __init__(self, annulus):
         walls = annulus.inner, annulus.outer
-        before = walls if annulus.settled else tuple(Wall(annulus.before(wall)) for wall in walls)
+        before = walls if annulus.stays_steady else tuple(Wall(annulus.before(wall)) for wall in walls)
         liquid = annulus.rheology, annulus.kinematic_viscosity
         self._of = _solved(*liquid, annulus.inner_radius, annulus.outer_radius, *walls, before)
         self._density = annulus.density

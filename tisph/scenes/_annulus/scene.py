@@ -12,15 +12,15 @@ from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.schedule import Schedule
 from tisph.measures.metrics import field_error, relative_difference
-from tisph.scenes import _turning
+from tisph.scenes import _two_dimensional
 from tisph.scenes._annulus import views
 from tisph.scenes._annulus.flow import ReferenceFlow, cartesian, polar
-from tisph.scenes._filled import Filled
+from tisph.scenes._body_scene import BodyScene
 from tisph.snapshot import STRESSES
 
 
 @dataclass(frozen=True, kw_only=True)
-class Annulus(Filled):
+class Annulus(BodyScene):
     """Two cylinders around ``centre`` that turn as ``inner`` and ``outer`` say; every number in the config's units.
 
     ``initial_state`` is ``rest``, ``developed`` or ``exact`` (the flow that began at t = 0, at ``start_time``).
@@ -41,7 +41,7 @@ class Annulus(Filled):
     rheology: Any = None
 
     periodic = (False, False)
-    flow_numbers = ("torque_inner", "torque_outer")
+    flow_quantities = ("torque_inner", "torque_outer")
     time_formula = "νt/H²"
 
     @classmethod
@@ -111,7 +111,7 @@ class Annulus(Filled):
         return self.viscous_time
 
     @property
-    def loses_its_scale(self):
+    def vanishing_scale(self):
         """Whether the cylinders turn to and fro, or come to rest."""
         walls = self.inner, self.outer
         return any(wall.oscillates for wall in walls) or not any(wall.cosine for wall in walls)
@@ -120,9 +120,9 @@ class Annulus(Filled):
         """Depth of the thinnest layer at time ``t`` and where it is: that of a wall that started, or oscillates."""
         layers = []
         for name, wall in (("inner", self.inner), ("outer", self.outer)):
-            if (self.before(wall) != wall.velocity(0.0) and not self.settled) or wall.changes:
+            if (self.before(wall) != wall.velocity(0.0) and not self.stays_steady) or wall.changes:
                 since = t - max((change for change in wall.changes if change < t), default=0.0)
-                viscosity = self.kinematic_viscosity * (self.polymer.spreading_share(since) if self.polymer else 1.0)
+                viscosity = self.kinematic_viscosity * (self.polymer.diffusive_fraction(since) if self.polymer else 1.0)
                 layers.append((math.sqrt(viscosity * since), f"the layer at the {name} cylinder"))
             if wall.oscillates:
                 depth = 0.5 * wall.penetration_depth(self.kinematic_viscosity)
@@ -136,7 +136,7 @@ class Annulus(Filled):
         return wall.velocity(0.0) if self.initial_state == "developed" else 0.0
 
     @property
-    def settled(self):
+    def stays_steady(self):
         """Whether the flow goes on as it was before t = 0."""
         return self.initial_state == "developed" and all(
             wall.before in (None, wall.cosine) for wall in (self.inner, self.outer)
@@ -215,9 +215,9 @@ class Annulus(Filled):
         return self._flow.torques(t)
 
     @property
-    def monitored(self):
+    def extra_series(self):
         """First normal stress difference of a polymer at both cylinders, ``n1_inner`` and ``n1_outer``."""
-        return views.monitored(self) if self.polymer else None
+        return views.extra_series(self) if self.polymer else None
 
     def exact_normal_stress(self, t):
         """Exact N1 (2, times) of the polymer at the inner and the outer cylinder."""
@@ -225,8 +225,8 @@ class Annulus(Filled):
         around, _, along = self._flow.polymer_stress(radii, np.asarray(t))
         return around - along
 
-    def measures(self, snapshot, followed):
-        """Error of the pressure, torques on the cylinders with their references, and those of ``_turning.measures``.
+    def diagnostics(self, snapshot, series):
+        """Errors of pressure and stresses, torques with their references, and ``_two_dimensional.diagnostics``.
 
         ``l2_pressure``: sqrt(sum (p-p_exact)^2 / sum p_exact^2), p - p_exact less its mean. ``torque_inner`` and
         ``torque_outer``: of the liquid on the cylinders, per length of the axis, each also ``_exact``. With polymer
@@ -237,7 +237,7 @@ class Annulus(Filled):
         for index, name in enumerate(("inner", "outer")):
             numbers[f"torque_{name}"] = snapshot.bodies.torque[index]
             numbers[f"torque_{name}_exact"] = exact[index]
-        return {**numbers, **_turning.measures(self, snapshot)[1]}
+        return {**numbers, **_two_dimensional.diagnostics(self, snapshot)[1]}
 
     def _stress_errors(self, snapshot):
         if self.polymer is None:
@@ -253,25 +253,25 @@ class Annulus(Filled):
         """Radii and centre."""
         return {"inner_radius": self.inner_radius, "outer_radius": self.outer_radius, "centre": list(self.centre)}
 
-    def facts(self):
+    def parameters(self):
         """Numbers of the flow."""
-        return views.facts(self)
+        return views.parameters(self)
 
     def profiles(self):
         """Velocity around the axis, and pressure, over the radius; with polymer also its shear stress and N1."""
         return views.profiles(self)
 
-    def followed(self):
+    def time_series(self):
         """Torques on the cylinders."""
-        return views.followed(self)
+        return views.time_series(self)
 
-    def shown_fields(self, name):
+    def movie_fields(self, name):
         """The pressure, or all of the stress, where it is shown."""
-        return ("stress_xx", "stress_yy") if name == "shear_stress" else super().shown_fields(name)
+        return ("stress_xx", "stress_yy") if name == "shear_stress" else super().movie_fields(name)
 
-    def shown(self, name, end):
+    def movie_view(self, name, end):
         """Speed, vorticity, pressure or shear stress of the polymer, as colours and over the radius."""
-        return views.shown(self, name, end)
+        return views.movie_view(self, name, end)
 
 
 def _turning_of(wall):

@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 
-from tisph.scenes import _turning
-from tisph.scenes._views import Followed, Monitored, Profile, Radius, Shown
+from tisph.scenes import _two_dimensional
+from tisph.scenes._views import ExtraSeries, MovieView, Profile, Radius, TimeSeries
 
 MINUS = "\N{MINUS SIGN}"
 
 
-def facts(annulus):
+def parameters(annulus):
     """Pairs (label, text) of what the flow is, independent of particles."""
     length, time = annulus.units.length, annulus.units.time
     lines = [
@@ -29,15 +29,15 @@ def facts(annulus):
 
 def profiles(annulus):
     """Velocity around the axis, and pressure; with polymer also its shear stress and first normal difference N1."""
-    common = [_velocity(annulus), _turning.pressure_profile(annulus, _radius(annulus))]
+    common = [_velocity(annulus), _two_dimensional.pressure_profile(annulus, _radius(annulus))]
     return [*common, _shear_stress(annulus), _normal_stress(annulus)] if annulus.polymer else common
 
 
-def followed(annulus):
+def time_series(annulus):
     """Torques on the cylinders."""
     inner = 2 * math.pi * annulus.inner_radius**2
     scale = inner * annulus.dynamic_viscosity * annulus.reference_velocity / annulus.gap
-    return Followed(
+    return TimeSeries(
         content="torque of the liquid on the cylinders over time t",
         name="torque per length",
         unit="torque",
@@ -51,7 +51,7 @@ def followed(annulus):
     )
 
 
-def monitored(annulus):
+def extra_series(annulus):
     """N1 of the polymer at the inner and the outer cylinder, with its reference."""
     columns = ["n1_inner", "n1_outer"]
 
@@ -59,7 +59,7 @@ def monitored(annulus):
         found = snapshot.bodies.normal_stress
         return np.full(2, np.nan) if found is None else found
 
-    return Monitored(
+    return ExtraSeries(
         columns=columns,
         measure=measure,
         final_columns=[f"{name}_exact" for name in columns],
@@ -67,22 +67,24 @@ def monitored(annulus):
     )
 
 
-def shown(annulus, name, end):
+def movie_view(annulus, name, end):
     """Speed with the velocity around the axis over the radius, or vorticity, pressure or shear stress over it.
 
     Where a wall starts, the vorticity is infinite at first: colours and axes are fitted to what is left of it in a
     layer a quarter of the gap deep, or half-way through the run.
     """
     profiles = {"speed": _velocity, "vorticity": _vorticity, "shear_stress": _shear_stress}
-    profile = profiles[name](annulus) if name in profiles else _turning.pressure_profile(annulus, _radius(annulus))
+    profile = (
+        profiles[name](annulus) if name in profiles else _two_dimensional.pressure_profile(annulus, _radius(annulus))
+    )
     first = annulus.start_time
     if name == "vorticity":
         first = max(first, min(annulus.viscous_time / 16, 0.5 * (first + end)))
     stressed = name == "shear_stress"
-    return Shown(
+    return MovieView(
         name=profile.name if stressed else name,
         signed=name != "speed",
-        of=profile.of if name != "speed" else _turning.speed,
+        of=profile.of if name != "speed" else _two_dimensional.speed,
         profile=profile,
         ends=profile.extremes(first, end),
         otherwise=annulus.dynamic_viscosity * annulus.reference_velocity / annulus.gap if stressed else 1.0,
@@ -100,7 +102,7 @@ def _velocity(annulus):
 
 
 def _vorticity(annulus):
-    of = _turning.vorticity(annulus)
+    of = _two_dimensional.vorticity(annulus)
     return Profile("vorticity", "rate", _radius(annulus), of=of, exact=annulus.exact_vorticity)
 
 

@@ -7,16 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from tisph.scenes._cell import measures, views
+from tisph.scenes._body_scene import BodyScene
+from tisph.scenes._cell import diagnostics, views
 from tisph.scenes._cell.walls import largest_speed
-from tisph.scenes._filled import Filled
 
 KOZENY = 5.0
 """Constant of Kozeny and Carman: permeability = porosity^3 / (5 wetted length per area^2)."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cell(Filled):
+class Cell(BodyScene):
     """``bodies`` in a cell of ``size`` (width, height) that is ``periodic`` or has walls, which are bodies, too.
 
     ``names`` are those of the bodies as they are put after those of their numbers, such as ``_0`` in ``drag_0``. The
@@ -107,9 +107,9 @@ class Cell(Filled):
         return max(viscous, self.density * abs(self.acceleration) * self.region.area)
 
     @property
-    def flow_numbers(self):
+    def flow_quantities(self):
         """Forces, and mean velocity."""
-        loads = [f"{kind}{name}" for name in self.names[: self.count] for kind in measures.LOADS]
+        loads = [f"{kind}{name}" for name in self.names[: self.count] for kind in diagnostics.LOADS]
         return (*loads, "superficial_velocity")
 
     def thinnest_layer(self, t):
@@ -122,26 +122,26 @@ class Cell(Filled):
                     layers.append((depth, "the layer at what oscillates"))
         return min(layers)
 
-    def measures(self, snapshot, followed):
+    def diagnostics(self, snapshot, series):
         """Forces, torques, mean velocities, spread; see ``measures.py``."""
-        return measures.measures(self, snapshot)
+        return diagnostics.diagnostics(self, snapshot)
 
     def description(self):
         """Width and height of the cell, number of bodies."""
         return {**super().description(), "bodies": self.count}
 
-    def facts(self):
+    def parameters(self):
         """Numbers of the flow and of what drives it."""
-        return views.facts(self)
+        return views.parameters(self)
 
     def profiles(self):
         """Velocities along the vertical centre line."""
         return views.profiles(self)
 
-    def followed(self):
+    def time_series(self):
         """Forces and torques on the bodies, and the mean velocity."""
-        return views.followed(self)
+        return views.time_series(self)
 
-    def shown(self, name, end):
+    def movie_view(self, name, end):
         """Speed with the velocity along the vertical centre line, vorticity, or pressure."""
-        return views.shown(self, name)
+        return views.movie_view(self, name)

@@ -2,32 +2,32 @@
 
 import numpy as np
 
-from tisph.scenes import _turning
-from tisph.scenes._cell import measures
-from tisph.scenes._views import Followed
+from tisph.scenes import _two_dimensional
+from tisph.scenes._cell import diagnostics
+from tisph.scenes._views import TimeSeries
 
 VELOCITY = "superficial_velocity"
 
 
 def profiles(cell):
     """Both components of the velocity along the vertical centre line."""
-    return [_turning.velocity_profile(cell, field, "y") for field in "uv"]
+    return [_two_dimensional.velocity_profile(cell, field, "y") for field in "uv"]
 
 
-def followed(cell):
+def time_series(cell):
     """Forces and torques on the bodies in the liquid, or on its walls where there are none, and the mean velocity."""
     chosen = slice(cell.count or None)
     pairs = zip(cell.names[chosen], cell.bodies[chosen], strict=True)
-    columns = [f"{kind}{name}" for name, body in pairs for kind in measures.kinds(body)]
+    columns = [f"{kind}{name}" for name, body in pairs for kind in diagnostics.kinds(body)]
     force, speed = cell.force_scale, cell.reference_velocity
     sizes = {"drag": force, "lift": force, "torque": force * cell.reference_length}
 
     def measure(snapshot):
-        found = measures.loads(cell, snapshot)
+        found = diagnostics.loads(cell, snapshot)
         values = [np.nan if found[column] is None else found[column] for column in columns]
-        return np.array([*values, measures.velocities(cell, snapshot)[VELOCITY]])
+        return np.array([*values, diagnostics.velocities(cell, snapshot)[VELOCITY]])
 
-    return Followed(
+    return TimeSeries(
         content="forces and torques of the liquid on bodies, and the mean velocity, over time t",
         name="forces over F, torques over F d, velocity over U",
         unit="number",
@@ -41,7 +41,7 @@ def followed(cell):
     )
 
 
-def shown(cell, name):
+def movie_view(cell, name):
     """Speed with the velocity along the vertical centre line, vorticity along it, or pressure."""
     speed = 2.0 * cell.reference_velocity
     largest = {
@@ -49,10 +49,10 @@ def shown(cell, name):
         "vorticity": 2.0 * speed / cell.reference_length,
         "pressure": cell.force_scale / cell.reference_length,
     }
-    return _turning.shown(cell, name, profiles(cell)[0], largest)
+    return _two_dimensional.movie_view(cell, name, profiles(cell)[0], largest)
 
 
-def facts(cell):
+def parameters(cell):
     """Pairs (label, text) of what the flow is, independent of particles."""
     length, time = cell.units.length, cell.units.time
     fastest = cell.fastest_body >= cell.driven_velocity

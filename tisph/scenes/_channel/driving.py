@@ -19,7 +19,7 @@ def largest_speed(channel, wall):
     return wall.seen_from(channel.frame_velocity).largest_speed
 
 
-def seen(channel, wall):
+def reference_motion(channel, wall):
     """The motion of a wall; of one that a stress drives, as it moves in the reference."""
     if not wall.driven:
         return wall

@@ -6,7 +6,7 @@ from tisph.exact.start_up import Flow, InelasticFluid, StartUp, ViscoelasticFlui
 
 
 class ReferenceFlow:
-    """Flow of a ``scene.Channel``: from rest, or, where it is ``settled``, on from what had developed before t = 0.
+    """Flow of a ``scene.Channel``: from rest, or, where it is ``developed``, on from what had developed before t = 0.
 
     Heights ``y`` and times ``t`` broadcast.
     """
@@ -15,7 +15,7 @@ class ReferenceFlow:
         self.channel = channel
         walls = [wall.over(channel.density) if wall.driven else wall for wall in (channel.bottom, channel.top)]
         flow = Flow(channel.gap, *walls, channel.acceleration)
-        before = Flow(channel.gap, *_walls_before(channel), channel.acceleration) if channel.settled else None
+        before = Flow(channel.gap, *_walls_before(channel), channel.acceleration) if channel.starts_developed else None
         self._solved = _solved(channel.rheology, channel.kinematic_viscosity, channel.density, flow, before)
 
     def velocity(self, y, t):

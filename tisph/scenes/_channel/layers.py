@@ -3,7 +3,7 @@
 What starts or changes at t = 0, a wall or the drive of a liquid at rest, diffuses into the liquid to the depth
 sqrt(nu t). A wall that oscillates moves a layer that counts with half its penetration depth, sqrt(nu/(2 w)): with so
 many spacings it errs as much as one that diffuses (``benchmarks/resolution.py``). In a liquid with polymer what starts
-is at first the front of a shear wave, see ``Polymer.spreading_share``.
+is at first the front of a shear wave, see ``Polymer.diffusive_fraction``.
 """
 
 import math
@@ -20,7 +20,7 @@ def thinnest_layer(channel, t):
         names = [name for name, has in started.items() if has]
         place = f"the layer at the {names[0]} wall" if len(names) == 1 else "the layer at each wall"
         since = t - max((change for _, wall in _walls(channel) for change in wall.changes if change < t), default=0.0)
-        share = channel.polymer.spreading_share(since) if channel.polymer else 1.0
+        share = channel.polymer.diffusive_fraction(since) if channel.polymer else 1.0
         depth = math.sqrt(share * channel.kinematic_viscosity * since)
         in_the_liquid = share < 1.0 and channel.elastic_speed * since > depth
         layers.append((depth, "the front of the shear wave" if in_the_liquid else place))
@@ -37,6 +37,6 @@ def _walls(channel):
 
 def _has_started(channel, wall):
     """Whether velocity or acceleration of the liquid at a wall has jumped at t = 0."""
-    if channel.settled:
+    if channel.starts_developed:
         return wall.before is not None and wall.before != wall.cosine
     return wall.oscillates or wall.driven or wall.cosine != 0.0 or channel.acceleration != 0.0

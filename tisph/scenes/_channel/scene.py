@@ -5,15 +5,15 @@ from typing import Any
 
 import numpy as np
 
-from tisph.exact.linear_viscoelasticity import impedance
+from tisph.exact.linear_viscoelasticity import apparent_viscosity
 from tisph.geometry.plate import Plate
 from tisph.geometry.schedule import Schedule
 from tisph.scenes._channel import driving, views
+from tisph.scenes._channel.diagnostics import diagnostics
+from tisph.scenes._channel.extra_series import extra_series
 from tisph.scenes._channel.flow import ReferenceFlow
 from tisph.scenes._channel.layers import thinnest_layer
-from tisph.scenes._channel.measures import measures
-from tisph.scenes._channel.monitored import monitored
-from tisph.scenes._motion import Polymer, WallMotion
+from tisph.scenes._motion import PolymerParameters, WallMotion
 from tisph.scenes._scene import Scene
 
 
@@ -35,7 +35,7 @@ class Channel(Scene):
     bottom: WallMotion | Plate | Schedule
     top: WallMotion | Plate | Schedule
     acceleration: float = 0.0
-    polymer: Polymer | None = None
+    polymer: PolymerParameters | None = None
     rheology: Any = None
     initial_state: str
     start_time: float
@@ -57,7 +57,7 @@ class Channel(Scene):
             bottom=bottom,
             top=top,
             acceleration=config.drive.acceleration,
-            polymer=Polymer.of(config.fluid.polymer),
+            polymer=PolymerParameters.of(config.fluid.polymer),
             rheology=None if rheology.type == "newtonian" else rheology,
             initial_state=config.initial.state,
             start_time=config.start_time,
@@ -69,7 +69,7 @@ class Channel(Scene):
 
     periodic = (True, False)
     parallel = True
-    flow_numbers = ("slope", "intercept", "centreline", "wall_shear_bottom", "wall_shear_top")
+    flow_quantities = ("slope", "intercept", "centreline", "wall_shear_bottom", "wall_shear_top")
     time_formula = "νt/H²"
 
     @property
@@ -80,7 +80,7 @@ class Channel(Scene):
     @property
     def walls(self):
         """Both walls, the upper one first; of one that a stress drives, how it moves in the reference."""
-        return ("top", driving.seen(self, self.top)), ("bottom", driving.seen(self, self.bottom))
+        return tuple((side, driving.reference_motion(self, getattr(self, side))) for side in ("top", "bottom"))
 
     @property
     def driven_side(self):
@@ -101,7 +101,7 @@ class Channel(Scene):
         wall oscillates, which it does about rest.
         """
         walls = (self.bottom, self.top)
-        if not self.settled or any(wall.oscillates or wall.driven for wall in walls):
+        if not self.starts_developed or any(wall.oscillates or wall.driven for wall in walls):
             return 0.0
         before = [self._velocity_before(wall) for wall in walls]
         kept = [old for wall, old in zip(walls, before, strict=True) if wall.cosine == old]
@@ -148,7 +148,7 @@ class Channel(Scene):
         return float(np.sqrt(self.polymer_viscosity / self.polymer.relaxation_time)) if self.polymer else 0.0
 
     @property
-    def settled(self):
+    def starts_developed(self):
         """Whether the flow before t = 0 is a developed one, not rest."""
         given = self.bottom.before is not None or self.top.before is not None
         return self.initial_state == "developed" or (self.initial_state == "exact" and given)
@@ -176,22 +176,22 @@ class Channel(Scene):
     def _velocity_before(self, wall):
         if wall.before is not None:
             return wall.before
-        return wall.velocity(0.0) if self.settled else 0.0
+        return wall.velocity(0.0) if self.starts_developed else 0.0
 
     def thinnest_layer(self, t):
         """Depth [length] of the thinnest layer in the flow at time ``t`` and where it is; see ``layers.py``."""
         return thinnest_layer(self, t)
 
-    def in_own_frame(self):
+    def in_flow_frame(self):
         """The same flow as it is seen from a frame that moves with ``frame_velocity``."""
         if self.frame_velocity == 0.0:
             return self
         bottom, top = (wall.seen_from(self.frame_velocity) for wall in (self.bottom, self.top))
         return replace(self, bottom=bottom, top=top)
 
-    def impedance(self, viscosity, angular_frequency):
+    def apparent_viscosity(self, viscosity, angular_frequency):
         """Stress at a wall that oscillates, over its speed over the gap, of a liquid of the complex ``viscosity``."""
-        return impedance(viscosity, angular_frequency, self.density, self.gap)
+        return apparent_viscosity(viscosity, angular_frequency, self.density, self.gap)
 
     def exact_velocity(self, y, t):
         """Exact velocity along x at heights ``y`` and times ``t`` (they broadcast), on the run's clock."""
@@ -244,35 +244,35 @@ class Channel(Scene):
             fields |= {"stress_xx": xx, "stress_xy": xy, "stress_yy": yy}
         return fields
 
-    def measures(self, snapshot, followed):
+    def diagnostics(self, snapshot, series):
         """Errors of stresses, lines through the probes, centreline, wall shear; see ``measures.py``."""
-        return measures(self, snapshot, followed)
+        return diagnostics(self, snapshot, series)
 
     @property
-    def loses_its_scale(self):
+    def vanishing_scale(self):
         """Whether the velocity takes both signs at any time, or dies away."""
-        return views.loses_its_scale(self)
+        return views.vanishing_scale(self)
 
     def profiles(self):
         """Velocity and stresses across the channel."""
         return views.profiles(self)
 
-    def followed(self, count, x="centre"):
+    def time_series(self, count, x="centre"):
         """Velocities at probes; arguments as ``probe_positions``."""
         return views.probes(self, count, x)
 
     @property
-    def monitored(self):
+    def extra_series(self):
         """What a rheometer reads."""
-        return monitored(self)
+        return extra_series(self)
 
-    def shown(self, name, end):
+    def movie_view(self, name, end):
         """Speed, or shear stress of a polymer."""
-        return views.shown(self, name, end)
+        return views.movie_view(self, name, end)
 
-    def facts(self):
+    def parameters(self):
         """Numbers of the flow and of what drives it."""
-        return views.facts(self)
+        return views.parameters(self)
 
     def description(self):
         """Gap and length."""

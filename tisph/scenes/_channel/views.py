@@ -3,7 +3,7 @@
 import numpy as np
 
 from tisph.measures.interpolation import Probes
-from tisph.scenes._views import Followed, Line, Profile, Shown
+from tisph.scenes._views import Line, MovieView, Profile, TimeSeries
 
 MINUS = "\N{MINUS SIGN}"
 _TIMES, _HEIGHTS = 40, 51  # at which it is looked for a flow that turns round
@@ -23,7 +23,7 @@ def probes(channel, count, x="centre"):
     """Velocities at ``count`` heights on a vertical line; arguments as ``Channel.probe_positions``."""
     places = channel.probe_positions(count, x)
     heights, probes = places[1], Probes(channel, *places)
-    return Followed(
+    return TimeSeries(
         content="velocities u along x over time t at probes at heights y",
         name="u",
         unit="velocity",
@@ -39,12 +39,12 @@ def probes(channel, count, x="centre"):
     )
 
 
-def shown(channel, name, end):
+def movie_view(channel, name, end):
     """Speed or polymer shear stress as colours, and its profile."""
     return {"speed": _speed_shown, "shear_stress": _stress_shown}[name](channel, end)
 
 
-def loses_its_scale(channel):
+def vanishing_scale(channel):
     """Tell whether the exact velocity takes both signs at any time, or dies away.
 
     The flow itself decides, not the length of a run: the same flow has the same error measure everywhere.
@@ -60,7 +60,7 @@ def loses_its_scale(channel):
     return bool((u.min() < -small and u.max() > small) or np.abs(u[:, -1]).max() <= small)
 
 
-def facts(channel):
+def parameters(channel):
     """Pairs (label, text) of what the flow is, independent of particles."""
     length, time = channel.units.length, channel.units.time
     by_walls = channel.reference_velocity == channel.wall_speed
@@ -125,7 +125,7 @@ def _normal_stress(channel):
 
 def _speed_shown(channel, end):
     profile = _velocity(channel)
-    return Shown(
+    return MovieView(
         name="speed",
         signed=False,
         of=lambda snapshot: np.hypot(snapshot.u, snapshot.v),
@@ -137,7 +137,7 @@ def _speed_shown(channel, end):
 
 def _stress_shown(channel, end):
     profile = _shear_stress(channel)
-    return Shown(
+    return MovieView(
         name=profile.name,
         signed=True,
         of=profile.of,

@@ -14,7 +14,7 @@ CENTRELINE_POINTS = 32
 """Points along the channel over which the velocity at mid-gap is averaged."""
 
 
-def measures(channel, snapshot, probes):
+def diagnostics(channel, snapshot, probes):
     """Numbers of a snapshot with its reference; ``probes`` is the pair (y, u) of heights and velocities at the probes.
 
     With polymer ``shear_stress_l2`` = sqrt(sum (S-S_exact)^2 / sum S_exact^2) of S = S_xy, and ``normal_stress_l2``,

@@ -6,7 +6,7 @@ import numpy as np
 
 from tisph.geometry.filling import fill
 from tisph.geometry.region import Region
-from tisph.scenes._motion import Polymer
+from tisph.scenes._motion import PolymerParameters
 from tisph.scenes._scene import Scene
 from tisph.snapshot import STRESSES
 
@@ -15,7 +15,7 @@ LEAST_JITTER = 0.05
 pushes cancel there."""
 
 
-class Filled(Scene):
+class BodyScene(Scene):
     """A scene with ``bodies``: liquid around them, and within them where the box is not ``periodic``.
 
     ``rheology`` has all numbers of the liquid's polymer; it is None without.
@@ -24,7 +24,7 @@ class Filled(Scene):
     @property
     def polymer(self):
         """The numbers of the polymer by which times are told, None without."""
-        return Polymer.of(self.rheology)
+        return PolymerParameters.of(self.rheology)
 
     def initial(self, x, y):
         """Rest, without stress."""
@@ -52,6 +52,6 @@ class Filled(Scene):
         """Distances (n,) of ``points`` (n, 2) from the nearest wall at ``time``, negative outside the liquid."""
         return np.min([body.nearest(points, time).distance for body in self.bodies], axis=0)
 
-    def shown_fields(self, name):
+    def movie_fields(self, name):
         """The pressure, where it is shown."""
         return ("pressure",) if name == "pressure" else ()

@@ -3,13 +3,13 @@
 import numpy as np
 
 from tisph.measures.wall_shear import integral, wall_shear, wall_velocity
-from tisph.scenes._views import Monitored
+from tisph.scenes._views import ExtraSeries
 
 SIDES = ("bottom", "top")
 
 
-def monitored(channel):
-    """Return the ``Monitored`` of a ``channel``.
+def extra_series(channel):
+    """Return the ``ExtraSeries`` of a ``channel``.
 
     None of a Newtonian liquid between walls of which none is driven by a stress or follows a schedule.
     """
@@ -17,7 +17,7 @@ def monitored(channel):
     if plain and not any(wall.driven or wall.changes for wall in (channel.bottom, channel.top)):
         return None
     columns = [f"{name}_{side}" for name in ("wall_shear", "wall_velocity") for side in SIDES]
-    return Monitored(
+    return ExtraSeries(
         columns=[*columns, "n1_mean"] if channel.polymer else columns,
         measure=lambda snapshot: _measure(channel, snapshot),
         final_columns=["strain", *(f"{name}_exact" for name in columns)],

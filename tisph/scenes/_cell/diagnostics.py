@@ -3,15 +3,15 @@
 import numpy as np
 
 from tisph.measures.mean_velocity import cell_mean
-from tisph.scenes import _turning
+from tisph.scenes import _two_dimensional
 
 LOADS = ("drag", "lift", "torque")
 """Of the liquid on a body: force along x and along y, torque around its centre, per length across the plane."""
 
 
-def measures(cell, snapshot):
-    """Numbers of a snapshot: those of ``loads``, ``velocities`` and ``_turning.measures``."""
-    return {**loads(cell, snapshot), **velocities(cell, snapshot), **_turning.measures(cell, snapshot)[1]}
+def diagnostics(cell, snapshot):
+    """Numbers of a snapshot: those of ``loads``, ``velocities`` and ``_two_dimensional.diagnostics``."""
+    return {**loads(cell, snapshot), **velocities(cell, snapshot), **_two_dimensional.diagnostics(cell, snapshot)[1]}
 
 
 def kinds(body):

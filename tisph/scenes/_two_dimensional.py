@@ -4,7 +4,7 @@ import numpy as np
 
 from tisph.measures.distribution import max_void_radius, min_distance
 from tisph.measures.gradients import velocity_gradients
-from tisph.scenes._views import Followed, Line, Profile, Shown
+from tisph.scenes._views import Line, MovieView, Profile, TimeSeries
 
 
 def centre_line(scene, along):
@@ -57,8 +57,8 @@ def pressure_profile(scene, line):
 
 
 def followed_energy(scene):
-    """Return the Followed of the kinetic energy, without a reference."""
-    return Followed(
+    """Return the ``TimeSeries`` of the kinetic energy, without a reference."""
+    return TimeSeries(
         content="mean kinetic energy per mass over time t",
         name="kinetic energy per mass",
         unit="energy",
@@ -71,7 +71,7 @@ def followed_energy(scene):
     )
 
 
-def shown(scene, name, velocity, largest):
+def movie_view(scene, name, velocity, largest):
     """Return what a movie coloured by ``name`` shows of a flow without a reference: its size is ``largest``, by name.
 
     The speed with the profile ``velocity``, vorticity or pressure along the vertical centre line.
@@ -83,10 +83,10 @@ def shown(scene, name, velocity, largest):
         words = ("vorticity", "rate") if name == "vorticity" else ("p", "stress")
         profile = Profile(*words, line=centre_line(scene, "y"), of=of)
     size = largest[name]
-    return Shown(name=name, signed=name != "speed", of=of, profile=profile, ends=(-size, size), otherwise=size)
+    return MovieView(name=name, signed=name != "speed", of=of, profile=profile, ends=(-size, size), otherwise=size)
 
 
-def measures(scene, snapshot):
+def diagnostics(scene, snapshot):
     """Return the mean square of the vorticity, and the numbers of a sample that need no reference.
 
     ``divergence_over_gradient``: largest |div u| over the largest velocity gradient (Frobenius norm), None at rest;

@@ -9,10 +9,10 @@ ROUNDINGS = 4.0
 """Last digits of the velocity of the frame below which a velocity in it is rest: exact solutions are sums of a few."""
 
 
-def sample_metrics(scene, snapshot, followed):
+def sample_metrics(scene, snapshot, series):
     """Compare a snapshot with the reference of its scene at its time.
 
-    ``followed`` is what the scene follows in time, see ``Scene.measures``. Returns a dict of numbers, None
+    ``series`` is what the scene follows in time, see ``Scene.diagnostics``. Returns a dict of numbers, None
     where one does not exist (a relative error of a fluid at rest, any error without a reference):
 
     ``t``, ``step`` (how many there have been), ``t_star`` = t / time scale of the scene; ``resolved`` and the
@@ -23,16 +23,16 @@ def sample_metrics(scene, snapshot, followed):
     what the scene itself measures.
     """
     snapshot = with_reference(scene, snapshot)
-    measures = {
+    diagnostics = {
         "t": snapshot.t,
         "step": snapshot.step,
         "t_star": snapshot.t / scene.time_scale,
         "l2": relative_error(scene, snapshot),
         "rms": rms_error(scene, snapshot),
         "linf": _largest_error(scene, snapshot),
-        **scene.measures(snapshot, followed),
+        **scene.diagnostics(snapshot, series),
     }
-    numbers = {key: value if _is_word(key, value) else _number(value) for key, value in measures.items()}
+    numbers = {key: value if _is_word(key, value) else _number(value) for key, value in diagnostics.items()}
     resolved, reason = resolution(scene, snapshot.t, snapshot.steepest)
     return {"t": numbers.pop("t"), "resolved": resolved, "reason": reason, **numbers}
 

@@ -50,7 +50,7 @@ def read(config, channel, table):
         fluid = spectrum(config.fluid.rheology, channel)
         plane, wall, table = as_plane(channel, table)
         return _by_velocity(config, plane, fluid, wall, table)
-    if channel.monitored is None or "strain" not in table:
+    if channel.extra_series is None or "strain" not in table:
         raise ConfigError("RUN_DIR: its history has no wall stress: it is of a Newtonian fluid, or has not ended")
     fluid = spectrum(config.fluid.rheology, channel)
     if channel.driven_side is not None:
@@ -87,7 +87,7 @@ def _oscillation(channel, fluid, wall, table):
     stress, exact = (_amplitudes(t, table[name][first:], frequency, degree) for name in _both("wall_shear"))
     apparent, reference = stress[1] / nominal, exact[1] / nominal
     theory = fluid.complex_viscosity(1j * frequency)
-    corrected = corrected_viscosity(apparent, lambda eta: channel.impedance(eta, frequency), theory)
+    corrected = corrected_viscosity(apparent, lambda eta: channel.apparent_viscosity(eta, frequency), theory)
     modulus = {
         "apparent": 1j * frequency * apparent,
         "reference, apparent": 1j * frequency * reference,

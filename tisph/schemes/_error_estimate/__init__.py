@@ -56,7 +56,7 @@ class _Layers:
 
 def explicit(config, channel, largest_dt):
     """Return the ``SampleEstimate`` of every sample of scheme ``wcsph`` with steps of at most ``largest_dt``."""
-    channel = channel.in_own_frame()
+    channel = channel.in_flow_frame()
     known = channel.parallel and not off_layers(config) and not _limits.mixes(config, channel)
     coarse = _coarse(channel, "coupled" if channel.polymer else "newtonian")
     layers = ExplicitLayers(config, coarse) if known else None
@@ -81,7 +81,7 @@ def implicit(config, channel, control):
 
     ``control``: the step control of the run; its targets must be all times that steps meet.
     """
-    channel = channel.in_own_frame()
+    channel = channel.in_flow_frame()
     coupled = config.fluid.rheology.type != "newtonian" or channel.driven_side is not None
     layers = ImplicitLayers(config, _coarse(channel, "coupled" if coupled else "newtonian"), control)
     samples = []

@@ -43,7 +43,7 @@ class PrescribedWall:
         channel, acceleration = self.channel, self.schedule.acceleration(0.0)
         if channel.start_time > 0.0:
             return 0.0, 0.0
-        if not channel.settled:
+        if not channel.starts_developed:
             return channel.wall_jumps[self.side], acceleration - channel.acceleration
         before = 0.0 if self.schedule.before is not None else acceleration
         return channel.wall_jumps[self.side], acceleration - before

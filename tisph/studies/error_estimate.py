@@ -104,7 +104,7 @@ def compare(results, configs):
     samples = []
     for fields, *numbers in zip(norms, *(result.summary["samples"] for result in results), strict=True):
         errors = {name: of_norms(spacings, each, expected, order=order) for name, each in fields.items()}
-        values = {name: [each[name] for each in numbers] for name in compared[-1].flow_numbers}
+        values = {name: [each[name] for each in numbers] for name in compared[-1].flow_quantities}
         values = {name: each for name, each in values.items() if None not in each}
         found = {name: of_number(spacings, each, expected) for name, each in values.items()}
         samples.append({"t": numbers[-1]["t"], "fields": _plain(errors), "numbers": _plain(found)})

@@ -26,8 +26,8 @@ ROUNDING = 1e-13  # relative, of sums over hundreds of particles of values with 
 
 
 def measure(scene, snapshot):
-    followed = scene.followed()
-    return sample_metrics(scene, snapshot, (followed.places, followed.measure(snapshot)))
+    series = scene.time_series()
+    return sample_metrics(scene, snapshot, (series.places, series.measure(snapshot)))
 
 
 @pytest.mark.parametrize("cells", [(1, 1), (2, 1)])
@@ -137,7 +137,7 @@ def test_profiles_are_of_the_particles_on_the_centre_lines():
 def test_history_of_the_kinetic_energy(tmp_path):
     scene = make_scene()
     path = tmp_path / "history.csv"
-    history = History(path, scene, scene.followed(), 2.0)
+    history = History(path, scene, scene.time_series(), 2.0)
     for t in (0.0, 1.0, 2.0):
         history.observe(scaled(make_snapshot(scene, t), 0.99))
     history.close()
@@ -163,14 +163,14 @@ def test_samples_have_the_reference_beside_them(tmp_path):
 
 
 @pytest.mark.parametrize("shown", ["speed", "pressure"])
-def test_frames_keep_the_pressure_where_it_is_shown(tmp_path, shown):
+def test_frames_keep_the_pressure_where_it_is_shown(tmp_path, view):
     scene = make_scene()
     movie = SimpleNamespace(add=lambda snapshot: None, close=lambda: None)
-    frames = Frames(tmp_path / "frames.h5", movie, [0.5], more=scene.shown_fields(shown))
+    frames = Frames(tmp_path / "frames.h5", movie, [0.5], more=scene.movie_fields(view))
     frames.observe(make_snapshot(scene))
     frames.close()
     (kept,) = read_frames(tmp_path / "frames.h5")
-    assert len(kept.pressure) == (scene.particles if shown == "pressure" else 0)
+    assert len(kept.pressure) == (scene.particles if view == "pressure" else 0)
 
 
 def test_profiles_are_drawn(tmp_path):
@@ -206,10 +206,10 @@ def test_discs_have_the_colour_of_what_is_shown(color_by, place):
 
 
 def test_error_in_the_picture_is_that_of_what_is_shown():
-    shown = {name: make_renderer(name) for name in ("speed", "vorticity", "pressure")}
-    snapshot = make_snapshot(shown["speed"].scene)
+    view = {name: make_renderer(name) for name in ("speed", "vorticity", "pressure")}
+    snapshot = make_snapshot(view["speed"].scene)
     off = scaled(replace(snapshot, pressure=2.0 * snapshot.pressure), 1.01)
-    labels = {name: renderer._error_label(off) for name, renderer in shown.items()}
+    labels = {name: renderer._error_label(off) for name, renderer in view.items()}
     assert labels["speed"] == labels["vorticity"] == "L2 error 1.0×10⁻²"
     assert labels["pressure"].startswith("L2 error of p 1.0×10⁰") or labels["pressure"].startswith("L2 error of p 9.9")
 

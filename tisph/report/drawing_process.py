@@ -102,7 +102,7 @@ class RemoteMovie:
 
     def __init__(self, process: DrawingProcess, path, scene, video, title: str, end: float):
         self._process = process
-        shown = scene.shown_fields(video.color_by)
+        shown = scene.movie_fields(video.color_by)
         self._not_drawn = {name: nothing for name, nothing in _NOT_DRAWN.items() if name not in shown}
         process.send("movie", path, *described(scene, video), title, end)
 

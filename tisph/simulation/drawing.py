@@ -64,7 +64,7 @@ def begin_pictures(folder, settings, channel):
         wanted["profiles"] = (snapshots,)
     times, values = read_history(folder.history)
     if len(times):
-        wanted["history"] = settings.followed, times, values
+        wanted["history"] = settings.time_series, times, values
     drawn = shared().request("plots", described(channel)[0], wanted) if wanted else None
     return [Picture(paths[name], lambda name=name: drawn.result()[name]) for name in wanted]
 

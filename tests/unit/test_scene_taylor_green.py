@@ -162,7 +162,7 @@ def test_samples_have_the_reference_beside_them(tmp_path):
             assert np.array_equal(stored[f"{name}_exact"], getattr(snapshot, name))
 
 
-@pytest.mark.parametrize("shown", ["speed", "pressure"])
+@pytest.mark.parametrize("view", ["speed", "pressure"])
 def test_frames_keep_the_pressure_where_it_is_shown(tmp_path, view):
     scene = make_scene()
     movie = SimpleNamespace(add=lambda snapshot: None, close=lambda: None)

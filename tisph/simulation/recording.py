@@ -71,7 +71,7 @@ class Recording:
 
             self.observers.append(Vtk(folder.vtk, self.samples, resumed_at, self.about))
         if self.movie:
-            times, more = frame_times(scene, end, output.video.frames), scene.shown_fields(output.video.color_by)
+            times, more = frame_times(scene, end, output.video.frames), scene.movie_fields(output.video.color_by)
             self.observers.append(Frames(folder.frames, self.movie, times, resumed_at, more))
         self.simulation.observe(*self.observers)
         if output.checkpoint_every:

@@ -86,7 +86,7 @@ class Simulation:
         config, reason = schemes.resolve(self.config)
         targets = sorted({*config.time.samples, config.time.end})
         self._program = runtime.program()
-        self.scheme = schemes.build(config, self.scene.in_own_frame(), targets, serial=self.threads == 1)
+        self.scheme = schemes.build(config, self.scene.in_flow_frame(), targets, serial=self.threads == 1)
         log.info("scheme %s", reason)
         if restored_from and not checkpoint.restore(restored_from, self.scheme, self.about.resolved, targets):
             log.warning(OTHER_STEPS)
@@ -233,7 +233,7 @@ class Simulation:
         if self.restored or self._start is not None:
             return
         with self.timed("compile"):
-            values = start_values(self.scene.in_own_frame(), self.config.initial)
+            values = start_values(self.scene.in_flow_frame(), self.config.initial)
             self.scheme.start(*values)
         self._start = start_snapshot(self.scene, values, self.config.discretisation.precision)
 

@@ -44,7 +44,7 @@ def _numbers(scene, scheme, history):
 
 def _steady(history):
     """Since when the numbers that the scene follows have been the last ones, of scenes that may become steady."""
-    sizes = history.followed.sizes
+    sizes = history.time_series.sizes
     return {"steady_since": steady_since(*read_history(history.path), sizes)} if sizes else {}
 
 

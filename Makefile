@@ -1,12 +1,13 @@
-# Needs python3 (3.10 to 3.13) and make; everything else is installed into .venv by pip.
+# Needs python3 (3.10 to 3.14) and make; everything else is installed into .venv by pip.
 PYTHON ?= python3
 ifeq ($(OS),Windows_NT)
 BIN := .venv/Scripts
 else
 BIN := .venv/bin
 endif
+QUADRANTS := $(subst .venv,.venv-quadrants,$(BIN))
 
-.PHONY: demo test media docs clean
+.PHONY: demo test test-plain test-quadrants media docs clean
 
 # Run the main job and print where its movie, plots and summary are.
 demo: .venv/run-ready
@@ -17,6 +18,24 @@ demo: .venv/run-ready
 test: export PYTHONDONTWRITEBYTECODE =
 test: .venv/test-ready
 	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
+
+# What shows that nothing depends on the replaced parts of Taichi, nor on Taichi: the quick verification, and core tests
+# of every scheme, of restarts, threads and kernels, which start Taichi anew each time.
+CORE := tests/core/test_runtime.py tests/core/test_run.py tests/core/test_restart.py tests/core/test_implicit.py \
+	tests/core/test_neighbours.py tests/core/test_operators.py tests/core/test_walls.py tests/core/test_cavity.py \
+	tests/core/test_explicit_box.py tests/core/test_laws_in_kernels.py
+PYTEST := -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
+
+# The same without any replaced part of Taichi.
+test-plain: export TISPH_PLAIN_TAICHI = 1
+test-plain: .venv/test-ready
+	$(BIN)/python $(PYTEST) $(CORE)
+	$(BIN)/python -m tisph verify --quick
+
+# The same with Quadrants in the place of Taichi, in an environment of its own.
+test-quadrants: .venv-quadrants/ready
+	$(QUADRANTS)/python $(PYTEST) $(CORE)
+	$(QUADRANTS)/python -m tisph verify --quick
 
 # Make the pictures and movies that README.md shows.
 media: .venv/run-ready
@@ -35,9 +54,16 @@ docs: .venv/docs-ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test]"
 	$(BIN)/python -c "import pathlib; pathlib.Path('$@').touch()"
 
+.venv-quadrants/ready: pyproject.toml
+	$(PYTHON) -m venv .venv-quadrants
+	$(QUADRANTS)/python -m pip install --quiet --disable-pip-version-check --editable ".[test]"
+	$(QUADRANTS)/python -m pip uninstall --quiet --yes taichi
+	$(QUADRANTS)/python -m pip install --quiet --disable-pip-version-check "quadrants>=1.3,<2"
+	$(QUADRANTS)/python -c "import pathlib; pathlib.Path('$@').touch()"
+
 .venv/docs-ready: .venv/run-ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[docs]"
 	$(BIN)/python -c "import pathlib; pathlib.Path('$@').touch()"
 
 clean:
-	$(PYTHON) -c "import shutil; [shutil.rmtree(d, ignore_errors=True) for d in ('.venv', 'runs', 'site')]"
+	$(PYTHON) -c "import shutil; [shutil.rmtree(d, ignore_errors=True) for d in ('.venv', '.venv-quadrants', 'runs', 'site')]"

@@ -1,1 +1,1 @@
-"""Bodies that stand or move in the liquid, as a config gives them. One file a shape."""
+"""Bodies that stand or move in the fluid, as a config gives them. One file a shape."""

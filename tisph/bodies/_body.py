@@ -83,7 +83,7 @@ class Placed(Model):
         return self
 
     def shape(self):
-        """The shape, with the liquid outside; ValueError where it is impossible."""
+        """The shape, with the fluid outside; ValueError where it is impossible."""
         raise NotImplementedError
 
     def body(self, periods: tuple[float, float] = (math.inf, math.inf)) -> Body:

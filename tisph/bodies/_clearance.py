@@ -1,4 +1,4 @@
-"""Whether bodies leave the liquid room: no overlap, and no gap that particles cannot serve."""
+"""Whether bodies leave enough clearance: no overlap, and no gap that is too narrow for particles."""
 
 from collections.abc import Iterable, Iterator, Sequence
 

@@ -214,7 +214,7 @@ class Config(Model):
 
     @property
     def area(self) -> float:
-        """Area that the liquid fills [length^2]."""
+        """Area that the fluid fills [length^2]."""
         width, height = self.extent
         return width * height
 

@@ -1,6 +1,6 @@
 """The bodies of a scene in a movie frame: filled, with an outline, and with lines that show how they turn and slide.
 
-A body in the liquid has a spoke from its centre to its rim. A wall around the liquid has short marks that go with it: a
+A body in the fluid has a spoke from its centre to its rim. A wall around the fluid has short marks that go with it: a
 closed curve one, a straight wall some a period.
 """
 
@@ -54,7 +54,7 @@ class Solids:
 
 
 class _Island:
-    """A body in the liquid, which its edge ``encloses``; ``mark`` is the length of a mark."""
+    """A body in the fluid, which its edge ``encloses``; ``mark`` is the length of a mark."""
 
     encloses = True
 
@@ -79,7 +79,7 @@ class _Island:
 
 
 class _Vessel(_Island):
-    """A closed curve that the liquid is in."""
+    """A closed curve that the fluid is in."""
 
     encloses = False
 

@@ -1,9 +1,9 @@
 """Streamlines of the velocities at one time, laid over the particles of a movie frame.
 
 They are lines of equal stream function psi, u = dpsi/dy and v = -dpsi/dx: between any two next to each other as much
-liquid flows. On a grid, psi is what has the differences between neighbouring nodes that are nearest, by least squares,
+fluid flows. On a grid, psi is what has the differences between neighbouring nodes that are nearest, by least squares,
 to the flow between them. Grid and sums end at the sides of the box and within bodies, where no flow needs to be known:
-so psi may grow from one side of a periodic box to the other, as it does where liquid flows through it.
+so psi may grow from one side of a periodic box to the other, as it does where fluid flows through it.
 """
 
 import numpy as np
@@ -47,7 +47,7 @@ class Streamlines:
                 blend(panel, pen.cover(points), ink)
 
     def lines(self, snapshot: Snapshot) -> list[np.ndarray]:
-        """Return the lines, places (n, 2) each; none where the liquid rests, or where a run went wrong."""
+        """Return the lines, places (n, 2) each; none where the fluid rests, or where a run went wrong."""
         from contourpy import LineType, contour_generator
 
         places, velocity = with_walls(self._scene, snapshot)
@@ -66,7 +66,7 @@ class Streamlines:
         return [line for level in levels for line in contours.lines(level)]
 
     def _depth(self, time):
-        """Return how far each node is in the liquid, (rows, columns), below 0 within bodies."""
+        """Return how far each node is in the fluid, (rows, columns), below 0 within bodies."""
         depth = np.full(self._nodes.shape[:2], np.inf)
         for body in self._scene.bodies:
             distance = body.nearest(self._nodes.reshape(-1, 2), time).distance
@@ -90,7 +90,7 @@ class Streamlines:
         edge, one = np.arange(len(first)), np.ones(len(first))
         ways = np.concatenate([edge, edge]), np.concatenate([second, first])
         self._difference = coo_matrix((np.concatenate([one, -one]), ways), (len(first), count)).tocsr()
-        # a constant of each part of the liquid is free: the little that is added takes the one of mean 0
+        # a constant of each part of the fluid is free: the little that is added takes the one of mean 0
         sums = self._difference.T @ self._difference + 1e-9 * identity(count)
         self._factors = splu(sums.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
 

@@ -12,7 +12,7 @@ _PITCH = 30.0  # pixels in a frame of 1280 x 640: distance of arrows, and length
 _LONGEST = 1.5  # pitches
 _SHORTEST = 0.1  # pitches: below it a head shows no direction
 _NEAR = 6  # particles whose velocities are averaged
-_BESIDE = 1.2  # spacings: where no particle is so near there is no liquid
+_BESIDE = 1.2  # spacings: where no particle is so near there is no fluid
 _SHAFT, _HEAD = 0.05, 0.17  # half widths of an arrow, in pitches
 _TIP = 0.4  # pitches: length of the head of a long arrow
 

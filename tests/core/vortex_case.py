@@ -6,8 +6,8 @@ from kept_program import kept
 from tisph import runtime
 from tisph.least_squares import operators
 from tisph.schemes._splitting._flow import PeriodicFlow
-from tisph.schemes._splitting._scheme import COURANT, TOLERANCE, Scheme
-from tisph.schemes._splitting._step_limits import step_control
+from tisph.schemes._splitting._scheme import COURANT, Scheme
+from tisph.schemes._splitting._step_limits import TOLERANCE, step_control
 
 WAVE = 2 * np.pi
 VISCOSITY = 0.01

@@ -5,8 +5,7 @@ import numpy as np
 from tisph.geometry.box import box_around
 from tisph.schemes._error_estimate import SampleEstimate
 from tisph.schemes._splitting._flow import BoundedFlow, PeriodicFlow
-from tisph.schemes._splitting._scheme import SMALLEST_SPEED, TOLERANCE, Scheme
-from tisph.schemes._splitting._step_limits import FIRST, viscous_step
+from tisph.schemes._splitting._step_limits import FIRST, SMALLEST_SPEED, TOLERANCE, viscous_step
 from tisph.schemes._splitting._walls import Walls
 from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR
 
@@ -29,6 +28,8 @@ LEAST_MARGIN, LEAST_BOX = 3.0, 18.0
 
 def scheme(config, scene, targets, serial):
     """Return the Scheme for a scene."""
+    from tisph.schemes._splitting._scheme import Scheme  # imports Taichi
+
     tolerance, courant = _steps(config)
     return Scheme(_flow(scene), targets, serial, tolerance, courant)
 

@@ -8,7 +8,7 @@ from tisph.neighbours.point_cloud import active
 from tisph.runtime import view
 from tisph.schemes._splitting._closure import Closure
 from tisph.schemes._splitting._corners import Corners
-from tisph.schemes._splitting._history import VELOCITIES
+from tisph.schemes._splitting._series import VELOCITIES
 from tisph.schemes._splitting._walls import FARTHEST
 from tisph.snapshot import Bodies
 

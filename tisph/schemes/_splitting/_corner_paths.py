@@ -4,7 +4,7 @@ import numpy as np
 
 from tisph.exact.sliding_corner import DEGREE
 from tisph.runtime import holding, integer, real, ti, view
-from tisph.schemes._splitting._history import VELOCITIES
+from tisph.schemes._splitting._series import VELOCITIES
 
 PARTS = 2
 """Of a step, in each of which the way of a particle is found by the classical Runge-Kutta method."""

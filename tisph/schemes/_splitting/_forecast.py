@@ -4,10 +4,8 @@ import math
 
 import numpy as np
 
-from tisph.schemes._splitting._history import VELOCITIES
-from tisph.schemes._splitting._scheme import MOST_ATTEMPTS, SMALLEST_SPEED
-from tisph.schemes._splitting._series import Times
-from tisph.schemes._splitting._step_limits import FIRST, step_control
+from tisph.schemes._splitting._series import VELOCITIES, Times
+from tisph.schemes._splitting._step_limits import FIRST, MOST_ATTEMPTS, SMALLEST_SPEED, step_control
 
 SOME = 400
 """Places in the box that are looked at, about, evenly spread."""

@@ -4,11 +4,7 @@ import math
 
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import holding, real, scalar, ti, view
-
-VELOCITIES = 4
-"""Times at which velocities are kept: at the end of the last step, and of those before."""
-
-PRESSURES = 2
+from tisph.schemes._splitting._series import PRESSURES, VELOCITIES
 
 CARRIED = 2 * VELOCITIES + PRESSURES
 

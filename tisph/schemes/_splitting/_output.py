@@ -3,8 +3,7 @@
 import numpy as np
 
 from tisph.neighbours.point_cloud import active
-from tisph.schemes._splitting._history import PRESSURES, VELOCITIES
-from tisph.schemes._splitting._series import Times
+from tisph.schemes._splitting._series import PRESSURES, VELOCITIES, Times
 from tisph.snapshot import STRESSES, Snapshot
 
 

@@ -12,13 +12,13 @@ from tisph.periodic import PeriodicDomain
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes._overflow import clustered
 from tisph.schemes._splitting._bounds import Bounds
-from tisph.schemes._splitting._history import PRESSURES, VELOCITIES, History
+from tisph.schemes._splitting._history import History
 from tisph.schemes._splitting._output import carried_in_order, state
 from tisph.schemes._splitting._polymer import Polymer
-from tisph.schemes._splitting._series import Times
+from tisph.schemes._splitting._series import PRESSURES, VELOCITIES, Times
 from tisph.schemes._splitting._shift import GONE, Shift
 from tisph.schemes._splitting._split import Split
-from tisph.schemes._splitting._step_limits import FIRST, RUNAWAY, step_control
+from tisph.schemes._splitting._step_limits import FIRST, MOST_ATTEMPTS, RUNAWAY, SMALLEST_SPEED, TOLERANCE, step_control
 from tisph.schemes._splitting._walls import FARTHER, FARTHEST, SEEN
 from tisph.solvers.auxiliary_grid import AuxiliaryGrid
 
@@ -38,19 +38,11 @@ that is to vanish at once makes coarse runs take shorter steps."""
 COURANT = 0.3
 """Longest step over the time in which the fastest particle goes one spacing."""
 
-TOLERANCE = 2e-6
-"""Of a step."""
-
-SMALLEST_SPEED = 0.5
-"""Part of the reference velocity below which steps and errors refer to this and no more to the present velocities."""
-
 PRESSURE_RESIDUAL, VELOCITY_RESIDUAL = 1e-6, 1e-10
 """Of the linear systems. That of the velocities adds up from step to step."""
 
 ROUNDING = 30.0
 """The least residual that is asked for, in units of the rounding error."""
-
-MOST_ATTEMPTS = 20
 
 TIDYING = 100
 """Steps after which particles that have become neighbours are brought near one another in memory, too. Once a flow has

@@ -2,7 +2,11 @@
 
 import numpy as np
 
-from tisph.schemes._splitting._history import VELOCITIES
+VELOCITIES = 4
+"""Times at which velocities are kept: at the end of the last step, and of those before."""
+
+PRESSURES = 2
+
 
 ORDER = 3
 """Of the backward differences. Those of order 4 are unstable for oscillations, and measured no better."""

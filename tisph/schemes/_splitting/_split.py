@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from tisph.runtime import holding, real, scalar, ti, view
-from tisph.schemes._splitting._history import PRESSURES, VELOCITIES
+from tisph.schemes._splitting._series import PRESSURES, VELOCITIES
 from tisph.solvers.bicgstab import BiCGStab
 from tisph.solvers.two_level import TwoLevel
 

@@ -4,6 +4,15 @@ import math
 
 from tisph.schemes._step_control import StepControl
 
+TOLERANCE = 2e-6
+"""Of a step."""
+
+SMALLEST_SPEED = 0.5
+"""Part of the reference velocity below which steps and errors refer to this and no more to the present velocities."""
+
+MOST_ATTEMPTS = 20
+"""At one step, before a run is given up."""
+
 RUNAWAY = 1e3
 """Largest velocity over the reference velocity. Bodies that close a gap press some tens of times theirs out of it."""
 

@@ -226,3 +226,24 @@ def test_members_of_a_family_load_without_taichi(family):
 def test_reading_any_config_imports_no_taichi():
     program = "import glob\nfrom tisph.config import load\nfor path in sorted(glob.glob('configs/*.yaml')): load(path)"
     assert not imports_taichi(program)
+
+
+CHECKED = {
+    "few": ["couette_adami", "couette", "oldroyd_b_couette", "power_law_poiseuille", "ringing_plate"],
+    "": ["circular_couette", "cavity", "cylinder_lattice", "turned_box", "shear_layer", "taylor_green"],
+}
+"""Configs of all scenes, schemes and kinds of fluid; in a channel fewer particles make the same estimate sooner."""
+
+
+@pytest.mark.parametrize("few", CHECKED)
+def test_checking_a_config_imports_no_taichi(few):
+    overrides = ["discretisation.particles_across=12"] if few else []
+    program = f"""
+from tisph.cli import check
+from tisph.config import load
+for name in {CHECKED[few]}:
+    config = load(f"configs/{{name}}.yaml", {overrides})
+    numbers, warnings = check.forecast(config)
+    print(*check.described(config, numbers, warnings), sep="\\n")
+"""
+    assert not imports_taichi(program)

@@ -71,6 +71,17 @@ def test_a_scene_is_one_file(run):
     assert run("shear_wave.yaml")["l2"] < 1e-5
 
 
+def test_an_observer_is_one_file(extended):
+    shutil.copy(COUETTE, extended / "couette.yaml")
+    command = [sys.executable, "watch.py"]
+    done = subprocess.run(command, cwd=extended, env=environment(extended), capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    header, *lines = (extended / "fastest.csv").read_text().split()
+    assert header == "t,speed"
+    assert [float(line.split(",")[0]) for line in lines] == pytest.approx([0.5, 1.0, 1.5, 2.0])
+    assert all(0 < float(line.split(",")[1]) <= 0.005 for line in lines)  # the wall's velocity
+
+
 def test_a_kernel_is_one_file(run):
     kernel = ["discretisation.kernel=cubic_spline", "discretisation.smoothing_ratio=1.3", "scheme={type: wcsph}"]
     assert run(COUETTE, *FEW, *(word for each in kernel for word in ("--set", each)))["l2"] < 2e-2

@@ -62,7 +62,7 @@ class Recording:
         with replaced(folder.config) as new:
             new.write_text(self.about.resolved, encoding="utf-8")
         end, output = settings.time.end, settings.output
-        followed = scene.followed(**settings.followed)
+        followed = scene.time_series(**settings.time_series)
         self.samples = Samples(folder.samples, scene, settings.time.samples, resumed_at, self.about)
         self.history = History(folder.history, scene, followed, end, resumed_at, self.about)
         self.observers = [self.samples, self.history]

@@ -88,7 +88,7 @@ TESTS = {
         UNIT + "estimates",
     ],
     "schemes/_estimate": [UNIT + "plan", UNIT + "cli_check", UNIT + "stability_cells", UNIT + "estimates"],
-    "schemes/_splitting/_polymer": [UNIT + "logarithm", CORE + "polymer_*"],
+    "schemes/_splitting/_viscoelastic_stress": [UNIT + "logarithm", CORE + "polymer_*"],
     "schemes/_splitting": [UNIT + "splitting_steps", UNIT + "logarithm", UNIT + "layers", *TURNS],
     "schemes/_step_control": [UNIT + "step_control", UNIT + "splitting_steps", *IMPLICIT],
     "schemes/_stages": [UNIT + "esdirk", CORE + "layers_of_the_lattice", CORE + "scheduled_walls", *IMPLICIT],

@@ -11,9 +11,9 @@ from tisph.geometry.circle import Circle
 from tisph.geometry.filling import fill
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.region import Region
-from tisph.schemes._splitting._flow import BoundedFlow
+from tisph.schemes._splitting._problem import BoundedProblem
 from tisph.schemes._splitting._scheme import COURANT, Scheme
-from tisph.schemes._splitting._walls import Walls
+from tisph.schemes._splitting._wall_points import WallPoints
 
 INNER, OUTER, ACROSS = 1.0, 2.0, 12
 VISCOSITY = 0.02
@@ -36,9 +36,9 @@ def make(turning=(1.0, 0.0), centre=(0.0, 0.0), angle=0.0, acceleration=(0.0, 0.
     places = places @ np.array([[cosine, sine], [-sine, cosine]]) + centre
     extent = np.add(centre, corner), np.subtract(centre, corner)
     box = box_around(extent, spacing, (False, False), 0.8)
-    flow = BoundedFlow(
+    flow = BoundedProblem(
         liquid=len(places),
-        walls=Walls(bodies, spacing, box.origin),
+        walls=WallPoints(bodies, spacing, box.origin),
         density=1.0,
         kinematic_viscosity=viscosity,
         reference_velocity=max(1.0, *(way.largest_speed for way in turning)),

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from tisph.scenes._cell.measures import measures
 
 from tisph import config, runtime, scenes, schemes
-from tisph.scenes._cell.measures import measures
 from tisph.simulation.start import start_values
 
 CELL = """
@@ -98,7 +98,7 @@ def test_a_body_that_starts_to_move_pushes_the_liquid_away(make):
     # potential flow but for the layer at the body; without the impulse the divergence is 0.7 of the gradient
     body = "bodies=[{centre: [0.8, 0.3], radius: 0.25, motion: {velocity: [20.0, 10.0]}}]"
     scene, scheme = make(body, "drive.acceleration=0.0")
-    assert scheme.history.residual < 0.06
+    assert scheme.levels.residual < 0.06
     snapshot = scheme.snapshot()
     assert scene.distance(np.stack([snapshot.x, snapshot.y], axis=1), 0.0).min() > 0.0
     along = (20.0 * snapshot.u + 10.0 * snapshot.v) / 500.0
@@ -150,7 +150,7 @@ def test_particles_stay_in_a_narrow_gap(make):
         scheme.advance()
     end = scheme.snapshot(scheme.time)
     places = np.stack([end.x, end.y], axis=1)
-    nearest = min(body.nearest(places, end.t).distance.min() for body in scheme.flow.walls.bodies)
+    nearest = min(body.nearest(places, end.t).distance.min() for body in scheme.problem.walls.bodies)
     assert nearest > 0.3 * scene.spacing
 
 

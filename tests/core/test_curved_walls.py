@@ -33,7 +33,7 @@ def test_particles_stay_between_the_walls_and_even():
     apart = np.hypot(snapshot.x[:, None] - snapshot.x, snapshot.y[:, None] - snapshot.y)
     np.fill_diagonal(apart, 1.0)
     assert apart.min() > 0.55 * SPACING
-    assert scheme.reduced < 10  # of 1400 rows a step: where too few layers were within reach of a wall many were
+    assert scheme.order_reduced < 10  # of 1400 rows a step: where too few layers were within reach of a wall many were
 
 
 def test_liquid_that_turns_as_a_solid_has_no_stress():
@@ -80,7 +80,7 @@ def test_a_wall_that_jumps_costs_few_steps():
     assert scheme.rejected < 20
     assert scheme.steps < 130
     assert scheme.shortest > 1e-6
-    assert scheme.history.residual < 2e-2
+    assert scheme.levels.residual < 2e-2
 
 
 def test_small_steps_keep_pressure_and_divergence():
@@ -91,4 +91,4 @@ def test_small_steps_keep_pressure_and_divergence():
     radius = np.hypot(snapshot.x, snapshot.y)
     exact = radius**2 / 18 - 8 / 9 * np.log(radius) - 8 / 9 / radius**2
     assert np.std(snapshot.pressure - exact) < 5e-3 * np.std(exact)
-    assert scheme.history.residual < 1e-3
+    assert scheme.levels.residual < 1e-3

@@ -7,7 +7,7 @@ from tisph import runtime
 from tisph.neighbours.point_cloud import PointCloud
 from tisph.periodic import PeriodicDomain
 from tisph.runtime import view
-from tisph.schemes._splitting._flow import PeriodicFlow
+from tisph.schemes._splitting._problem import PeriodicProblem
 
 REACH = 3.0
 
@@ -15,7 +15,7 @@ REACH = 3.0
 def box(columns, rows):
     runtime.start("f64", 1)
     numbers = {"density": 1.0, "kinematic_viscosity": 1.0, "reference_velocity": 1.0}
-    flow = PeriodicFlow(columns=columns, rows=rows, spacing=0.1, **numbers)
+    flow = PeriodicProblem(columns=columns, rows=rows, spacing=0.1, **numbers)
     return flow, PointCloud(flow, PeriodicDomain(flow.length, flow.height), REACH * flow.spacing, 0, True)
 
 

@@ -23,7 +23,7 @@ from tisph.rheology import giesekus, oldroyd_b
 from tisph.runtime import view
 from tisph.scenes._annulus.flow import cartesian
 from tisph.schemes._splitting import _polymer
-from tisph.schemes._splitting._walls import Walls
+from tisph.schemes._splitting._wall_points import WallPoints
 from tisph.simulation import checkpoint
 from tisph.simulation.start import start_values
 
@@ -146,7 +146,7 @@ def test_walls_that_slide_carry_along_what_is_at_them():
 
 def sliding_lid(spacing):
     line, profile = Line((1.0, 0.0), (-1.0, 0.0), 1.0), Polynomial([0.0, 0.0, 16.0, -32.0, 16.0])
-    return Walls([SlidingWall(line, speed=2.0, width=1.0, profile=profile)], spacing, (0.0, 0.0))
+    return WallPoints([SlidingWall(line, speed=2.0, width=1.0, profile=profile)], spacing, (0.0, 0.0))
 
 
 def test_stress_follows_a_shift():
@@ -162,19 +162,19 @@ def test_stress_follows_a_shift():
     moved[:liquid] = np.random.default_rng(1).uniform(-0.02, 0.02, (liquid, 2))
     view(scheme.shift.moved)[: flow.particles] = moved
     polymer.slope()
-    polymer.settle()
+    polymer.remap()
     assert np.abs(active(polymer.tensors) - field(place + moved)[:, None]).max() < 2e-5
 
 
 def test_stress_without_resolution_is_named_with_its_place(monkeypatch):
-    monkeypatch.setattr(_polymer, "HOPELESS", 0.5)
+    monkeypatch.setattr(_polymer, "MAX_LOG_JUMP", 0.5)
     scheme = started(*make(turning=STILL))
     scheme.polymer.states[:, 0, 7] = 2.0
-    place = view(scheme.points.position)[7] + scheme.flow.origin
+    place = view(scheme.points.position)[7] + scheme.problem.origin
     with pytest.raises(DivergedError, match="changes more than 2-fold within a particle spacing") as error:
         scheme.advance()
     named = re.search(r"\((\S+), (\S+)\), step 1, t = ", str(error.value)).groups()
-    assert np.linalg.norm(place - np.array(named, float)) < 3.0 * scheme.flow.spacing
+    assert np.linalg.norm(place - np.array(named, float)) < 3.0 * scheme.problem.spacing
 
 
 def test_samples_say_how_steep_the_stress_is():
@@ -185,7 +185,7 @@ def test_samples_say_how_steep_the_stress_is():
     scheme.polymer.states[:, 0] = 2.0 * place[:, 0]
     scheme.polymer.states[:, 1] = place[:, 1]
     scheme.polymer.slope()
-    assert scheme.polymer.steepest()[0] == pytest.approx(
+    assert scheme.polymer.log_jump()[0] == pytest.approx(
         math.sqrt(6.0) * flow.spacing, rel=6e-5
     )  # (reach/radius)^5/120
     scheme.polymer.begin()

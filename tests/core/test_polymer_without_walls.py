@@ -9,7 +9,7 @@ from tisph import config, registry, runtime, schemes
 from tisph.errors import ConfigError
 from tisph.rheology import oldroyd_b
 from tisph.runtime import view
-from tisph.schemes._splitting._flow import PeriodicFlow
+from tisph.schemes._splitting._problem import PeriodicProblem
 from tisph.schemes._splitting._scheme import Scheme
 from tisph.simulation.start import start_values
 
@@ -21,7 +21,7 @@ def weak_vortices(number):
     """Snapshot of vortices too weak to deform the polymer much, which started without stress; and the scheme."""
     runtime.start("f64", 1)
     liquid = {"density": 1.0, "kinematic_viscosity": VISCOSITY, "rheology": LIQUID}
-    flow = PeriodicFlow(columns=number, rows=number, spacing=1 / number, reference_velocity=SPEED, **liquid)
+    flow = PeriodicProblem(columns=number, rows=number, spacing=1 / number, reference_velocity=SPEED, **liquid)
     scheme, places = Scheme(flow, [END], True, tolerance=1e-7), case.arrangement(number, 0.2)
     scheme.start(places, SPEED * np.stack(case.exact(*places.T, 0.0, VISCOSITY)[:2], axis=1))
     while not scheme.finished:
@@ -59,11 +59,11 @@ def test_weak_vortices_decay_and_turn_back_as_linear_theory_says():
 def test_a_divergence_stretches_no_polymer():
     runtime.start("f64", 1)
     liquid = {"density": 1.0, "kinematic_viscosity": VISCOSITY, "rheology": LIQUID}
-    flow = PeriodicFlow(columns=12, rows=12, spacing=1 / 12, reference_velocity=1.0, **liquid)
+    flow = PeriodicProblem(columns=12, rows=12, spacing=1 / 12, reference_velocity=1.0, **liquid)
     scheme, places = Scheme(flow, [END], True), case.arrangement(12, 0.2)
     scheme.start(places, np.stack(case.exact(*places.T, 0.0, VISCOSITY)[:2], axis=1))
     scheme.advance()
-    polymer, found = scheme.split.polymer, []
+    polymer, found = scheme.splitting.polymer, []
     gradients = np.random.default_rng(0).normal(size=(4, 144))
     gradients[3] = -gradients[0]
     for divergence in (0.0, 0.7):

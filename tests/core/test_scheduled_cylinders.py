@@ -91,7 +91,7 @@ def test_steps_are_known_before(load):
     walk = Walk(annulus, [END], 1e-4, COURANT)
     # ``test_a_cylinder_that_stops`` takes 85, as particles are in disorder where the layer is thinner than a spacing
     assert walk.run_to(END) == pytest.approx(85, rel=0.2)
-    assert max(walk.lengths) <= walk.longest <= min(viscous_step(annulus), END)
+    assert max(walk.dts) <= walk.longest <= min(viscous_step(annulus), END)
 
 
 def test_the_scene_knows_the_schedule(load):

@@ -15,9 +15,9 @@ from tisph.least_squares import operators
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import ti, view
 from tisph.schemes._splitting import _scheme
-from tisph.schemes._splitting._corner_paths import CornerPaths
-from tisph.schemes._splitting._history import VELOCITIES
+from tisph.schemes._splitting._bdf import VELOCITIES
 from tisph.schemes._splitting._shift import SCATTER
+from tisph.schemes._splitting._singular_paths import SingularPaths
 
 
 @pytest.mark.parametrize("jitter", [0.0, 0.35])
@@ -42,7 +42,7 @@ def test_a_wind_changes_nothing():
 def test_iterations_of_a_step_are_those_of_its_systems(monkeypatch):
     scheme, counted = make(24), {"pressure": [], "velocity": []}
     for name, counts in counted.items():
-        solver = getattr(scheme.split, name)
+        solver = getattr(scheme.splitting, name)
 
         def solve(*numbers, solver=solver, whole=solver.solve, counts=counts, **more):
             sound = whole(*numbers, **more)
@@ -92,7 +92,7 @@ def test_the_momentum_that_the_liquid_has_gained_is_that_of_all_particles():
     scheme = make(24)
     assert scheme.momentum_balance()["change"] == pytest.approx(0.0, abs=1e-12)
     scheme.initial_momentum -= 7.0  # the vortices gain none
-    assert scheme.momentum_balance()["change"] == pytest.approx(7.0 * scheme.flow.density / 24**2, rel=1e-12)
+    assert scheme.momentum_balance()["change"] == pytest.approx(7.0 * scheme.problem.density / 24**2, rel=1e-12)
 
 
 def test_ways_past_a_corner_that_moves_nothing_are_those_of_the_rest_of_the_velocity():
@@ -100,10 +100,10 @@ def test_ways_past_a_corner_that_moves_nothing_are_those_of_the_rest_of_the_velo
     still = SimpleNamespace(place=(0.0, 0.0), along=(1.0, 0.0), inward=(0.0, 1.0), slow_numbers=np.zeros(4), angle=1.0)
     still.inertial_numbers, still.kinematic_viscosity, still.reach = np.zeros((DEGREE + 1, 3)), 1.0, 1.0
     scheme = make(24)
-    paths = CornerPaths([still], (0.0, 0.0), scheme.history)
+    paths = SingularPaths([still], (0.0, 0.0), scheme.levels)
     found = paths.find(lambda part: [2.0 * part, *[0.0] * (VELOCITIES - 1)], 0.3)
-    velocity = active(scheme.history.carried)[:, :2]
-    expected = active(scheme.history.position) + 0.3 * velocity
+    velocity = active(scheme.levels.fields)[:, :2]
+    expected = active(scheme.levels.position) + 0.3 * velocity
     assert found == pytest.approx(expected, abs=1e-14)
 
 
@@ -130,7 +130,7 @@ def test_small_steps_keep_pressure_and_divergence():
     while scheme.steps < 40:
         scheme.advance()
     assert errors(scheme.snapshot())[1] < 4e-3
-    assert scheme.history.residual < 5e-4
+    assert scheme.levels.residual < 5e-4
 
 
 def test_a_coarse_tolerance_makes_fewer_steps_and_larger_errors():
@@ -154,7 +154,7 @@ def test_snapshots_within_a_step_lie_on_the_exact_solution_too():
     run(scheme, 0.2)
     now = errors(scheme.snapshot())
     for part in (0.1, 0.5, 0.9):
-        snapshot = scheme.snapshot(scheme.time - part * scheme.lengths[0])
+        snapshot = scheme.snapshot(scheme.time - part * scheme.dts[0])
         assert snapshot.t < scheme.time
         for index in range(2):
             assert errors(snapshot)[index] < 1.2 * now[index]
@@ -164,7 +164,7 @@ def test_places_within_a_step_are_those_of_the_path():
     # the derivative of the places is the velocity, but for the step of the difference squared
     scheme = make(24, targets=[0.2])
     run(scheme, 0.2)
-    time, small = scheme.time - 0.5 * scheme.lengths[0], 1e-3 * scheme.lengths[0]
+    time, small = scheme.time - 0.5 * scheme.dts[0], 1e-3 * scheme.dts[0]
     before, middle, after = (scheme.snapshot(time + shift) for shift in (-small, 0.0, small))
     for place, velocity in (("x", "u"), ("y", "v")):
         gone = getattr(after, place) - getattr(before, place)
@@ -191,16 +191,16 @@ def bits(scheme, steps):
 def test_places_in_memory_change_nothing_that_is_seen(monkeypatch):
     # but the order of sums, and so their rounding, and what the solvers leave: 1e-10 of velocities, 1e-6 of pressures
     kept = bits(make(24), 6)
-    monkeypatch.setattr(_scheme, "TIDYING", 2)
+    monkeypatch.setattr(_scheme, "REORDER_INTERVAL", 2)
     scheme = make(24)
     tidied = bits(scheme, 6)
-    assert np.any(np.diff(active(scheme.history.number)) != 1)
+    assert np.any(np.diff(active(scheme.levels.number)) != 1)
     for left, right in zip(kept, tidied, strict=True):
         assert np.abs(left - right).max() < 1e-5
 
 
 def test_a_resumed_run_gives_the_same_bits(monkeypatch):
-    monkeypatch.setattr(_scheme, "TIDYING", 4)
+    monkeypatch.setattr(_scheme, "REORDER_INTERVAL", 4)
     scheme = make(24)
     bits(scheme, 6)
     host = json.loads(json.dumps(scheme.host_state()))
@@ -232,15 +232,15 @@ def test_a_shift_takes_all_that_is_carried_along():
     # a sine by its Taylor series to second order, whose slopes have errors of (k dx)^4; without the second order 5e-4
     scheme = make(24)
     sine = lambda place: np.sin(2 * np.pi * place[:, 0]) * np.cos(2 * np.pi * place[:, 1])  # noqa: E731
-    place, moved = active(scheme.history.position).copy(), np.random.default_rng(1).uniform(-0.2, 0.2, (576, 2)) / 24
+    place, moved = active(scheme.levels.position).copy(), np.random.default_rng(1).uniform(-0.2, 0.2, (576, 2)) / 24
     scheme.assemble(scheme.time)
-    active(scheme.history.carried)[:, 3] = sine(place)
-    scheme.history.measure()
+    active(scheme.levels.fields)[:, 3] = sine(place)
+    scheme.levels.measure()
     view(scheme.points.position)[:576] = place + moved
     view(scheme.shift.moved)[:576] = moved
-    scheme.history.settle()
-    assert np.abs(active(scheme.history.carried)[:, 3] - sine(place + moved)).max() < 1e-4
-    assert np.abs(active(scheme.history.position) - (place + moved) % 1.0).max() < 1e-15
+    scheme.levels.remap()
+    assert np.abs(active(scheme.levels.fields)[:, 3] - sine(place + moved)).max() < 1e-4
+    assert np.abs(active(scheme.levels.position) - (place + moved) % 1.0).max() < 1e-15
 
 
 def test_vortex_of_fifty_across():
@@ -250,8 +250,8 @@ def test_vortex_of_fifty_across():
     assert velocity < 6e-5
     assert pressure < 1e-4
     assert abs(energy) < 2e-4
-    steepest = float(view(scheme.history.steepest))
-    assert np.abs(active(scheme.history.divergence)).max() < 1e-4 * steepest
+    steepest = float(view(scheme.levels.largest_gradient))
+    assert np.abs(active(scheme.levels.divergence)).max() < 1e-4 * steepest
     assert scheme.steps < 100
 
 

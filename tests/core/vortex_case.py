@@ -5,7 +5,7 @@ from kept_program import kept
 
 from tisph import runtime
 from tisph.least_squares import operators
-from tisph.schemes._splitting._flow import PeriodicFlow
+from tisph.schemes._splitting._problem import PeriodicProblem
 from tisph.schemes._splitting._scheme import COURANT, Scheme
 from tisph.schemes._splitting._step_limits import TOLERANCE, step_control
 
@@ -44,7 +44,7 @@ def make(number, *, jitter=0.2, wind=(0, 0), targets=(1.0,), threads=1, precisio
         scheme = _built[key] = Scheme(flow(number, cells), targets, threads == 1)
         scheme.built = kept.starts
     limits = steps.get("tolerance", TOLERANCE), steps.get("courant", COURANT)
-    scheme.control = step_control(scheme.flow, targets, *limits)
+    scheme.control = step_control(scheme.problem, targets, *limits)
     scheme.reset()
     position = arrangement(number, jitter, cells)
     u, v, _ = exact(*position.T, 0.0, VISCOSITY)
@@ -54,7 +54,7 @@ def make(number, *, jitter=0.2, wind=(0, 0), targets=(1.0,), threads=1, precisio
 
 def flow(number, cells):
     """Box and liquid of vortices side by side, at Re = 100."""
-    return PeriodicFlow(
+    return PeriodicProblem(
         columns=cells * number,
         rows=number,
         spacing=1 / number,

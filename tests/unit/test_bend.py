@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tisph.schemes._splitting._walls import Walls
+from tisph.schemes._splitting._wall_points import WallPoints
 
 
 def test_rows_bend_around_the_centre_of_a_wall_that_is_near_and_not_at_a_flat_one():
@@ -13,5 +13,5 @@ def test_rows_bend_around_the_centre_of_a_wall_that_is_near_and_not_at_a_flat_on
     normal = np.array([[0.6, 0.8], [0.0, 1.0], [1.0, 0.0], [0.6, 0.8]])
     planes = np.column_stack([normal, np.zeros(4)])[:, None]
     distances, curvatures = np.array([0.2, 0.2, 0.2, 1.0])[:, None], np.array([1.0, -1.0, 0.0, 1.0])[:, None]
-    found = Walls.bend(SimpleNamespace(spacing=0.1), planes, distances, curvatures)
+    found = WallPoints.polar_map(SimpleNamespace(spacing=0.1), planes, distances, curvatures)
     assert found == pytest.approx(np.array([[0.6 / 1.2, -0.8 / 1.2], [0.0, 1.0 / 0.8], [0.0, 0.0], [0.0, 0.0]]))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tisph.exact.sliding_corner import SlidingCorner
-from tisph.schemes._splitting._corners import Corners
+from tisph.schemes._splitting._corner_singularities import CornerSingularities
 
 NU, SPEED = 0.01, 1.3
 WAYS = np.eye(2)
@@ -67,7 +67,7 @@ def test_the_second_part_carries_the_inertia_of_the_first():
 
 
 def test_a_wall_feels_the_pressure_of_all_corners_along_its_normal():
-    corners = object.__new__(Corners)  # without the paths of particles
+    corners = object.__new__(CornerSingularities)  # without the paths of particles
     corners.corners, corners.origin = [corner(), corner(speed=-0.4)], np.array([0.0, 0.5])
     place, normal = np.array([[0.3, 0.5], [0.0, 0.1]]), np.array([[0.0, -1.0], [1.0, 0.0]])
     viscous, pressed = corners.traction(place, normal, NU)

@@ -6,7 +6,7 @@ from scipy.linalg import expm, expm_frechet
 
 from tisph import registry
 from tisph.schemes._local_newton import SMALL, eliminate, matrix
-from tisph.schemes._splitting._logarithm import deviation, logarithm, rate
+from tisph.schemes._splitting._log_conformation import conformation_excess, logarithm, rate
 
 LAWS = {
     "oldroyd_b": {},
@@ -36,7 +36,7 @@ def test_the_logarithm_follows_the_law(name):
     for size in SIZES:
         logarithm, gradient = size * random.normal(size=mode.components), random.normal(size=4)
         conformation, changes = expm_frechet(full(logarithm), full(rate(mode, logarithm[:, None], gradient[:, None])))
-        found = deviation(logarithm[:, None])
+        found = conformation_excess(logarithm[:, None])
         rounding = 1e-14 * np.linalg.cond(conformation)
         assert np.abs(full(found) + np.eye(3) - conformation).max() < rounding
         expected = mode.deformed(np.ravel(found), gradient)
@@ -48,7 +48,7 @@ def test_slopes_are_those_of_complex_steps():
     random = np.random.default_rng(3)
     for size in SIZES:
         logarithm, way = size * random.normal(size=3), random.normal(size=3)
-        found = np.imag(deviation((logarithm + 1j * SMALL * way)[:, None])) / SMALL
+        found = np.imag(conformation_excess((logarithm + 1j * SMALL * way)[:, None])) / SMALL
         expected = expm_frechet(full(logarithm), full(way), compute_expm=False)
         assert np.abs(full(found) - expected).max() < 1e-13 * np.linalg.cond(expm(full(logarithm)))
 
@@ -62,7 +62,7 @@ def test_newton_sees_the_law_at_rest():
 def test_logarithm_and_deviation_undo_each_other():
     states = np.random.default_rng(3).normal(size=(4, 30)) * np.geomspace(1e-9, 5.0, 30)
     states[:3, 0], states[1, 1] = 0.0, 0.0
-    found = logarithm(np.array(deviation(states)))
+    found = logarithm(np.array(conformation_excess(states)))
     conditions = np.exp(2.0 * np.hypot(0.5 * (states[0] - states[2]), states[1]))  # of A, whose rounding log A has
     assert np.all(np.abs(found - states) < 1e-14 * conditions)
 

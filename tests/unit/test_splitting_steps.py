@@ -9,7 +9,7 @@ import pytest
 from tisph.cli.check import estimates
 from tisph.config import load
 from tisph.schemes._splitting import BETWEEN_WALLS, COST, OVERHEAD, _forecast, _longest_steps
-from tisph.schemes._splitting._series import Times
+from tisph.schemes._splitting._bdf import TimeWeights
 from tisph.schemes._splitting._step_limits import FIRST
 from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR
 
@@ -19,7 +19,7 @@ NOW = 1.7
 
 @pytest.fixture
 def times():
-    return Times(STEPS, STEPS[0])
+    return TimeWeights(STEPS, STEPS[0])
 
 
 def values(function, first=0):
@@ -28,39 +28,39 @@ def values(function, first=0):
 
 
 def test_differences_of_third_order_are_exact_for_cubics(times):
-    leading, back = times.backwards()
+    leading, back = times.bdf()
     rate = (leading * NOW**3 - back @ values(lambda t: t**3)) / STEPS[0]
     assert rate == pytest.approx(3 * NOW**2, rel=1e-12)
     assert back[3] == 0.0
 
 
 def test_differences_of_equal_steps_are_those_of_the_books():
-    leading, back = Times([0.1] * 4, 0.1).backwards()
+    leading, back = TimeWeights([0.1] * 4, 0.1).bdf()
     assert leading == pytest.approx(11 / 6, rel=1e-12)
     assert back == pytest.approx([3, -3 / 2, 1 / 3, 0], abs=1e-12)
 
 
 def test_the_path_is_exact_for_cubic_velocities(times):
-    way = times.path() @ values(lambda t: t**3)
+    way = times.step_integral() @ values(lambda t: t**3)
     assert way == pytest.approx((NOW**4 - (NOW - STEPS[0]) ** 4) / 4, rel=1e-12)
 
 
 def test_values_between_are_exact_for_cubics(times):
-    assert times.at(0.1, 4) @ values(lambda t: t**3) == pytest.approx((NOW - 0.1) ** 3, rel=1e-12)
-    assert times.ahead(2) @ values(lambda t: 2 * t)[:2] == pytest.approx(2 * NOW, rel=1e-12)
+    assert times.interpolation(0.1, 4) @ values(lambda t: t**3) == pytest.approx((NOW - 0.1) ** 3, rel=1e-12)
+    assert times.extrapolation(2) @ values(lambda t: 2 * t)[:2] == pytest.approx(2 * NOW, rel=1e-12)
 
 
 def test_values_that_are_not_known_yet_weigh_nothing():
-    weights = Times([0.1, 0.1], 0.1).path()
+    weights = TimeWeights([0.1, 0.1], 0.1).step_integral()
     assert weights == pytest.approx([0.15, -0.05, 0, 0], abs=1e-12)
 
 
 def test_the_error_is_that_of_the_differences(times):
     # of t^4, whose error the differences of third order make in a step: (rate of the differences - rate) h / g
-    leading, back = times.backwards()
+    leading, back = times.bdf()
     before = values(lambda t: t**4)
     found = (back @ before + STEPS[0] * 4 * NOW**3) / leading
-    error, order = times.error(NOW**4 - times.ahead(4) @ before, leading, 1.0)
+    error, order = times.step_error(NOW**4 - times.extrapolation(4) @ before, leading, 1.0)
     assert order == 3
     assert error == pytest.approx(abs(found - NOW**4), rel=1e-9)
 
@@ -93,7 +93,7 @@ def test_steps_beyond_those_that_are_looked_at_are_as_long_as_the_last_of_them(t
     )
     config = load(tmp_path / "case.yaml")
     whole = estimates(config)["steps"]
-    monkeypatch.setattr(_forecast, "MOST_STEPS", whole // 2)
+    monkeypatch.setattr(_forecast, "MAX_STEPS", whole // 2)
     assert estimates(config)["steps"] == pytest.approx(whole, rel=0.02)
 
 

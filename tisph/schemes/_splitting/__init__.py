@@ -1,29 +1,29 @@
-"""The implicit scheme where the flow turns: pressure, motion and viscosity of third order in a periodic box."""
+"""The implicit scheme of two-dimensional flows: pressure, motion and viscosity of third order in a periodic box."""
 
 import numpy as np
 
 from tisph.geometry.box import box_around
 from tisph.schemes._error_estimate import SampleEstimate
-from tisph.schemes._splitting._flow import BoundedFlow, PeriodicFlow
+from tisph.schemes._splitting._problem import BoundedProblem, PeriodicProblem
 from tisph.schemes._splitting._step_limits import FIRST, SMALLEST_SPEED, TOLERANCE, viscous_step
-from tisph.schemes._splitting._walls import Walls
+from tisph.schemes._splitting._wall_points import WallPoints
 from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR
 
 COST, OVERHEAD = 3.5e-6, 2e-3
 """Rough cost of one particle and step on two threads, and of a step whatever the number of particles [s]."""
 
 BETWEEN_WALLS = 2.2
-"""By how much a particle costs more there: operators reach farther, and the pressure is solved for twice a step. In
+"""By how much a particle costs more there: supports are wider, and the pressure is solved for twice a step. In
 slow flow and in quick start-up it was 2.9, in developed flow 1.6."""
 
 WITH_POLYMER = 1.7
-"""By how much a polymer makes it more."""
+"""By what factor a polymer increases it."""
 
 MARGIN = 0.2
-"""Room beyond walls over the larger side of the box, for the lattice of the linear solvers, which is periodic."""
+"""Margin beyond walls over the larger side of the box, for the grid of the linear solvers, which is periodic."""
 
 LEAST_MARGIN, LEAST_BOX = 3.0, 18.0
-"""The same, and sides of the box with it, in spacings: half of how far operators reach, and three times that."""
+"""The same, and sides of the box with it, in spacings: half the largest support, and three times that."""
 
 
 def scheme(config, scene, targets, serial):
@@ -31,12 +31,12 @@ def scheme(config, scene, targets, serial):
     from tisph.schemes._splitting._scheme import Scheme  # imports Taichi
 
     tolerance, courant = _steps(config)
-    return Scheme(_flow(scene), targets, serial, tolerance, courant)
+    return Scheme(_problem(scene), targets, serial, tolerance, courant)
 
 
-def _flow(scene):
-    """Box and liquid of a scene, and its walls."""
-    liquid = {
+def _problem(scene):
+    """Box and fluid of a scene, and its walls."""
+    fluid = {
         "density": scene.density,
         "kinematic_viscosity": scene.kinematic_viscosity,
         "reference_velocity": scene.reference_velocity,
@@ -46,14 +46,14 @@ def _flow(scene):
         "changes": scene.changes,
     }
     if not scene.bodies:
-        return PeriodicFlow(columns=scene.columns, rows=scene.rows, spacing=scene.spacing, **liquid)
+        return PeriodicProblem(columns=scene.columns, rows=scene.rows, spacing=scene.spacing, **fluid)
     corners = scene.origin, np.add(scene.origin, scene.extent)
     least = 0.5 * (LEAST_BOX * scene.spacing - min(scene.extent))
     margin = max(MARGIN * max(scene.extent), LEAST_MARGIN * scene.spacing, least)
     box = box_around(corners, scene.spacing, scene.periodic, margin)
-    walls = Walls(scene.bodies, scene.spacing, box.origin)
+    walls = WallPoints(scene.bodies, scene.spacing, box.origin)
     driven = {"acceleration": (scene.acceleration, 0.0), "corners": scene.corners}
-    return BoundedFlow(n_fluid=scene.particles, walls=walls, **driven, **vars(box), **liquid)
+    return BoundedProblem(n_fluid=scene.particles, walls=walls, **driven, **vars(box), **fluid)
 
 
 def _steps(config):

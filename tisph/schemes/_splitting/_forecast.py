@@ -1,16 +1,16 @@
-"""Steps of a run before it runs: their control, with the velocities of the reference at some places of the liquid."""
+"""Steps of a run before it runs: their control, with the velocities of the reference at some positions."""
 
 import math
 
 import numpy as np
 
-from tisph.schemes._splitting._series import VELOCITIES, Times
-from tisph.schemes._splitting._step_limits import FIRST, MOST_ATTEMPTS, SMALLEST_SPEED, step_control
+from tisph.schemes._splitting._bdf import VELOCITIES, TimeWeights
+from tisph.schemes._splitting._step_limits import FIRST, MAX_ATTEMPTS, SMALLEST_SPEED, step_control
 
-SOME = 400
-"""Places in the box that are looked at, about, evenly spread."""
+N_POSITIONS = 400
+"""Number of positions in the box that are looked at, about; they are evenly distributed."""
 
-MOST_STEPS = 1000
+MAX_STEPS = 1000
 """Steps that are taken; later ones are taken to be as long as the last of them."""
 
 
@@ -25,8 +25,8 @@ class Walk:
     def __init__(self, scene, targets, tolerance, courant):
         self.scene = scene
         self.time, self.steps, self.longest, self.bounded = scene.start_time, 0, 0.0, True
-        self.places = _places(scene)
-        self.lengths, self.velocities = [], [self._velocities(self.places, self.time)]
+        self.positions = _positions(scene)
+        self.dts, self.velocities = [], [self._velocities(self.positions, self.time)]
         self.control = step_control(scene, targets, tolerance, courant)
         self.control.dt_next = FIRST * self.longest_step
 
@@ -44,44 +44,44 @@ class Walk:
 
     def run_to(self, target):
         """Return the steps to the time ``target``, one of those that the control meets; after many only count them."""
-        while self.time < target and self.steps < MOST_STEPS:
+        while self.time < target and self.steps < MAX_STEPS:
             self._advance()
         if self.time < target:
-            self.steps += math.ceil((target - self.time) / self.lengths[0])
+            self.steps += math.ceil((target - self.time) / self.dts[0])
             self.time = target
         return self.steps
 
     def _advance(self):
         if self.time in self.scene.changes:
-            self.lengths, self.velocities = [], self.velocities[:1]
+            self.dts, self.velocities = [], self.velocities[:1]
             self.control.dt_next = FIRST * self.longest_step
-        for _ in range(MOST_ATTEMPTS):
-            length = self.control.choose_dt(self.time)
-            times = Times([length, *self.lengths], length)
-            places = self.places + self._summed(times.path())
-            velocities = self._velocities(places, self.time + length)
-            away = velocities - self._summed(times.ahead(VELOCITIES))
-            error, order = times.error(math.sqrt(np.mean(np.sum(away**2, axis=1))), times.backwards()[0], self.speed)
-            if self.control.accepts(error / self.speed, order, length, unresolved=0.0):
+        for _ in range(MAX_ATTEMPTS):
+            dt = self.control.choose_dt(self.time)
+            times = TimeWeights([dt, *self.dts], dt)
+            positions = self.positions + self._summed(times.step_integral())
+            velocities = self._velocities(positions, self.time + dt)
+            away = velocities - self._summed(times.extrapolation(VELOCITIES))
+            error, order = times.step_error(math.sqrt(np.mean(np.sum(away**2, axis=1))), times.bdf()[0], self.speed)
+            if self.control.accepts(error / self.speed, order, dt, unresolved=0.0):
                 break
-        if length > self.longest:
-            self.longest, self.bounded = length, length >= 0.99 * self.longest_step
-        self.places, self.time = places, self.control.end(self.time, length)
+        if dt > self.longest:
+            self.longest, self.bounded = dt, dt >= 0.99 * self.longest_step
+        self.positions, self.time = positions, self.control.end(self.time, dt)
         self.velocities = [velocities, *self.velocities][:VELOCITIES]
-        self.lengths = [length, *self.lengths][: VELOCITIES - 1]
+        self.dts = [dt, *self.dts][: VELOCITIES - 1]
         self.steps += 1
         self.control.step_taken(self.time, self.speed)
 
-    def _velocities(self, places, time):
-        return np.stack([self.scene.exact(name, *places.T, time) for name in ("u", "v")], axis=-1)
+    def _velocities(self, positions, time):
+        return np.stack([self.scene.exact(name, *positions.T, time) for name in ("u", "v")], axis=-1)
 
     def _summed(self, weights):
         return sum(weight * each for weight, each in zip(weights, self.velocities, strict=False))
 
 
-def _places(scene):
-    """Return places (n, 2) of liquid, no nearer to walls than particles are."""
-    pitch = math.sqrt(math.prod(scene.extent) / SOME)
+def _positions(scene):
+    """Return positions (n, 2) in the fluid, no nearer to walls than particles are."""
+    pitch = math.sqrt(math.prod(scene.extent) / N_POSITIONS)
     axes = [pitch * (np.arange(round(side / pitch)) + 0.5) for side in scene.extent]
-    places = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2) + scene.origin
-    return places[scene.distance(places, scene.start_time) >= 0.5 * scene.spacing] if scene.bodies else places
+    positions = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2) + scene.origin
+    return positions[scene.distance(positions, scene.start_time) >= 0.5 * scene.spacing] if scene.bodies else positions

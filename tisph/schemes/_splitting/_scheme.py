@@ -1,4 +1,4 @@
-"""Steps of the implicit scheme where the flow turns: predict the end, assemble the operators there, solve, shift."""
+"""Steps of two-dimensional flows in the implicit scheme: predict the end, assemble the operators, solve, shift."""
 
 import math
 
@@ -11,29 +11,29 @@ from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.periodic import PeriodicDomain
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes._overflow import clustered
-from tisph.schemes._splitting._bounds import Bounds
-from tisph.schemes._splitting._history import History
-from tisph.schemes._splitting._output import carried_in_order, state
-from tisph.schemes._splitting._polymer import Polymer
-from tisph.schemes._splitting._series import PRESSURES, VELOCITIES, Times
-from tisph.schemes._splitting._shift import GONE, Shift
-from tisph.schemes._splitting._split import Split
-from tisph.schemes._splitting._step_limits import FIRST, MOST_ATTEMPTS, RUNAWAY, SMALLEST_SPEED, TOLERANCE, step_control
-from tisph.schemes._splitting._walls import FARTHER, FARTHEST, SEEN
+from tisph.schemes._splitting._bdf import PRESSURES, VELOCITIES, TimeWeights
+from tisph.schemes._splitting._output import levels_in_order, state
+from tisph.schemes._splitting._shift import TRAVEL, FickianShifting
+from tisph.schemes._splitting._splitting_step import SplittingStep
+from tisph.schemes._splitting._step_limits import FIRST, MAX_ATTEMPTS, RUNAWAY, SMALLEST_SPEED, TOLERANCE, step_control
+from tisph.schemes._splitting._time_levels import TimeLevels
+from tisph.schemes._splitting._viscoelastic_stress import ViscoelasticStress
+from tisph.schemes._splitting._wall_boundary import WallBoundary
+from tisph.schemes._splitting._wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
 from tisph.solvers.auxiliary_grid import AuxiliaryGrid
 
 SUPPORT = 2.9
-"""Radius of the rows in particle spacings. Below it a lattice that the flow stretches makes them singular before it has
-broken up; above it the pressure has larger errors."""
+"""Support radius of the operators in particle spacings. Below it a lattice that the flow stretches makes them singular
+before it has broken up; above it the pressure has larger errors."""
 
 SMALLEST_PIVOT = 1e-3
-"""Of the rows: those of order 2, which would take over, are worse than any of order 4 that can be solved for."""
+"""Of the operators: those of order 2, which would take over, are worse than any of order 4 that can be solved for."""
 
 DECAY = 0.3, 10.0
 """Where steps are short divergence decays at the rate 0.3 nu/spacing^2 + 10 U/spacing. A larger second number moves
 errors from the velocities to the pressure, a smaller one the other way: in the vortex at Re = 100, 50 x 50, a Courant
 number of 0.15 and t = 1 they are 2.7e-5 and 7.0e-5 with 4, 1.9e-5 and 8.5e-5 with 10. With 12 the noise of a divergence
-that is to vanish at once makes coarse runs take shorter steps."""
+that has to vanish at once makes coarse runs take shorter steps."""
 
 COURANT = 0.3
 """Longest step over the time in which the fastest particle goes one spacing."""
@@ -44,53 +44,56 @@ PRESSURE_RESIDUAL, VELOCITY_RESIDUAL = 1e-6, 1e-10
 ROUNDING = 30.0
 """The least residual that is asked for, in units of the rounding error."""
 
-TIDYING = 100
+REORDER_INTERVAL = 100
 """Steps after which particles that have become neighbours are brought near one another in memory, too. Once a flow has
 mixed 1e5 of them a step takes 1.7 times as long without."""
 
-HOST_STATE = "time", "steps", "rejected", "shortest", "longest", "reduced", "dropped", "lengths", "iterations"
-HOST_STATE += "initial_momentum", "steepest"
+HOST_STATE = "time", "steps", "rejected", "shortest", "longest", "order_reduced", "singular", "dts", "iterations"
+HOST_STATE += "initial_momentum", "log_jump"
 """Attributes of a Scheme that change while it runs."""
 
 
 class Scheme:
     """Particles in a periodic box, advanced step by step; ``time`` and ``steps`` tell how far.
 
-    ``flow`` is a ``PeriodicFlow``; ``targets`` are times that steps end on exactly. ``serial`` compiles loops without
-    threads. ``tolerance`` is that of a step's error over the velocity, None for steps of the Courant number alone.
+    ``problem`` is a ``PeriodicProblem`` or ``BoundedProblem``; ``targets`` are times that steps end on exactly.
+    ``serial`` compiles loops without threads. ``tolerance`` is that of a step's error over the velocity, None for steps
+    of the Courant number alone.
     """
 
-    def __init__(self, flow, targets, serial, tolerance=TOLERANCE, courant=COURANT):
-        self.flow, self.initial_momentum = flow, 0.0
-        bounded, reach = flow.walls is not None, (SUPPORT + SKIN) * flow.spacing
+    def __init__(self, problem, targets, serial, tolerance=TOLERANCE, courant=COURANT):
+        self.problem, self.initial_momentum = problem, 0.0
+        bounded, cutoff = problem.walls is not None, (SUPPORT + SKIN) * problem.spacing
         if bounded:
-            reach = reach, reach + (SEEN * FARTHER + FARTHEST) * flow.spacing
-        self.points = PointCloud(flow, PeriodicDomain(flow.length, flow.height), reach, 0, serial)
-        # in polar coordinates points lie in layers: near walls rows then have 70 times the rounding errors
-        curved = bounded and flow.walls.curved and real() == ti.f64
-        self.operators = LeastSquaresOperators(self.points, SUPPORT * flow.spacing, 4, SMALLEST_PIVOT, bounded, curved)
-        self.grid = AuxiliaryGrid(self.points, flow, flow.height)
-        self.shift = Shift(self.points, flow.spacing, SEEN if bounded else 0)
-        self.history = History(self.operators, self.shift)
-        self.bounds = None
+            cutoff = cutoff, cutoff + (MAX_WALLS * WALL_SUPPORT + POINT_SUPPORT) * problem.spacing
+        self.points = PointCloud(problem, PeriodicDomain(problem.length, problem.height), cutoff, 0, serial)
+        # in polar coordinates points lie in layers: near walls operators then have 70 times the rounding errors
+        curved = bounded and problem.walls.curved and real() == ti.f64
+        self.operators = LeastSquaresOperators(
+            self.points, SUPPORT * problem.spacing, 4, SMALLEST_PIVOT, bounded, curved
+        )
+        self.grid = AuxiliaryGrid(self.points, problem, problem.height)
+        self.shift = FickianShifting(self.points, problem.spacing, MAX_WALLS if bounded else 0)
+        self.levels = TimeLevels(self.operators, self.shift)
+        self.wall_boundary = None
         if bounded:
-            self.points.n_fluid = integer(flow.n_fluid)
-            self.bounds = Bounds(flow, self.history, self.shift, SUPPORT, SKIN)
-        closure = self.bounds.closure if bounded else None
-        self.polymer = Polymer(self.history, flow) if flow.rheology else None
-        self.split = Split(self.history, self.grid, flow, closure, self.polymer)
-        self.control = step_control(flow, targets, tolerance, courant)
+            self.points.n_fluid = integer(problem.n_fluid)
+            self.wall_boundary = WallBoundary(problem, self.levels, self.shift, SUPPORT, SKIN)
+        boundary = self.wall_boundary.pressure_boundary if bounded else None
+        self.polymer = ViscoelasticStress(self.levels, problem) if problem.rheology else None
+        self.splitting = SplittingStep(self.levels, self.grid, problem, boundary, self.polymer)
+        self.control = step_control(problem, targets, tolerance, courant)
         least = ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
         self.residuals = max(PRESSURE_RESIDUAL, least), max(VELOCITY_RESIDUAL, least)
         self.reset()
 
     def reset(self):
         """Go back to before the first step."""
-        self.time = self.flow.start_time
-        self.steps = self.rejected = self.reduced = self.dropped = 0
+        self.time = self.problem.start_time
+        self.steps = self.rejected = self.order_reduced = self.singular = 0
         self.shortest, self.longest = math.inf, 0.0
-        self.lengths, self.iterations = [], [0.0, 0.0]
-        self.seen = self.steepest = None
+        self.dts, self.iterations = [], [0.0, 0.0]
+        self.output_cache = self.log_jump = None
 
     def start(self, position, velocity, stress=None):
         """Place the particles, (particles, 2) arrays, and find the pressure of their velocities.
@@ -98,29 +101,29 @@ class Scheme:
         Polymers start without ``stress``.
         """
         self.initial_momentum = float(velocity[:, 0].sum())
-        liquid = self.flow.n_fluid
-        active(self.history.position)[:liquid] = position - np.array(self.flow.origin)
-        active(self.history.carried)[...] = 0.0
-        active(self.history.carried)[:liquid, :2] = velocity
-        active(self.history.number)[:liquid] = np.arange(len(position))
-        view(self.history.path)[...] = 0.0
-        self.history.predict()
+        fluid = self.problem.n_fluid
+        active(self.levels.position)[:fluid] = position - np.array(self.problem.origin)
+        active(self.levels.fields)[...] = 0.0
+        active(self.levels.fields)[:fluid, :2] = velocity
+        active(self.levels.number)[:fluid] = np.arange(len(position))
+        view(self.levels.step_weights)[...] = 0.0
+        self.levels.predict()
         self.assemble(self.time)
-        if self.bounds:
-            self.require_solution(self.bounds.begin(self.split, self.residuals[0]))
-        self.history.measure()
-        self.require_solution(self.split.begin(self.flow.solvent_viscosity, self.residuals[0]))
+        if self.wall_boundary:
+            self.require_solution(self.wall_boundary.begin(self.splitting, self.residuals[0]))
+        self.levels.measure()
+        self.require_solution(self.splitting.begin(self.problem.solvent_viscosity, self.residuals[0]))
         if self.polymer:
             self.polymer.begin()
-        if self.bounds:
-            self.bounds.measure(self.time, self.polymer)
-            self.bounds.find_fastest()
+        if self.wall_boundary:
+            self.wall_boundary.measure(self.time, self.polymer)
+            self.wall_boundary.find_fastest()
         self.begin_steps()
 
     @property
     def speed(self):
         """Largest velocity relative to the mean: what steps and errors refer to."""
-        return max(float(view(self.history.fastest)), SMALLEST_SPEED * self.flow.reference_velocity)
+        return max(float(view(self.levels.fastest)), SMALLEST_SPEED * self.problem.reference_velocity)
 
     def begin_steps(self):
         """Choose the first step, or the first one after a change."""
@@ -133,63 +136,63 @@ class Scheme:
 
     def advance(self):
         """Take one step, in as many attempts as its error asks for; raise DivergedError where it runs away."""
-        if self.time in self.flow.changes:
-            self.begin_again()
-        unresolved = self.history.divergence_scale * self.flow.spacing / self.speed
-        for _ in range(MOST_ATTEMPTS):
-            length = self.control.choose_dt(self.time)
-            error, order = self.attempt(length)
-            if self.control.accepts(error / self.speed, order, length, unresolved):
+        if self.time in self.problem.changes:
+            self.restart_steps()
+        unresolved = self.levels.divergence_scale * self.problem.spacing / self.speed
+        for _ in range(MAX_ATTEMPTS):
+            dt = self.control.choose_dt(self.time)
+            error, order = self.attempt(dt)
+            if self.control.accepts(error / self.speed, order, dt, unresolved):
                 break
             self.rejected += 1
-        self.conclude(length)
+        self.accept_step(dt)
 
-    def begin_again(self):
-        """Forget what was before: no polynomial in time goes on where walls jump, and steps begin as those of a run."""
-        self.lengths = []
-        self.bounds.jump(self.time)
+    def restart_steps(self):
+        """Forget earlier levels, since no polynomial in time continues past a jump, and begin as at the start."""
+        self.dts = []
+        self.wall_boundary.jump(self.time)
         self.begin_steps()
 
-    def attempt(self, length):
+    def attempt(self, dt):
         """Compute the velocities at the end of a step; return their estimated error, and of which order it is."""
-        times = Times([length, *self.lengths], length)
-        view(self.history.path)[...] = times.path()
-        self.history.predict()
-        if self.bounds:
-            self.bounds.predict(times, length)
-        self.assemble(self.time + length)
-        leading, back = times.backwards()
-        view(self.split.back)[...] = back
-        view(self.split.ahead)[...] = times.ahead(VELOCITIES)
-        view(self.split.ahead_pressure)[...] = times.ahead(PRESSURES)
-        nu, spacing = self.flow.solvent_viscosity, self.flow.spacing
+        times = TimeWeights([dt, *self.dts], dt)
+        view(self.levels.step_weights)[...] = times.step_integral()
+        self.levels.predict()
+        if self.wall_boundary:
+            self.wall_boundary.predict(times, dt)
+        self.assemble(self.time + dt)
+        gamma0, alpha = times.bdf()
+        view(self.splitting.alpha)[...] = alpha
+        view(self.splitting.beta)[...] = times.extrapolation(VELOCITIES)
+        view(self.splitting.beta_pressure)[...] = times.extrapolation(PRESSURES)
+        nu, spacing = self.problem.solvent_viscosity, self.problem.spacing
         if self.polymer:
-            self.polymer.prepare(times, length, self.time + length)
+            self.polymer.prepare(times, dt, self.time + dt)
             nu += self.polymer.viscosity
         rate = DECAY[0] * nu / spacing**2 + DECAY[1] * self.speed / spacing
-        kept = max(0.0, leading - rate * length)
-        self.split.look_back()
-        if self.bounds:
-            self.bounds.drive(self.split, times)
-            self.bounds.push(self.split, times, length)
-        self.require_solution(self.split.solve(leading, length, nu, kept, self.residuals))
-        error = self.split.error()
+        retained = max(0.0, gamma0 - rate * dt)
+        self.splitting.sum_history()
+        if self.wall_boundary:
+            self.wall_boundary.set_wall_velocities(self.splitting, times)
+            self.wall_boundary.add_corner_force(self.splitting, times, dt)
+        self.require_solution(self.splitting.solve(gamma0, dt, nu, retained, self.residuals))
+        error = self.splitting.error()
         if not math.isfinite(error):
             self.require_solution(False)
-        return times.error(error, leading, self.speed)
+        return times.step_error(error, gamma0, self.speed)
 
     def assemble(self, time):
-        """Put the points where they are at the end of a step, at ``time``, and compute the operators there."""
-        if self.bounds:
-            self.bounds.place(time)
+        """Set the positions of the points at the end of a step, at ``time``, and compute the operators there."""
+        if self.wall_boundary:
+            self.wall_boundary.update_positions(time)
         self.points.find_neighbours()
         needed = self.points.overflow()
         if needed:
             raise clustered(f"neighbours of a particle ({needed})", self.steps + 1, self.time)
         self.operators.assemble()
         self.grid.sort()
-        if self.bounds:
-            self.bounds.close()
+        if self.wall_boundary:
+            self.wall_boundary.impose_neumann_rows()
 
     def require_solution(self, found):
         """Raise DivergedError where the linear systems have none."""
@@ -197,36 +200,36 @@ class Scheme:
             text = f"the linear systems cannot be solved at step {self.steps + 1}, t = {self.time:.6g}"
             raise DivergedError(f"u, v, pressure: {text}")
 
-    def conclude(self, length):
-        """Take up the new velocities, measure them, and shift the particles."""
-        self.split.take_up()
-        if self.bounds:
-            self.bounds.conclude(self.split.velocity.x)
-        self.history.measure()
+    def accept_step(self, dt):
+        """Store the new velocities, measure them, and shift the particles."""
+        self.splitting.store()
+        if self.wall_boundary:
+            self.wall_boundary.store_normal_curls(self.splitting.velocity.x)
+        self.levels.measure()
         if self.polymer:
-            self.steepest = self.polymer.take_up(self.split.velocity.x, self.steps + 1)
-        if self.bounds:
-            self.bounds.measure(self.time + length, self.polymer)
-        gone = length * self.speed / self.flow.spacing
-        self.shift.spread(self.steps == 0 and not self.bounds, min(1.0, gone / GONE))
-        self.history.settle()
+            self.log_jump = self.polymer.take_up(self.splitting.velocity.x, self.steps + 1)
+        if self.wall_boundary:
+            self.wall_boundary.measure(self.time + dt, self.polymer)
+        travelled = dt * self.speed / self.problem.spacing
+        self.shift.shift(self.steps == 0 and not self.wall_boundary, min(1.0, travelled / TRAVEL))
+        self.levels.remap()
         if self.polymer:
-            self.polymer.settle()
-        if self.bounds:
-            self.bounds.find_fastest()
-        if self.speed > RUNAWAY * self.flow.reference_velocity:
+            self.polymer.remap()
+        if self.wall_boundary:
+            self.wall_boundary.find_fastest()
+        if self.speed > RUNAWAY * self.problem.reference_velocity:
             text = f"{RUNAWAY:g} times the reference velocity at step {self.steps + 1}, t = {self.time:.6g}"
             raise DivergedError(f"u, v: above {text}: the flow needs a smaller spacing")
-        if (self.steps + 1) % TIDYING == 0:
-            self.history.tidy([self.polymer.tensors] if self.polymer else [])
-        self.time = self.control.end(self.time, length)
-        self.lengths = [length, *self.lengths][: VELOCITIES - 1]
+        if (self.steps + 1) % REORDER_INTERVAL == 0:
+            self.levels.reorder([self.polymer.tensors] if self.polymer else [])
+        self.time = self.control.end(self.time, dt)
+        self.dts = [dt, *self.dts][: VELOCITIES - 1]
         self.control.step_taken(self.time, self.speed)
         self.steps += 1
-        self.shortest, self.longest = min(self.shortest, length), max(self.longest, length)
-        self.reduced += int(view(self.operators.order_reduced))
-        self.dropped += int(view(self.operators.singular))
-        self.iterations = [sum(pair) for pair in zip(self.iterations, self.split.iterations, strict=True)]
+        self.shortest, self.longest = min(self.shortest, dt), max(self.longest, dt)
+        self.order_reduced += int(view(self.operators.order_reduced))
+        self.singular += int(view(self.operators.singular))
+        self.iterations = [sum(pair) for pair in zip(self.iterations, self.splitting.iterations, strict=True)]
 
     def output_times(self, due):
         """Return the times at which there is a snapshot, of those that are ``due``: all, since steps are dense."""
@@ -235,20 +238,20 @@ class Scheme:
     def snapshot(self, time=None):
         """Return the state at ``time``, within the last step, or now, as a Snapshot.
 
-        It lies on the polynomial through what the particles carry, in the order of creation; ``seen`` is that of the
+        It lies on the polynomial through the time levels, in the order of creation; ``output_cache`` holds those of the
         last step, since many outputs may fall into one.
         """
         time = self.time if time is None else time
-        if self.seen is None or self.seen[0] != self.time:
-            self.seen = (self.time, *carried_in_order(self))
+        if self.output_cache is None or self.output_cache[0] != self.time:
+            self.output_cache = (self.time, *levels_in_order(self))
         return state(self, time)
 
     def momentum_balance(self):
         """Return the ``change`` of momentum along x up to ``time`` [mass * velocity per length], which has no cause."""
-        if self.bounds:  # walls push and pull: their forces are in the samples
+        if self.wall_boundary:  # forces of walls are in the samples
             return {}
-        gained = float(active(self.history.carried)[:, 0].sum(dtype=float)) - self.initial_momentum
-        return {"change": self.flow.density * self.flow.spacing**2 * gained}
+        gained = float(active(self.levels.fields)[:, 0].sum(dtype=float)) - self.initial_momentum
+        return {"change": self.problem.density * self.problem.spacing**2 * gained}
 
     def numbers(self):
         """Return what ``summary.json`` says about this scheme."""
@@ -258,20 +261,20 @@ class Scheme:
             "particles_wall": 0,
             "neighbours_mean": self.points.mean_length(),
             "steps_rejected": self.rejected,
-            "order_reduced": self.reduced,
-            "neighbourhoods_dropped": self.dropped,
-            "divergence": self.history.residual,
+            "order_reduced": self.order_reduced,
+            "neighbourhoods_dropped": self.singular,
+            "divergence": self.levels.residual,
             "iterations_pressure": self.iterations[0] / max(self.steps, 1),
             "iterations_velocity": self.iterations[1] / max(self.steps, 1),
         }
 
     def parts(self):
         """Return everything whose fields a resumed run needs, by name."""
-        return {"history": self.history, **({"polymer": self.polymer} if self.polymer else {})}
+        return {"levels": self.levels, **({"polymer": self.polymer} if self.polymer else {})}
 
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
-        walls = self.bounds.host_state() if self.bounds else None
+        walls = self.wall_boundary.host_state() if self.wall_boundary else None
         return {**{name: getattr(self, name) for name in HOST_STATE}, "walls": walls, **self.control.host_state()}
 
     def restore_host_state(self, state):
@@ -279,8 +282,8 @@ class Scheme:
         for name in HOST_STATE:
             setattr(self, name, state[name])
         self.control.restore_host_state(state)
-        if self.bounds:
-            self.bounds.restore_host_state(state["walls"])
+        if self.wall_boundary:
+            self.wall_boundary.restore_host_state(state["walls"])
 
     def set_targets(self, targets):
         """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""

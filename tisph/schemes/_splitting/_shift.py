@@ -2,8 +2,8 @@
 
 S. J. Lind, R. Xu, P. K. Stansby, B. D. Rogers, J. Comput. Phys. 231 (2012) 1499-1523: particles diffuse, by -D grad C,
 from where they are dense to where they are not. Without it they gather along the lines that the flow stretches, and the
-rows become singular there. On a lattice it does nothing, however much that is stretched, because all pushes cancel:
-what starts on one is scattered a little beforehand.
+operators become singular there. On a lattice it does nothing, however much that is stretched, because all contributions
+cancel: what starts on one is scattered a little beforehand.
 """
 
 import math
@@ -17,9 +17,9 @@ SUPPORT = 2.0
 
 RATE = 0.4
 """D of a sweep, in spacings squared: from 0.6 on sweeps overshoot, below 0.25 they are slower than the flow stretches a
-lattice, in steps in which the fastest particle goes ``GONE`` spacings; the less it goes the slower they may be."""
+lattice, in steps in which the fastest particle goes ``TRAVEL`` spacings; the less it goes the slower they may be."""
 
-GONE = 0.15
+TRAVEL = 0.15
 
 LARGEST = 0.2
 """Largest move of a sweep, in particle spacings."""
@@ -31,12 +31,12 @@ SCATTER = 0.05
 
 
 @ti.data_oriented
-class Shift:
-    """Moves the places of the particles; ``moved`` (fluid) is by how much.
+class FickianShifting:
+    """Moves the particles; ``moved`` (fluid) is by how much.
 
-    ``walls``: how many walls a particle may see, with their tangents in ``planes`` (fluid, walls) as in
-    ``_walls.Walls.seen``. There it is pushed by the mirror images of its neighbours too, and by its own: points on the
-    wall in their place would draw the particles to it.
+    ``walls``: how many walls near a particle count, with their tangents in ``planes`` (fluid, walls) as in
+    ``WallPoints.nearest_walls``. There the mirror images of its neighbours, and its own, count as well: with points on
+    the wall in their place particles would move to it.
     """
 
     def __init__(self, points, spacing, walls=0):
@@ -52,8 +52,8 @@ class Shift:
         self.strength = scalar(self.full)
         self.largest = scalar(LARGEST * spacing)
 
-    def spread(self, first, part):
-        """Move all particles to a more even arrangement, by that ``part`` of ``RATE``.
+    def shift(self, first, part):
+        """Move all particles to a more even arrangement, at the fraction ``part`` of ``RATE``.
 
         ``first``: after scattering them, the same way in every run.
         """
@@ -73,65 +73,64 @@ class Shift:
         particles = self.points.n_fluid[None]
         ti.loop_config(serialize=self.points.serial)
         for i in range(particles):
-            push = ti.Vector([0.0, 0.0])
+            displacement = ti.Vector([0.0, 0.0])
             if ti.static(self.walls > 0):
-                push = self.push_between_walls(i)
+                displacement = self.displacement_near_walls(i)
             else:
                 for k in range(self.points.count[i]):
-                    push += self.push(self.points.separation(i, self.points.neighbours[i, k]))
-            push *= self.strength[None]
-            size = ti.sqrt(push.dot(push))
-            self.move[i] = push * ti.min(1.0, self.largest[None] / ti.max(size, self.largest[None]))
+                    displacement += self.displacement(self.points.separation(i, self.points.neighbours[i, k]))
+            displacement *= self.strength[None]
+            size = ti.sqrt(displacement.dot(displacement))
+            self.move[i] = displacement * ti.min(1.0, self.largest[None] / ti.max(size, self.largest[None]))
         ti.loop_config(serialize=self.points.serial)
         for i in range(particles):
             self.points.position[i] += self.move[i]
             self.moved[i] += self.move[i]
 
     @ti.func
-    def push(self, apart):
-        """Return the push of what is ``apart`` from a particle."""
+    def displacement(self, apart):
+        """Return the displacement, over the strength, by what is ``apart`` from a particle."""
         scaled = self.per_support[None] * apart
         nearness = ti.max(0.0, 1.0 - ti.sqrt(scaled.dot(scaled)))
         return -nearness * nearness * nearness * scaled
 
     @ti.func
-    def push_between_walls(self, i):
-        """Return the push of the neighbours of particle ``i``, of their images and of its own."""
-        liquid, near = self.points.n_fluid[None], False
+    def displacement_near_walls(self, i):
+        """Return the displacement by the neighbours of particle ``i``, of their images and of its own."""
+        fluid, near = self.points.n_fluid[None], False
         for wall in ti.static(range(self.walls)):
             near = near or self.distance(i, wall) < self.near[None]
-        push = ti.Vector([0.0, 0.0])
+        displacement = ti.Vector([0.0, 0.0])
         if near:
-            push += self.push_of_images(i, i)
+            displacement += self.displacement_by_images(i, i)
         for k in range(self.points.count[i]):
             j = self.points.neighbours[i, k]
-            if j < liquid:
-                push += self.push(self.points.separation(i, j))
+            if j < fluid:
+                displacement += self.displacement(self.points.separation(i, j))
                 if near:
-                    push += self.push_of_images(i, j)
-        return push
+                    displacement += self.displacement_by_images(i, j)
+        return displacement
 
     @ti.func
     def distance(self, i, wall):
         """Return how far particle ``i`` is from a wall."""
-        plane, place = self.planes[i, wall], self.points.position[i]
-        return plane.x * place.x + plane.y * place.y - plane.z
+        plane, position = self.planes[i, wall], self.points.position[i]
+        return plane.x * position.x + plane.y * position.y - plane.z
 
     @ti.func
-    def push_of_images(self, i, j):
-        """Return the push of the images of particle ``j`` on particle ``i``: in each wall, and in both."""
-        apart, push, both = self.points.separation(i, j), ti.Vector([0.0, 0.0]), True
+    def displacement_by_images(self, i, j):
+        """Return the displacement of particle ``i`` by the images of particle ``j``: in each wall, and in both."""
+        apart, displacement, both = self.points.separation(i, j), ti.Vector([0.0, 0.0]), True
         corner = apart
         for wall in ti.static(range(self.walls)):
             plane, away = self.planes[j, wall], self.distance(j, wall)
-            seen = away < self.near[None]
-            if seen:
+            near = away < self.near[None]
+            if near:
                 normal = ti.Vector([plane.x, plane.y])
-                push += self.push(apart - 2.0 * away * normal)
-                corner -= (
-                    2.0 * (away + normal.dot(corner - apart)) * normal
-                )  # where the walls face each other: far away
-            both = both and seen
+                displacement += self.displacement(apart - 2.0 * away * normal)
+                # where the walls face each other this is far away
+                corner -= 2.0 * (away + normal.dot(corner - apart)) * normal
+            both = both and near
         if both:
-            push += self.push(corner)
-        return push
+            displacement += self.displacement(corner)
+        return displacement

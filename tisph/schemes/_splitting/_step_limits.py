@@ -8,9 +8,9 @@ TOLERANCE = 2e-6
 """Of a step."""
 
 SMALLEST_SPEED = 0.5
-"""Part of the reference velocity below which steps and errors refer to this and no more to the present velocities."""
+"""Part of the reference velocity below which steps and errors refer to it instead of the present velocities."""
 
-MOST_ATTEMPTS = 20
+MAX_ATTEMPTS = 20
 """At one step, before a run is given up."""
 
 RUNAWAY = 1e3

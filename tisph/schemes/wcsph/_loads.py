@@ -8,7 +8,7 @@ of the particles alone by a linear function.
 import numpy as np
 
 from tisph.measures.fits import local_fits, parts, periodic_tree, with_walls
-from tisph.schemes._splitting._walls import Walls
+from tisph.schemes._splitting._wall_points import WallPoints
 
 DEGREE, NEAREST = 4, 44
 """Of the velocities' fit, and how many it takes: three times as many as coefficients."""
@@ -22,7 +22,7 @@ class Loads:
 
     def __init__(self, scene):
         self.scene = scene
-        self.walls = Walls(scene.bodies, scene.spacing, scene.origin)
+        self.walls = WallPoints(scene.bodies, scene.spacing, scene.origin)
 
     def of(self, snapshot):
         """Return force along x, along y and torque (2, bodies, 3) of all, and of the pressure; NaN if a number is."""

@@ -1,7 +1,7 @@
-"""Walls as the scheme sees them: points on them, about a spacing apart, and where they are seen from a particle.
+"""Collocation points on walls, about a spacing apart, and the nearest walls of each particle.
 
-The points are neighbours of known velocity, there are no ghosts. Near walls operators reach farther, because only a
-part of a disc around a particle holds any liquid: without that they are unstable.
+The points are neighbours of known velocity, there are no ghosts. Near walls the support of operators is wider, because
+only a part of a disc around a particle holds any fluid: without that they are unstable.
 """
 
 import itertools
@@ -10,31 +10,32 @@ import numpy as np
 
 from tisph.geometry.sliding import SlidingWall
 
-REACH = 2.9
-"""Distance from a wall below which operators reach farther, in particle spacings."""
+WALL_DISTANCE = 2.9
+"""Distance from a wall below which the support is wider, in particle spacings."""
 
-FARTHER = 1.2
-"""By how much they reach farther at a wall, in particle spacings; where two walls are near this adds up.
+WALL_SUPPORT = 1.2
+"""By how much the support is wider at a wall, in particle spacings; where two walls are near this adds up.
 
-Particles lie in layers along a straight wall: with 0.8 too few are within reach for the fourth derivative across them.
+Particles lie in layers along a straight wall: with 0.8 too few are within the support for the fourth
+derivative across them.
 """
 
-FARTHEST = 0.4
-"""The same of the points on walls, beside that: liquid is on one side of them only."""
+POINT_SUPPORT = 0.4
+"""The same of the points on walls, in addition: fluid is on one side of them only."""
 
-BENT = 6.0
-"""Distance from a wall, in particle spacings, up to which operators go by its curvature."""
+CURVED = 6.0
+"""Distance from a wall, in particle spacings, up to which operators use its curvature."""
 
 LEAST_RADIUS, LEAST_INSIDE = 2.5, 7.0
-"""Distance from the centre of curvature, in particle spacings, from which on they do: with the body, or the liquid,
-around it. Particles see as far as 4.5 and more, and the other side of the centre is no continuation of this one."""
+"""Distance from the centre of curvature, in particle spacings, from which on they do: with the body, or the fluid,
+around it. The support is 4.5 spacings and more, and the other side of the centre is no continuation of this one."""
 
-SEEN = 2
-"""Walls that a particle knows of: the nearest ones."""
+MAX_WALLS = 2
+"""Number of the nearest walls that count for a particle."""
 
 
-class Walls:
-    """Points on the walls of ``bodies``; all places are those in the box of a flow, whose lowest corner is ``origin``.
+class WallPoints:
+    """Points on the walls of ``bodies``; positions are in the box of a problem, its lowest corner ``origin``.
 
     There are ``count``, each for a part of the wall of ``length`` (count,); ``parts`` are slices of them by body.
     """
@@ -50,7 +51,7 @@ class Walls:
         self._kept = None, None
 
     def at(self, time):
-        """Return places, normals into the liquid and velocities of the points at ``time``, (count, 2) each."""
+        """Return positions, normals into the fluid and velocities of the points at ``time``, (count, 2) each."""
         boundaries = self._placed(time)
         velocities = [body.velocity(part.point, time) for body, part in zip(self.bodies, boundaries, strict=True)]
         place = np.concatenate([boundary.point for boundary in boundaries])
@@ -62,7 +63,7 @@ class Walls:
         return np.concatenate([body.acceleration(boundary.point, time) for body, boundary in pairs])
 
     def carried(self, values, elapsed, time):
-        """Return ``values`` (ages, numbers, count), each ``elapsed`` (ages,) ago, where what is at the points was then.
+        """Return ``values`` (levels, numbers, count), each ``elapsed`` (levels,) ago, where the fluid came from.
 
         Walls that slide along themselves carry them past the points, which stay: between those by cubic splines.
         """
@@ -80,7 +81,7 @@ class Walls:
     def gradients(self, gradients, time):
         """Return velocity gradients (2, 2, count), du_a/dx_b, on the points with what is known of them there.
 
-        Along a wall the liquid's velocity varies as the wall's, and its divergence is 0: measured is the shear alone.
+        Along a wall the fluid's velocity varies as the wall's, and its divergence is 0: measured is the shear alone.
         """
         boundaries = self._placed(time)
         normal = np.concatenate([part.normal for part in boundaries]).T
@@ -113,13 +114,13 @@ class Walls:
             self._kept = time, [body.placed(outline, time) for body, outline in pairs]
         return self._kept[1]
 
-    def seen(self, place, time):
-        """Return the tangents to the nearest walls of each of the places (n, 2), as the nearest points see them.
+    def nearest_walls(self, place, time):
+        """Return the tangent planes of the nearest walls of each of the positions (n, 2), at the closest points.
 
-        An array (n, SEEN, 3): normal, then offset, normal . x - offset being the distance, 1e30 of a wall that is not.
-        The distances (n, SEEN) themselves, infinite there. And the curvatures (n, SEEN) of the walls.
+        An array (n, MAX_WALLS, 3): normal, then offset, normal . x - offset being the distance, 1e30 where there is no
+        such wall. The distances (n, MAX_WALLS), infinite there. And the curvatures (n, MAX_WALLS) of the walls.
         """
-        count = max(SEEN, len(self.bodies))
+        count = max(MAX_WALLS, len(self.bodies))
         planes, distances = np.zeros((len(place), count, 3)), np.full((len(place), count), np.inf)
         planes[:, len(self.bodies) :, 2] = -1e30
         curvatures = np.zeros((len(place), count))
@@ -129,19 +130,19 @@ class Walls:
             planes[:, number, :2], distances[:, number] = foot.normal, foot.distance
             planes[:, number, 2] = ((foot.point - self.origin) * foot.normal).sum(axis=1)
             curvatures[:, number] = foot.curvature
-        nearest = np.argsort(distances, axis=1, kind="stable")[:, :SEEN]
+        nearest = np.argsort(distances, axis=1, kind="stable")[:, :MAX_WALLS]
         planes = np.take_along_axis(planes, nearest[..., None], 1)
         return planes, *(np.take_along_axis(values, nearest, 1) for values in (distances, curvatures))
 
-    def bend(self, planes, distances, curvatures):
-        """Return the ``bend`` of rows (n, 2), conjugate inverse of the way from the centre, where this is ``seen``."""
+    def polar_map(self, planes, distances, curvatures):
+        """Return the ``polar_map`` of operators (n, 2), the conjugate inverse of the vector from the centre."""
         normal, distance, curvature = planes[:, 0, :2], distances[:, 0], curvatures[:, 0]
         radius = 1.0 / np.where(curvature, curvature, 1e-30) + distance
         least = self.spacing * np.where(curvature > 0.0, LEAST_RADIUS, LEAST_INSIDE)
-        bent = (curvature != 0.0) & (distance < BENT * self.spacing) & (radius * np.sign(curvature) > least)
-        return np.where(bent, 1.0 / radius, 0.0)[:, None] * normal * [1.0, -1.0]
+        curved = (curvature != 0.0) & (distance < CURVED * self.spacing) & (radius * np.sign(curvature) > least)
+        return np.where(curved, 1.0 / radius, 0.0)[:, None] * normal * [1.0, -1.0]
 
-    def stretch(self, distances, support):
-        """Return the part by which operators with this ``support``, in spacings, reach farther at such distances."""
-        near = np.clip(1.0 - distances / (REACH * self.spacing), 0.0, 1.0).sum(axis=1)
-        return 1.0 + FARTHER / support * near
+    def support_factor(self, distances, support):
+        """Return by what factor a ``support``, in spacings, is wider at such distances."""
+        near = np.clip(1.0 - distances / (WALL_DISTANCE * self.spacing), 0.0, 1.0).sum(axis=1)
+        return 1.0 + WALL_SUPPORT / support * near

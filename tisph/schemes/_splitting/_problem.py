@@ -1,4 +1,4 @@
-"""What the scheme has to know of a flow: its box, its liquid, its scales, and the walls in it."""
+"""The problem that the scheme solves: a box, a fluid, scales, and the walls in it."""
 
 from dataclasses import dataclass
 
@@ -6,14 +6,14 @@ from tisph.geometry.box import Box
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Flow(Box):
-    """Liquid in a box, in any consistent units.
+class _Problem(Box):
+    """Fluid in a box, in any consistent units.
 
     ``reference_velocity`` is the velocity that errors and steps refer to, as seen from the frame of the mean flow.
-    ``acceleration`` is that of the body force; ``walls`` (``_walls.Walls``) are None where there are none, ``corners``
+    ``acceleration`` is that of the body force; ``walls`` (``WallPoints``) are None where there are none, ``corners``
     those (``exact/sliding_corner.py``) where the velocities of two of them differ. ``kinematic_viscosity`` is the total
-    one, of solvent and polymer; ``rheology``: parameters of the liquid where it has a polymer, else None, and
-    ``initial_deviations`` of the conformation tensors of its modes at places x, y, None where it starts from rest.
+    one, of solvent and polymer; ``rheology``: parameters of the fluid where it has a polymer, else None, and
+    ``initial_deviations`` of the conformation tensors of its modes at x, y, None where it starts from rest.
     ``changes``: times at which the velocity of a wall, or its acceleration, jumps.
     """
 
@@ -35,29 +35,29 @@ class _Flow(Box):
 
     @property
     def solvent_viscosity(self):
-        """What of the kinematic viscosity is not the polymer's."""
+        """Kinematic viscosity without the part of the polymer."""
         return self.kinematic_viscosity * (self.rheology.solvent_fraction if self.rheology else 1.0)
 
 
 @dataclass(frozen=True, kw_only=True)
-class PeriodicFlow(_Flow):
+class PeriodicProblem(_Problem):
     """A particle in each cell of a box without walls."""
 
     @property
     def n_fluid(self):
-        """Number of particles of liquid."""
+        """Number of fluid particles."""
         return self.columns * self.rows
 
     particles = n_fluid
 
 
 @dataclass(frozen=True, kw_only=True)
-class BoundedFlow(_Flow):
-    """``n_fluid`` particles between ``walls``, beyond which the box goes on by more than operators reach."""
+class BoundedProblem(_Problem):
+    """``n_fluid`` particles between ``walls``, beyond which the box extends by more than the support of operators."""
 
     n_fluid: int
 
     @property
     def particles(self):
-        """Number of points that have operators: particles of liquid, and points on walls."""
+        """Number of points that have operators: fluid particles and points on walls."""
         return self.n_fluid + self.walls.count

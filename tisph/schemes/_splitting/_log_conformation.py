@@ -1,6 +1,6 @@
-"""The logarithm P of a conformation tensor A, by which a flow may stretch A without end and not make it negative.
+"""The logarithm P of a conformation tensor A, by which A stays positive definite however the flow stretches it.
 
-Where a liquid is stretched A grows and falls off exponentially from path to path and from step to step; its logarithm
+Where a fluid is stretched A grows and falls off exponentially from path to path and from step to step; its logarithm
 does so linearly, and any P is that of a positive definite A. In two dimensions P = p 1 + E, E without trace, of which
 e = (P_xx - P_yy)/2 and f = P_xy are the components, and with s^2 = e^2 + f^2
 
@@ -21,11 +21,11 @@ SMALL = 1e-3
 """Of s^2, below which series are used; what they leave out is below 1e-16."""
 
 
-def deviation(state):
+def conformation_excess(state):
     """Return the components xx, xy, yy and, where there is one, zz of A - 1, of arrays (3 or 4, ...) of P."""
     half, shear = 0.5 * (state[0] - state[2]), state[1]
     grown, even, odd, _, _ = _functions(0.5 * (state[0] + state[2]), half, shear)
-    return _deviation(grown * even - 1.0, grown * odd, half, shear, state[3:])
+    return _excess(grown * even - 1.0, grown * odd, half, shear, state[3:])
 
 
 def logarithm(deviations):
@@ -38,8 +38,8 @@ def logarithm(deviations):
     return np.stack([middle + stretch * half, stretch * xy, middle - stretch * half, *map(np.log1p, others)])
 
 
-def _deviation(isotropic, odd, half, shear, others):
-    """``deviation`` of A = (1 + isotropic) 1 + odd E."""
+def _excess(isotropic, odd, half, shear, others):
+    """``conformation_excess`` of A = (1 + isotropic) 1 + odd E."""
     return (isotropic + odd * half, odd * shear, isotropic - odd * half, *(np.exp(zz) - 1.0 for zz in others))
 
 
@@ -47,16 +47,16 @@ def rate(law, state, gradient):
     """Return dP/dt of a mode with this ``law`` for the components xx, xy, yx, yy of the velocity ``gradient``."""
     xx, xy, yy, *others = state
     half = 0.5 * (xx - yy)
-    grown, even, odd, turned, rest = _functions(0.5 * (xx + yy), half, xy)
-    pulls = law.relaxation(_deviation(grown * even - 1.0, grown * odd, half, xy, others))
-    mean, slope, shear = 0.5 * (pulls[0] + pulls[2]), 0.5 * (pulls[0] - pulls[2]), pulls[1]
+    grown, even, odd, scaled, rest = _functions(0.5 * (xx + yy), half, xy)
+    relaxation = law.relaxation(_excess(grown * even - 1.0, grown * odd, half, xy, others))
+    mean, slope, shear = 0.5 * (relaxation[0] + relaxation[2]), 0.5 * (relaxation[0] - relaxation[2]), relaxation[1]
     lxx, lxy, lyx, lyy = gradient
-    stretch, strain, spin = 0.5 * (lxx - lyy), 0.5 * (lxy + lyx), lyx - lxy
+    stretch, strain, rotation = 0.5 * (lxx - lyy), 0.5 * (lxy + lyx), lyx - lxy
     aligned = 2.0 * rest * (half * stretch + xy * strain) - odd * mean / grown
     trace = lxx + lyy + (even * mean - odd * (half * slope + xy * shear)) / grown
-    first = -spin * xy + 2.0 * turned * stretch + aligned * half + even * slope / grown
-    second = spin * half + 2.0 * turned * strain + aligned * xy + even * shear / grown
-    beside = (pull / np.exp(zz) for pull, zz in zip(pulls[3:], others, strict=True))
+    first = -rotation * xy + 2.0 * scaled * stretch + aligned * half + even * slope / grown
+    second = rotation * half + 2.0 * scaled * strain + aligned * xy + even * shear / grown
+    beside = (rate_of_axis / np.exp(zz) for rate_of_axis, zz in zip(relaxation[3:], others, strict=True))
     return (trace + first, second, trace - first, *beside)
 
 
@@ -69,8 +69,8 @@ def _functions(mean, half, shear):
     even, odd = 0.5 * (up + 1.0 / up), 0.5 * (up - 1.0 / up)
     q = np.where(small, square, 0.0)
     rest = -1 / 3 + q * (1 / 45 - q * (2 / 945 - q / 4725))
-    turned = np.where(small, 1.0 - q * rest, root * even / odd)
-    rest = np.where(small, rest, (1.0 - turned) / np.where(small, 1.0, square))
+    scaled = np.where(small, 1.0 - q * rest, root * even / odd)
+    rest = np.where(small, rest, (1.0 - scaled) / np.where(small, 1.0, square))
     ratio = np.where(small, 1.0 + q * (1 / 6 + q * (1 / 120 + q / 5040)), odd / root)
     even = np.where(small, 1.0 + q * (0.5 + q * (1 / 24 + q * (1 / 720 + q / 40320))), even)
-    return np.exp(mean), even, ratio, turned, rest
+    return np.exp(mean), even, ratio, scaled, rest

@@ -1,0 +1,216 @@
+"""One step of the velocities by velocity correction: history, then pressure, then viscous forces.
+
+G. E. Karniadakis, M. Israeli, S. A. Orszag, J. Comput. Phys. 97 (1991) 414-443, along the paths of the particles, where
+there is no convective term: with backward differences gamma_0 u - sum_q alpha_q u^(n+1-q) of variable steps dt,
+
+    u^ = sum_q alpha_q u^(n+1-q),
+    L p = (D u^ - k gamma_0 d^n) / dt,
+    (gamma_0 - dt nu L) u^(n+1) = u^ - dt G p,
+
+all operators being those of the arrangement at the end of the step. L p is the Laplacian itself, not D G p, which on
+particles has spurious modes; so the divergence d of the velocities is not quite 0, and where steps are short asking for
+0 anew in each would let pressures grow like 1/dt. Hence k: divergence decays at a rate of its own instead.
+"""
+
+import math
+
+import numpy as np
+
+from tisph.runtime import holding, real, scalar, ti, view
+from tisph.schemes._splitting._bdf import PRESSURES, VELOCITIES
+from tisph.solvers.bicgstab import BiCGStab
+from tisph.solvers.two_level import TwoLevel
+
+ROUGH = 1.0
+"""Viscous number dt nu/(gamma_0 spacing^2) up to which Jacobi suffices as a preconditioner."""
+
+FIRST_OUTER = 1e-4, 1e-8
+"""Tolerances of the first of two outer iterations, of which only the curl at walls is used."""
+
+
+@ti.data_oriented
+class SplittingStep:
+    """Computes velocities and pressure at the end of a step from the time levels, with weights set beforehand.
+
+    ``alpha``: of the backward differences; ``beta``, ``beta_pressure``: of the extrapolated values, from which solvers
+    start and from which the error is estimated. ``boundary``: the ``PressureBoundaryCondition`` where there are walls.
+    """
+
+    def __init__(self, levels, grid, problem, boundary=None, polymer=None):
+        self.levels, self.operators, self.points = levels, levels.operators, levels.points
+        vector = ti.types.vector(2, real())
+        self.spacing, self.pressure_boundary, self.bounded = problem.spacing, boundary, boundary is not None
+        self.polymer = polymer
+        self.has_body_force = any(problem.acceleration)
+        self.acceleration = holding(ti.field(vector, ()), problem.acceleration)
+        self.pressure = BiCGStab(self.operators, pure_neumann=True)
+        self.velocity = BiCGStab(self.operators, width=2)
+        self.for_pressure, self.for_velocity = (TwoLevel(solver, grid) for solver in (self.pressure, self.velocity))
+        self.u_history, self.u_extrapolated = (ti.field(vector, self.points.slots + 1) for _ in range(2))
+        self.alpha, self.beta = (holding(ti.field(real(), VELOCITIES), 0.0) for _ in range(2))
+        self.beta_pressure = holding(ti.field(real(), PRESSURES), 0.0)
+        self.difference_squared = scalar(0.0)
+
+    def solve(self, gamma0, dt, viscosity, retained, tolerances):
+        """Solve for pressure and velocities; return whether both could be.
+
+        ``retained`` is k gamma_0, ``tolerances`` are those of the pressure and of the velocities.
+        """
+        solved, self.iterations = True, [0.0, 0.0]
+        outer_iterations = 2 if self.bounded or self.polymer else 1
+        for outer in range(outer_iterations):
+            if self.polymer:
+                self.polymer.add_stress(self.velocity.x, self.u_history, dt)
+            if self.polymer or outer == 0:
+                self.poisson_rhs(dt, retained)
+            if self.bounded:
+                if outer == 1:
+                    self.pressure_boundary.find_normal_curls(self.velocity.x)
+                self.wall_rhs(dt, gamma0, viscosity)
+            wanted = tolerances if outer == outer_iterations - 1 else np.maximum(tolerances, FIRST_OUTER)
+            solved = self.solve_pressure(wanted[0]) and solved
+            self.momentum_rhs(dt)
+            diffusion = dt * viscosity
+            rough = diffusion <= ROUGH * gamma0 * self.spacing**2
+            preconditioner = None if rough else self.for_velocity
+            solved = self.velocity.solve(diffusion, wanted[1], gamma0, preconditioner) and solved
+            self.iterations[0] += self.pressure.iterations
+            self.iterations[1] += self.velocity.iterations
+        self.sum_difference()
+        return solved
+
+    def solve_pressure(self, tolerance):
+        """Solve -L p = b; return whether it could be."""
+        return self.pressure.solve(1.0, tolerance, sigma=0.0, preconditioner=self.for_pressure)
+
+    def error(self):
+        """Return the root mean square of the difference of the new from the extrapolated velocities."""
+        return math.sqrt(float(view(self.difference_squared)) / int(view(self.points.n_fluid)))
+
+    def begin(self, viscosity, tolerance):
+        """Solve L p = - grad u : grad u for the pressure of the present velocities; return whether it could be."""
+        self.initial_pressure_rhs()
+        if self.bounded:
+            self.wall_rhs(1.0, 0.0, viscosity)
+        solved = self.solve_pressure(tolerance)
+        self.store_pressure()
+        return solved
+
+    def impulsive_start(self, tolerance):
+        """Impulsive start of walls that move into fluid at rest; return whether it could be solved for.
+
+        u - grad phi, with L phi = 0 and n . grad phi = -n . U: the impulse of a pressure, over the density.
+        """
+        self.impulse_rhs()
+        solved = self.solve_pressure(tolerance)
+        self.apply_impulse()
+        return solved
+
+    @ti.kernel
+    def impulse_rhs(self):
+        """Right side of the equation for the impulse."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.particles[None]):
+            self.pressure.x[i] = 0.0
+            self.pressure.b[i] = 0.0
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None], self.points.particles[None]):
+            self.pressure.b[i] = self.pressure_boundary.right_side(i, -self.velocity.x[i], 0.0)
+
+    @ti.kernel
+    def apply_impulse(self):
+        """Let the impulse change the newest velocities."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None]):
+            gradient = self.pressure_gradient(i)
+            self.levels.fields[i][0] -= gradient.x
+            self.levels.fields[i][1] -= gradient.y
+
+    @ti.func
+    def pressure_gradient(self, i):
+        """Return the gradient of the pressure, or of the impulse, at a particle."""
+        own, gradient = self.pressure.x[i], ti.Vector([0.0, 0.0])
+        for k in range(self.points.count[i]):
+            difference = self.pressure.x[self.points.neighbours[i, k]] - own
+            gradient += difference * ti.Vector([self.operators.d_dx[i, k], self.operators.d_dy[i, k]])
+        return gradient
+
+    @ti.kernel
+    def initial_pressure_rhs(self):
+        """Right side of the pressure's equation at the start."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.particles[None]):
+            d_dx, d_dy = self.levels.d_dx[i], self.levels.d_dy[i]
+            self.pressure.b[i] = d_dx[0] ** 2 + 2.0 * d_dy[0] * d_dx[1] + d_dy[1] ** 2
+            self.pressure.x[i] = 0.0
+
+    @ti.kernel
+    def store_pressure(self):
+        """Store the pressure as the newest."""
+        ti.loop_config(serialize=self.operators.serial_numbers)
+        for i in range(self.points.particles[None]):
+            self.levels.fields[i][2 * VELOCITIES] = self.pressure.x[i]
+
+    @ti.kernel
+    def sum_history(self):
+        """Sum the time levels: backward differences and extrapolation."""
+        ti.loop_config(serialize=self.operators.serial_numbers)
+        for i in range(self.points.particles[None]):
+            history, extrapolated = ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0])
+            for level in ti.static(range(VELOCITIES)):
+                velocity = self.levels.velocity(level, i)
+                history += self.alpha[level] * velocity
+                extrapolated += self.beta[level] * velocity
+            self.u_history[i], self.u_extrapolated[i] = history, extrapolated
+            self.velocity.x[i] = extrapolated
+            pressure = 0.0
+            for level in ti.static(range(PRESSURES)):
+                pressure += self.beta_pressure[level] * self.levels.fields[i][2 * VELOCITIES + level]
+            self.pressure.x[i] = pressure
+
+    @ti.kernel
+    def poisson_rhs(self, dt: float, retained: float):
+        """Right side of the pressure's equation."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None]):
+            own, divergence = self.u_history[i], 0.0
+            for k in range(self.points.count[i]):
+                difference = self.u_history[self.points.neighbours[i, k]] - own
+                divergence += self.operators.d_dx[i, k] * difference.x + self.operators.d_dy[i, k] * difference.y
+            self.pressure.b[i] = (retained * self.levels.divergence[i] - divergence) / dt
+
+    @ti.kernel
+    def wall_rhs(self, dt: float, gamma0: float, viscosity: float):
+        """Right side of the pressure's equation at walls, where the velocities at the end are prescribed."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None], self.points.particles[None]):
+            acceleration = (self.u_history[i] - gamma0 * self.velocity.x[i]) / dt + self.acceleration[None]
+            self.pressure.b[i] = self.pressure_boundary.right_side(i, acceleration, viscosity)
+
+    @ti.kernel
+    def momentum_rhs(self, dt: float):
+        """Right side of the velocities' equation."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None]):
+            gradient = self.pressure_gradient(i)
+            if ti.static(self.has_body_force):
+                gradient -= self.acceleration[None]
+            self.velocity.b[i] = self.u_history[i] - dt * gradient
+
+    @ti.kernel
+    def sum_difference(self):
+        """Sum the squares of the differences from the extrapolated velocities, in a fixed order."""
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            total = 0.0
+            for i in range(self.points.n_fluid[None]):
+                difference = self.velocity.x[i] - self.u_extrapolated[i]
+                total += difference.dot(difference)
+            self.difference_squared[None] = total
+
+    @ti.kernel
+    def store(self):
+        """Store the solution as the newest time level."""
+        ti.loop_config(serialize=self.operators.serial_numbers)
+        for i in range(self.points.particles[None]):
+            self.levels.advance_levels(i, self.velocity.x[i], self.pressure.x[i])

@@ -1,0 +1,152 @@
+"""Positions, velocities and pressures of the particles at the last time levels, and their transfer with a shift."""
+
+import math
+
+from tisph.neighbours.point_cloud import active
+from tisph.runtime import holding, real, scalar, ti, view
+from tisph.schemes._splitting._bdf import PRESSURES, VELOCITIES
+
+N_FIELDS = 2 * VELOCITIES + PRESSURES
+
+
+@ti.func
+def gradients(operators: ti.template(), values: ti.template(), i):
+    """Return d/dx and d/dy of the ``values`` at a particle, by least-squares ``operators``."""
+    own = values[i]
+    d_dx, d_dy = 0.0 * own, 0.0 * own
+    for k in range(operators.points.count[i]):
+        difference = values[operators.points.neighbours[i, k]] - own
+        d_dx += operators.d_dx[i, k] * difference
+        d_dy += operators.d_dy[i, k] * difference
+    return d_dx, d_dy
+
+
+@ti.func
+def transfer(operators: ti.template(), d_dx: ti.template(), d_dy: ti.template(), i, moved):
+    """Return the change of fields with these gradients over a shift of a particle, ``moved``, to second order."""
+    own = moved.x * d_dx[i] + moved.y * d_dy[i]
+    result = own
+    for k in range(operators.points.count[i]):
+        j = operators.points.neighbours[i, k]
+        weight = moved.x * operators.d_dx[i, k] + moved.y * operators.d_dy[i, k]
+        result += 0.5 * weight * (moved.x * d_dx[j] + moved.y * d_dy[j] - own)
+    return result
+
+
+@ti.data_oriented
+class TimeLevels:
+    """``position`` (fluid) and ``fields`` (fluid): velocities, newest first, then pressures over the density.
+
+    All levels belong to one and the same path: where a particle is shifted, they become those of its new path, by the
+    Taylor series to second order of fields that are smooth functions of the present position. ``divergence`` (fluid) is
+    that of the newest velocities, ``d_dx`` and ``d_dy`` are the derivatives of all fields. ``number``
+    (fluid) is that of a particle at the start: their order in memory changes.
+    """
+
+    def __init__(self, operators, shift):
+        self.operators, self.points, self.shift = operators, operators.points, shift
+        kind = ti.types.vector(N_FIELDS, real())
+        self.position = self.points.field(ti.types.vector(2, real()))
+        self.fields = ti.field(kind, self.points.slots + 1)
+        self.fields.used = slice(self.points.fluid)
+        self.divergence = self.points.field(real())
+        self.number = self.points.field(ti.i32)
+        self.d_dx, self.d_dy = (ti.field(kind, self.points.slots + 1) for _ in range(2))
+        self.d_dx.used = self.d_dy.used = None
+        self.step_weights = holding(ti.field(real(), VELOCITIES), 0.0)
+        self.step_weights.used = None
+        self.divergence_squared, self.gradient_squared, self.largest_gradient, self.fastest = (
+            scalar(0.0) for _ in range(4)
+        )
+
+    @ti.kernel
+    def predict(self):
+        """Set the points where the particles are at the end of a step, by the ``step_weights`` of their velocities."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None]):
+            position = self.position[i]
+            for level in ti.static(range(VELOCITIES)):
+                position += self.step_weights[level] * self.velocity(level, i)
+            self.points.position[i] = self.points.domain.wrap(position)
+
+    @ti.func
+    def velocity(self, level: ti.template(), i):
+        """Return the velocity of a particle ``level`` steps ago."""
+        return ti.Vector([self.fields[i][2 * level], self.fields[i][2 * level + 1]])
+
+    @ti.func
+    def advance_levels(self, i, velocity, pressure):
+        """Store the result of a step as the newest level; the others move on by one."""
+        fields = self.fields[i]
+        moved_on = fields
+        for level in ti.static(range(1, VELOCITIES)):
+            for component in ti.static(range(2)):
+                moved_on[2 * level + component] = fields[2 * level - 2 + component]
+        for level in ti.static(range(1, PRESSURES)):
+            moved_on[2 * VELOCITIES + level] = fields[2 * VELOCITIES + level - 1]
+        moved_on[0], moved_on[1], moved_on[2 * VELOCITIES] = velocity.x, velocity.y, pressure
+        self.fields[i] = moved_on
+
+    @ti.kernel
+    def measure(self):
+        """Compute the gradients of all fields, and the divergence of the newest velocities."""
+        particles = self.points.particles[None]
+        ti.loop_config(serialize=self.operators.serial)
+        for i in range(particles):
+            d_dx, d_dy = gradients(self.operators, self.fields, i)
+            self.d_dx[i], self.d_dy[i] = d_dx, d_dy
+            self.divergence[i] = d_dx[0] + d_dy[1]
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            self.sum_squares(self.points.n_fluid[None])
+
+    @ti.func
+    def sum_squares(self, particles):
+        """Sum the squares of divergence and gradient, in a fixed order; find the largest gradient and velocity.
+
+        Velocities are those relative to their mean.
+        """
+        divergence, gradient, largest, fastest = 0.0, 0.0, 0.0, 0.0
+        mean = ti.Vector([0.0, 0.0])
+        for i in range(particles):
+            mean += self.velocity(0, i)
+        mean /= particles
+        for i in range(particles):
+            d_dx, d_dy = self.d_dx[i], self.d_dy[i]
+            square = d_dx[0] ** 2 + d_dx[1] ** 2 + d_dy[0] ** 2 + d_dy[1] ** 2
+            divergence += self.divergence[i] ** 2
+            gradient += square
+            largest = ti.max(largest, square)
+            velocity = self.velocity(0, i) - mean
+            fastest = ti.max(fastest, velocity.dot(velocity))
+        self.divergence_squared[None] = divergence
+        self.gradient_squared[None] = gradient
+        self.largest_gradient[None] = ti.sqrt(largest)
+        self.fastest[None] = ti.sqrt(fastest)
+
+    @ti.kernel
+    def remap(self):
+        """Take up the positions of the points, which have moved, and transfer all fields to them."""
+        particles = self.points.particles[None]
+        ti.loop_config(serialize=self.operators.serial)
+        for i in range(particles):
+            self.fields[i] += transfer(self.operators, self.d_dx, self.d_dy, i, self.shift.moved[i])
+            self.position[i] = self.points.domain.wrap(self.points.position[i])
+
+    def reorder(self, others):
+        """Put the particles, and ``others`` of their fields, in the order of the cells of the last search."""
+        fluid, order = int(view(self.points.n_fluid)), view(self.points.order)[: self.points.fluid]
+        order = order[order < fluid]
+        for field in (self.position, self.fields, self.divergence, self.number, *others):
+            active(field)[:fluid] = active(field)[order]
+
+    @property
+    def divergence_scale(self):
+        """Root mean square of the divergence of the newest velocities."""
+        return math.sqrt(float(view(self.divergence_squared)) / int(view(self.points.n_fluid)))
+
+    @property
+    def residual(self):
+        """Divergence over the gradient of the newest velocities, both as root mean squares: 0 where all are equal."""
+        gradient = float(view(self.gradient_squared))
+        return math.sqrt(float(view(self.divergence_squared)) / gradient) if gradient > 0.0 else 0.0

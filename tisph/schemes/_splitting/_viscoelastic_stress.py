@@ -1,0 +1,201 @@
+"""Polymer stress in two-dimensional flow: particles carry the conformation, which obeys an ODE along their paths.
+
+Backward differences of the logarithm P of the conformation tensor, of the same order and for the same steps dt as those
+of the velocities,
+
+    gamma_0 P = sum_q alpha_q P^(n+1-q) + dt F(P, L),    L = grad u, F as in ``_log_conformation.py``,
+
+are solved particle by particle for given L. At rest a small change of L changes the stress S by 2 nu* D, with
+D = (L + L^T)/2 and
+
+    nu* = sum over the modes of (nu_p/lambda) dt / (gamma_0 + dt/lambda).
+
+So the momentum equation is solved with the viscosity nu_s + nu*, by the same operators and solvers as without polymer,
+and with the force div (S - 2 nu* D), in which that part of S has cancelled; gradients of S are those of P times dS/dP:
+near walls S rises by orders of magnitude within a few spacings, and P does not. S is first that of the extrapolated
+velocities, and then that of the velocities found with it: what these two outer iterations have to resolve is the
+advection and the stretching of the present stress. Points on walls belong to the fluid, and carry a stress like any
+other; there L is a shear along the wall, by what is known of the velocity. With L as measured, stress grew at them
+(12 spacings between cylinders, Wi = 2.7 at the inner one, a solvent fraction of 0.1: by e in two relaxation times).
+
+Sources: R. Guenette and M. Fortin, J. Non-Newtonian Fluid Mech. 60 (1995) 27-52 (a viscosity on both sides).
+"""
+
+import math
+
+import numpy as np
+
+from tisph.errors import DivergedError
+from tisph.runtime import real, ti, view
+from tisph.schemes._local_newton import SMALL, Modes, solve
+from tisph.schemes._splitting._bdf import ORDER
+from tisph.schemes._splitting._log_conformation import conformation_excess, logarithm, rate
+from tisph.schemes._splitting._time_levels import gradients, transfer
+
+MAX_LOG_JUMP = 5.0
+"""Change of P within a spacing above which a run stops: A changes 150-fold from one particle to the next."""
+
+
+@ti.data_oriented
+class ViscoelasticStress:
+    """``tensors`` (fluid): P of all modes at the ends of the last steps, newest first."""
+
+    def __init__(self, levels, problem):
+        self.levels, self.operators, self.points = levels, levels.operators, levels.points
+        self.walls, self.n_fluid = problem.walls, problem.n_fluid
+        self.origin, self.spacing = problem.origin, problem.spacing
+        self.initial_deviations = problem.initial_deviations
+        self.modes = Modes(problem.rheology, problem.kinematic_viscosity, conformation_excess)
+        self.size = self.modes.components
+        self.tensors, self.d_dx, self.d_dy = self._three(ORDER * self.size)
+        self.current, self.current_d_dx, self.current_d_dy = self._three(self.size)
+        self.tensors.used = slice(self.points.fluid)
+        self.d_dx.used = self.d_dy.used = None
+        self.gradient = ti.field(ti.types.vector(4, real()), self.points.capacity)
+        self.implicit_stress = ti.field(ti.types.vector(3, real()), self.points.slots + 1)
+        self.force, self.stress_divergence = (
+            ti.field(ti.types.vector(2, real()), self.points.capacity) for _ in range(2)
+        )
+        scratch = self.gradient, self.implicit_stress, self.force, self.stress_divergence
+        for field in (*scratch, self.current, self.current_d_dx, self.current_d_dy):
+            field.used = None
+
+    def _three(self, numbers):
+        """A field with these ``numbers`` of each point, and two for its gradients."""
+        kind = ti.types.vector(numbers, real())
+        return [ti.field(kind, self.points.slots + 1) for _ in range(3)]
+
+    @property
+    def states(self):
+        """P (levels, numbers of all modes, particles) in place."""
+        values = view(self.tensors)[: self.points.fluid]
+        return values.reshape(len(values), ORDER, self.size).transpose(1, 2, 0)
+
+    def begin(self):
+        """Start from rest, without stress, or from the initial state of the problem."""
+        view(self.tensors)[...] = 0.0
+        if self.initial_deviations:
+            positions = view(self.points.position)[: self.points.fluid].astype(float) + self.origin
+            modes = self.initial_deviations(*positions.T)
+            self.states[0] = np.concatenate([logarithm(deviations) for deviations in modes])
+
+    def prepare(self, times, dt, time):
+        """Take up a step of this ``dt`` that ends at ``time``."""
+        gamma0, alpha = times.bdf()
+        self.time, self.duration = time, dt / gamma0
+        states, elapsed = self.states.astype(float), (times.unit * times.offsets)[:ORDER]
+        if self.walls:
+            states[..., self.n_fluid :] = self.walls.carried(states[..., self.n_fluid :], elapsed, self.time)
+        self.explicit_part = np.einsum("a,acn->cn", alpha[:ORDER], states) / gamma0
+        self.state, self.jacobians = states[0], [None for _ in self.modes.laws]
+        self.viscosity = sum(
+            law.modulus * self.duration / (1.0 + self.duration / law.relaxation_time) for law in self.modes.laws
+        )
+        view(self.force)[...] = 0.0
+
+    def add_stress(self, velocity, known, dt):
+        """Add the stress of a ``velocity``, a field, to what is ``known`` of a step ``dt``."""
+        self.find(velocity)
+        xx, xy, yx, yy = self.gradients
+        all_points = slice(self.points.fluid)
+        view(self.implicit_stress)[all_points] = (self.viscosity * np.stack([2.0 * xx, xy + yx, 2.0 * yy])).T
+        view(self.current)[all_points] = self.state.T
+        self.current_gradients()
+        changes = [view(field)[all_points].T.astype(float) for field in (self.current_d_dx, self.current_d_dy)]
+        d_dx, d_dy = (np.imag(self.modes.stress(self.state + 1j * SMALL * change)) / SMALL for change in changes)
+        view(self.stress_divergence)[all_points] = np.stack([d_dx[0] + d_dy[1], d_dx[1] + d_dy[2]], axis=1)
+        self.add_stress_force(known, dt)
+
+    def find(self, velocity):
+        """Find P at the end of a step for a ``velocity`` there."""
+        self.measure(velocity)
+        gradient = self.gradients = view(self.gradient)[: self.points.fluid].T.astype(float)
+        gradient[[0, 3]] -= 0.5 * (gradient[0] + gradient[3])  # any divergence is an error
+        if self.walls:
+            points = gradient[:, self.n_fluid :]
+            points[...] = self.walls.gradients(points.reshape(2, 2, -1), self.time).reshape(4, -1)
+        for mode, (law, part) in enumerate(self.modes):
+            change = lambda p, law=law: rate(law, p, gradient)  # noqa: E731
+            known, guess = self.explicit_part[part], self.state[part]
+            with np.errstate(all="ignore"):  # what is not finite has no pressure, and stops the run
+                self.state[part], self.jacobians[mode] = solve(
+                    change, known, self.duration, guess, self.jacobians[mode]
+                )
+
+    def take_up(self, velocity, step):
+        """Store the P of the ``velocity`` at the end of a ``step`` as the newest level.
+
+        Returns the largest change of P within a spacing, and x and y where it is. Raises DivergedError where that is
+        too large.
+        """
+        self.find(velocity)
+        states = self.states
+        states[1:] = states[:-1].copy()
+        states[0] = self.state
+        self.level_gradients()
+        change, x, y = self.log_jump()
+        if not change < MAX_LOG_JUMP:
+            text = f"stress: it changes more than {math.exp(MAX_LOG_JUMP):.0f}-fold within a particle spacing at"
+            cure = "more particles across, or a smaller relaxation time"
+            raise DivergedError(f"{text} ({x:.4g}, {y:.4g}), step {step}, t = {self.time:.6g}; {cure}")
+        return change, x, y
+
+    def log_jump(self):
+        """Return the largest change of a P within a spacing, its Frobenius norm, and x and y where it is."""
+        all_points, weights = slice(self.points.fluid), np.array([1.0, 2.0, 1.0, 1.0])
+        gradients = [view(field)[all_points, : self.size].astype(float) for field in (self.d_dx, self.d_dy)]
+        squares = sum(gradient**2 for gradient in gradients)
+        sums = [squares[:, part] @ weights[: part.stop - part.start] for part in self.modes.parts]
+        worst = np.max(sums, axis=0)
+        index = int(np.argmax(np.where(np.isnan(worst), np.inf, worst)))
+        where = view(self.points.position)[index] + self.origin
+        return self.spacing * math.sqrt(worst[index]), *where.tolist()
+
+    def wall_stress(self):
+        """Return the stress (3, count) at the points on walls."""
+        return self.modes.stress(self.states[0][:, self.n_fluid :].astype(float))
+
+    def at(self, times, offset, tensors):
+        """Return the stresses (3, n) a time ``offset`` before the end of the last step, of ``tensors``."""
+        levels = tensors.reshape(len(tensors), ORDER, self.size)
+        weights = times.interpolation(offset, ORDER)
+        return self.modes.stress(np.einsum("a,nac->cn", weights, levels) if offset else levels[:, 0].T)
+
+    @ti.kernel
+    def measure(self, velocity: ti.template()):
+        """Velocity gradients at all points: du/dx, du/dy, dv/dx, dv/dy."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.particles[None]):
+            d_dx, d_dy = gradients(self.operators, velocity, i)
+            self.gradient[i] = [d_dx.x, d_dy.x, d_dx.y, d_dy.y]
+
+    @ti.kernel
+    def current_gradients(self):
+        """Gradients of P at the end of a step."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.particles[None]):
+            self.current_d_dx[i], self.current_d_dy[i] = gradients(self.operators, self.current, i)
+
+    @ti.kernel
+    def add_stress_force(self, known: ti.template(), dt: float):
+        """Divergence of the stress less that of the implicit viscosity, instead of the one before."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.particles[None]):
+            d_dx, d_dy = gradients(self.operators, self.implicit_stress, i)
+            force = self.stress_divergence[i] - ti.Vector([d_dx[0] + d_dy[1], d_dx[1] + d_dy[2]])
+            known[i] += dt * (force - self.force[i])
+            self.force[i] = force
+
+    @ti.kernel
+    def level_gradients(self):
+        """Gradients of all levels."""
+        ti.loop_config(serialize=self.operators.serial)
+        for i in range(self.points.particles[None]):
+            self.d_dx[i], self.d_dy[i] = gradients(self.operators, self.tensors, i)
+
+    @ti.kernel
+    def remap(self):
+        """Transfer all levels with a shift."""
+        ti.loop_config(serialize=self.operators.serial)
+        for i in range(self.points.particles[None]):
+            self.tensors[i] += transfer(self.operators, self.d_dx, self.d_dy, i, self.levels.shift.moved[i])

@@ -1,0 +1,177 @@
+"""Walls in a step: their positions and velocities at its end, vorticity and loads of earlier levels."""
+
+import math
+
+import numpy as np
+
+from tisph.neighbours.point_cloud import active
+from tisph.runtime import view
+from tisph.schemes._splitting._bdf import VELOCITIES
+from tisph.schemes._splitting._corner_singularities import CornerSingularities
+from tisph.schemes._splitting._pressure_boundary import PressureBoundaryCondition
+from tisph.schemes._splitting._wall_points import POINT_SUPPORT
+from tisph.snapshot import Bodies
+
+CURL_LEVELS = 2
+"""Levels from which the curl of the vorticity at walls is extrapolated: from three it is unstable."""
+
+STRAIGHT = 1e-12
+"""Part of its speed below which a wall does not move into the fluid."""
+
+LEVEL_LISTS = ("normal_curls", "loads", "normal_stresses")
+
+LOAD_LEVELS = 3
+"""Levels of forces, torques and normal stresses, for values within a step."""
+
+
+class WallBoundary:
+    """Sets the points on the walls of a ``BoundedProblem`` and the distances of particles from walls.
+
+    ``normal_curls`` (points,), n . curl omega, and ``loads`` (2, bodies, 3), force and torque of all and of the
+    pressure, are lists of levels, newest first; so are ``normal_stresses`` (bodies,), N1 of a polymer.
+    """
+
+    def __init__(self, problem, levels, shift, support, skin):
+        self.problem, self.walls, self.support, self.skin = problem, problem.walls, support, skin * problem.spacing
+        self.levels, self.points, self.shift = levels, levels.points, shift
+        self.pressure_boundary = PressureBoundaryCondition(levels.operators, problem.walls, problem.spacing)
+        self.slots = slice(problem.n_fluid, problem.particles)
+        self.corners = CornerSingularities(problem.corners, problem.origin, levels) if problem.corners else None
+        self.normal_curls, self.loads, self.normal_stresses = [], [], []
+        self.normal = self.velocity = None
+
+    def update_positions(self, time):
+        """Set the positions of the points at ``time``, and the nearest walls of the particles."""
+        positions = view(self.points.position)
+        position, self.normal, self.velocity = self.walls.at(time)
+        positions[self.slots] = position % [self.problem.length, self.problem.height]
+        planes, distances, curvatures = self.walls.nearest_walls(positions[: self.problem.particles], time)
+        if self.levels.operators.curved:
+            view(self.levels.operators.polar_map)[: self.problem.particles] = self.walls.polar_map(
+                planes, distances, curvatures
+            )
+        view(self.shift.planes)[: self.problem.n_fluid] = planes[: self.problem.n_fluid]
+        spacing = self.problem.spacing
+        factor = self.walls.support_factor(distances, self.support)
+        factor[self.slots] += POINT_SUPPORT / self.support
+        view(self.levels.operators.support_factor)[: self.problem.particles] = factor
+        view(self.points.radius)[: self.problem.particles] = self.support * factor * spacing + self.skin
+
+    def impose_neumann_rows(self):
+        """Replace the Laplacian at the points by the Neumann condition of the pressure."""
+        self.pressure_boundary.set_normals(self.normal)
+
+    def add_corner_force(self, splitting, times, dt):
+        """Let the solvers of a step ``dt`` compute the regular part, without the known flow in the corners."""
+        if self.corners:
+            levels = self.regular_velocities[:, :CURL_LEVELS].astype(float)
+            regular = np.einsum("a,nac->nc", times.extrapolation(CURL_LEVELS), levels)
+            force = self.corners.force(self.positions, regular, dt)
+            view(splitting.u_history)[: self.problem.particles] -= dt * force
+
+    @property
+    def positions(self):
+        """Positions of particles and points (points, 2)."""
+        return view(self.points.position)[: self.problem.particles].astype(float)
+
+    @property
+    def regular_velocities(self):
+        """Velocities (points, levels, 2) of all, in place: less those of the known flow in the corners."""
+        return active(self.levels.fields)[: self.problem.particles, : 2 * VELOCITIES].reshape(-1, VELOCITIES, 2)
+
+    def predict(self, times, dt):
+        """Set the positions of the particles after a step ``dt``, where there is a known flow in the corners."""
+        if self.corners:
+            weights = lambda part: times.interpolation((1.0 - part) * dt, VELOCITIES)  # noqa: E731
+            position = self.corners.paths.find(weights, dt)
+            view(self.points.position)[: self.problem.n_fluid] = position % [self.problem.length, self.problem.height]
+
+    def jump(self, time):
+        """Let the points have the velocities of the walls after ``time``, at which these jump."""
+        self.velocity = self.walls.at(math.nextafter(time, math.inf))[2]  # at the very time they have the old ones
+        self.regular_velocities[self.slots, 0] = self.velocity
+
+    def find_fastest(self):
+        """Take up the largest velocity relative to the mean, with the known flow in the corners."""
+        if self.corners:
+            fluid = self.problem.n_fluid
+            velocity = self.regular_velocities[:fluid, 0] + self.corners.velocity(self.positions[:fluid])
+            view(self.levels.fastest)[()] = np.linalg.norm(velocity - velocity.mean(axis=0), axis=1).max()
+
+    def begin(self, splitting, tolerance):
+        """Let the points have the velocities of the walls at the start, and the pressure meet their acceleration.
+
+        Return whether the impulse could be solved for where walls move into the fluid.
+        """
+        regular = self.regular_velocities
+        regular[self.slots, 0] = self.velocity
+        view(splitting.velocity.x)[self.slots] = self.velocity
+        inwards = np.abs(np.sum(self.normal * self.velocity, axis=1)).max()
+        started = inwards <= STRAIGHT * np.abs(self.velocity).max() or splitting.impulsive_start(tolerance)
+        acceleration = -self.walls.acceleration(self.problem.start_time)
+        if self.corners:
+            regular[:, 0] -= self.corners.velocity(self.positions)
+            acceleration -= self.corners.force(self.positions[self.slots], regular[self.slots, 0], 0.0)
+        view(splitting.velocity.x)[: self.problem.particles] = regular[:, 0]
+        view(splitting.u_history)[self.slots] = acceleration
+        self.store_normal_curls(splitting.velocity.x)
+        return started
+
+    def host_state(self):
+        """Return the numbers outside the fields that a resumed run needs."""
+        return {name: [array.tolist() for array in getattr(self, name)] for name in LEVEL_LISTS}
+
+    def restore_host_state(self, state):
+        """Take up the numbers of ``host_state``."""
+        for name in LEVEL_LISTS:
+            setattr(self, name, [np.array(values) for values in state[name]])
+
+    def measure(self, time, polymer=None):
+        """Take up the force and torque on each body, from the fields at the points at the end of a step at ``time``."""
+        fields, normal = active(self.levels.fields)[self.slots].astype(float), self.normal
+        d_dx, d_dy = (view(field)[self.slots, :2].astype(float) for field in (self.levels.d_dx, self.levels.d_dy))
+        shear = d_dy[:, 0] + d_dx[:, 1]
+        stress = self.problem.solvent_viscosity * np.stack([2.0 * d_dx[:, 0], shear, 2.0 * d_dy[:, 1]])
+        if polymer:
+            extra = polymer.wall_stress()
+            stress += extra
+            normals = self.problem.density * self.walls.means(_first_normal_stress_difference(extra, normal))
+            self.normal_stresses = [normals, *self.normal_stresses][:LOAD_LEVELS]
+        viscous = np.stack([(stress[:2] * normal.T).sum(axis=0), (stress[1:] * normal.T).sum(axis=0)], axis=1)
+        tractions = np.stack([viscous, -fields[:, 2 * VELOCITIES, None] * normal])
+        if self.corners:
+            tractions += self.corners.traction(self.positions[self.slots], normal, self.problem.kinematic_viscosity)
+        viscous, pressure = tractions
+        loads = self.walls.sums(self.problem.density * np.stack([viscous + pressure, pressure]), time)
+        self.loads = [loads, *self.loads][:LOAD_LEVELS]
+
+    def bodies(self, time, times, offset):
+        """Return the ``Bodies`` at ``time``, ``offset`` before the end of the last step, from which ``times`` count."""
+        weights = times.interpolation(offset, min(LOAD_LEVELS, len(self.loads)))
+        loads, normals = (
+            sum(weight * each for weight, each in zip(weights, levels, strict=False)) if levels else None
+            for levels in (self.loads, self.normal_stresses)
+        )
+        return Bodies.at(time, self.walls.bodies, loads, normals)
+
+    def set_wall_velocities(self, splitting, times):
+        """Give the velocities of the walls at the end of a step to its solvers, and the extrapolated curl."""
+        regular = self.velocity
+        if self.corners:
+            regular = regular - self.corners.velocity(self.positions[self.slots])
+        view(splitting.velocity.x)[self.slots] = regular
+        weights = times.extrapolation(min(CURL_LEVELS, max(1, len(self.normal_curls))))
+        self.pressure_boundary.normal_curls[...] = sum(
+            weight * curl for weight, curl in zip(weights, self.normal_curls, strict=False)
+        )
+
+    def store_normal_curls(self, velocity):
+        """Keep the curl of the vorticity of the ``velocity`` at the end of a step, a field."""
+        self.pressure_boundary.find_normal_curls(velocity)
+        self.normal_curls = [self.pressure_boundary.normal_curls.copy(), *self.normal_curls][:CURL_LEVELS]
+
+
+def _first_normal_stress_difference(stress, normal):
+    """Return N1 (count,) of a ``stress`` (3, count) at walls with a ``normal`` (count, 2)."""
+    (xx, xy, yy), (x, y) = stress, normal.T
+    return (yy - xx) * (x**2 - y**2) - 4.0 * xy * x * y

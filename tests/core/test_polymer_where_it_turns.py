@@ -14,7 +14,7 @@ from scipy.linalg import logm
 from tisph import config, registry, runtime
 from tisph.errors import DivergedError
 from tisph.exact.circular_start_up import CircularStartUp
-from tisph.exact.start_up import Polymer
+from tisph.exact.start_up import ViscoelasticFluid
 from tisph.geometry.line import Line
 from tisph.geometry.motion import WallMotion
 from tisph.geometry.sliding import SlidingWall
@@ -51,7 +51,7 @@ def test_start_up_between_cylinders():
     swings = WallMotion(1.0, 0.0, 3.0)
     flow, places = make(rheology, (swings, 0.0))
     snapshot = case.run(flow, places, np.zeros_like(places), 0.4, tolerance=2e-5).snapshot()
-    liquid = Polymer(rheology.solvent_fraction, rheology.laws(1.0))
+    liquid = ViscoelasticFluid(rheology.solvent_fraction, rheology.laws(1.0))
     exact = CircularStartUp(case.INNER, case.OUTER, liquid, swings, WallMotion(0.0))
     radius = np.hypot(snapshot.x, snapshot.y)
     x, y = snapshot.x / radius, snapshot.y / radius
@@ -68,7 +68,7 @@ def test_start_up_between_cylinders():
 
 def test_developed_flow_goes_on():
     # measured 5.1e-4 and 5.7e-4, half of what start-up has twelve across; without what there was the stress is 0.94 off
-    liquid = Polymer(LIQUID.solvent_fraction, LIQUID.laws(1.0))
+    liquid = ViscoelasticFluid(LIQUID.solvent_fraction, LIQUID.laws(1.0))
     walls = WallMotion(1.0), WallMotion(0.0)
     exact = CircularStartUp(case.INNER, case.OUTER, liquid, *walls, before=walls)
 

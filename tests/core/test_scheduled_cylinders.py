@@ -7,7 +7,7 @@ import pytest
 from tisph import config, registry, runtime, schemes
 from tisph.errors import ConfigError
 from tisph.exact.circular_start_up import CircularStartUp
-from tisph.exact.start_up import Polymer
+from tisph.exact.start_up import ViscoelasticFluid
 from tisph.geometry.motion import WallMotion
 from tisph.geometry.schedule import Schedule
 from tisph.measures.rheometry import read
@@ -30,7 +30,7 @@ def started():
 
 def error(snapshot):
     """Root mean square of the velocities' error, over the speed that the cylinder had."""
-    exact = CircularStartUp(case.INNER, case.OUTER, Polymer(1.0, ()), PULSE, WallMotion(0.0))
+    exact = CircularStartUp(case.INNER, case.OUTER, ViscoelasticFluid(1.0, ()), PULSE, WallMotion(0.0))
     radius = np.hypot(snapshot.x, snapshot.y)
     around = (snapshot.x * snapshot.v - snapshot.y * snapshot.u) / radius
     return np.sqrt(np.mean((around - exact.velocity(radius, END)) ** 2))

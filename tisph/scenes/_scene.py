@@ -50,6 +50,9 @@ class Scene:
     acceleration = 0.0
     """Body acceleration along x."""
 
+    body_force = None
+    """Function of places x, y and a time, with the accelerations along x and y there; None without one."""
+
     origin = (0.0, 0.0)
     """Lowest corner of the box."""
 

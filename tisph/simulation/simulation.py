@@ -7,7 +7,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
+
+import numpy as np
 
 from tisph import runtime, scenes, schemes
 from tisph.config import Config
@@ -19,11 +21,15 @@ from tisph.observers.protocol import Observer, Schedule
 from tisph.observers.schedule import EveryTime
 from tisph.simulation import checkpoint, exclusive
 from tisph.simulation.callback import Callback
+from tisph.simulation.functions import with_functions
 from tisph.simulation.interrupts import interrupts_after
 from tisph.simulation.last_step import LastStep
 from tisph.simulation.log import log
 from tisph.simulation.start import start_snapshot, start_values
 from tisph.simulation.state import State
+
+Field: TypeAlias = "Callable[[np.ndarray, np.ndarray, float], tuple[Any, Any]]"
+"""A vector field, x and y components, of places and a time."""
 
 PARTICLES_PER_THREAD = 512
 """Taichi does not split a loop into shorter pieces than this."""
@@ -38,30 +44,51 @@ class Simulation:
     """A run that goes on step by step, in this process; ``config`` is a YAML file, a dict or a ``Config``.
 
     ``overrides`` are values by dotted key, as for ``tisph.run``. Nothing is written, unless ``save`` or ``results``
-    asks for it. Its steps are those of ``tisph run``, bit by bit: whoever looks does not change them. Ctrl-C takes
-    effect after the step that is being taken, and the simulation can go on from there. There can be one open
-    simulation in a process; ``close`` ends it, as does a ``with`` block. DivergedError where a state is not sound.
+    asks for it. ``initial_velocity`` and ``body_force`` (an acceleration) are functions of (x, y, t), arrays of places
+    and a time, that return two components; there is no reference then.
+
+    Its steps are those of ``tisph run``, bitwise: whoever looks does not change them. Ctrl-C takes effect after the
+    step that is being taken, and the simulation can go on from there. There can be one open simulation in a process;
+    ``close`` ends it, as does a ``with`` block. DivergedError where a state is not sound.
     """
 
-    def __init__(self, config: Asked, /, **overrides: Any):
-        self._set_up(loaded(config, overrides), None)
+    def __init__(
+        self,
+        config: Asked,
+        /,
+        *,
+        initial_velocity: "Field | None" = None,
+        body_force: "Field | None" = None,
+        **overrides: Any,
+    ):
+        self._set_up(loaded(config, overrides), None, initial_velocity, body_force)
 
     @classmethod
-    def restore(cls, path: "str | PathLike[str]", config: "Asked | None" = None, /, **overrides: Any) -> "Simulation":
+    def restore(
+        cls,
+        path: "str | PathLike[str]",
+        config: "Asked | None" = None,
+        /,
+        *,
+        body_force: "Field | None" = None,
+        **overrides: Any,
+    ) -> "Simulation":
         """Return the simulation that was saved in ``path``; it goes on to the same bits.
 
         ``config`` is the one that it was made with if none is given; ``time.end`` may be later, with samples after the
-        old end. ConfigError where the checkpoint does not fit.
+        old end. A ``body_force`` is to be given again. ConfigError where the checkpoint does not fit.
         """
         simulation = cls.__new__(cls)
         if config is None:
             config = checkpoint.config_of(Path(path))
-        simulation._set_up(loaded(config, overrides), Path(path))
+        simulation._set_up(loaded(config, overrides), Path(path), None, body_force)
         return simulation
 
-    def _set_up(self, config: Config, restored_from: Path | None) -> None:
+    def _set_up(self, config: Config, restored_from: Path | None, velocity: Any, force: Any) -> None:
         self.config = config
-        self.scene = scenes.of(config)
+        self.resolved, self.reason = schemes.resolve(config)
+        self.scene = with_functions(scenes.of(config), self.resolved.scheme.type, velocity, force)
+        self.functions = velocity is not None or force is not None
         self.threads = threads(config, self.scene)
         self.costs = {"import": 0.0, "compile": 0.0, "loop": 0.0, "output": 0.0}
         self.began = time.perf_counter()
@@ -83,11 +110,11 @@ class Simulation:
 
     def _build(self, restored_from: Path | None) -> None:
         runtime.start(self.config.discretisation.precision, self.threads)
-        config, reason = schemes.resolve(self.config)
+        config = self.resolved
         targets = sorted({*config.time.samples, config.time.end})
         self._program = runtime.program()
         self.scheme = schemes.build(config, self.scene.in_flow_frame(), targets, serial=self.threads == 1)
-        log.info("scheme %s", reason)
+        log.info("scheme %s", self.reason)
         if restored_from and not checkpoint.restore(restored_from, self.scheme, self.about.resolved, targets):
             log.warning(OTHER_STEPS)
             print(f"warning: {OTHER_STEPS}", file=sys.stderr)
@@ -188,6 +215,8 @@ class Simulation:
         from tisph.simulation.recording import Recording  # it imports what draws
 
         self._require_program()
+        if self.functions:
+            raise ConfigError("results: a folder holds what its config says, and that cannot say what a function is")
         if self.recording or (self.steps > self.first_step):
             raise TisphError("results: is to be called once, before the first step, as results begin with the start")
         self.recording = Recording.of(self, Path(folder), overwrite=overwrite, video=video)

@@ -31,7 +31,9 @@ def scheme(config, scene, targets, serial):
     from tisph.schemes._splitting._scheme import Scheme  # imports Taichi
 
     tolerance, courant = _steps(config)
-    return Scheme(_problem(scene), targets, serial, tolerance, courant)
+    built = Scheme(_problem(scene), targets, serial, tolerance, courant)
+    built.body_force = scene.body_force
+    return built
 
 
 def _problem(scene):

@@ -61,6 +61,9 @@ class Scheme:
     of the Courant number alone.
     """
 
+    body_force = None
+    """Function of places x, y and a time, with the accelerations along x and y there; None without one."""
+
     def __init__(self, problem, targets, serial, tolerance=TOLERANCE, courant=COURANT):
         self.problem, self.initial_momentum = problem, 0.0
         bounded, cutoff = problem.walls is not None, (SUPPORT + SKIN) * problem.spacing
@@ -172,6 +175,8 @@ class Scheme:
         rate = DECAY[0] * nu / spacing**2 + DECAY[1] * self.speed / spacing
         retained = max(0.0, gamma0 - rate * dt)
         self.splitting.sum_history()
+        if self.body_force:
+            self.add_body_force(dt)
         if self.wall_boundary:
             self.wall_boundary.set_wall_velocities(self.splitting, times)
             self.wall_boundary.add_corner_force(self.splitting, times, dt)
@@ -180,6 +185,14 @@ class Scheme:
         if not math.isfinite(error):
             self.require_solution(False)
         return times.step_error(error, gamma0, self.speed)
+
+    def add_body_force(self, dt):
+        """Add the impulse of the body force at the end of a step to what is known of the velocities there."""
+        points, problem = int(view(self.points.particles)), self.problem
+        sides = zip(problem.origin, view(self.points.position)[:points].T, (problem.length, problem.height), strict=True)
+        places = (first + each % side for first, each, side in sides)
+        force = np.stack(self.body_force(*places, self.time + dt), axis=1)
+        view(self.splitting.u_history)[:points] += dt * force
 
     def assemble(self, time):
         """Set the positions of the points at the end of a step, at ``time``, and compute the operators there."""

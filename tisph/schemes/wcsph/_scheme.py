@@ -20,6 +20,7 @@ from tisph.runtime import view
 from tisph.schemes._overflow import clustered
 from tisph.schemes._plan import StepPlan
 from tisph.schemes._time_step import effective_viscosity, time_step_limits
+from tisph.schemes.wcsph._body_force import BodyForce
 from tisph.schemes.wcsph._shift import shift_speed
 from tisph.schemes.wcsph._stepper import Stepper
 from tisph.schemes.wcsph._surroundings import OpenBox, PlaneWalls
@@ -73,6 +74,7 @@ class Scheme:
         self.operators = operators(self.particles, self.lists, self.liquid, kernel, self.artificial_viscosity, shift)
         self.walls = self.surroundings.surround(self.operators, kernel)
         self.stepper = Stepper(self.operators, self.walls, serial)
+        self.body_force = BodyForce(scene.body_force, self.particles, scene.extent) if scene.body_force else None
         self.plan = StepPlan(scene.start_time, targets)
         self.time = self.middle = self.end = self.built = scene.start_time
         self.steps = self.rebuilds = self.now = 0
@@ -132,8 +134,12 @@ class Scheme:
         self.end = self.plan.time
         middle = time + 0.5 * self.length
         self.surroundings.move_on(self.middle, middle)
+        if self.body_force:
+            self.body_force.evaluate(self.now, self.middle)
         self.stepper.step(self.now, length, self.length, middle - self.built, middle - self.middle)
         self.now = 1 - self.now
+        if self.body_force:
+            self.body_force.apply(self.now, length, 0.5 * self.length)
         self.time, self.middle = time, middle
 
     def time_step_limit(self):
@@ -151,7 +157,8 @@ class Scheme:
             kinematic_viscosity=effective_viscosity(
                 scene.solvent_viscosity, self.artificial_viscosity, self.smoothing_length, self.sound_speed
             ),
-            acceleration=math.sqrt(view(stepper.acceleration_squared)),
+            acceleration=math.sqrt(view(stepper.acceleration_squared))
+            + (self.body_force.largest if self.body_force else 0.0),
             elastic_speed=math.sqrt(scene.elastic_speed**2 + tension),
             relaxation_time=scene.polymer.relaxation_time if scene.polymer else math.inf,
         )

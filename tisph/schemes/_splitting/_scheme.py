@@ -189,7 +189,9 @@ class Scheme:
     def add_body_force(self, dt):
         """Add the impulse of the body force at the end of a step to what is known of the velocities there."""
         points, problem = int(view(self.points.particles)), self.problem
-        sides = zip(problem.origin, view(self.points.position)[:points].T, (problem.length, problem.height), strict=True)
+        sides = zip(
+            problem.origin, view(self.points.position)[:points].T, (problem.length, problem.height), strict=True
+        )
         places = (first + each % side for first, each, side in sides)
         force = np.stack(self.body_force(*places, self.time + dt), axis=1)
         view(self.splitting.u_history)[:points] += dt * force

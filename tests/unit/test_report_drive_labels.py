@@ -22,7 +22,7 @@ def frame_at(renderer, t):
 
 def arrow_directions(renderer, t):
     """Of each white arrow left of the words on the upper wall: +1 if its head is at the right, -1 at the left."""
-    bar, words = renderer.layout.top_wall, wall_labels(renderer.scene, renderer.layout)[0].box
+    bar, words = renderer.layout.wall("top"), wall_labels(renderer.scene, renderer.layout)[0].box
     height = (frame_at(renderer, t)[bar.top + 2 : bar.bottom - 2, bar.left : words.left, 0] > 200).sum(axis=0)
     columns = np.flatnonzero(height)
     arrows = np.split(columns, np.flatnonzero(np.diff(columns) > 1) + 1) if columns.size else []
@@ -44,7 +44,7 @@ def test_labels_and_arrows_follow_a_wall_that_oscillates():
 
 def test_arrows_are_as_long_as_the_wall_is_fast():
     renderer = renderer_of(top=WallMotion(0.004, 0.0, FREQUENCY))
-    bar, box = renderer.layout.top_wall, wall_labels(renderer.scene, renderer.layout)[0].box
+    bar, box = renderer.layout.wall("top"), wall_labels(renderer.scene, renderer.layout)[0].box
     left_of_words = slice(bar.left, box.left)
     lengths = []
     for t in (0.0, 1.0 / 3.0, 5.0 / 3.0):  # velocity 1, 1/2 and 1/2 of the amplitude
@@ -61,8 +61,8 @@ def test_only_a_wall_that_oscillates_changes_with_time():
     layout = renderer.layout
     one, other = (renderer.render(make_snapshot(renderer.scene, t, slip=0.1 * t)).copy() for t in (0.5, 1.5))
     changed = np.any(one != other, axis=2)
-    assert changed[layout.bottom_wall.slices].any()
-    for part in (layout.bottom_wall, layout.box, layout.profile, layout.time_label, layout.error_label):
+    assert changed[layout.wall("bottom").slices].any()
+    for part in (layout.wall("bottom"), layout.box, layout.profile, layout.time_label, layout.error_label):
         changed[part.slices] = False
     assert not changed.any()
 
@@ -71,7 +71,7 @@ def test_stopped_wall_is_light_without_arrows_and_says_what_it_did():
     renderer = renderer_of(top=WallMotion(0.0, before=0.005), **DEVELOPED)
     label = wall_labels(renderer.scene, renderer.layout)[0]
     assert label.words(0.0) == "stopped (0.005 m/s before t = 0)"
-    frame, bar = frame_at(renderer, 0.0), renderer.layout.top_wall
+    frame, bar = frame_at(renderer, 0.0), renderer.layout.wall("top")
     assert frame[bar.slices].mean() > 180  # no dark bar
     behind = frame[label.box.slices]
     assert (behind[:, :, 0] < 90).any()  # words on the plain colour of the wall, without hatching
@@ -82,7 +82,7 @@ def test_stopped_wall_is_light_without_arrows_and_says_what_it_did():
 def test_words_beside_a_short_wall_stand_on_white():
     renderer = renderer_of(top=WallMotion(0.0, before=0.005), length=0.003, **DEVELOPED)
     box = wall_labels(renderer.scene, renderer.layout)[0].box
-    assert box.left >= renderer.layout.top_wall.right
+    assert box.left >= renderer.layout.wall("top").right
     place = frame_at(renderer, 0.0)[box.slices]
     assert np.all(place[0] == 255)
     assert place.min() < 90

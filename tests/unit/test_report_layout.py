@@ -22,7 +22,7 @@ SIZES = [(1280, 640), (1920, 1080), (640, 480), (480, 960), (2000, 400)]
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_parts_lie_inside_the_frame_and_apart(ratio, size):
-    layout = arrange(ratio, 1.0, *size)
+    layout = arrange(make_channel(gap=1.0, length=ratio), *size)
     parts = [layout.box, layout.profile, layout.colour_bar, layout.time_label, layout.error_label]
     for part in parts:
         assert 0 <= part.left < part.right <= size[0]
@@ -33,7 +33,7 @@ def test_parts_lie_inside_the_frame_and_apart(ratio, size):
 
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_channel_has_one_scale_in_both_directions_and_long_ones_are_cut(ratio):
-    layout = arrange(ratio, 1.0, 1280, 640)
+    layout = arrange(make_channel(gap=1.0, length=ratio), 1280, 640)
     assert layout.shown_length == min(ratio, 4.0)
     # Whole pixels: half a pixel of rounding at most.
     assert abs(layout.box.width - layout.shown_length * layout.pixels_per_length) <= 0.5
@@ -106,7 +106,7 @@ def assert_legible(boxes, width, height):
 @pytest.mark.parametrize("ratio", [0.3, 2.0, *(pytest.param(more, marks=pytest.mark.slow) for more in (1.0, 20.0))])
 def test_no_text_overlaps_another_or_leaves_the_frame(ratio, flow):
     channel = make_channel(gap=0.01, length=0.01 * ratio, **FLOWS[flow])
-    layout = arrange(channel.length, channel.gap, 1280, 640)
+    layout = arrange(channel, 1280, 640)
     assert_legible(boxes_of(channel, layout, "speed"), 1280, 640)
 
 
@@ -114,7 +114,7 @@ def test_no_text_overlaps_another_or_leaves_the_frame(ratio, flow):
 @pytest.mark.parametrize("ratio", [0.3, 2.0])
 def test_no_text_about_stress_overlaps_another_or_leaves_the_frame(ratio, units):
     channel = make_polymer_channel(length=0.01 * ratio, acceleration=-2e-3, units=units)
-    layout = arrange(channel.length, channel.gap, 1280, 640)
+    layout = arrange(channel, 1280, 640)
     assert_legible(boxes_of(channel, layout, "shear_stress"), 1280, 640)
 
 
@@ -122,7 +122,7 @@ def test_no_text_about_stress_overlaps_another_or_leaves_the_frame(ratio, units)
 @pytest.mark.parametrize("ratio", [0.3, 2.0])
 def test_words_on_walls_and_of_the_drive_fit_their_places(ratio, flow):
     channel = make_channel(gap=0.01, length=0.01 * ratio, **FLOWS[flow])
-    layout = arrange(channel.length, channel.gap, 1280, 640)
+    layout = arrange(channel, 1280, 640)
     frame = np.full((640, 1280, 3), 255, dtype=np.uint8)
     for label in wall_labels(channel, layout):
         for t in (0.0, 0.5, 1.0, 1.5):

@@ -44,7 +44,7 @@ def test_profile_axis_shows_all_of_an_oscillation(frequency):
     assert speed.profile_range == pytest.approx((-1.16 * 0.005, 1.16 * 0.005), rel=0.01)
 
 
-def test_range_covers_what_the_liquid_does_before_a_wall_stops():
+def test_range_covers_what_the_fluid_does_before_a_wall_stops():
     channel = make_channel(top=WallMotion(0.0, before=0.005), **DEVELOPED)
     assert quantity("speed", channel, end=20.0).colour_range == (0.0, 0.005)
 

@@ -14,7 +14,7 @@ from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.polygon import Polygon
 from tisph.report import style
 from tisph.report.frame import FrameRenderer
-from tisph.report.layout import arrange, box_of
+from tisph.report.layout import arrange
 from tisph.report.solids import Solids
 from tisph.simulation.start import start_snapshot, start_values
 from tisph.snapshot import Bodies
@@ -32,14 +32,14 @@ def make_scene(*bodies, periodic):
 
 def paint(scene, time=0.0):
     """Return the layout, which pixels of a white box are painted, and the picture."""
-    low, size = box_of(scene)
-    layout = arrange(*size, 640, 320, walls=False, low=tuple(low))
+    layout = arrange(scene, 640, 320)
     panel = np.full((layout.box.height, layout.box.width, 3), 255, dtype=np.uint8)
-    Solids(scene, layout).paint(panel, Bodies.at(time, scene.bodies, np.zeros((2, len(scene.bodies), 3))))
+    bodies = Bodies.at(time, scene.bodies, np.zeros((2, len(scene.bodies), 3)))
+    Solids(scene, layout).paint(panel, SimpleNamespace(bodies=bodies))
     return layout, np.any(panel < 255, axis=2), panel
 
 
-def places(layout):
+def positions(layout):
     """Return x and y of the middles of all pixels."""
     rows, columns = np.mgrid[: layout.box.height, : layout.box.width] + 0.5
     return layout.low[0] + columns / layout.pixels_per_length, layout.high[1] - rows / layout.pixels_per_length
@@ -47,7 +47,7 @@ def places(layout):
 
 def drawn_as(body, layout, painted, time):
     """Tell whether all that is in ``body``, and nothing outside, is painted, but for a pixel and a half at its wall."""
-    points = np.stack(places(layout), axis=2).reshape(-1, 2)
+    points = np.stack(positions(layout), axis=2).reshape(-1, 2)
     distance = body.nearest(points, time).distance.reshape(painted.shape) * layout.pixels_per_length
     return painted[distance < -1.5].all() and not painted[distance > 1.5].any()
 
@@ -67,7 +67,7 @@ def test_a_body_is_where_it_is_and_through_the_seams(shape, centre):
         assert drawn_as(body, layout, painted, time)
 
 
-def test_a_cylinder_around_the_liquid_is_all_that_is_not_inside():
+def test_a_cylinder_around_the_fluid_is_all_that_is_not_inside():
     body = Body(Circle(1.0, liquid="inside"), (0.0, 1.5))
     layout, painted, panel = paint(make_scene(body, periodic=False))
     assert layout.low[0] < -1.0 < 1.0 < layout.high[0]  # a rim is in sight
@@ -78,7 +78,7 @@ def test_a_cylinder_around_the_liquid_is_all_that_is_not_inside():
 def spoke_angle(body, time, nearest, farthest):
     """Return the mean direction from the centre of the dark pixels between two distances from it."""
     layout, _, panel = paint(make_scene(body, periodic=False), time)
-    x, y = places(layout)
+    x, y = positions(layout)
     x, y = x - body.at(time).centre[0], y - body.at(time).centre[1]
     away = np.hypot(x, y)
     dark = (panel[:, :, 0] < 150) & (away > nearest) & (away < farthest)
@@ -104,7 +104,7 @@ def test_marks_slide_with_a_straight_wall_and_the_wall_stays():
     layout, painted, _ = still
     assert drawn_as(lid, layout, painted, 0.0)
     assert np.array_equal(painted, slid[1])
-    row = int(layout.places(0.0, 2.5)[1]) - 2
+    row = int(layout.pixel_positions(0.0, 2.5)[1]) - 2
     marks = [np.flatnonzero(picture[2][row, :, 0] < 150) for picture in (still, slid, period)]
     assert np.array_equal(marks[0], marks[2])
     assert np.mean(marks[1]) - np.mean(marks[0]) == pytest.approx(0.08 * layout.pixels_per_length, abs=1.0)
@@ -115,13 +115,13 @@ def annulus():
     return make_annulus(centre=(3.0, -1.0), outer=WallMotion(-0.5), initial_state="developed")
 
 
-def test_frames_of_the_annulus_have_liquid_between_the_cylinders(annulus):
+def test_frames_of_the_annulus_have_fluid_between_the_cylinders(annulus):
     initial = SimpleNamespace(seed=0, jitter=0.2)
     snapshot = start_snapshot(annulus, start_values(annulus, initial), "f64")
     for name in ("speed", "vorticity"):
         renderer = FrameRenderer(annulus, make_video(640, 320, name), "annulus", 10.0)
         box = renderer.render(snapshot)[renderer.layout.box.slices]
-        x, y = places(renderer.layout)
+        x, y = positions(renderer.layout)
         radius = np.hypot(x - 3.0, y + 1.0)
         solid = np.all(box == style.rgb(style.SOLID), axis=2)
         wide = 3 / renderer.layout.pixels_per_length

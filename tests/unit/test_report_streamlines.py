@@ -8,7 +8,7 @@ import pytest
 from report_scene import END, make_annulus, make_channel, make_snapshot, make_video
 
 from tisph.report.frame import FrameRenderer
-from tisph.report.layout import arrange, box_of
+from tisph.report.layout import arrange
 from tisph.report.streamlines import Streamlines
 from tisph.simulation.start import start_snapshot, start_values
 from tisph.snapshot import Snapshot
@@ -22,8 +22,7 @@ BOX = SimpleNamespace(
 
 def lines(scene, snapshot):
     """Return the lines in a frame of ``scene``."""
-    low, size = box_of(scene)
-    return Streamlines(scene, arrange(*size, 640, 320, walls=False, low=tuple(low))).lines(snapshot)
+    return Streamlines(scene, arrange(scene, 640, 320)).lines(snapshot)
 
 
 def lines_of(u, v):
@@ -48,7 +47,7 @@ def test_as_much_flows_between_any_two_lines_of_vortices():
 
 
 @pytest.mark.parametrize(("u", "v"), [(1.0, 0.0), (0.0, -1.0), (1.0, 0.5)])
-def test_lines_go_through_a_periodic_box_where_liquid_does(u, v):
+def test_lines_go_through_a_periodic_box_where_fluid_does(u, v):
     found = lines_of(lambda x, y: u, lambda x, y: v)
     assert len(found) == 10
     for line in found:
@@ -77,7 +76,7 @@ def test_lines_between_cylinders_are_circles_and_none_is_within_a_body(annulus):
     assert flow / between == pytest.approx((np.arange(10) + 0.5) / 10, abs=0.02)
 
 
-def test_lines_lie_on_the_liquid_in_a_frame_and_are_not_seen_within_bodies(annulus):
+def test_lines_lie_on_the_fluid_in_a_frame_and_are_not_seen_within_bodies(annulus):
     scene, snapshot = annulus
     plain, lined = (FrameRenderer(scene, make_video(overlay=each), "", END) for each in ("none", "streamlines"))
     changed = np.any(lined.render(snapshot) != plain.render(snapshot), axis=2)[plain.layout.box.slices]
@@ -88,7 +87,7 @@ def test_lines_lie_on_the_liquid_in_a_frame_and_are_not_seen_within_bodies(annul
     assert not changed[(radius < 1.0 - 2 * pixel) | (radius > 2.0 + 2 * pixel)].any()
 
 
-def test_liquid_at_rest_and_a_run_that_went_wrong_have_no_lines():
+def test_fluid_at_rest_and_a_run_that_went_wrong_have_no_lines():
     channel = make_channel()
     plain, lined = (FrameRenderer(channel, make_video(overlay=each), "", END) for each in ("none", "streamlines"))
     snapshot = make_snapshot(channel, 5.0)

@@ -1,4 +1,4 @@
-"""Velocities as arrows: which way they point, how long they are, and that there are none where no liquid is."""
+"""Velocities as arrows: which way they point, how long they are, and that there are none where no fluid is."""
 
 from types import SimpleNamespace
 
@@ -11,8 +11,11 @@ from tisph.report.layout import arrange
 from tisph.report.vectors import Vectors
 from tisph.snapshot import Snapshot
 
-SCENE = SimpleNamespace(extent=(1.0, 1.0), periodic=(True, True), spacing=1 / 40, reference_velocity=2.0)
-LAYOUT = arrange(1.0, 1.0, 1280, 640, walls=False)
+SCENE = SimpleNamespace(
+    origin=(0.0, 0.0), extent=(1.0, 1.0), periodic=(True, True), spacing=1 / 40, reference_velocity=2.0,
+    bodies=(), walls=(),
+)  # fmt: skip
+LAYOUT = arrange(SCENE, 1280, 640)
 
 
 def paint(u, v, keep=lambda x, y: True):
@@ -34,7 +37,7 @@ def arrow(u, v):
 
 
 @pytest.mark.parametrize("way", [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)])
-def test_arrows_point_where_the_liquid_goes(way):
+def test_arrows_point_where_the_fluid_goes(way):
     ink = arrow(*(1.5 * np.array(way)))
     rows, columns = np.mgrid[: ink.shape[0], : ink.shape[1]] + 0.5
     across, along = (columns, ink.shape[0] - rows) if way[0] == 0 else (ink.shape[0] - rows, columns)

@@ -9,7 +9,7 @@ from report_scene import make_channel, make_snapshot
 
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import LEAST_DEPTH, resolution
-from tisph.report.error_label import velocity_error_label
+from tisph.report.error_label import error_label
 from tisph.scenes._motion import WallMotion
 
 NU = 1e-6  # of make_channel, with a spacing of 1e-3
@@ -79,9 +79,8 @@ def test_samples_and_pictures_say_so():
         (False, "the layer at the top wall is 0.2 spacings thin; resolved from 2 spacings on"),
         (True, None),
     ]
-    label = velocity_error_label(channel)
-    assert label(early) == "unresolved: 0.2 spacings"
-    assert label(late).startswith("L2 error")
+    assert error_label(channel, early) == "unresolved: 0.2 spacings"
+    assert error_label(channel, late).startswith("L2 error")
 
 
 def test_steep_stress_is_not_resolved():

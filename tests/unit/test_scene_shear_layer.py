@@ -12,6 +12,7 @@ from tisph.errors import ConfigError
 from tisph.measures.metrics import sample_metrics
 from tisph.observers.history import History, read_history
 from tisph.observers.samples import Samples, read_samples
+from tisph.report.error_label import error_label
 from tisph.report.frame import FrameRenderer
 from tisph.report.history import history_figure
 from tisph.report.profiles import profile_figure
@@ -107,7 +108,7 @@ def test_files_and_pictures_do_without_a_reference(scene, start, tmp_path):
 def test_the_movie_shows_the_layers(scene, start, color_by):
     video = make_video(640, 320, color_by)
     renderer = FrameRenderer(scene, video, "layers", 4.0)
-    assert renderer._error_label(start) == ""
+    assert error_label(renderer.scene, start, renderer.quantity.error) == ""
     panel = renderer.render(start)[renderer.layout.box.slices].astype(float)
     bands = np.array([band.mean(axis=(0, 1)) for band in np.array_split(panel, 20)])  # of three rows of particles
     layers, streams = bands[[4, 5, 14, 15]], bands[[0, 9, 10, 19]]

@@ -9,7 +9,7 @@ from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from tisph.report import style
-from tisph.report.labels import TIMES, axis_exponent, axis_label, number, tick_text, velocity_unit
+from tisph.report.labels import TIMES, axis_exponent, axis_label, number, tick_text, unit_label
 from tisph.report.layout import Layout, Rect
 from tisph.report.quantities import Quantity
 
@@ -128,7 +128,7 @@ class _Stage:
         if scene.polymer:
             facts.insert(1, f"Wi = {number(scene.weissenberg)}")
         if scene.vanishing_scale:  # then errors are given as multiples of it
-            facts.insert(0, f"U = {number(scene.reference_velocity)} {velocity_unit(scene.units)}")
+            facts.insert(0, f"U = {number(scene.reference_velocity)} {unit_label('velocity', scene.units)}")
         return facts
 
     def _axes(self, rect: Rect, x_range: tuple[float, float], y_range: tuple[float, float]) -> Axes:

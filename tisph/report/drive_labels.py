@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tisph.report import style
-from tisph.report.labels import acceleration_unit, fixed_point, number, velocity_unit
+from tisph.report.labels import fixed_point, number, unit_label
 from tisph.report.layout import Layout, Rect
 from tisph.report.text import fitting_size, paint_arrow, paint_text, text_width
 
@@ -23,7 +23,7 @@ class WallLabel:
     def __init__(self, layout: Layout, bar: Rect, motion, units):
         self._layout, self._motion = layout, motion
         self._speed = math.hypot(motion.cosine, motion.sine)
-        self._unit = velocity_unit(units)
+        self._unit = unit_label("velocity", units)
         self._digits = fixed_point(self._speed, 3) if motion.oscillates else None
         self.changes = motion.oscillates
         self._place(bar)
@@ -95,7 +95,7 @@ class DriveLabel:
     @property
     def box(self) -> Rect:
         """The place of words and arrow."""
-        wall, px = self.layout.top_wall, self.layout.pixels
+        wall, px = self.layout.wall("top"), self.layout.pixels
         width = min(math.ceil(text_width(self._words, px(14))) + px(10 + _ARROW), self.layout.split - px(16))
         left = min(wall.left, self.layout.split - px(8) - width)
         return Rect(left, wall.top - px(18), width, px(17))
@@ -112,4 +112,4 @@ class DriveLabel:
 
     @property
     def _words(self) -> str:
-        return f"drive {number(self.scene.acceleration)} {acceleration_unit(self.scene.units)}"
+        return f"drive {number(self.scene.acceleration)} {unit_label('acceleration', self.scene.units)}"

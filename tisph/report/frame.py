@@ -5,9 +5,9 @@ import numpy as np
 from tisph.report import style
 from tisph.report.background import draw_background
 from tisph.report.drive_labels import DriveLabel, wall_labels
-from tisph.report.error_label import field_error_label, velocity_error_label
+from tisph.report.error_label import error_label
 from tisph.report.labels import time_label
-from tisph.report.layout import arrange, box_of
+from tisph.report.layout import arrange
 from tisph.report.quantities import quantity
 from tisph.report.raster import Discs, Shades, blend, dense_line
 from tisph.report.solids import Solids
@@ -32,8 +32,7 @@ class FrameRenderer:
 
     def __init__(self, scene, video, title: str, end: float):
         self.scene = scene
-        low, size = box_of(scene)
-        self.layout = arrange(*size, video.width, video.height, walls=bool(scene.walls), low=tuple(low))
+        self.layout = arrange(scene, video.width, video.height)
         self.quantity = quantity(video.color_by, scene, end)
         labels = wall_labels(scene, self.layout)
         self._background = draw_background(scene, self.layout, self.quantity, title)
@@ -48,15 +47,13 @@ class FrameRenderer:
         self.frame = self._background.copy()
         self._shades = Shades(style.colours(256, colour_map=self.quantity.colour_map))
         self._time_label = time_label(scene.time_scale, scene.units.time, scene.time_formula)
-        error = self.quantity.error
-        self._error_label = field_error_label(scene, *error) if error else velocity_error_label(scene)
         self._coordinates = self.quantity.profile.line.coordinates(_CURVE_POINTS)
         panel, scale = self.layout.profile, self.layout.scale
         inside = panel.height - 2, panel.width - 2  # the axes' lines are on the border
         self._discs = Discs(self.disc_radius, (self.layout.box.height, self.layout.box.width))
-        self._solids = Solids(scene, self.layout) if scene.bodies else None
-        overlay = _OVERLAYS.get(video.overlay)
-        self._overlay = overlay(scene, self.layout) if overlay else None
+        overlays = [_OVERLAYS[video.overlay]] if video.overlay in _OVERLAYS else []
+        overlays += [Solids] if scene.bodies else []
+        self._overlays = [overlay(scene, self.layout) for overlay in overlays]
         self._dots, self._line = Discs(3.0 * scale, inside), Discs(max(0.5, 0.9 * scale), inside)
 
     @property
@@ -65,35 +62,30 @@ class FrameRenderer:
         return max(_SMALLEST_DIAMETER, self.scene.spacing * self.layout.pixels_per_length) / 2.0
 
     def render(self, snapshot: Snapshot) -> np.ndarray:
-        """Return the picture of ``snapshot``, which the next call paints over (a new array costs 3 ms)."""
+        """Return the picture of ``snapshot``, which the next call draws over (a new array costs 3 ms)."""
         frame, picture = self.frame, self.frame[:, :, :3]
         for box in self._changing_boxes:
             frame[box.slices] = self._background[box.slices]
         self._shades.fill(frame[self.layout.box.slices], *self._sums(snapshot))
-        self._paint_over(picture[self.layout.box.slices], snapshot)
-        self._paint_profile(picture, snapshot)
+        for overlay in self._overlays:
+            overlay.paint(picture[self.layout.box.slices], snapshot)
+        self._draw_profile(picture, snapshot)
         for label in self._changing_labels:
             label.paint(picture, snapshot.t)
-        time, error = self._time_label(snapshot.t), self._error_label(snapshot)
+        time, error = self._time_label(snapshot.t), error_label(self.scene, snapshot, self.quantity.error)
         paint_text(picture, self.layout.time_label, time, self.layout.pixels(18), "left")
         paint_text(picture, self.layout.error_label, error, self.layout.pixels(14), "right")
         return picture
 
     def _sums(self, snapshot: Snapshot) -> tuple[np.ndarray, int]:
-        points = self.layout.places(snapshot.x, snapshot.y)
+        points = self.layout.pixel_positions(snapshot.x, snapshot.y)
         lowest, highest = self.quantity.colour_range
         share = (self.quantity.of_discs(snapshot) - lowest) / (highest - lowest)
         share = np.clip(np.nan_to_num(share, nan=1.0), 0.0, 1.0)  # a run that went wrong still gets its picture
         periodic = self.layout.shown_length == self.scene.extent[0] and self.scene.periodic[0], self.scene.periodic[1]
         return self._discs.sums(points, share, periodic=periodic)
 
-    def _paint_over(self, panel: np.ndarray, snapshot: Snapshot) -> None:
-        if self._overlay:
-            self._overlay.paint(panel, snapshot)
-        if self._solids:
-            self._solids.paint(panel, snapshot.bodies)
-
-    def _paint_profile(self, picture: np.ndarray, snapshot: Snapshot) -> None:
+    def _draw_profile(self, picture: np.ndarray, snapshot: Snapshot) -> None:
         panel = picture[self.layout.profile.slices][1:-1, 1:-1]
         profile = self.quantity.profile
         near = profile.line.near(snapshot)

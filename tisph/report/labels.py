@@ -55,23 +55,6 @@ def tick_text(value: float, exponent: int) -> str:
     return np.format_float_positional(scaled + 0.0, trim="-").replace("-", MINUS)
 
 
-def velocity_unit(units) -> str:
-    """Return the label of a velocity, for example ``m/s``, from the config's unit labels."""
-    return f"{units.length}/{units.time}"
-
-
-def stress_unit(units) -> str:
-    """Return the label of a stress: ``Pa`` where the units are m, kg and s, else mass/(length time²)."""
-    if (units.length, units.mass, units.time) == ("m", "kg", "s"):
-        return "Pa"
-    return f"{units.mass}/({units.length} {units.time}²)"
-
-
-def acceleration_unit(units) -> str:
-    """Return the label of an acceleration, for example ``m/s²``."""
-    return f"{units.length}/{units.time}²"
-
-
 def fixed_point(largest: float, digits: int, smallest_plain: float = 1e-3) -> Callable[[float], str]:
     """Return a function value -> text with as many decimals as give ``largest`` that many significant ``digits``.
 
@@ -90,16 +73,19 @@ def fixed_point(largest: float, digits: int, smallest_plain: float = 1e-3) -> Ca
 
 
 def unit_label(kind: str, units) -> str:
-    """Return the label of the unit of a ``kind`` of quantity, as the views of a scene name it."""
-    if kind == "velocity":
-        return velocity_unit(units)
-    if kind == "stress":
-        return stress_unit(units)
+    """Return the label of the unit of a ``kind`` of quantity, from the config's unit labels; velocity: ``m/s``.
+
+    That of a stress is ``Pa`` where the units are m, kg and s, else mass/(length time²).
+    """
+    length, mass, time = units.length, units.mass, units.time
     return {
         "number": "",
-        "rate": f"1/{units.time}",
-        "energy": f"{units.length}²/{units.time}²",
-        "torque": f"{units.mass} {units.length}/{units.time}²",
+        "velocity": f"{length}/{time}",
+        "acceleration": f"{length}/{time}²",
+        "stress": "Pa" if (length, mass, time) == ("m", "kg", "s") else f"{mass}/({length} {time}²)",
+        "rate": f"1/{time}",
+        "energy": f"{length}²/{time}²",
+        "torque": f"{mass} {length}/{time}²",
     }[kind]
 
 

@@ -59,25 +59,13 @@ class Layout:
     error_label: Rect
     wall_thickness: int
 
-    def places(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return columns and rows in the box [pixels] of places ``x`` and ``y``."""
+    def pixel_positions(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return columns and rows in the box [pixels] of positions ``x`` and ``y``."""
         return (x - self.low[0]) * self.pixels_per_length, (self.high[1] - y) * self.pixels_per_length
 
     def wall(self, side: str) -> Rect:
         """The bar of the ``top`` or ``bottom`` wall."""
-        return {"top": self.top_wall, "bottom": self.bottom_wall}[side]
-
-    @property
-    def top_wall(self) -> Rect:
-        """The bar of the upper wall."""
-        return self._wall(self.box.top - self.wall_thickness)
-
-    @property
-    def bottom_wall(self) -> Rect:
-        """The bar of the lower wall."""
-        return self._wall(self.box.bottom)
-
-    def _wall(self, top: int) -> Rect:
+        top = self.box.top - self.wall_thickness if side == "top" else self.box.bottom
         return Rect(self.box.left, top, self.box.width, self.wall_thickness)
 
     def pixels(self, size: float) -> int:
@@ -85,36 +73,31 @@ class Layout:
         return max(1, round(size * self.scale))
 
 
-def box_of(scene) -> tuple[np.ndarray, np.ndarray]:
-    """Return the lowest corner and the size (2,) of the box of ``scene``, with a rim where bodies bound it."""
+def arrange(scene, width: int, height: int) -> Layout:
+    """Return the layout of a frame for the box of ``scene``, both axes to the same scale.
+
+    There is space for plane walls where it has some, and a rim around the box where bodies bound it.
+    """
     rim = 0.0 if scene.walls or not scene.bodies else RIM * max(scene.extent)
     rims = np.where(scene.periodic, 0.0, rim)
-    return np.subtract(scene.origin, rims), np.add(scene.extent, 2 * rims)
-
-
-def arrange(
-    length: float, gap: float, width: int, height: int, *, walls: bool = True, low: tuple[float, float] = (0.0, 0.0)
-) -> Layout:
-    """Return the layout of a frame for a box of ``length`` and ``gap``, in x and y: both axes to the same scale.
-
-    Without ``walls`` there is no room for them. ``low`` is the lowest corner of the box.
-    """
+    low, (size_x, size_y) = np.subtract(scene.origin, rims), np.add(scene.extent, 2 * rims)
     scale = min(width / 1280.0, height / 640.0)
 
     def px(size: float) -> int:
         return max(1, round(size * scale))
 
     split = round(0.62 * width)  # box to the left, profile to the right
-    wall = px(22) if walls else 0
+    wall = px(22) if scene.walls else 0
     left, right, top, bottom = px(84), split - px(8), px(92) + wall, height - px(142) - wall
-    shown = min(length, LONGEST_SHOWN * gap)
-    pixels_per_length = min((right - left) / shown, (bottom - top) / gap)
-    box = _centred(left, right, (top + bottom) // 2, shown * pixels_per_length, gap * pixels_per_length)
+    shown = min(size_x, LONGEST_SHOWN * size_y)
+    pixels_per_length = min((right - left) / shown, (bottom - top) / size_y)
+    box = _centred(left, right, (top + bottom) // 2, shown * pixels_per_length, size_y * pixels_per_length)
     profile_height = max(box.height, round(0.8 * (bottom - top)))
     profile = _centred(split + px(88), width - px(26), (top + bottom) // 2, width, profile_height)
     half = profile.width // 2
     return Layout(
-        width, height, scale, split, low, (low[0] + shown, low[1] + gap), shown, pixels_per_length, box, profile,
+        width, height, scale, split, tuple(low), (low[0] + shown, low[1] + size_y), shown, pixels_per_length,
+        box=box, profile=profile,
         colour_bar=_centred(left, right, height - px(57), max(box.width, px(360)), px(12)),
         time_label=Rect(px(24), px(47), split - px(24), px(26)),
         error_label=Rect(profile.right - half, profile.top - px(31), half, px(24)),

@@ -8,7 +8,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
 from tisph.report import style
-from tisph.report.error_label import velocity_error_label
+from tisph.report.error_label import error_label
 from tisph.report.labels import MINUS, axis_exponent, axis_label, number, tick_text, unit_label
 from tisph.report.margins import set_margins
 from tisph.scenes._views import Profile
@@ -38,14 +38,13 @@ def profile_figure(scene, snapshots: Sequence[Snapshot]) -> style.PlotFigure:
         for left_over in axes[len(panels) :]:
             left_over.set_axis_off()
         named = style.evenly_chosen(len(snapshots), _LEGEND_ENTRIES)
-        error_label = velocity_error_label(scene)
         looks = _looks(len(snapshots))
         for index, snapshot in enumerate(snapshots):
             drawn = [_plot(one, panel, snapshot, looks[index]) for one, panel in zip(axes, panels, strict=False)]
             if index in named:
                 t_star = number(snapshot.t / scene.time_scale, 3)
                 time = f"t = {number(snapshot.t)} {scene.units.time},  t* = {t_star}"
-                drawn[0].set_label(f"{time},  {error_label(snapshot)}".rstrip(", "))
+                drawn[0].set_label(f"{time},  {error_label(scene, snapshot)}".rstrip(", "))
         _label_axes(axes, panels, scene)
         references = dict.fromkeys(profile.reference for profile, _ in panels if profile.exact)
         if references:

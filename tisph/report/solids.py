@@ -1,7 +1,7 @@
-"""The bodies of a scene in a movie frame: filled, with an outline, and with lines that show how they turn and slide.
+"""The bodies of a scene in a movie frame: filled, with an outline, and with lines that show how they rotate and slide.
 
-A body in the fluid has a spoke from its centre to its rim. A wall around the fluid has short marks that go with it: a
-closed curve one, a straight wall some a period.
+A body in the fluid has a spoke from its centre to its rim. A wall around the fluid has short marks that move with it:
+a closed curve one, a straight wall some a period.
 """
 
 import math
@@ -13,7 +13,7 @@ from tisph.geometry.body import Body, Placement
 from tisph.report import style
 from tisph.report.layout import RIM, Layout
 from tisph.report.raster import LEVELS, Discs, blend, dense_line, filled
-from tisph.snapshot import Bodies
+from tisph.snapshot import Bodies, Snapshot
 
 _PIECE = 0.5  # pixels: length of the straight pieces of an outline
 _MARKS = 4  # a period of a straight wall
@@ -28,13 +28,14 @@ class Solids:
         self._shape = layout.box.height, layout.box.width
         self._pen = Discs(max(0.5, 0.9 * layout.scale), self._shape)
         self._solids = [_kind(body)(body, layout, _MARK * max(scene.extent)) for body in scene.bodies]
-        self._seen = self._covers = None
+        self._position = self._covers = None
 
-    def paint(self, panel: np.ndarray, bodies: Bodies) -> None:
-        """Lay ``bodies`` over the ``panel`` of the box, RGB of uint8 (rows, columns, 3)."""
-        seen = bodies.centre.tobytes(), bodies.angle.tobytes()
-        if seen != self._seen:  # what stands still is drawn once
-            self._seen, self._covers = seen, self._cover(bodies)
+    def paint(self, panel: np.ndarray, snapshot: Snapshot) -> None:
+        """Lay the bodies of ``snapshot`` over the ``panel`` of the box, RGB of uint8 (rows, columns, 3)."""
+        bodies = snapshot.bodies
+        position = bodies.centre.tobytes(), bodies.angle.tobytes()
+        if position != self._position:  # what stands still is drawn once
+            self._position, self._covers = position, self._cover(bodies)
         within, rims, lines = self._covers
         np.copyto(panel, style.rgb(style.SOLID).astype(np.uint8), where=within[:, :, None])  # most, ten times faster
         blend(panel, rims, style.rgb(style.SOLID))
@@ -45,15 +46,15 @@ class Solids:
         areas, lines = np.zeros(self._shape, dtype=np.uint8), []
         for solid, centre, angle in zip(self._solids, bodies.centre, bodies.angle, strict=True):
             for edge, strokes in solid.drawn(centre, float(angle)):
-                area = filled(self._layout.places(*edge.T), self._shape)
+                area = filled(self._layout.pixel_positions(*edge.T), self._shape)
                 areas = np.maximum(areas, area if solid.encloses else LEVELS - area)
-                lines += [dense_line(self._layout.places(*stroke.T)) for stroke in strokes]
+                lines += [dense_line(self._layout.pixel_positions(*stroke.T)) for stroke in strokes]
         within = areas >= LEVELS
         strokes = self._pen.cover(tuple(np.concatenate(part) for part in zip(*lines, strict=True)))
         return within, np.where(within, 0, areas), strokes
 
 
-class _Island:
+class _ImmersedBody:
     """A body in the fluid, which its edge ``encloses``; ``mark`` is the length of a mark."""
 
     encloses = True
@@ -65,7 +66,7 @@ class _Island:
         self._strokes = [np.concatenate([self._edge, self._edge[:1]]), self._mark(boundary, mark)]
 
     def _mark(self, boundary, mark):
-        """Return the line (2, 2) that shows how the body turns."""
+        """Return the line (2, 2) that shows how the body rotates."""
         return np.stack([np.zeros(2), boundary.point[0]])
 
     def drawn(self, centre: np.ndarray, angle: float) -> Iterator[tuple[np.ndarray, list[np.ndarray]]]:
@@ -78,7 +79,7 @@ class _Island:
             yield place.outside(self._edge), [place.outside(stroke) for stroke in self._strokes]
 
 
-class _Vessel(_Island):
+class _ContainerWall(_ImmersedBody):
     """A closed curve that the fluid is in."""
 
     encloses = False
@@ -87,7 +88,7 @@ class _Vessel(_Island):
         return np.stack([boundary.point[0], boundary.point[0] - mark * boundary.normal[0]])
 
 
-class _Straight:
+class _StraightWall:
     """A straight wall; its edge encloses all that is behind it, farther than anybody looks."""
 
     encloses = True
@@ -111,5 +112,5 @@ class _Straight:
 def _kind(body: Body):
     """Return the class of a body."""
     if not body.shape.area:
-        return _Straight
-    return _Island if body.shape.liquid == "outside" else _Vessel
+        return _StraightWall
+    return _ImmersedBody if body.shape.liquid == "outside" else _ContainerWall

@@ -41,7 +41,7 @@ class Streamlines:
         """Lay the lines of ``snapshot`` over the ``panel`` of the box, RGB of uint8 (rows, columns, 3)."""
         lines = self.lines(snapshot)
         if lines:
-            dense = [dense_line(self._layout.places(*line.T)) for line in lines]
+            dense = [dense_line(self._layout.pixel_positions(*line.T)) for line in lines]
             points = tuple(np.concatenate(part) for part in zip(*dense, strict=True))
             for pen, ink in self._pens:
                 blend(panel, pen.cover(points), ink)

@@ -7,9 +7,8 @@ from PIL import Image, ImageDraw
 
 from tisph.report import style
 from tisph.report.layout import Rect
-from tisph.report.raster import LEVELS, blend
+from tisph.report.raster import blend, filled
 
-_SAMPLES = 4  # a pixel and direction, of the coverage of an arrow
 _SMALLEST = 6  # pixels: the smallest font that a text may shrink to
 
 
@@ -49,11 +48,8 @@ def paint_arrow(frame: np.ndarray, box: Rect, share: float, colour: str) -> None
 @lru_cache(maxsize=4)  # all arrows of a wall are alike
 def _arrow_coverage(width: int, height: int, length: float) -> np.ndarray:
     """Return how much (0 to 255) of every pixel of a box an arrow of ``length`` pixels to the right covers."""
-    down, along = (np.arange(_SAMPLES * size) + 0.5 for size in (height, width))
-    down = np.abs(down / _SAMPLES - height / 2)[:, None]
-    to_tip = ((width + length) / 2 - along / _SAMPLES)[None, :]
-    head = min(float(height), length)  # as long as it is high
-    in_head = (to_tip >= 0) & (to_tip <= head) & (down <= to_tip / 2)
-    in_shaft = (to_tip > head) & (to_tip <= length) & (down <= height / 8)
-    inside = (in_head | in_shaft).reshape(height, _SAMPLES, width, _SAMPLES)
-    return LEVELS * inside.mean(axis=(1, 3), dtype=np.float32)
+    head = min(height, length)  # as long as it is high
+    neck, tip = (width + length) / 2 - head, (width + length) / 2
+    column = np.array([tip - length, neck, neck, tip, neck, neck, tip - length])
+    aside = np.array([1 / 8, 1 / 8, head / height / 2, 0.0, -head / height / 2, -1 / 8, -1 / 8])
+    return filled((column, (0.5 + aside) * height), (height, width))

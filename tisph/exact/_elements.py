@@ -33,8 +33,7 @@ def interpolation(points, x, weights=None):
     distance = x[:, None] - points[None, :]
     hit = distance == 0
     ratios = (barycentric_weights(points) if weights is None else weights) / np.where(hit, 1.0, distance)
-    with np.errstate(invalid="ignore"):  # NaN at infinite positions: a run that went wrong still gets its picture
-        matrix = ratios / ratios.sum(axis=1, keepdims=True)
+    matrix = ratios / ratios.sum(axis=1, keepdims=True)
     return np.where(hit.any(axis=1, keepdims=True), hit.astype(float), matrix)
 
 

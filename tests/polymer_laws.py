@@ -35,7 +35,7 @@ def oldroyd_b(relaxation_time, solvent_fraction):
 LAWS = {kind: law(kind) for kind in KINDS}
 
 
-def deviations(components, count):
+def conformation_excess(components, count):
     """Deviations C of positive conformation tensors, shape (components, count), up to a stretch of some 1.5."""
     a, b, c, d = 1 + np.random.default_rng(5).uniform(-0.5, 0.5, (4, count))
     return np.array([a * a + b * b - 2.0, (b - 1) * c, c * c - 1, d * d - 1])[:components]

@@ -41,7 +41,7 @@ class Bodies:
             centre=np.array([place.centre for place in places]),
             angle=np.array([place.angle for place in places]),
             velocity=np.array([motion.velocity(time) for motion in motions]),
-            angular_velocity=np.array([float(motion.turning.velocity(time)) for motion in motions]),
+            angular_velocity=np.array([float(motion.rotation.velocity(time)) for motion in motions]),
             force=loads[0, :, :2],
             torque=loads[0, :, 2],
             pressure_force=loads[1, :, :2],

@@ -8,8 +8,8 @@ from tisph import runtime
 from tisph.geometry.body import Body
 from tisph.geometry.box import box_around
 from tisph.geometry.circle import Circle
-from tisph.geometry.filling import fill
 from tisph.geometry.motion import RigidMotion, WallMotion
+from tisph.geometry.packing import fill
 from tisph.geometry.region import Region
 from tisph.schemes._splitting._problem import BoundedProblem
 from tisph.schemes._splitting._scheme import COURANT, Scheme
@@ -27,7 +27,7 @@ def make(turning=(1.0, 0.0), centre=(0.0, 0.0), angle=0.0, acceleration=(0.0, 0.
     """
     turning = [WallMotion(way) if isinstance(way, int | float) else way for way in turning]
     shapes = Circle(INNER), Circle(OUTER, liquid="inside")
-    motions = [RigidMotion(turning=way) for way in turning]
+    motions = [RigidMotion(rotation=way) for way in turning]
     bodies = [Body(shape, centre, angle, motion) for shape, motion in zip(shapes, motions, strict=True)]
     spacing, corner = (OUTER - INNER) / ACROSS, (-OUTER, -OUTER)
     still = tuple(Body(shape) for shape in shapes)

@@ -78,7 +78,7 @@ def missing_pairs(scheme, rows, columns):
     """Pairs of slots closer than the cutoff of which the lists of ``rows`` lack ``columns``; brute force."""
     places = view(scheme.particles.mid_position)[scheme.now]
     centres, cutoff = places[rows], scheme.lists.cutoff
-    if scheme.lists.looks_inside and rows[0]:  # wall particles fit around their mirror points
+    if scheme.lists.uses_mirror_points and rows[0]:  # wall particles fit around their mirror points
         centres, cutoff = view(scheme.lists.mirror)[: len(rows)], RADIUS * cutoff
     apart = centres[:, None] - places[columns]
     near = np.hypot(apart[..., 0], apart[..., 1]) < cutoff
@@ -99,8 +99,8 @@ def test_no_pair_is_missing_while_cylinders_turn(make, name):
     for _ in range(8):
         scheme.advance()
         fluid, walls = slots(scheme)
-        drifts = (drift**2 for drift in scheme.surroundings.drift)
-        of_liquid = view(scheme.stepper.drift_squared) * scheme.surroundings.stretch**2
+        drifts = (drift**2 for drift in scheme.boundaries.drift)
+        of_liquid = view(scheme.stepper.drift_squared) * scheme.boundaries.stretch**2
         if scheme.lists.outdated(max(of_liquid, *drifts), 0.0):
             scheme.rebuild()
             fluid, walls = slots(scheme)
@@ -112,7 +112,7 @@ def test_no_pair_is_missing_while_cylinders_turn(make, name):
 
 def test_wall_particles_are_in_layers_that_turn_with_their_cylinders(make):
     scheme = make("geometry.centre=[3.0, -7.0]", steps=40)
-    places = view(scheme.particles.mid_position)[scheme.now, slots(scheme)[1]] + scheme.surroundings.origin
+    places = view(scheme.particles.mid_position)[scheme.now, slots(scheme)[1]] + scheme.boundaries.origin
     away = places - [3.0, -7.0]
     depths = np.unique(np.round(np.hypot(*away.T) / SPACING - 12, 6))
     assert depths.tolist() == [-2.5, -1.5, -0.5, 12.5, 13.5, 14.5]
@@ -123,9 +123,9 @@ def test_wall_particles_are_in_layers_that_turn_with_their_cylinders(make):
     angle = np.where(np.hypot(*away.T) < 1.5, scheme.middle, 0.0)
     cosine, sine = np.cos(angle), np.sin(angle)
     back = np.stack([cosine * away[:, 0] + sine * away[:, 1], cosine * away[:, 1] - sine * away[:, 0]], 1)
-    start = scheme.surroundings.layers.place
+    start = scheme.boundaries.layers.place
     assert np.hypot(*(back[:, None] - start).T).min(axis=0).max() < 1e-12
-    assert scheme.surroundings.slots == (len(start), 0)
+    assert scheme.boundaries.slots == (len(start), 0)
 
 
 def test_no_layer_is_beyond_the_middle_of_a_thin_cylinder():
@@ -149,12 +149,12 @@ def test_steady_flow_stays_as_it_is(make, centre):
 def placed(scheme, settings):
     """The scheme with particles and images where they start; places and velocities of all slots, from the axis."""
     place, velocity, _ = start_values(scheme.scene, settings.initial)
-    scheme.particles.load(place - scheme.surroundings.origin, velocity, None)
-    scheme.surroundings.begin(0.0)
+    scheme.particles.load(place - scheme.boundaries.origin, velocity, None)
+    scheme.boundaries.begin(0.0)
     scheme.rebuild()
     middle = scheme.particles.mid_position, scheme.particles.mid_velocity
     places, velocities = (view(field)[scheme.now] for field in middle)
-    return places + scheme.surroundings.origin, velocities
+    return places + scheme.boundaries.origin, velocities
 
 
 @pytest.mark.parametrize("turning", [(1.0, 1.0), (1.0, 0.0)])

@@ -140,6 +140,6 @@ def test_nothing_of_walls_is_there(make):
     scheme = make(started=False)
     assert scheme.particles.slots == scheme.particles.first_wall
     assert not hasattr(scheme.lists, "profile")
-    assert not hasattr(scheme.surroundings, "wall_forces")
+    assert not hasattr(scheme.boundaries, "wall_forces")
     assert set(vars(scheme.domain)) == {"length", "height"}
     assert scheme.numbers()["particles_wall"] == 0

@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
-from polymer_laws import LAWS, deviations
+from polymer_laws import LAWS, conformation_excess
 
 from tisph import registry, runtime
 from tisph.runtime import ti
@@ -39,7 +39,7 @@ def in_kernel(law, c):
 @pytest.mark.parametrize("name", LAWS)
 def test_a_kernel_gives_the_numbers_of_numpy(name):
     law = LAWS[name]
-    c = deviations(law.components, COUNT)
+    c = conformation_excess(law.components, COUNT)
     rate, stress = in_kernel(law, c)
     # the same operations: apart by rounding, which contracted multiplications and exp make differ
     assert np.allclose(rate, law.relaxation(c), rtol=1e-14, atol=1e-14)

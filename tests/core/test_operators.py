@@ -87,7 +87,7 @@ def test_what_pressure_does_goes_with_one_over_the_density(make):
     for compression in (0.0, 0.5):
         scheme.particles.mid_compression.fill(compression)
         acceleration = RatesOf(scheme).arrays()[0]
-        found.append(np.append(acceleration, scheme.surroundings.wall_forces(scheme.now)))
+        found.append(np.append(acceleration, scheme.boundaries.wall_forces(scheme.now)))
     assert np.abs(found[0][-2:]).min() > 1e-4
     assert np.allclose(found[0], 1.5 * found[1], rtol=1e-12, atol=1e-12)  # rounding of sums of numbers up to 1e2
 

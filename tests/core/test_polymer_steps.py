@@ -223,8 +223,8 @@ def test_the_states_shear_as_the_conformation_does(model):
         middle = carried + 0.5 * length * model.rate(carried, rate)
         carried = carried + length * model.rate(middle, rate)
         for law, state in zip(model.laws, plain, strict=True):
-            middle = state + 0.5 * length * np.array(law.sheared(state, rate))
-            state += length * np.array(law.sheared(middle, rate))
+            middle = state + 0.5 * length * np.array(law.rate_in_shear(state, rate))
+            state += length * np.array(law.rate_in_shear(middle, rate))
     for part, state in zip(model.parts, plain, strict=True):
         # midpoint rules of step 4e-4 of the strain: 1e-7 each
         assert np.array(deviation(carried[part]))[:, 0] == pytest.approx(state, rel=1e-6, abs=1e-6)

@@ -72,15 +72,17 @@ def test_developed_flow_goes_on():
     walls = WallMotion(1.0), WallMotion(0.0)
     exact = CircularStartUp(case.INNER, case.OUTER, liquid, *walls, before=walls)
 
-    def deviations(x, y):
-        return [cartesian(mode, x, y) for mode in exact.deviations(np.hypot(x, y), 0.0)]
+    def conformation_excess(x, y):
+        return [cartesian(mode, x, y) for mode in exact.conformation_excess(np.hypot(x, y), 0.0)]
 
     flow, places = make()
-    snapshot = case.run(replace(flow, initial_deviations=deviations), places, case.steady(places), 0.3).snapshot()
+    snapshot = case.run(
+        replace(flow, initial_conformation_excess=conformation_excess), places, case.steady(places), 0.3
+    ).snapshot()
     around = case.steady(np.stack([snapshot.x, snapshot.y], 1))
     assert off(np.stack([snapshot.u, snapshot.v], 1), around) < 1e-3
     found = np.stack([snapshot.stress_xx, snapshot.stress_xy, snapshot.stress_yy])
-    assert off(found, LIQUID.laws(1.0)[0].modulus * deviations(snapshot.x, snapshot.y)[0]) < 1e-3
+    assert off(found, LIQUID.laws(1.0)[0].modulus * conformation_excess(snapshot.x, snapshot.y)[0]) < 1e-3
 
 
 def off(found, exact):

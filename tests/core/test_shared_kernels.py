@@ -20,7 +20,7 @@ def use(scheme):
     scheme.advance()
     if hasattr(scheme, "rebuild"):
         scheme.rebuild()
-        scheme.surroundings.wall_forces(scheme.now)
+        scheme.boundaries.wall_forces(scheme.now)
     else:
         scheme.advance()  # the first step does not shift
         scheme.project(scheme.time, 1.0)

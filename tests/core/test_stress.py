@@ -158,7 +158,7 @@ def test_every_treatment_carries_stress(make, treatment):
     impose(
         scheme, lambda x, y: (0 * y, 0 * y), lambda x, y: 0 * y, lambda x, y: (0 * y + 0.3, 0 * y + 0.2, 0 * y - 0.1)
     )
-    if scheme.walls.gathers:
+    if scheme.walls.has_dummies:
         scheme.walls.refresh(scheme.now)
     acceleration, _, _ = RatesOf(scheme).arrays()
     assert np.abs(acceleration[:, 1]).max() < 1e-10

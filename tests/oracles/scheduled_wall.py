@@ -15,7 +15,7 @@ Source: H. S. Carslaw and J. C. Jaeger, Conduction of Heat in Solids, sections 2
 of the velocity that a ramp has reached.
 
 Shapes and units: ``y`` and ``t`` broadcast against each other and the result has the broadcast shape; any
-self-consistent units. ``kinks``: triples (t_k, J_k, a_k).
+self-consistent units. ``breakpoints``: triples (t_k, J_k, a_k).
 """
 
 import numpy as np
@@ -24,27 +24,27 @@ from tisph.exact import couette
 from tisph.exact._channel import dimensionless, erfc, image_distances, select, series_terms
 
 
-def velocity(y, t, *, gap, kinematic_viscosity, kinks):
+def velocity(y, t, *, gap, kinematic_viscosity, breakpoints):
     """Velocity u(y, t) along the walls (wall at y = gap); where it jumps that before, but at t = 0 that after.
 
     Raises ValueError for a negative time.
     """
     fluid = {"gap": gap, "kinematic_viscosity": kinematic_viscosity}
     scale = gap**2 / kinematic_viscosity
-    return _sum(y, t, kinks, fluid, couette.velocity, (_nothing, _image_velocity, _series_velocity), scale)
+    return _sum(y, t, breakpoints, fluid, couette.velocity, (_nothing, _image_velocity, _series_velocity), scale)
 
 
-def shear_rate(y, t, *, gap, kinematic_viscosity, kinks):
+def shear_rate(y, t, *, gap, kinematic_viscosity, breakpoints):
     """Velocity gradient du/dy (1/time); at t = 0 infinite at a wall whose velocity jumps then; as ``velocity``."""
     fluid = {"gap": gap, "kinematic_viscosity": kinematic_viscosity}
     scale = gap / kinematic_viscosity
-    return _sum(y, t, kinks, fluid, couette.shear_rate, (_nothing, _image_gradient, _series_gradient), scale)
+    return _sum(y, t, breakpoints, fluid, couette.shear_rate, (_nothing, _image_gradient, _series_gradient), scale)
 
 
-def _sum(y, t, kinks, fluid, step, ramp, scale):
+def _sum(y, t, breakpoints, fluid, step, ramp, scale):
     eta, diffusion_time = dimensionless(y, t, **fluid)
     total, times = np.zeros(eta.shape), np.broadcast_to(np.asarray(t, dtype=float), eta.shape)
-    for time, jump, slope in kinks:
+    for time, jump, slope in breakpoints:
         passed = (times > time) | (time == 0.0)
         since = np.where(passed, times - time, 0.0)
         if jump:

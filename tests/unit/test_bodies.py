@@ -71,7 +71,7 @@ def test_every_shape_makes_its_body(bodies):
 
 
 def test_motions(bodies):
-    fixed, moving, turning, swinging = (
+    fixed, moving, rotation, swinging = (
         one.body().motion
         for one in bodies(
             "{centre: [0, 0], radius: 0.1, motion: fixed}",
@@ -82,9 +82,9 @@ def test_motions(bodies):
     )
     assert fixed is REST
     assert moving == RigidMotion(WallMotion(0.1), WallMotion(-0.2), WallMotion(3.0))
-    assert turning == RigidMotion(turning=WallMotion(3.0))
+    assert rotation == RigidMotion(rotation=WallMotion(3.0))
     assert swinging.y == WallMotion(0.0, 0.5, 2.0)
-    assert not swinging.turning.velocity(0.3)
+    assert not swinging.rotation.velocity(0.3)
 
 
 BAD = {

@@ -68,7 +68,7 @@ def test_cylinders_with_velocities_at_times_sum_up_starts(times):
     places, weights = np.concatenate(panels, axis=1)
 
     def expected(of, t):
-        parts = [(t - begin, jump, bend) for begin, jump, bend in wall.kinks if t > begin]
+        parts = [(t - begin, jump, bend) for begin, jump, bend in wall.breakpoints if t > begin]
         total = sum(jump * of(since) for since, jump, _ in parts if jump)
         for since, _, bend in parts:  # in the root of the time, of which a start is smooth
             terms = zip(places, weights, strict=True) if bend else ()

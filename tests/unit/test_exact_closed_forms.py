@@ -76,7 +76,7 @@ def test_oscillating_wall_in_its_periodic_state(wall):
 
 
 def test_scheduled_wall():
-    compare(StartUp(FLUID, Flow(GAP, Wall(), RAMPS)), *closed(scheduled_wall, kinks=RAMPS.kinks))
+    compare(StartUp(FLUID, Flow(GAP, Wall(), RAMPS)), *closed(scheduled_wall, breakpoints=RAMPS.breakpoints))
 
 
 CYLINDERS = [

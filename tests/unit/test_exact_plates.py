@@ -5,7 +5,7 @@ import pytest
 
 from tisph import registry
 from tisph.exact.start_up import Flow, InelasticFluid, StartUp, ViscoelasticFluid
-from tisph.geometry.plate import Plate
+from tisph.geometry.stress_controlled import StressControlledWall
 
 HEIGHTS = np.linspace(0.1, 1.0, 10)
 ACCURACY = 1e-9
@@ -24,14 +24,14 @@ def creep(y, t):
 
 
 def test_a_massless_plate_and_a_newtonian_liquid():
-    found = newtonian(Plate(1.0))
+    found = newtonian(StressControlledWall(1.0))
     for t in (1e-3, 0.1, 1.0):
         assert np.max(np.abs(found.velocity(HEIGHTS, t) - creep(HEIGHTS, t))) < ACCURACY * creep(1.0, t)
         assert found.shear_stress(1.0, t) == pytest.approx(1.0, abs=ACCURACY)
 
 
 def test_stress_is_taken_away_again():
-    found = newtonian(Plate(0.0, steps=((0.0, 1.0), (0.5, 0.0))))
+    found = newtonian(StressControlledWall(0.0, steps=((0.0, 1.0), (0.5, 0.0))))
     for t in (0.51, 1.0):
         expected = creep(HEIGHTS, t) - creep(HEIGHTS, t - 0.5)
         assert np.max(np.abs(found.velocity(HEIGHTS, t) - expected)) < ACCURACY * expected.max()
@@ -43,7 +43,7 @@ def test_a_plate_on_an_oldroyd_b_liquid(mass):
     fraction, t = 0.1, 0.1
     member = registry.load("rheology", "oldroyd_b")
     laws = member.Parameters(relaxation_time=1.0, solvent_fraction=fraction).laws(1.0)
-    found = StartUp(ViscoelasticFluid(fraction, laws), Flow(1.0, top=Plate(1.0, mass_per_area=mass)))
+    found = StartUp(ViscoelasticFluid(fraction, laws), Flow(1.0, top=StressControlledWall(1.0, mass_per_area=mass)))
 
     def transform(p):
         nu = fraction + (1.0 - fraction) / (1.0 + p)

@@ -22,7 +22,7 @@ TIMES = np.array([-0.3, 0.0, 0.4, 1.7])
 MOTIONS = {
     "constant": RigidMotion(WallMotion(0.3), WallMotion(-0.2), WallMotion(0.7)),
     "oscillating": RigidMotion(WallMotion(0.3, -0.1, 2.0), WallMotion(0.0, 0.4, 0.5), WallMotion(0.6, 0.5, 3.0)),
-    "turning": RigidMotion(turning=WallMotion(1.3)),
+    "turning": RigidMotion(rotation=WallMotion(1.3)),
 }
 
 closed_shapes = pytest.mark.parametrize("shape", CLOSED.values(), ids=CLOSED)
@@ -56,7 +56,7 @@ def test_points_keep_to_the_body_and_velocities_are_their_derivatives(motion):
 
 
 def test_a_turning_circle_has_the_acceleration_of_its_points():
-    body = Body(Circle(2.0), motion=RigidMotion(turning=WallMotion(0.0, 1.5, 2.0)))
+    body = Body(Circle(2.0), motion=RigidMotion(rotation=WallMotion(0.0, 1.5, 2.0)))
     place, time = np.array([[2.0, 0.0]]), 0.6
     speed, change = 1.5 * math.sin(1.2), 3.0 * math.cos(1.2)
     assert np.allclose(body.velocity(place, time), [[0.0, 2 * speed]], rtol=0, atol=1e-15)
@@ -77,7 +77,7 @@ def test_a_body_that_starts_from_rest_is_where_it_starts_before():
     assert wall.velocity(TIMES).tolist()[0] == 0.0
     assert wall.velocity(0.0) == 0.3
     assert (wall.displacement(TIMES)[0], wall.acceleration(-1.0), wall.jerk(-1.0)) == (0.0, 0.0, 0.0)
-    body = Body(Circle(1.0), motion=RigidMotion(x=wall, turning=wall))
+    body = Body(Circle(1.0), motion=RigidMotion(x=wall, rotation=wall))
     assert body.at(-1.0).centre.tolist() == [0.0, 0.0]
     assert not body.velocity(PLACES, -1.0).any()
     stopped = WallMotion(0.0, before=0.5)

@@ -2,7 +2,17 @@
 
 import numpy as np
 import pytest
-from polymer_laws import KINDS, LAWS, TIME, VISCOSITY, deviations, giesekus_shear, law, least_root, steady_shear
+from polymer_laws import (
+    KINDS,
+    LAWS,
+    TIME,
+    VISCOSITY,
+    conformation_excess,
+    giesekus_shear,
+    law,
+    least_root,
+    steady_shear,
+)
 from scipy.integrate import solve_ivp
 from scipy.special import lambertw
 
@@ -15,7 +25,7 @@ NONLINEAR = [kind for kind in KINDS if kind != "oldroyd_b"]
 @pytest.mark.parametrize("kind", KINDS)
 def test_steady_shear_is_that_of_the_literature(kind, wi):
     c = steady_shear(kind, wi)
-    rates = np.array(LAWS[kind].sheared(c, wi / TIME))
+    rates = np.array(LAWS[kind].rate_in_shear(c, wi / TIME))
     assert np.abs(rates).max() < ROUNDING * (1 + np.abs(c).max()) * (1 + wi) ** 2
 
 
@@ -59,13 +69,13 @@ def steady_elongation(kind, wi):
 def test_steady_elongation_is_that_of_the_literature(kind, wi):
     xx, yy, *zz = steady_elongation(kind, wi)
     rate = wi / TIME
-    rates = np.array(LAWS[kind].deformed((xx, 0.0, yy, *zz), (rate, 0.0, 0.0, -rate)))
+    rates = np.array(LAWS[kind].rate((xx, 0.0, yy, *zz), (rate, 0.0, 0.0, -rate)))
     assert np.abs(rates).max() < ROUNDING * (1 + abs(xx)) ** 2 * (1 + wi)
 
 
 def test_elongation_below_its_limit_of_oldroyd_b():
     wi = 0.3
-    rates = LAWS["oldroyd_b"].deformed(
+    rates = LAWS["oldroyd_b"].rate(
         (2 * wi / (1 - 2 * wi), 0.0, -2 * wi / (1 + 2 * wi)), (wi / TIME, 0.0, 0.0, -wi / TIME)
     )
     assert np.allclose(rates, 0, atol=1e-15)
@@ -75,18 +85,18 @@ def test_elongation_below_its_limit_of_oldroyd_b():
 def test_deformation_is_that_of_a_tensor(kind):
     """L C + C L^T + L + L^T in matrices, and simple shear as its special case."""
     now, gradient = LAWS[kind], np.array([[0.3, -0.7], [0.4, -0.2]])
-    c = deviations(now.components, 1)[:, 0]
+    c = conformation_excess(now.components, 1)[:, 0]
     tensor = np.array([[c[0], c[1]], [c[1], c[2]]])
     stretched = gradient @ tensor + tensor @ gradient.T + gradient + gradient.T
-    found = np.array(now.deformed(c, gradient.ravel())) - now.relaxation(c)
+    found = np.array(now.rate(c, gradient.ravel())) - now.relaxation(c)
     assert np.allclose(found, [*stretched[[0, 0, 1], [0, 1, 1]], 0.0][: now.components], atol=1e-15)
-    assert np.allclose(now.sheared(c, 0.8), now.deformed(c, (0.0, 0.8, 0.0, 0.0)), atol=1e-15)
+    assert np.allclose(now.rate_in_shear(c, 0.8), now.rate(c, (0.0, 0.8, 0.0, 0.0)), atol=1e-15)
 
 
 def started(now, gradient, end):
     """Deviations from rest on, as solve_ivp steps, shape (components, steps)."""
     rest = np.zeros(now.components)
-    done = solve_ivp(lambda t, c: now.deformed(c, gradient), (0, end), rest, method="Radau", rtol=1e-8, atol=1e-10)
+    done = solve_ivp(lambda t, c: now.rate(c, gradient), (0, end), rest, method="Radau", rtol=1e-8, atol=1e-10)
     assert done.success
     return done.y
 
@@ -128,7 +138,7 @@ def test_conformation_stays_positive_and_ends_in_the_steady_flow(kind, gradient)
     ],
 )
 def test_each_law_has_oldroyd_b_as_its_limit(kind, numbers, apart):
-    limit, c = law(kind, **numbers), deviations(4, 20)
+    limit, c = law(kind, **numbers), conformation_excess(4, 20)
     for name in ("relaxation", "stress"):
         found, expected = getattr(limit, name)(c), getattr(LAWS["oldroyd_b"], name)(c)
         for one, other in zip(found, expected, strict=False):
@@ -146,7 +156,7 @@ def test_rest_is_without_stress(kind):
 def test_complex_steps_are_derivatives(kind):
     """They are exact; central differences with steps of 1e-5 err by 1e-10 and by rounding, 1e-16/1e-5."""
     now = LAWS[kind]
-    c = deviations(now.components, 7)
+    c = conformation_excess(now.components, 7)
     for function in (now.relaxation, now.stress):
         for k in range(now.components):
             step = np.zeros((now.components, 1))

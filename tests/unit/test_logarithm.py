@@ -39,7 +39,7 @@ def test_the_logarithm_follows_the_law(name):
         found = conformation_excess(logarithm[:, None])
         rounding = 1e-14 * np.linalg.cond(conformation)
         assert np.abs(full(found) + np.eye(3) - conformation).max() < rounding
-        expected = mode.deformed(np.ravel(found), gradient)
+        expected = mode.rate(np.ravel(found), gradient)
         assert np.abs(changes - full(expected)).max() < 1e2 * rounding, size
 
 

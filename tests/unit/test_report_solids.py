@@ -58,7 +58,7 @@ SQUARE = Polygon(((-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2)))
 @pytest.mark.parametrize("shape", [Circle(0.3), SQUARE], ids=["circle", "square"])
 @pytest.mark.parametrize("centre", [(0.1, 1.5), (1.0, 1.5), (-1.0, 0.5), (0.9, 2.4)])
 def test_a_body_is_where_it_is_and_through_the_seams(shape, centre):
-    motion = RigidMotion(x=WallMotion(3.0), turning=WallMotion(0.5))
+    motion = RigidMotion(x=WallMotion(3.0), rotation=WallMotion(0.5))
     body = Body(shape, centre, motion=motion, periods=PERIODS)
     scene = make_scene(body, periodic=True)
     for time in (0.0, 1.1):  # by then it has left the box
@@ -88,9 +88,9 @@ def spoke_angle(body, time, nearest, farthest):
 
 @pytest.mark.parametrize("time", [0.0, 1.0, 2.5])
 def test_spoke_and_mark_turn_with_the_body(time):
-    turning = RigidMotion(turning=WallMotion(1.3))
-    inside = Body(Circle(0.7), (0.0, 1.5), motion=turning)
-    outside = Body(Circle(0.9, liquid="inside"), (0.0, 1.5), motion=turning)
+    rotation = RigidMotion(rotation=WallMotion(1.3))
+    inside = Body(Circle(0.7), (0.0, 1.5), motion=rotation)
+    outside = Body(Circle(0.9, liquid="inside"), (0.0, 1.5), motion=rotation)
     first = math.pi / round(2 * math.pi * 0.9 / 0.004)  # points begin half a spacing from angle 0
     for body, nearest, farthest in ((inside, 0.1, 0.6), (outside, 0.92, 1.0)):
         turned = spoke_angle(body, time, nearest, farthest)

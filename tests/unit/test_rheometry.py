@@ -16,7 +16,7 @@ from tisph.exact.linear_viscoelasticity import (
     cylinder_apparent_viscosity,
 )
 from tisph.exact.start_up import ViscoelasticFluid, Wall
-from tisph.geometry.plate import Plate
+from tisph.geometry.stress_controlled import StressControlledWall
 from tisph.measures._cylinders import as_plane
 from tisph.measures.rheometry import _amplitudes, _creep, _oscillation, _slowest_pair, _start_up, _window
 from tisph.scenes._motion import WallMotion
@@ -115,7 +115,7 @@ def test_stress_after_cessation_is_over_the_rate_before():
 
 @pytest.mark.parametrize(("side", "sign"), [(0, -1.0), (1, 1.0)], ids=["bottom", "top"])
 def test_the_compliance_is_the_strain_over_the_stress_on_either_wall(side, sign):
-    plate, t = Plate(1.5), np.linspace(0.0, 4.0, 801)
+    plate, t = StressControlledWall(1.5), np.linspace(0.0, 4.0, 801)
     liquid, name = Spectrum(0.1, ((0.9, 2.0),)), ("bottom", "top")[side]
     strain = 1.5 * liquid.compliance(np.maximum(t, 1e-9))
     rate = 1.5 * (1.0 + 9.0 * np.exp(-t / 0.2))  # of Jeffreys' compliance
@@ -128,7 +128,7 @@ def test_the_compliance_is_the_strain_over_the_stress_on_either_wall(side, sign)
 
 
 def test_recovered_strain_counts_from_the_end_of_the_stress():
-    plate, t = Plate(0.0, steps=((0.0, 2.0), (1.0, 0.0))), np.linspace(0.0, 3.0, 31)
+    plate, t = StressControlledWall(0.0, steps=((0.0, 2.0), (1.0, 0.0))), np.linspace(0.0, 3.0, 31)
     rate = np.where(t <= 1.0, 1.0, -0.25)
     strain = np.where(t <= 1.0, t, 1.0 - 0.25 * (t - 1.0))
     channel = SimpleNamespace(driven_side=1, gap=1.0, top=plate)

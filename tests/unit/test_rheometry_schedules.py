@@ -22,7 +22,7 @@ def uniform(name="oldroyd_b", **numbers):
 
 
 def rates(wall, gap):
-    pieces = [(begin, wall.during(begin)) for begin in (0.0, *wall.changes)]
+    pieces = [(begin, wall.after(begin)) for begin in (0.0, *wall.changes)]
     return [(begin, lambda t, ramp=ramp: ramp.velocity(t) / gap) for begin, ramp in pieces]
 
 
@@ -37,7 +37,7 @@ def test_steady_shear_of_a_giesekus_fluid_balances():
     law = uniform("giesekus", mobility=0.3)
     end, state = 120.0, np.zeros(law.laws[0].components)
     _, state = law._solved(lambda t: 5.0, 0.0, end, state, np.zeros(0))
-    assert np.abs(law.laws[0].sheared(tuple(state), 5.0)).max() < 1e-8 * np.abs(state).max()
+    assert np.abs(law.laws[0].rate_in_shear(tuple(state), 5.0)).max() < 1e-8 * np.abs(state).max()
 
 
 def normal_curve(reading, name="without inertia"):

@@ -140,12 +140,12 @@ def test_a_developed_start_knows_what_each_mode_remembers():
     rheology = registry.load("rheology", "multi_mode").Parameters(solvent_fraction=0.1, modes=modes)
     annulus = make_annulus(centre=CENTRE, kinematic_viscosity=0.5, rheology=rheology, initial_state="developed")
     x, y = annulus.jittered(0, 0.2)
-    laws = zip(rheology.laws(0.5), annulus.initial_deviations(x, y), strict=True)
-    found = sum(np.stack(law.stress(deviations)[:3]) for law, deviations in laws)
+    laws = zip(rheology.laws(0.5), annulus.initial_conformation_excess(x, y), strict=True)
+    found = sum(np.stack(law.stress(conformation_excess)[:3]) for law, conformation_excess in laws)
     exact = annulus.initial(x, y)
     for part, name in zip(found, STRESSES, strict=True):
         assert np.allclose(part, exact[name], rtol=0, atol=1e-13)
-    assert make_annulus(rheology=rheology).initial_deviations is None  # at rest
+    assert make_annulus(rheology=rheology).initial_conformation_excess is None  # at rest
 
 
 def test_the_layer_at_a_wall_is_the_solvents_at_first(annulus):

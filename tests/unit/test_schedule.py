@@ -16,8 +16,8 @@ HEIGHTS = np.linspace(0.0, 0.5, 11)
 def test_a_jump_is_seen_from_before_and_entered_after():
     assert WALL.velocity(np.array([0.0, 0.2, 0.3, 0.45, 0.9, 2.0])) == pytest.approx([0.0, 0.5, 1.0, 1.25, 0.0, 0.0])
     assert WALL.acceleration(np.array([0.05, 0.3, 0.45])) == pytest.approx([0.0, 5.0, 5.0])
-    assert WALL.during(0.3).velocity(0.3) == 0.5
-    assert WALL.during(0.3).acceleration(7.0) == pytest.approx(5.0)
+    assert WALL.after(0.3).velocity(0.3) == 0.5
+    assert WALL.after(0.3).acceleration(7.0) == pytest.approx(5.0)
     assert WALL.changes == (0.1, 0.3, 0.6, 0.9)
     assert Schedule((0.0, 1.0), (3.0, 3.0)).velocity(0.0) == 3.0
     assert Schedule((0.0, 1.0), (3.0, 3.0)).changes == ()
@@ -36,17 +36,17 @@ def test_both_forms_of_a_ramp_agree():
 
 def test_a_ramp_is_the_integral_of_starts():
     # du/dt of the ramp is the start-up flow; central differences in time err by its third derivative, 1e-6 here
-    kinks, step = [(0.0, 0.0, 3.0)], 1e-4
+    breakpoints, step = [(0.0, 0.0, 3.0)], 1e-4
     for part in ("velocity", "shear_rate"):
         ramp = getattr(scheduled_wall, part)
-        rates = [ramp(HEIGHTS, 0.05 + sign * step, **LIQUID, kinks=kinks) for sign in (-1, 1)]
+        rates = [ramp(HEIGHTS, 0.05 + sign * step, **LIQUID, breakpoints=breakpoints) for sign in (-1, 1)]
         start = getattr(couette, part)(HEIGHTS, 0.05, **LIQUID, bottom=0.0, top=3.0)
         assert (rates[1] - rates[0]) / (2 * step) == pytest.approx(start, abs=2e-5 * np.abs(start).max())
 
 
 def test_a_wall_that_stops_leaves_the_difference_of_two_starts():
-    kinks = Schedule((0.0, 0.1, 0.1), (3.0, 3.0, 0.0)).kinks
-    found = scheduled_wall.velocity(HEIGHTS, 0.16, **LIQUID, kinks=kinks)
+    breakpoints = Schedule((0.0, 0.1, 0.1), (3.0, 3.0, 0.0)).breakpoints
+    found = scheduled_wall.velocity(HEIGHTS, 0.16, **LIQUID, breakpoints=breakpoints)
     starts = [couette.velocity(HEIGHTS, t, **LIQUID, bottom=0.0, top=3.0) for t in (0.16, 0.06)]
     assert found == pytest.approx(starts[0] - starts[1], abs=1e-14)
-    assert scheduled_wall.velocity(0.5, 0.1, **LIQUID, kinks=kinks) == 3.0  # not stopped yet
+    assert scheduled_wall.velocity(0.5, 0.1, **LIQUID, breakpoints=breakpoints) == 3.0  # not stopped yet

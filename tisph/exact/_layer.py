@@ -73,7 +73,7 @@ class AnalyticLayer:
 
 def jump(wall, time):
     """By how much the velocity of a wall that has changes jumps at one of them."""
-    return 0.0 if wall.driven else float(wall.during(time).velocity(time) - wall.velocity(time))
+    return 0.0 if wall.driven else float(wall.after(time).velocity(time) - wall.velocity(time))
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Equations of a fluid that is sheared between two walls, on spectral elements, as ``_stiff`` wants them.
 
-    dv/dt = g + d/dy [ flux(rate) + sum S_xy(C) ],    dC/dt = law.sheared(C, rate),    rate = dv/dy + layer
+    dv/dt = g + d/dy [ flux(rate) + sum S_xy(C) ],    dC/dt = law.rate_in_shear(C, rate),    rate = dv/dy + layer
 
 and between cylinders as in ``_elements``, v the angular velocity. The state is v at the nodes, then the components of C
 of each law at the points of each element. ``layer`` is a known part of the shear rate (``_layer``). Derivatives of laws
@@ -24,8 +24,9 @@ NEGLIGIBLE = 1e-12
 class Equations:
     """Equations of ``fluid`` (``flux``, ``laws``) on ``elements``; walls are (bottom, top), with ``acceleration(t)``.
 
-    Walls that are ``driven`` (``geometry/plate.py``) have ``stress(t)`` and ``mass_per_area`` over the density instead:
-    their mass is added to that of their node, which obeys the weak form of the momentum equation as all others do.
+    Walls that are ``driven`` (``geometry/stress_controlled.py``) have ``stress(t)`` and ``mass_per_area`` over the
+    density instead: their mass is added to that of their node, which obeys the weak form of the momentum equation as
+    all others do.
 
     ``layer``: a ``_layer.AnalyticLayer``. ``speed`` is what 1 of the velocity is in the tolerance, at least. ``mass``
     (nodes,): of each node with the plate on it.
@@ -46,7 +47,7 @@ class Equations:
         self.parts = [slice(a, b) for a, b in pairwise(ends.tolist())]
         self.size = int(ends[-1])
 
-    def deviations(self, states):
+    def conformation_excess(self, states):
         """List of C (components, ..., count, p + 1) of each law, of ``states`` (..., size)."""
         shape = (*states.shape[:-1], -1, *self.elements.y.shape)
         return [np.moveaxis(states[..., part].reshape(shape), -3, 0) for part in self.parts]
@@ -55,9 +56,11 @@ class Equations:
         """Shear rate (times, count, p + 1)."""
         return self.elements.shear_rate(states[..., : self.elements.size]) + self.layer.shear_rates(times)
 
-    def stress(self, deviations, rate):
+    def stress(self, conformation_excess, rate):
         """Shear stress of solvent and laws together."""
-        return self.fluid.flux(rate) + sum(law.stress(c)[1] for law, c in zip(self.fluid.laws, deviations, strict=True))
+        return self.fluid.flux(rate) + sum(
+            law.stress(c)[1] for law, c in zip(self.fluid.laws, conformation_excess, strict=True)
+        )
 
     def forcing(self, times):
         """What drives the flow at ``times`` (times,), whatever its state is: shear rates of the layer, and rates."""
@@ -70,12 +73,15 @@ class Equations:
         """dX/dt, shape of ``states`` (times, size), with ``forcing`` at those times."""
         layer, own = forcing
         result = np.empty_like(states)
-        whole, deviations = self.elements.shear_rate(states[:, : self.elements.size]) + layer, self.deviations(states)
+        whole, conformation_excess = (
+            self.elements.shear_rate(states[:, : self.elements.size]) + layer,
+            self.conformation_excess(states),
+        )
         # the flux of ``layer`` through the solvent is balanced by its own inertia, but for the drift, where one is
-        flux = self.stress(deviations, whole) - self.fluid.layer_flux(layer)
+        flux = self.stress(conformation_excess, whole) - self.fluid.layer_flux(layer)
         result[:, : self.elements.size] = own + self.elements.weak_divergence(flux) * self.share
-        for law, c, part in zip(self.fluid.laws, deviations, self.parts, strict=True):
-            change = np.stack([np.broadcast_to(one, whole.shape) for one in law.sheared(tuple(c), whole)], axis=1)
+        for law, c, part in zip(self.fluid.laws, conformation_excess, self.parts, strict=True):
+            change = np.stack([np.broadcast_to(one, whole.shape) for one in law.rate_in_shear(tuple(c), whole)], axis=1)
             result[:, part] = change.reshape(len(states), -1)
         return result
 
@@ -83,7 +89,7 @@ class Equations:
         """Largest magnitudes (size,) of v and of each component of C in ``states`` (stages, size)."""
         result = np.empty(self.size)
         result[: self.elements.size] = max(self.speed, np.abs(states[:, : self.elements.size]).max())
-        for c, part in zip(self.deviations(states), self.parts, strict=True):
+        for c, part in zip(self.conformation_excess(states), self.parts, strict=True):
             largest = np.abs(c).reshape(len(c), -1).max(axis=1)
             floor = NEGLIGIBLE * largest.max() + 1e-200
             result[part] = np.repeat(np.maximum(largest, floor), self.elements.y.size)
@@ -92,7 +98,9 @@ class Equations:
     def jacobian(self, state, time):
         """Jacobian at ``state`` (size,) and ``time``; None where it is not a number."""
         rate = self.shear_rate(state[None], np.array([time]))[0]
-        local = [_derivatives(law, c, rate) for law, c in zip(self.fluid.laws, self.deviations(state), strict=True)]
+        local = [
+            _derivatives(law, c, rate) for law, c in zip(self.fluid.laws, self.conformation_excess(state), strict=True)
+        ]
         flux = np.broadcast_to(np.imag(self.fluid.flux(rate + 1j * STEP)) / STEP, rate.shape)
         if not all(np.isfinite(part).all() for part in (flux, *(part for parts in local for part in parts))):
             return None
@@ -109,9 +117,9 @@ def _derivatives(law, c, rate):
     by_c, shear = [], []
     for k in range(law.components):
         moved = tuple(part + 1j * STEP * (k == j) for j, part in enumerate(c))
-        by_c.append(slopes(law.sheared, moved, rate))
+        by_c.append(slopes(law.rate_in_shear, moved, rate))
         shear.append(slopes(law.stress, moved)[1])
-    return np.stack(by_c, axis=1), slopes(law.sheared, tuple(c), rate + 1j * STEP), np.stack(shear)
+    return np.stack(by_c, axis=1), slopes(law.rate_in_shear, tuple(c), rate + 1j * STEP), np.stack(shear)
 
 
 def _inverses(matrices):

@@ -48,9 +48,9 @@ class CircularStartUp:
         """Stress of all modes together over the density, shape (3, ...): S_tt, S_rt and S_rr; N1 = S_tt - S_rr."""
         return self._solved.polymer_stress(self._place(r), t)
 
-    def deviations(self, r, t):
+    def conformation_excess(self, r, t):
         """C of each mode at radii ``r`` (radii,) and one time ``t``, in the order tt, rt, rr (and zz)."""
-        return self._solved.deviations(self._place(r), t)
+        return self._solved.conformation_excess(self._place(r), t)
 
     def torque(self, t, *, density):
         """Torques (inner, outer), counterclockwise, of the fluid on the cylinders, per length along the axis."""

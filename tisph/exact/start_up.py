@@ -2,13 +2,13 @@
 
 Equations for 0 < y < gap, with g = -(dp/dx)/density, all stresses over the density:
 
-    du/dt = g + d/dy [ flux(du/dy) + sum of S_xy ],    dC/dt = law.sheared(C, du/dy),    S = law.stress(C)
+    du/dt = g + d/dy [ flux(du/dy) + sum of S_xy ],    dC/dt = law.rate_in_shear(C, du/dy),  S = law.stress(C)
 
 for each law (mode) of a polymer, C the deviation of its conformation tensor from rest (``tisph/rheology``), and flux =
 solvent_viscosity * du/dy, or viscosity((du/dy)^2) * du/dy of a generalised Newtonian fluid. The walls move with given
-velocities, or are driven by a stress (``geometry/plate.py``), with mass_per_area * dU/dt = stress - shear stress of the
-fluid; the flow starts from rest at t = 0, or, with ``before``, from the developed flow of other walls. Where what
-drives changes at once later on, a new solution begins, in the root of the time from then on.
+velocities, or are stress-controlled (``geometry/stress_controlled.py``), with mass_per_area * dU/dt = stress - shear
+stress of the fluid; the flow starts from rest at t = 0, or, with ``before``, from the developed flow of other walls.
+Where a wall velocity or stress jumps later on, a new solution begins, in the root of the time from then on.
 
 Between cylinders y = r - R1. Seen by who turns with the fluid, the flow is simple shear of the rate r d(u/r)/dr, x
 around the axis and y outwards, so that the laws are the same; u/r has the place of u, as ``_elements`` says.
@@ -65,7 +65,7 @@ class Wall:
 
     speed: float = 0.0
 
-    def during(self, time):
+    def after(self, time):
         """The wall itself: it does not change."""
         return self
 
@@ -82,9 +82,9 @@ class Wall:
 class Flow:
     """Walls y = 0 and y = ``gap``, and the acceleration g along planes.
 
-    Walls have ``velocity(t)`` and ``acceleration(t)``, or are ``Plate`` over the density; they change at once at the
-    times ``changes``, and ``during(time)`` is what they are from then on. ``inner_radius``: that of the cylinder y = 0,
-    None between planes. Cylinders have angular velocities.
+    Walls have ``velocity(t)`` and ``acceleration(t)``, or are a ``StressControlledWall`` over the density; they change
+    at once at the times ``changes``, and ``after(time)`` is what they are from then on. ``inner_radius``: that of the
+    cylinder y = 0, None between planes. Cylinders have angular velocities.
     """
 
     gap: float
@@ -150,7 +150,7 @@ class StartUp:
         """Equations of the time from ``begin`` on."""
         flow = self.flow
         walls = [
-            Wall() if self._has_periodic_part(wall) else ShiftedWall(wall.during(begin), begin)
+            Wall() if self._has_periodic_part(wall) else ShiftedWall(wall.after(begin), begin)
             for wall in (flow.bottom, flow.top)
         ]
         return Equations(self.elements, self.fluid, walls, flow.acceleration, self.layer.later(begin), self.speed)
@@ -201,9 +201,9 @@ class StartUp:
         """Stress of all modes together, shape (3, ...): S_xx, S_xy and S_yy; N1 = S_xx - S_yy."""
         return self._by_time(self._stress, y, t, (3,))
 
-    def deviations(self, y, t):
+    def conformation_excess(self, y, t):
         """C of each mode at heights ``y`` (heights,) and one time ``t``: list of arrays (components, heights)."""
-        return [self.elements.interpolated(c, y) for c in self.equations.deviations(self._at(t))]
+        return [self.elements.interpolated(c, y) for c in self.equations.conformation_excess(self._at(t))]
 
     def shear_stress(self, y, t):
         """Shear stress of solvent and polymer together."""
@@ -233,8 +233,8 @@ class StartUp:
         return self.elements.interpolated(own, y) + self.layer.shear_rate(y, time)
 
     def _stress(self, y, time):
-        deviations = self.deviations(y, time)
-        whole = [law.stress(tuple(c)) for law, c in zip(self.fluid.laws, deviations, strict=True)]
+        conformation_excess = self.conformation_excess(y, time)
+        whole = [law.stress(tuple(c)) for law, c in zip(self.fluid.laws, conformation_excess, strict=True)]
         return sum((np.stack(stress[:3]) for stress in whole), np.zeros((3, len(y))))
 
     def _whole_stress(self, y, time):

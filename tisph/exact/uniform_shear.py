@@ -1,6 +1,6 @@
 """A fluid that is sheared uniformly: what a rheometer would show if the fluid had no inertia.
 
-    shear stress = flux(rate) + sum of S_xy,    dC/dt = law.sheared(C, rate(t)),    S = law.stress(C)
+    shear stress = flux(rate) + sum of S_xy,    dC/dt = law.rate_in_shear(C, rate(t)),    S = law.stress(C)
 
 for each law (mode) of a polymer, from rest; C and laws as in ``start_up``, stresses of the unit of the laws' viscosity.
 Ordinary differential equations, solved to 1e-8 of the largest value (LSODA, piece by piece between changes of the
@@ -69,7 +69,7 @@ class UniformShear:
         def change(t, state):
             now = float(rate(t))
             parts = zip(self.laws, self._parts(state), strict=True)
-            return np.concatenate([[1.0 * one for one in law.sheared(tuple(c), now)] for law, c in parts])
+            return np.concatenate([[1.0 * one for one in law.rate_in_shear(tuple(c), now)] for law, c in parts])
 
         moments = np.append(times[times < end], end)
         found = solve_ivp(change, (begin, end), start, "LSODA", moments, rtol=RELATIVE, atol=ABSOLUTE).y

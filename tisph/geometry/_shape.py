@@ -16,7 +16,7 @@ Side = Literal["outside", "inside"]
 
 
 @dataclass(frozen=True)
-class Foot:
+class ClosestPoint:
     """The nearest points of a wall to n places.
 
     ``point`` (n, 2) on the wall, ``normal`` (n, 2) of the wall there, of length 1, into the liquid, ``curvature`` (n,)
@@ -31,7 +31,7 @@ class Foot:
 
 @dataclass(frozen=True)
 class Boundary:
-    """m points of a wall: ``point`` (m, 2), ``normal`` (m, 2), ``curvature`` (m,) as in ``Foot``, ``length`` (m,).
+    """m points of a wall: ``point`` (m, 2), ``normal`` (m, 2), ``curvature`` (m,), ``length`` (m,).
 
     ``length`` is the arc length that each point stands for: sum(f * length) integrates f along the wall.
     """
@@ -56,7 +56,7 @@ class Shape(Protocol):
     extent: np.ndarray
     smallest_radius: float
 
-    def nearest(self, points: np.ndarray) -> Foot:
+    def nearest(self, points: np.ndarray) -> ClosestPoint:
         """Nearest points of the wall to ``points`` (n, 2)."""
 
     def images(self, points: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
@@ -77,10 +77,10 @@ class ClosedCurve(ABC):
         return self._area
 
     def nearest(self, points):
-        """Nearest points of the wall to ``points`` (n, 2), a ``Foot``."""
+        """Nearest points of the wall to ``points`` (n, 2), a ``ClosestPoint``."""
         foot = self._nearest(np.asarray(points, dtype=float))
         side = 1.0 if self.liquid == "outside" else -1.0
-        return Foot(foot.point, side * foot.normal, side * foot.curvature, side * foot.distance)
+        return ClosestPoint(foot.point, side * foot.normal, side * foot.curvature, side * foot.distance)
 
     def images(self, points, reach):
         """Mirror images (k, 2) of those of ``points`` (n, 2) that are within ``reach``, and whose (k,) they are."""
@@ -94,7 +94,7 @@ class ClosedCurve(ABC):
 
     @abstractmethod
     def _nearest(self, points):
-        """Return the ``Foot`` of each point for liquid outside."""
+        """Return the ``ClosestPoint`` of each point for liquid outside."""
 
     @abstractmethod
     def _spread(self, spacing):

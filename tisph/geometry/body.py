@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tisph.geometry._shape import Boundary, Foot, Shape
+from tisph.geometry._shape import Boundary, ClosestPoint, Shape
 from tisph.geometry.motion import REST, RigidMotion
 
 
@@ -54,7 +54,7 @@ class Body:
     periods: tuple[float, float] = (math.inf, math.inf)
 
     def __post_init__(self):
-        if self.shape.smallest_radius == math.inf and self.motion.turning.largest_speed:
+        if self.shape.smallest_radius == math.inf and self.motion.rotation.largest_speed:
             raise ValueError("a straight wall without ends cannot turn: give it no angular velocity")
         if not all(period > 0 for period in self.periods):
             raise ValueError(f"periods are above 0, infinite where there is none, not {self.periods}")
@@ -67,10 +67,12 @@ class Body:
     def at(self, time=0.0):
         """Where the body is; a periodic cell does not bring it back."""
         motion = self.motion
-        return Placement(self.centre + motion.displacement(time), self.angle + float(motion.turning.displacement(time)))
+        return Placement(
+            self.centre + motion.displacement(time), self.angle + float(motion.rotation.displacement(time))
+        )
 
     def nearest(self, points, time=0.0):
-        """Nearest points of the wall to ``points`` (n, 2), a ``Foot``; on the copy of the body that is nearest."""
+        """``ClosestPoint`` on the wall to each of ``points`` (n, 2), on the copy of the body that is nearest."""
         points, place = np.asarray(points, dtype=float), self.at(time)
         copy = self._nearest_copy(points - place.centre)
         foot = self._foot(points, copy, place)
@@ -100,17 +102,17 @@ class Body:
 
     def velocity(self, points, time=0.0):
         """Velocity (n, 2) of the solid at ``points`` (n, 2)."""
-        turning = self.motion.turning.velocity(time)
-        return self.motion.velocity(time) + turning * _quarter(self._from_centre(points, time))
+        rotation = self.motion.rotation.velocity(time)
+        return self.motion.velocity(time) + rotation * _quarter(self._from_centre(points, time))
 
     def strain(self, points, tangents, time=0.0):
         """Derivatives (n, 2) of the solid's velocity along ``tangents`` (n, 2) at ``points`` (n, 2)."""
-        return self.motion.turning.velocity(time) * _quarter(tangents)
+        return self.motion.rotation.velocity(time) * _quarter(tangents)
 
     def acceleration(self, points, time=0.0):
         """Acceleration (n, 2) of the solid's material points that are at ``points`` (n, 2); jumps left out."""
-        turning, from_centre = self.motion.turning, self._from_centre(points, time)
-        change = turning.acceleration(time) * _quarter(from_centre) - turning.velocity(time) ** 2 * from_centre
+        rotation, from_centre = self.motion.rotation, self._from_centre(points, time)
+        change = rotation.acceleration(time) * _quarter(from_centre) - rotation.velocity(time) ** 2 * from_centre
         return self.motion.acceleration(time) + change
 
     def _from_centre(self, points, time):
@@ -135,7 +137,7 @@ class Body:
 
     def _foot(self, points, copy, place):
         foot = self.shape.nearest(place.inside(points - copy))
-        return Foot(place.outside(foot.point) + copy, place.turned(foot.normal), foot.curvature, foot.distance)
+        return ClosestPoint(place.outside(foot.point) + copy, place.turned(foot.normal), foot.curvature, foot.distance)
 
     @staticmethod
     def _take_nearer(foot, asked, other):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tisph.geometry._shape import ClosedCurve, Foot, Side, check_side, evenly
+from tisph.geometry._shape import ClosedCurve, ClosestPoint, Side, check_side, evenly
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Circle(ClosedCurve):
         away = np.linalg.norm(points, axis=1)
         normal = np.where(away[:, None] > 0, points, [1.0, 0.0])  # every point is nearest to the centre: take one
         normal = normal / np.linalg.norm(normal, axis=1)[:, None]
-        return Foot(self.radius * normal, normal, np.full(len(points), 1 / self.radius), away - self.radius)
+        return ClosestPoint(self.radius * normal, normal, np.full(len(points), 1 / self.radius), away - self.radius)
 
     def _spread(self, spacing):
         angle = evenly(self.length, spacing, least=3) / self.radius

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from tisph.geometry._shape import Boundary, Foot, Side, evenly, mirrored
+from tisph.geometry._shape import Boundary, ClosestPoint, Side, evenly, mirrored
 
 
 @dataclass(frozen=True)
@@ -46,12 +46,12 @@ class Line:
         return np.stack([ends.min(axis=0), ends.max(axis=0)])
 
     def nearest(self, points):
-        """Nearest points of the wall to ``points`` (n, 2), a ``Foot``."""
+        """Nearest points of the wall to ``points`` (n, 2), a ``ClosestPoint``."""
         away = np.asarray(points, dtype=float) - self.point
         normal = np.tile(self.normal, (len(away), 1))
         distance = away @ self.normal
         point = self.point + (away @ self.tangent)[:, None] * np.array(self.tangent)
-        return Foot(point, normal, np.zeros(len(away)), distance)
+        return ClosestPoint(point, normal, np.zeros(len(away)), distance)
 
     def images(self, points, reach):
         """Mirror images (k, 2) of those of ``points`` (n, 2) that are within ``reach``, and whose (k,) they are."""

@@ -17,14 +17,14 @@ class WallMotion:
 
     driven: ClassVar[bool] = False
     changes: ClassVar[tuple[float, ...]] = ()
-    kinks: ClassVar[tuple[tuple[float, float, float], ...]] = ()
+    breakpoints: ClassVar[tuple[tuple[float, float, float], ...]] = ()
 
     cosine: float
     sine: float = 0.0
     angular_frequency: float = 0.0
     before: float | None = None
 
-    def during(self, time):
+    def after(self, time):
         """The motion itself: it does not change at once after t = 0."""
         return self
 
@@ -102,14 +102,14 @@ def penetration_depth(kinematic_viscosity, angular_frequency):
 
 @dataclass(frozen=True)
 class RigidMotion:
-    """Velocity (``x``, ``y``) [length/time] of the centre of a body, and its angular velocity ``turning`` [1/time].
+    """Velocity (``x``, ``y``) [length/time] of the centre of a body, and its angular velocity ``rotation`` [1/time].
 
     Angles are counterclockwise.
     """
 
     x: WallMotion = WallMotion(0.0)
     y: WallMotion = WallMotion(0.0)
-    turning: WallMotion = WallMotion(0.0)
+    rotation: WallMotion = WallMotion(0.0)
 
     def velocity(self, t):
         """Velocity (2,) of the centre at time ``t``."""
@@ -125,7 +125,7 @@ class RigidMotion:
 
     def largest_speed(self, reach):
         """Bound of the speed of what is within ``reach`` [length] of the centre."""
-        around = reach * self.turning.largest_speed if self.turning.largest_speed else 0.0
+        around = reach * self.rotation.largest_speed if self.rotation.largest_speed else 0.0
         return float(np.hypot(self.x.largest_speed, self.y.largest_speed)) + around
 
 

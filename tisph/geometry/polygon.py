@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from tisph.geometry._crossing import crossing
-from tisph.geometry._shape import ClosedCurve, Foot, Side, check_side, evenly
+from tisph.geometry._shape import ClosedCurve, ClosestPoint, Side, check_side, evenly
 
 STRAIGHT = 1e-12
 """Turn of the tangent, in radians, and share of a length, below which there is rounding only."""
@@ -201,7 +201,7 @@ class Polygon(ClosedCurve):
             point[nearer] = (self._centre[i] + bend * self.corner_radius * outward)[nearer]
             normal[nearer], distance[nearer] = outward[nearer], to_arc[nearer]
             curvature[nearer] = bend / self.corner_radius
-        return Foot(point, normal, curvature, distance)
+        return ClosestPoint(point, normal, curvature, distance)
 
     def _nearest_on_sides(self, points):
         """Return points, normals and distances of the nearest places of the straight sides, their ends included."""

@@ -88,15 +88,15 @@ class Schedule:
         t, begin, speed, slope, way = self._at(t)
         return way + (t - begin) * (speed + 0.5 * slope * (t - begin))
 
-    def during(self, time):
+    def after(self, time):
         """The ``Ramp`` from ``time`` on, which goes on beyond the next change as it was."""
         piece = int(np.searchsorted(self.times, time, side="right"))
         return Ramp(*(float(values[piece]) for values in self._pieces[:3]))
 
     @cached_property
-    def kinks(self):
+    def breakpoints(self):
         """Time, and jumps of velocity and acceleration, of the start and of all later times at which one jumps."""
-        start, slopes = self.during(0.0), self._pieces[2]
+        start, slopes = self.after(0.0), self._pieces[2]
         found = [(0.0, float(start.velocity(0.0)), start.slope)]
         for time in sorted({time for time in self.times if time > 0.0}):
             first, after = (int(np.searchsorted(self.times, time, side=side)) for side in ("left", "right"))
@@ -108,7 +108,7 @@ class Schedule:
     @property
     def changes(self):
         """Times above 0 at which velocity or acceleration jump."""
-        return tuple(time for time, _, _ in self.kinks if time > 0.0)
+        return tuple(time for time, _, _ in self.breakpoints if time > 0.0)
 
     def seen_from(self, velocity):
         """The schedule in a frame that moves along x with ``velocity``."""

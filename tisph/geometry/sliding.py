@@ -24,7 +24,7 @@ class SlidingWall(Body):
         """Velocity (n, 2) of the wall at ``points`` (n, 2)."""
         return self.speed * self._along(points, self.profile)
 
-    def came_from(self, points, elapsed):
+    def departure_point(self, points, elapsed):
         """Where (n, 2) the wall's material at ``points`` (n, 2) was a time ``elapsed`` ago: a step of Runge-Kutta."""
         start = np.asarray(points, dtype=float)
         first = -elapsed * self.velocity(start)

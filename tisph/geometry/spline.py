@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from tisph.geometry._crossing import crossing
-from tisph.geometry._shape import ClosedCurve, Foot, Side, check_side, evenly
+from tisph.geometry._shape import ClosedCurve, ClosestPoint, Side, check_side, evenly
 
 DEGREE = 5
 SAMPLES = 16
@@ -123,7 +123,7 @@ class Spline(ClosedCurve):
         parameter = self._nearest_parameter(points)
         point, (normal, curvature) = self._curve(parameter), self._normals(parameter)
         distance = np.sum((points - point) * normal, axis=1)
-        return Foot(point, normal, curvature, distance)
+        return ClosestPoint(point, normal, curvature, distance)
 
     def _nearest_parameter(self, points):
         """Newton's method for (c - p).c' = 0 from the nearest sample, halving where it would leave its bracket."""

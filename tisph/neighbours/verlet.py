@@ -28,16 +28,16 @@ class VerletLists:
 
     Pair loops look one neighbour ahead, which is why a row goes on after its end.
     ``crosses[i]`` tells whether a neighbour lies across the period, so that only few particles pay for it.
-    Dummy particles list the fluid around them, with ``looks_inside`` that around their mirror points: in a channel
-    those follow from the places, in a box those of bodies are in ``mirror``, by wall slot.
+    Dummy particles list the fluid around them, with ``uses_mirror_points`` that around their mirror points: in a
+    channel those follow from the places, in a box those of bodies are in ``mirror``, by wall slot.
     """
 
-    def __init__(self, cells, cutoff, spacing, serial, looks_inside=False):
+    def __init__(self, cells, cutoff, spacing, serial, uses_mirror_points=False):
         self.cells = cells
         self.particles = cells.particles
         self.domain = cells.domain
         self.serial = serial
-        self.looks_inside = looks_inside
+        self.uses_mirror_points = uses_mirror_points
         self.cutoff = cutoff
         self.spacing = spacing
         self.reach = reach(cutoff, spacing)
@@ -47,7 +47,7 @@ class VerletLists:
         self.table = ti.field(ti.i32, shape=(mobile, self.capacity))
         self.count = ti.field(ti.i32, shape=mobile)
         self.crosses = ti.field(ti.i32, shape=mobile)
-        if looks_inside and self.domain.periodic_y:
+        if uses_mirror_points and self.domain.periodic_y:
             self.mirror = ti.field(ti.types.vector(2, real()), shape=mobile - fluid)
             self.mirror.used = None  # set before it is read
         self.longest = integer(0)
@@ -135,7 +135,7 @@ class VerletLists:
         """Fill row ``i`` of the table from the 3 x 3 cells around it and return how many it needed."""
         place = self.centre(now, i)
         column = self.cells.column_of(place.x)
-        row = self.cells.row_of(place.y, 0 if ti.static(self.looks_inside or self.domain.periodic_y) else i)
+        row = self.cells.row_of(place.y, 0 if ti.static(self.uses_mirror_points or self.domain.periodic_y) else i)
         lowest = ti.max(row - 1, 0)
         highest = ti.min(row + 1, self.cells.rows[None] + 1)
         if ti.static(not self.domain.periodic_y):  # noqa: SIM102 (Taichi would not see the static one)
@@ -185,7 +185,7 @@ class VerletLists:
     def centre(self, now, i):
         """Return the point whose neighbours particle ``i`` lists: its own place, or its mirror point."""
         place = self.particles.mid_position[now, i]
-        if ti.static(self.looks_inside):  # noqa: SIM102 (Taichi would not see the static one)
+        if ti.static(self.uses_mirror_points):  # noqa: SIM102 (Taichi would not see the static one)
             if i >= self.particles.first_wall:
                 if ti.static(self.domain.periodic_y):
                     place = self.mirror[i - self.particles.first_wall]

@@ -69,12 +69,12 @@ class Law:
         """Tuple of the polymer stress S at the components ``c``: modulus * C."""
         return tuple(self.modulus * c[k] for k in range(self.components))
 
-    def sheared(self, c, rate):
+    def rate_in_shear(self, c, rate):
         """Tuple of dC/dt in simple shear, du/dy = ``rate``: without a gradient along y, C_yy is not stretched."""
         xx, xy, *rest = self.relaxation(c)
         return (2 * rate * c[1] + xx, rate * (1 + c[2]) + xy, *rest)
 
-    def deformed(self, c, gradient):
+    def rate(self, c, gradient):
         """Tuple of dC/dt for the components xx, xy, yx, yy of the velocity ``gradient`` L, L_xy = du/dy."""
         lxx, lxy, lyx, lyy = (gradient[k] for k in range(4))
         xx, xy, yy, *rest = self.relaxation(c)

@@ -4,7 +4,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tisph.geometry.filling import fill
+from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
 from tisph.scenes._motion import PolymerParameters
 from tisph.scenes._scene import Scene
@@ -41,8 +41,8 @@ class BodyScene(Scene):
         return round(self.region.area / self.spacing**2)
 
     def jittered(self, seed, jitter):
-        """Particles that fill the region; see ``tisph/geometry/filling.py``."""
-        return tuple(fill(self.region, self.spacing, max(jitter, LEAST_JITTER), seed).T)
+        """Particles that fill the region; see ``tisph/geometry/packing.py``."""
+        return tuple(pack(self.region, self.spacing, max(jitter, LEAST_JITTER), seed).T)
 
     def inside(self, points, time=0.0):
         """Whether each of the ``points`` (n, 2) is in the liquid at ``time``."""

@@ -65,7 +65,7 @@ class Scene:
     changes = ()
     """Times after the start at which the velocity of a body, or its acceleration, jumps."""
 
-    initial_deviations = None
+    initial_conformation_excess = None
     """Function of places, the C of the modes of a polymer there when the run starts; None where it starts from rest."""
 
     periodic = (True, True)

@@ -93,7 +93,7 @@ class Config(schema.Config):
         if self.walls.around is None:
             return np.array([[0.0, 0.0], [self.geometry.length, self.geometry.height]])
         body = self.walls.around.body()
-        if body.motion.turning.largest_speed:
+        if body.motion.rotation.largest_speed:
             return body.centre + farthest(body.shape) * np.array([[-1.0, -1.0], [1.0, 1.0]])
         points = body.boundary_points(body.shape.length / 1000).point if body.angle else body.shape.extent + body.centre
         return np.stack([points.min(axis=0), points.max(axis=0)])

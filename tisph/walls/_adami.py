@@ -6,7 +6,7 @@ from tisph.walls._layers import LayerWalls
 
 
 @ti.data_oriented
-class KernelAverages(Dummies):
+class ShepardDummies(Dummies):
     """Kernel averages (Shepard) of the fluid at every dummy particle."""
 
     def __init__(self, lists, kernel, liquid, parameters, *layers):
@@ -47,10 +47,10 @@ class KernelAverages(Dummies):
 
 
 @ti.data_oriented
-class Treatment(KernelAverages, DummyWalls):
+class Treatment(ShepardDummies, DummyWalls):
     """At the walls of a channel."""
 
 
 @ti.data_oriented
-class BodyTreatment(KernelAverages, LayerWalls):
+class BodyTreatment(ShepardDummies, LayerWalls):
     """At the walls of bodies."""

@@ -159,18 +159,18 @@ class CircleImages(SolidWalls):
             if slot >= 0:
                 away = self.away(position, body)
                 image = self.mirrored(away, body)
-                foot = self.radius[body] / away.norm() * away
-                pressed = pressure + self.acceleration_of(body, foot).dot(away - image)
-                continued = self.image_velocity(body, foot, away.norm(), image.norm(), velocity)
+                wall_point = self.radius[body] / away.norm() * away
+                pressed = pressure + self.acceleration_of(body, wall_point).dot(away - image)
+                continued = self.image_velocity(body, wall_point, away.norm(), image.norm(), velocity)
                 self.write(buffer, slot, self.centre[body] + image, continued, pressed, 0.0)
 
     @ti.func
-    def image_velocity(self, body, foot, source, image, velocity):
-        """Return the velocity of an image beyond the wall point that is ``foot`` from the centre.
+    def image_velocity(self, body, wall_point, source, image, velocity):
+        """Return the velocity of an image beyond the wall point that is ``wall_point`` from the centre.
 
         ``source`` and ``image``: how far from the centre the particle and its image are.
         """
-        wall, radius = self.velocity_of(body, foot), self.radius[body]
+        wall, radius = self.velocity_of(body, wall_point), self.radius[body]
         along = wall - self.velocity[body]  # which is R^2 f
         inside, beyond = source / radius - 1.0, 1.0 - image / radius  # kappa d_F, kappa d_I
         share = ti.select(self.side[body] > 0.0, 1.0, (1.0 + 0.5 * inside) / (1.0 - 0.5 * beyond))

@@ -2,7 +2,7 @@
 
 from tisph.runtime import ti
 from tisph.walls._images import ImageWalls
-from tisph.walls._track import WallTrack
+from tisph.walls._track import WallStress
 
 
 @ti.data_oriented
@@ -15,7 +15,7 @@ class Treatment(ImageWalls):
         self.tracks_walls = liquid.carries_stress
         self.corrects = self.tracks_walls or self.domain.has_body_force or self.domain.oscillates
         if self.tracks_walls:
-            self.track = WallTrack(lists, liquid, self.domain.columns)
+            self.track = WallStress(lists, liquid, self.domain.columns)
 
     def load(self, channel):
         """Place the tracked points on the walls."""

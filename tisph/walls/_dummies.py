@@ -16,7 +16,7 @@ class Dummies(WallTreatment):
     come from subclasses; where ``accelerates``, the acceleration of these, ``acceleration_at(k)``, too.
     """
 
-    gathers = True
+    has_dummies = True
     accelerates = False
 
     @ti.kernel

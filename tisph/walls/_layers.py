@@ -13,19 +13,19 @@ from tisph.walls._solids import SolidWalls
 
 @dataclass(frozen=True)
 class Layers:
-    """Dummy particles in the frames of their bodies: ``place`` and ``foot``, the nearest wall point, (n, 2) each.
+    """Dummy particles in the frames of their bodies: ``place`` and ``wall_point``, the nearest wall point, (n, 2) each.
 
     ``body`` (n,) is the number of the body that each is in.
     """
 
     place: np.ndarray
-    foot: np.ndarray
+    wall_point: np.ndarray
     body: np.ndarray
 
     @property
     def mirror(self):
         """Mirror points (n, 2) of the particles, in the liquid."""
-        return 2.0 * self.foot - self.place
+        return 2.0 * self.wall_point - self.place
 
     @property
     def slots(self):
@@ -72,7 +72,7 @@ class LayerWalls(Dummies, SolidWalls):
     """Dummy particles in bodies.
 
     ``number[k]`` tells which of the ``Layers`` the k-th wall slot holds: a sort permutes them, and nothing else of
-    theirs but that is kept by slot from step to step. With ``looks_inside`` the lists are told their mirror points.
+    theirs but that is kept by slot from step to step. With ``uses_mirror_points`` the lists get their mirror points.
     """
 
     accelerates = True
@@ -83,8 +83,8 @@ class LayerWalls(Dummies, SolidWalls):
         slots, vector = size_class(self.particles.dummies), ti.types.vector(2, real())
         self.number, self.sorted = (ti.field(ti.i32, shape=slots) for _ in range(2))
         self.body = ti.field(ti.i32, shape=slots)
-        self.arm, self.foot = (ti.field(vector, shape=slots) for _ in range(2))
-        self.number.used = self.body.used = self.arm.used = self.foot.used = np.s_[: self.particles.dummies]
+        self.lever_arm, self.wall_point = (ti.field(vector, shape=slots) for _ in range(2))
+        self.number.used = self.body.used = self.lever_arm.used = self.wall_point.used = np.s_[: self.particles.dummies]
         self.sorted.used = None
 
     @staticmethod
@@ -97,7 +97,7 @@ class LayerWalls(Dummies, SolidWalls):
         count = self.particles.dummies
         view(self.number)[:count] = np.arange(count)
         view(self.body)[:count] = self.layers.body
-        view(self.arm)[:count], view(self.foot)[:count] = self.layers.place, self.layers.foot
+        view(self.lever_arm)[:count], view(self.wall_point)[:count] = self.layers.place, self.layers.wall_point
         self.place_bodies(time)
         slots = slice(self.particles.first_wall, self.particles.first_wall + count)
         for number, body in enumerate(self.bodies):
@@ -116,7 +116,7 @@ class LayerWalls(Dummies, SolidWalls):
         ti.loop_config(serialize=True)
         for k in range(count):
             self.number[k] = self.sorted[k]
-            if ti.static(self.looks_inside):
+            if ti.static(self.uses_mirror_points):
                 self.mirror(first + k)
 
     @ti.func
@@ -124,8 +124,8 @@ class LayerWalls(Dummies, SolidWalls):
         """Carry dummy particle ``k`` along with its body into the other buffer."""
         number = self.number[k - self.particles.first_wall]
         body = self.body[number]
-        self.particles.mid_position[1 - now, k] = self.centre[body] + self.turned(body, self.arm[number])
-        if ti.static(self.looks_inside):
+        self.particles.mid_position[1 - now, k] = self.centre[body] + self.turned(body, self.lever_arm[number])
+        if ti.static(self.uses_mirror_points):
             self.mirror(k)
 
     @ti.func
@@ -133,19 +133,19 @@ class LayerWalls(Dummies, SolidWalls):
         """Tell the lists where the mirror point of dummy particle ``k`` is."""
         number = self.number[k - self.particles.first_wall]
         body = self.body[number]
-        arm = self.turned(body, 2.0 * self.foot[number] - self.arm[number])
-        self.lists.mirror[k - self.particles.first_wall] = self.centre[body] + arm
+        lever_arm = self.turned(body, 2.0 * self.wall_point[number] - self.lever_arm[number])
+        self.lists.mirror[k - self.particles.first_wall] = self.centre[body] + lever_arm
 
     @ti.func
     def velocity_at(self, buffer, k):
         """Return the velocity of the wall point nearest to dummy particle ``k``."""
         number = self.number[k - self.particles.first_wall]
         body = self.body[number]
-        return self.velocity_of(body, self.turned(body, self.foot[number]))
+        return self.velocity_of(body, self.turned(body, self.wall_point[number]))
 
     @ti.func
     def acceleration_at(self, k):
         """Return the acceleration of the wall point nearest to dummy particle ``k``."""
         number = self.number[k - self.particles.first_wall]
         body = self.body[number]
-        return self.acceleration_of(body, self.turned(body, self.foot[number]))
+        return self.acceleration_of(body, self.turned(body, self.wall_point[number]))

@@ -35,8 +35,8 @@ class SolidWalls(WallTreatment):
             view(self.turn)[number] = math.cos(place.angle), math.sin(place.angle)
             view(self.velocity)[number] = motion.velocity(time)
             view(self.acceleration)[number] = motion.acceleration(time)
-            view(self.spin)[number] = motion.turning.velocity(time)
-            view(self.spin_rate)[number] = motion.turning.acceleration(time)
+            view(self.spin)[number] = motion.rotation.velocity(time)
+            view(self.spin_rate)[number] = motion.rotation.acceleration(time)
 
     @ti.func
     def turned(self, body, vector):
@@ -45,12 +45,12 @@ class SolidWalls(WallTreatment):
         return ti.Vector([turn.x * vector.x - turn.y * vector.y, turn.y * vector.x + turn.x * vector.y])
 
     @ti.func
-    def velocity_of(self, body, arm):
-        """Return the velocity of the point of a body that is an ``arm`` away from its centre."""
-        return self.velocity[body] + self.spin[body] * ti.Vector([-arm.y, arm.x])
+    def velocity_of(self, body, lever_arm):
+        """Return the velocity of the point of a body that is a ``lever_arm`` away from its centre."""
+        return self.velocity[body] + self.spin[body] * ti.Vector([-lever_arm.y, lever_arm.x])
 
     @ti.func
-    def acceleration_of(self, body, arm):
-        """Return the acceleration of the point of a body that is an ``arm`` away from its centre."""
-        along = self.spin_rate[body] * ti.Vector([-arm.y, arm.x])
-        return self.acceleration[body] + along - self.spin[body] ** 2 * arm
+    def acceleration_of(self, body, lever_arm):
+        """Return the acceleration of the point of a body that is a ``lever_arm`` away from its centre."""
+        along = self.spin_rate[body] * ti.Vector([-lever_arm.y, lever_arm.x])
+        return self.acceleration[body] + along - self.spin[body] ** 2 * lever_arm

@@ -29,7 +29,7 @@ STEP = 1e-4
 
 
 @ti.data_oriented
-class WallTrack:
+class WallStress:
     """Points one spacing apart on both walls, index [top, k]: compression, stress, slope of the stress over y.
 
     There are ``count`` of them on a wall, which is not compiled in; point k is at ``origin[top]`` + k spacing. Stresses

@@ -7,14 +7,14 @@ from tisph.runtime import ti
 class WallTreatment:
     """Wall particles around the liquid; a treatment replaces the methods that it needs.
 
-    ``gathers`` tells whether a loop over the wall particles follows the one over the fluid, ``tracks_walls``
-    whether one over points of the walls comes before it. ``looks_inside``: the lists of wall particles are those of
-    their mirror points. ``liquid`` is the ``Liquid``, ``parameters`` the treatment's own from the config.
+    ``has_dummies`` tells whether a loop over the wall particles follows the one over the fluid, ``tracks_walls``
+    whether one over points of the walls comes before it. ``uses_mirror_points``: the lists of wall particles are
+    those of their mirror points. ``liquid`` is the ``Liquid``, ``parameters`` the treatment's own from the config.
     """
 
-    gathers = False
+    has_dummies = False
     tracks_walls = False
-    looks_inside = False
+    uses_mirror_points = False
 
     def __init__(self, lists, kernel, liquid, parameters):
         self.particles = lists.particles

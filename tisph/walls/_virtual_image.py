@@ -12,10 +12,10 @@ SMALLEST_DETERMINANT = 1e-6
 
 
 @ti.data_oriented
-class Reflections(Dummies):
+class MirrorPointDummies(Dummies):
     """Reflection of the velocity fitted at the mirror point."""
 
-    looks_inside = True
+    uses_mirror_points = True
 
     def __init__(self, lists, kernel, liquid, parameters, *layers):
         super().__init__(lists, kernel, liquid, parameters, *layers)
@@ -70,10 +70,10 @@ class Reflections(Dummies):
 
 
 @ti.data_oriented
-class Treatment(Reflections, DummyWalls):
+class Treatment(MirrorPointDummies, DummyWalls):
     """At the walls of a channel."""
 
 
 @ti.data_oriented
-class BodyTreatment(Reflections, LayerWalls):
+class BodyTreatment(MirrorPointDummies, LayerWalls):
     """At the walls of bodies."""

@@ -37,9 +37,9 @@ class ReferenceFlow:
         """Torques of the liquid on the inner and the outer cylinder, per length of the axis."""
         return self._of.torque(t, density=self._density)
 
-    def deviations(self, r, t):
+    def conformation_excess(self, r, t):
         """C of each mode, arrays in a list, at radii ``r`` (radii,) and a time; in the order of ``polymer_stress``."""
-        return self._of.deviations(r, t)
+        return self._of.conformation_excess(r, t)
 
     def polymer_stress(self, r, t):
         """ViscoelasticFluid stress (3, ...) in polar components: around the axis, shear, along the radius."""

@@ -87,7 +87,7 @@ class Annulus(BodyScene):
     def bodies(self):
         """The two cylinders."""
         shapes = Circle(self.inner_radius), Circle(self.outer_radius, liquid="inside")
-        motions = RigidMotion(turning=self.inner), RigidMotion(turning=self.outer)
+        motions = RigidMotion(rotation=self.inner), RigidMotion(rotation=self.outer)
         return tuple(Body(shape, self.centre, motion=way) for shape, way in zip(shapes, motions, strict=True))
 
     @property
@@ -180,15 +180,15 @@ class Annulus(BodyScene):
         return self._flow.polymer_stress(self.radii(x, y), t)
 
     @property
-    def initial_deviations(self):
-        """``deviations`` when the run starts; None from rest, which has none."""
+    def initial_conformation_excess(self):
+        """``conformation_excess`` when the run starts; None from rest, which has none."""
         return None if self.initial_state == "rest" else self._deviations
 
     def _deviations(self, x, y):
         """C (components, n) of each mode, xx, xy, yy (and zz), at places ``x``, ``y`` (n,) when the run starts."""
         radius = np.clip(self.radii(x, y), self.inner_radius, self.outer_radius)
         away = np.subtract(x, self.centre[0]), np.subtract(y, self.centre[1])
-        modes = self._flow.deviations(radius, self.start_time)
+        modes = self._flow.conformation_excess(radius, self.start_time)
         return [np.concatenate([cartesian(mode[:3], *away), mode[3:]]) for mode in modes]
 
     def polymer_stress(self, snapshot):

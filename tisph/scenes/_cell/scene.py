@@ -116,7 +116,7 @@ class Cell(BodyScene):
         """Depth of the layer at walls that started at t = 0, or oscillate, and where it is."""
         layers = [(math.sqrt(self.kinematic_viscosity * t), "the layer at bodies and walls")]
         for body in self.bodies:
-            for part in (body.motion.x, body.motion.y, body.motion.turning):
+            for part in (body.motion.x, body.motion.y, body.motion.rotation):
                 if part.oscillates and part.largest_speed:
                     depth = 0.5 * part.penetration_depth(self.kinematic_viscosity)
                     layers.append((depth, "the layer at what oscillates"))

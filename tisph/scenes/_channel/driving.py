@@ -1,7 +1,7 @@
 """What moves the walls of a channel: motions that a config gives, or stresses, and what that means for the flow."""
 
-from tisph.geometry.plate import Plate, PlateMotion
 from tisph.geometry.schedule import Schedule
+from tisph.geometry.stress_controlled import StressControlledMotion, StressControlledWall
 from tisph.scenes._motion import WallMotion
 
 
@@ -9,7 +9,7 @@ def wall(config):
     """The motion of a wall of a config, or the plate that it is."""
     if config.velocities:
         return Schedule(config.times, config.velocities)
-    return Plate.from_config(config) if config.driven else WallMotion.from_config(config)
+    return StressControlledWall.from_config(config) if config.driven else WallMotion.from_config(config)
 
 
 def largest_speed(channel, wall):
@@ -24,4 +24,4 @@ def reference_motion(channel, wall):
     if not wall.driven:
         return wall
     height = channel.gap * channel.driven_side
-    return PlateMotion(wall, largest_speed(channel, wall), lambda t: channel.exact_velocity(height, t))
+    return StressControlledMotion(wall, largest_speed(channel, wall), lambda t: channel.exact_velocity(height, t))

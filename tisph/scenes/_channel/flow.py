@@ -39,9 +39,9 @@ class ReferenceFlow:
         """ViscoelasticFluid stress S_yy."""
         return self.channel.density * self._solved.polymer_stress(y, t)[2]
 
-    def deviations(self, y, t):
+    def conformation_excess(self, y, t):
         """C of each mode at heights ``y`` and a time ``t``: list of arrays (components, heights)."""
-        return self._solved.deviations(y, t)
+        return self._solved.conformation_excess(y, t)
 
 
 def _walls_before(channel):

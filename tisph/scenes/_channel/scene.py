@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from tisph.exact.linear_viscoelasticity import apparent_viscosity
-from tisph.geometry.plate import Plate
 from tisph.geometry.schedule import Schedule
+from tisph.geometry.stress_controlled import StressControlledWall
 from tisph.scenes._channel import driving, views
 from tisph.scenes._channel.diagnostics import diagnostics
 from tisph.scenes._channel.extra_series import extra_series
@@ -32,8 +32,8 @@ class Channel(Scene):
     length: float
     density: float
     kinematic_viscosity: float
-    bottom: WallMotion | Plate | Schedule
-    top: WallMotion | Plate | Schedule
+    bottom: WallMotion | StressControlledWall | Schedule
+    top: WallMotion | StressControlledWall | Schedule
     acceleration: float = 0.0
     polymer: PolymerParameters | None = None
     rheology: Any = None
@@ -286,12 +286,12 @@ class Channel(Scene):
         """Polymer stresses (S_xx, S_xy) at heights ``y`` when the run starts."""
         return self.exact_polymer_stress(y, self.start_time)
 
-    def initial_deviations(self, y):
+    def initial_conformation_excess(self, y):
         """C of each of the polymer's modes at heights ``y`` (heights,) when the run starts, see ``rheology``.
 
         List of arrays (components, heights).
         """
-        return self._flow.deviations(y, self.start_time)
+        return self._flow.conformation_excess(y, self.start_time)
 
     def probe_positions(self, count, x="centre"):
         """Arrays (x, y) of ``count`` probes on a vertical line, at heights (k + 1/2) gap / count.

@@ -44,7 +44,7 @@ def _problem(scene):
         "reference_velocity": scene.reference_velocity,
         "start_time": scene.start_time,
         "rheology": scene.rheology,
-        "initial_deviations": scene.initial_deviations,
+        "initial_conformation_excess": scene.initial_conformation_excess,
         "changes": scene.changes,
     }
     if not scene.bodies:

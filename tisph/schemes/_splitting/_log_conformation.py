@@ -28,9 +28,9 @@ def conformation_excess(state):
     return _excess(grown * even - 1.0, grown * odd, half, shear, state[3:])
 
 
-def logarithm(deviations):
+def logarithm(conformation_excess):
     """Return P, arrays (3 or 4, n), of the components of A - 1."""
-    xx, xy, yy, *others = deviations
+    xx, xy, yy, *others = conformation_excess
     mean, half = 1.0 + 0.5 * (xx + yy), 0.5 * (xx - yy)
     size = np.hypot(half, xy)
     middle = 0.5 * (np.log(mean + size) + np.log(mean - size))

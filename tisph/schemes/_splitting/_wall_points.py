@@ -75,7 +75,7 @@ class WallPoints:
                 order = np.argsort(boundary.point[:, 0])
                 for age, gone in enumerate(elapsed):
                     curve = CubicSpline(boundary.point[order, 0], values[age][:, part][:, order], axis=1)
-                    result[age][:, part] = curve(body.came_from(boundary.point, gone)[:, 0])
+                    result[age][:, part] = curve(body.departure_point(boundary.point, gone)[:, 0])
         return result
 
     def gradients(self, gradients, time):

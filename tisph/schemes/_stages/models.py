@@ -29,7 +29,7 @@ class ViscoelasticModel(Modes):
 
     def initial(self, channel, heights):
         """Return C at ``heights`` of a channel when the run starts."""
-        return np.concatenate([_carried(*mode) for mode in channel.initial_deviations(heights)])
+        return np.concatenate([_carried(*mode) for mode in channel.initial_conformation_excess(heights)])
 
     def shear_stress(self, state, shear_rate):
         """Return S_xy, which does not depend on the instantaneous ``shear_rate``."""

@@ -53,7 +53,7 @@ class StressControlledWall(CoupledWall):
     def begin(self, time, dt, fluid, operators):
         """Begin a step of ``dt`` at ``time``."""
         self.dt, self.gamma_dt = dt, GAMMA * dt
-        self.stress_of = self.control.during(time).stress
+        self.stress_of = self.control.after(time).stress
         self.near, self.distance, self.weights = operators.even_fit(self.side)
         self.velocities, self.stresses, self.rates = [self.velocity], [], []
         self.series, self.stress_series = [], []
@@ -100,7 +100,7 @@ class MasslessWall(StressControlledWall):
     def jump(self, time):
         """Take up the stress from ``time`` on, where it jumps; return by how much the shear rate does."""
         before, self.known, self.gamma_dt = self.rate, self.state, 0.0
-        self.stress = float(self.control.during(time).stress(time))
+        self.stress = float(self.control.after(time).stress(time))
         self.balance(self.rate)
         self.rate = self.shear_rate
         _, _, by_state, tangent = self.model.jacobian(self.state, self.rate)
@@ -228,8 +228,8 @@ class InertialWall(StressControlledWall):
     def later_jumps(self, time):
         """Return those at a later ``time``: of the acceleration, with the stress."""
         schedule, density = self.schedule, self.channel.density
-        before = 0.0 if time == 0.0 else float(schedule.during(np.nextafter(time, 0.0)).stress(time))
-        return 0.0, (float(schedule.during(time).stress(time)) - before) / density / self.mass
+        before = 0.0 if time == 0.0 else float(schedule.after(np.nextafter(time, 0.0)).stress(time))
+        return 0.0, (float(schedule.after(time).stress(time)) - before) / density / self.mass
 
     def begin(self, time, dt, fluid, operators):
         """Begin a step of ``dt`` at ``time``; ``fluid``: C and shear rate at the wall at each stage."""

@@ -54,11 +54,11 @@ class PrescribedWall:
 
     def later_jumps(self, time):
         """Return by how much velocity and acceleration jump at a ``time`` after the start."""
-        return next((tuple(both) for when, *both in self.schedule.kinks if when == time), (0.0, 0.0))
+        return next((tuple(both) for when, *both in self.schedule.breakpoints if when == time), (0.0, 0.0))
 
     def enter(self, time):
         """Follow the motion that the wall has from ``time`` on, to the next change."""
-        self.motion, self.steady_series = self.schedule.during(time), None
+        self.motion, self.steady_series = self.schedule.after(time), None
 
     def begin(self, time, dt, fluid, operators):
         """Begin a step of ``dt`` at ``time``; ``fluid`` and ``operators`` are for walls of other kinds."""

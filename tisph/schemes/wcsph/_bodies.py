@@ -9,15 +9,15 @@ from tisph.geometry.box import box_around
 from tisph.periodic import PeriodicDomain
 from tisph.runtime import view
 from tisph.schemes._supported import AROUND_BODIES
+from tisph.schemes.wcsph._boundaries import PeriodicBoundaries
 from tisph.schemes.wcsph._loads import Loads
-from tisph.schemes.wcsph._surroundings import OpenBox
 from tisph.snapshot import Bodies
 
 STATE = "middle", "built", "compression"
 """Attributes of ``SolidBodies`` that change while it runs."""
 
 
-class SolidBodies(OpenBox):
+class SolidBodies(PeriodicBoundaries):
     """Bodies of a scene; for the rest the box around them is periodic, though nothing is near its ends.
 
     The mean compression stays what it is at the start: density diffusion, a Laplacian of the pressure, lets some
@@ -34,7 +34,9 @@ class SolidBodies(OpenBox):
         corners = scene.origin, np.add(scene.origin, scene.extent)
         self.box = box_around(corners, scene.spacing, scene.periodic, 2.0 * radius)
         self.origin, self.domain = self.box.origin, PeriodicDomain(self.box.length, self.box.height)
-        self.radii = [self.layers.radius(number, self.treatment.looks_inside) for number in range(len(scene.bodies))]
+        self.radii = [
+            self.layers.radius(number, self.treatment.uses_mirror_points) for number in range(len(scene.bodies))
+        ]
         self.middle = self.built = scene.start_time
         self.compression = 0.0
         self.loads = Loads(scene)

@@ -27,11 +27,11 @@ class ImpulsiveStart:
         self.stepper, self.walls = stepper, stepper.walls
         self.particles, self.domain, self.liquid = stepper.particles, stepper.domain, stepper.liquid
         # no shift in no time, no finite force, and nothing that is not linear
-        self.silent = [stepper.operators.shift_speed]
+        self.disabled = [stepper.operators.shift_speed]
         if stepper.operators.has_artificial_viscosity:
-            self.silent.append(stepper.operators.artificial_viscosity)
+            self.disabled.append(stepper.operators.artificial_viscosity)
         if self.domain.has_body_force:
-            self.silent.append(self.domain.acceleration)
+            self.disabled.append(self.domain.acceleration)
         particles = self.particles
         self.unchanged = [particles.position, particles.mid_position, particles.compression]
         self.middles = [particles.mid_velocity, particles.mid_pressure, particles.mid_compression]
@@ -70,9 +70,9 @@ class ImpulsiveStart:
 
     def change(self, now):
         """Take what the displacements do to the velocities into buffer ``now``, and nothing else."""
-        kept = [*self.silent, *self.points]
+        kept = [*self.disabled, *self.points]
         values = [view(field).copy() for field in kept]
-        for field in self.silent:
+        for field in self.disabled:
             view(field)[...] = 0.0
         self.stepper.step(1 - now, 1.0, 0.0, 0.0, 0.0)
         for field, value in zip(kept, values, strict=True):

@@ -22,26 +22,26 @@ class Stepper:
             self.stress_trace = scalar(0.0)
 
     @ti.kernel
-    def step(self, now: ti.i32, length: float, next_length: float, elapsed: float, between: float):
-        """Finish the pending step of ``length`` and predict the middle of the one after it.
+    def step(self, now: ti.i32, dt: float, next_dt: float, elapsed: float, between: float):
+        """Finish the pending step of ``dt`` and predict the middle of the one after it.
 
         ``elapsed``: time from the build of the lists to the new middle; ``between``: from middle to middle.
         """
         self.drift_squared[None] = 0.0
         self.speed_squared[None] = 0.0
         self.acceleration_squared[None] = 0.0
-        half = 0.5 * next_length
+        half = 0.5 * next_dt
         if ti.static(self.liquid.carries_stress):
             self.stress_trace[None] = 0.0
         if ti.static(self.walls.tracks_walls):
             ti.loop_config(serialize=self.serial)
             for k in range(self.walls.track.count[None]):
                 for top in ti.static(range(2)):
-                    self.walls.track.follow(now, k, top, length, half)
+                    self.walls.track.follow(now, k, top, dt, half)
         ti.loop_config(serialize=self.serial)
         for i in range(self.particles.fluid_number[None]):
-            self.advance(now, i, length, half, elapsed)
-        if ti.static(self.walls.gathers):
+            self.advance(now, i, dt, half, elapsed)
+        if ti.static(self.walls.has_dummies):
             ti.loop_config(serialize=self.serial)
             for number in range(self.particles.fluid_number[None], self.particles.mobile_number[None]):
                 k = self.particles.slot(number)
@@ -52,16 +52,16 @@ class Stepper:
                 self.walls.track.move(top, between)
 
     @ti.func
-    def advance(self, now, i, length, half, elapsed):
+    def advance(self, now, i, dt, half, elapsed):
         """Finish the pending step of particle ``i``, publish its next middle, and measure."""
         rates = self.operators.rates(now, i)
         acceleration = rates.acceleration
         if ti.static(self.domain.has_body_force):
             acceleration.x += self.domain.acceleration[None]
         middle_velocity = self.particles.mid_velocity[now, i]
-        position = self.particles.position[now, i] + length * (middle_velocity + rates.transport)
-        velocity = self.particles.velocity[now, i] + length * acceleration
-        compression = self.particles.compression[now, i] + length * rates.compression
+        position = self.particles.position[now, i] + dt * (middle_velocity + rates.transport)
+        velocity = self.particles.velocity[now, i] + dt * acceleration
+        compression = self.particles.compression[now, i] + dt * rates.compression
         self.particles.position[1 - now, i] = position
         self.particles.velocity[1 - now, i] = velocity
         self.particles.compression[1 - now, i] = compression
@@ -72,7 +72,7 @@ class Stepper:
         self.particles.mid_compression[1 - now, i] = compression
         next_velocity, pressure = velocity + half * acceleration, self.liquid.pressure(compression)
         if ti.static(self.liquid.carries_stress):
-            stress = self.particles.stress[now, i] + length * rates.stress
+            stress = self.particles.stress[now, i] + dt * rates.stress
             self.particles.stress[1 - now, i] = stress
             self.walls.publish(1 - now, i, position, next_velocity, pressure, stress + half * rates.stress)
             ti.atomic_max(self.stress_trace[None], stress[0] + stress[2])

@@ -10,8 +10,8 @@ from shapes import ELL, wavy
 
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
-from tisph.geometry.filling import fill
 from tisph.geometry.line import Line
+from tisph.geometry.packing import pack
 from tisph.geometry.polygon import Polygon
 from tisph.geometry.region import Region
 from tisph.geometry.spline import Spline
@@ -69,7 +69,7 @@ def test_particles_are_as_many_as_fit_and_even(region, area, spacing, jitter):
 
     Measured without and with jitter: nearest two .80 and .70, holes .86 and .92 spacings, first layer at .46 to .53.
     """
-    points = fill(region, spacing, jitter, seed=2)
+    points = pack(region, spacing, jitter, seed=2)
     if area is not None:
         assert region.area == pytest.approx(area, rel=1e-12)
     assert len(points) == round(region.area / spacing**2)
@@ -83,7 +83,7 @@ def test_particles_are_as_many_as_fit_and_even(region, area, spacing, jitter):
 
 def test_jitter_moves_particles_by_about_its_size_and_by_its_seed():
     region, spacing = REGIONS["annulus"][0], 1 / 10
-    still, one, same, other = (fill(region, spacing, *settings) for settings in ((), (0.2, 1), (0.2, 1), (0.2, 2)))
+    still, one, same, other = (pack(region, spacing, *settings) for settings in ((), (0.2, 1), (0.2, 1), (0.2, 2)))
     assert np.array_equal(one, same)
     assert not np.array_equal(one, other)
     moved = np.sqrt(np.mean((one - still) ** 2)) / spacing
@@ -93,14 +93,14 @@ def test_jitter_moves_particles_by_about_its_size_and_by_its_seed():
 def test_a_region_that_a_lattice_fills_keeps_it():
     """Walls half a spacing off the lattice, which is at rest between its images."""
     region, _, spacing = REGIONS["box"]
-    points = np.sort(fill(region, spacing), axis=0)
+    points = np.sort(pack(region, spacing), axis=0)
     assert np.abs(points[:, 0] - np.repeat((np.arange(30) + 0.5) * spacing, 30)).max() < 1e-12
 
 
 def test_liquid_without_bodies_is_the_lattice():
     region = Region((), (0.0, 1.0), (1.0, 3.0), (True, True))
     assert region.area == 2.0
-    assert len(fill(region, 0.1)) == 200
+    assert len(pack(region, 0.1)) == 200
 
 
 def test_bodies_must_share_the_periods_of_their_cell():
@@ -112,4 +112,4 @@ def test_bodies_must_share_the_periods_of_their_cell():
 def test_a_region_without_room_is_refused():
     closed = Region((Body(Circle(0.3, "inside")),), (-0.3, -0.3), (0.3, 0.3))
     with pytest.raises(ValueError, match="has no room"):
-        fill(closed, 1.0)
+        pack(closed, 1.0)

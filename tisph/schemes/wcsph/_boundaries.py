@@ -56,7 +56,7 @@ class PlaneWalls:
     def move_on(self, before, middle):
         """Move the walls from the middle of one step to that of the next."""
         self.domain.move_on(middle)
-        if self.domain.oscillates and self.walls.gathers:
+        if self.domain.oscillates and self.walls.has_dummies:
             motions = zip(self.drift, self.domain.motions, self.built_velocity, strict=True)
             elapsed = middle - before
             self.drift = [drift + elapsed * (wall.velocity(middle) - built) for drift, wall, built in motions]
@@ -85,7 +85,7 @@ class PlaneWalls:
         vars(self.balance).update(state["balance"])
 
 
-class OpenBox:
+class PeriodicBoundaries:
     """A box that is periodic in x and y: nothing moves but the liquid, and nothing changes its momentum."""
 
     treatment = WallTreatment

@@ -9,7 +9,7 @@ from tisph.geometry.motion import penetration_depth
 
 
 @dataclass(frozen=True)
-class Plate:
+class StressControlledWall:
     """A wall that starts from rest at t = 0: mass_per_area dU/dt = stress(t) - what the liquid takes of it.
 
     The stress on it from outside, along x, is cosine * cos(w t) + sine * sin(w t), w = ``angular_frequency``; with
@@ -46,7 +46,7 @@ class Plate:
         """Times above 0 at which the stress jumps."""
         return tuple(time for time, _ in self.steps if time > 0)
 
-    def during(self, time):
+    def after(self, time):
         """The plate with the stress from ``time`` to the next change, which goes on beyond that as it was."""
         if not self.steps:
             return self
@@ -87,14 +87,14 @@ class Plate:
 
 
 @dataclass(frozen=True)
-class PlateMotion:
+class StressControlledMotion:
     """How a ``plate`` is seen to move: ``velocity_at``, a function of time, at most about ``cosine``."""
 
     oscillates: ClassVar[bool] = True
     before: ClassVar[None] = None
     sine: ClassVar[float] = 0.0
 
-    plate: Plate
+    plate: StressControlledWall
     cosine: float
     velocity_at: Any
 

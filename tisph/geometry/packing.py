@@ -19,7 +19,7 @@ LEAST_DISTANCE = 0.25
 """From walls, in spacings, that no particle goes below."""
 
 
-def fill(region, spacing, jitter=0.0, seed=0):
+def pack(region, spacing, jitter=0.0, seed=0):
     """Places (n, 2) of particles that fill ``region``, n the whole number nearest to area / spacing^2.
 
     None is nearer to a wall than a quarter of the spacing.

@@ -132,7 +132,7 @@ def test_no_layer_is_beyond_the_middle_of_a_thin_cylinder():
     layers = layers_in([Body(Circle(1.2)), Body(Circle(9.0, "inside"))], 1.0, 3.15)
     radii = [np.unique(np.round(np.hypot(*layers.place[layers.body == body].T), 9)) for body in (0, 1)]
     assert [radius.tolist() for radius in radii] == [[0.7], [9.5, 10.5, 11.5]]
-    assert np.hypot(*(layers.place - layers.foot).T).round(9).max() == 2.5
+    assert np.hypot(*(layers.place - layers.wall_point).T).round(9).max() == 2.5
 
 
 @pytest.mark.parametrize("centre", ["[0.0, 0.0]", "[-31.0, 17.5]"])

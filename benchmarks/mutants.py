@@ -95,6 +95,8 @@ TESTS = {
     "schemes/_stages/impulse": [CORE + "impulse", CORE + "layers_of_the_lattice", CORE + "polymer_*", *IMPLICIT],
     "schemes/_stages/models": [CORE + "polymer_*", CORE + "stress", CORE + "laws_in_kernels"],
     "schemes/_stages/walls": [UNIT + "implicit_wall_series", CORE + "polymer_*", CORE + "scheduled_walls", *IMPLICIT],
+    "schemes/_stages/massless_wall": [CORE + "stress_controlled_walls", CORE + "scheduled_walls"],
+    "schemes/_stages/inertial_wall": [CORE + "stress_controlled_walls"],
     "schemes/_stages/stress_controlled": [CORE + "stress_controlled_walls", CORE + "scheduled_walls"],
     "schemes/implicit": [UNIT + "esdirk", *IMPLICIT, CORE + "implicit_limits"],
     "schemes/implicit/_fixed_ghosts": [CORE + "viscous_solver", CORE + "wall_treatments", *IMPLICIT],

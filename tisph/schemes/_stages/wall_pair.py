@@ -3,7 +3,8 @@
 import numpy as np
 
 from tisph.schemes._stages.esdirk import C
-from tisph.schemes._stages.stress_controlled import InertialWall, MasslessWall
+from tisph.schemes._stages.inertial_wall import InertialWall
+from tisph.schemes._stages.massless_wall import MasslessWall
 from tisph.schemes._stages.walls import OBEY_MOMENTUM, CoupledWall, PrescribedWall
 
 

@@ -10,7 +10,7 @@ the order of the operators): ``consistent_image``. Without the terms in w: ``com
 where the ghosts stay on the lattice and u_F is interpolated at their mirror points.
 
 At a massless stress-controlled wall it is the slope that is known, and the even terms cancel: ``even_reflection``, see
-``schemes/_stages/stress_controlled.py``. The series is then one of odd powers.
+``schemes/_stages/massless_wall.py``. The series is then one of odd powers.
 
 There are few of them: what is not asked for in each iteration of a solver is computed by NumPy, for all at once.
 """

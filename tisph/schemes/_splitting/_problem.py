@@ -13,7 +13,7 @@ class _Problem(Box):
     ``acceleration`` is that of the body force; ``walls`` (``WallPoints``) are None where there are none, ``corners``
     those (``exact/sliding_corner.py``) where the velocities of two of them differ. ``kinematic_viscosity`` is the total
     one, of solvent and polymer; ``rheology``: parameters of the fluid where it has a polymer, else None, and
-    ``initial_deviations`` of the conformation tensors of its modes at x, y, None where it starts from rest.
+    ``initial_conformation_excess`` of the conformation tensors of its modes at x, y, None where it starts from rest.
     ``changes``: times at which the velocity of a wall, or its acceleration, jumps.
     """
 
@@ -25,7 +25,7 @@ class _Problem(Box):
     acceleration: tuple[float, float] = (0.0, 0.0)
     corners: tuple = ()
     rheology: object = None
-    initial_deviations: object = None
+    initial_conformation_excess: object = None
     changes: tuple[float, ...] = ()
 
     @property

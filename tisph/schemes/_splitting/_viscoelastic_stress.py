@@ -44,7 +44,7 @@ class ViscoelasticStress:
         self.levels, self.operators, self.points = levels, levels.operators, levels.points
         self.walls, self.n_fluid = problem.walls, problem.n_fluid
         self.origin, self.spacing = problem.origin, problem.spacing
-        self.initial_deviations = problem.initial_deviations
+        self.initial_conformation_excess = problem.initial_conformation_excess
         self.modes = Modes(problem.rheology, problem.kinematic_viscosity, conformation_excess)
         self.size = self.modes.components
         self.tensors, self.d_dx, self.d_dy = self._three(ORDER * self.size)
@@ -74,10 +74,10 @@ class ViscoelasticStress:
     def begin(self):
         """Start from rest, without stress, or from the initial state of the problem."""
         view(self.tensors)[...] = 0.0
-        if self.initial_deviations:
+        if self.initial_conformation_excess:
             positions = view(self.points.position)[: self.points.fluid].astype(float) + self.origin
-            modes = self.initial_deviations(*positions.T)
-            self.states[0] = np.concatenate([logarithm(deviations) for deviations in modes])
+            modes = self.initial_conformation_excess(*positions.T)
+            self.states[0] = np.concatenate([logarithm(conformation_excess) for conformation_excess in modes])
 
     def prepare(self, times, dt, time):
         """Take up a step of this ``dt`` that ends at ``time``."""

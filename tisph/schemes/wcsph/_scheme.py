@@ -21,9 +21,9 @@ from tisph.schemes._overflow import clustered
 from tisph.schemes._plan import StepPlan
 from tisph.schemes._time_step import effective_viscosity, time_step_limits
 from tisph.schemes.wcsph._body_force import BodyForce
+from tisph.schemes.wcsph._boundaries import PeriodicBoundaries, PlaneWalls
 from tisph.schemes.wcsph._shift import shift_speed
 from tisph.schemes.wcsph._stepper import Stepper
-from tisph.schemes.wcsph._surroundings import OpenBox, PlaneWalls
 from tisph.snapshot import Snapshot
 
 CONTROL_INTERVAL = 50
@@ -63,16 +63,16 @@ class Scheme:
         cutoff = kernel.SUPPORT * self.smoothing_length
         radius = reach(cutoff, scene.spacing)
 
-        self.surroundings = surroundings(config, scene, radius)
-        self.domain, treatment = self.surroundings.domain, self.surroundings.treatment
+        self.boundaries = boundaries(config, scene, radius)
+        self.domain, treatment = self.boundaries.domain, self.boundaries.treatment
         self.liquid = Liquid(scene, self.equation_of_state, self.sound_speed, stress)
-        self.particles = Particles(scene.particles, *self.surroundings.slots, rheology.carries_stress)
-        self.cells = Cells(self.particles, self.domain, self.surroundings.box, radius)
-        self.lists = VerletLists(self.cells, cutoff, scene.spacing, serial, treatment.looks_inside)
+        self.particles = Particles(scene.particles, *self.boundaries.slots, rheology.carries_stress)
+        self.cells = Cells(self.particles, self.domain, self.boundaries.box, radius)
+        self.lists = VerletLists(self.cells, cutoff, scene.spacing, serial, treatment.uses_mirror_points)
         speeds = self.sound_speed, self.cfl, scene.solvent_viscosity / self.smoothing_length
         shift = shift_speed(kernel, config.discretisation.smoothing_ratio, *speeds)
         self.operators = operators(self.particles, self.lists, self.liquid, kernel, self.artificial_viscosity, shift)
-        self.walls = self.surroundings.surround(self.operators, kernel)
+        self.walls = self.boundaries.surround(self.operators, kernel)
         self.stepper = Stepper(self.operators, self.walls, serial)
         self.body_force = BodyForce(scene.body_force, self.particles, scene.extent) if scene.body_force else None
         self.plan = StepPlan(scene.start_time, targets)
@@ -87,15 +87,15 @@ class Scheme:
         """
         self.limit = self.time_step_limit()
         scaled = stress / self.scene.density if self.particles.carries_stress else None
-        self.particles.load(position - np.array(self.surroundings.origin), velocity, scaled)
-        self.press(position)
-        self.surroundings.begin(float(velocity[:, 0].sum()))
+        self.particles.load(position - np.array(self.boundaries.origin), velocity, scaled)
+        self.initialise_pressure(position)
+        self.boundaries.begin(float(velocity[:, 0].sum()))
         self.rebuild()
-        self.surroundings.jump(self.stepper, self.now)
+        self.boundaries.jump(self.stepper, self.now)
         self.proceed()
         self.limit = self.time_step_limit()
 
-    def press(self, position):
+    def initialise_pressure(self, position):
         """Give the particles the pressure that the flow starts with, where it is known: without it there is sound."""
         scene, fluid = self.scene, self.particles.fluid
         if "pressure" not in scene.fields:
@@ -122,18 +122,18 @@ class Scheme:
 
     def proceed(self):
         """Evaluate the rates in the middle of the pending step, finish it, and predict the next middle."""
-        drifts = (drift * drift for drift in self.surroundings.drift)
-        of_liquid = float(view(self.stepper.drift_squared)) * self.surroundings.stretch**2
+        drifts = (drift * drift for drift in self.boundaries.drift)
+        of_liquid = float(view(self.stepper.drift_squared)) * self.boundaries.stretch**2
         drift_squared = max(of_liquid, *drifts)
         if self.lists.outdated(drift_squared, self.middle - self.built):
             self.rebuild()
         if self.length > 0.0:
-            self.surroundings.account(self.now, self.steps, self.middle)
+            self.boundaries.account(self.now, self.steps, self.middle)
         length, time = self.length, self.end
         self.length = self.plan.next(self.limit)
         self.end = self.plan.time
         middle = time + 0.5 * self.length
-        self.surroundings.move_on(self.middle, middle)
+        self.boundaries.move_on(self.middle, middle)
         if self.body_force:
             self.body_force.evaluate(self.now, self.middle)
         self.stepper.step(self.now, length, self.length, middle - self.built, middle - self.middle)
@@ -174,7 +174,7 @@ class Scheme:
         self.require_room("images of particles", self.walls.overflow())
         self.lists.build(self.now)
         self.require_room("neighbours of a particle", self.lists.overflow())
-        self.surroundings.rebuilt(self.now, self.middle)
+        self.boundaries.rebuilt(self.now, self.middle)
         self.built = self.middle
         self.rebuilds += 1
 
@@ -196,7 +196,7 @@ class Scheme:
         """Return the state at the end of the last step as a Snapshot; ``time`` can be no other."""
         position, velocity, compression, stress = self.particles.state(self.now)
         compression = compression.astype(float)
-        sides = zip(position.T, self.scene.extent, self.scene.periodic, self.surroundings.origin, strict=True)
+        sides = zip(position.T, self.scene.extent, self.scene.periodic, self.boundaries.origin, strict=True)
         x, y = (first + (place % size if periodic else place) for place, size, periodic, first in sides)
         stresses = {}
         if stress is not None:
@@ -218,7 +218,7 @@ class Scheme:
             ),
             **stresses,
         )
-        return self.surroundings.described(snapshot)
+        return self.boundaries.described(snapshot)
 
     def around(self, times, x, half_width):
         """Return the particles within ``half_width`` of ``x`` (times,) at the end of the last step, as flat arrays.
@@ -239,7 +239,7 @@ class Scheme:
 
     def momentum_balance(self):
         """Return the balance of momentum along x up to ``time``."""
-        return self.surroundings.momentum_balance(self.time, self.particles.momentum(self.now))
+        return self.boundaries.momentum_balance(self.time, self.particles.momentum(self.now))
 
     def parts(self):
         """Return everything that holds fields, by name: what a checkpoint saves."""
@@ -256,14 +256,14 @@ class Scheme:
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
         state = {name: getattr(self, name) for name in HOST_STATE}
-        return {**state, "plan": vars(self.plan), "surroundings": self.surroundings.state()}
+        return {**state, "plan": vars(self.plan), "surroundings": self.boundaries.state()}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
         for name in HOST_STATE:
             setattr(self, name, state[name])
         vars(self.plan).update(state["plan"])
-        self.surroundings.restore(state["surroundings"])
+        self.boundaries.restore(state["surroundings"])
 
     def set_targets(self, targets):
         """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""
@@ -284,7 +284,7 @@ class Scheme:
         }
 
 
-def surroundings(config, scene, radius):
+def boundaries(config, scene, radius):
     """Return what is around the liquid of a ``scene``, for lists of this ``radius``."""
     if scene.walls:
         return PlaneWalls(config, scene, radius)
@@ -292,4 +292,4 @@ def surroundings(config, scene, radius):
         from tisph.schemes.wcsph._bodies import SolidBodies  # of no use to the others
 
         return SolidBodies(config, scene, radius)
-    return OpenBox(config, scene)
+    return PeriodicBoundaries(config, scene)

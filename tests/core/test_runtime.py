@@ -114,7 +114,7 @@ def test_a_launch_with_the_wrong_number_of_arguments_is_refused():
     runtime.start("f64", 1)
     counter = Counter()
     counter.add(1, 1.0)
-    with pytest.raises(Exception, match=r"(?i)argument"):
+    with pytest.raises(Exception, match=r"(?i)argument|parameter"):
         counter.add(1)
 
 
@@ -142,7 +142,11 @@ def test_an_object_has_the_kernels_of_its_class_and_of_those_above():
         one.both()
     assert one.total[None] == 2 * (3.0 - 2.0)
     assert one.half == 2.0
-    assert "__getattribute__" not in vars(Counter)  # all else is looked up as Python does
+
+
+@replaced
+def test_attributes_of_an_object_are_looked_up_as_python_does():
+    assert "__getattribute__" not in vars(Counter)
 
 
 def test_no_kernel_of_the_package_calls_that_of_a_class_above():

@@ -72,8 +72,8 @@ def test_error_of_the_stress_is_named(renderer):
     snapshot = make_snapshot(channel, 10.0)
     field = "stress_xy", "Sxy"
     wrong = replace(snapshot, stress_xy=1.02 * snapshot.stress_xy)
-    assert error_label(channel, wrong, field) == f"L2 error of Sxy 2.0{TIMES}10⁻²"
-    assert error_label(channel, make_snapshot(channel, 0.0), field) == "unresolved: 0.0 spacings"
+    assert error_label(channel, field)(wrong) == f"L2 error of Sxy 2.0{TIMES}10⁻²"
+    assert error_label(channel, field)(make_snapshot(channel, 0.0)) == "unresolved: 0.0 spacings"
 
 
 def test_particles_with_wrong_stress_do_not_stop_the_picture(renderer):
@@ -104,4 +104,4 @@ def test_flows_that_cross_zero_or_die_away_are_known(flow, expected):
 
 def test_error_is_a_multiple_of_the_reference_velocity_where_u_crosses_zero():
     channel = make_channel(bottom=WallMotion(-0.002))
-    assert error_label(channel, make_snapshot(channel, 5.0, slip=3e-3)) == f"rms error 3.0{TIMES}10⁻³ U"
+    assert error_label(channel)(make_snapshot(channel, 5.0, slip=3e-3)) == f"rms error 3.0{TIMES}10⁻³ U"

@@ -79,8 +79,8 @@ def test_samples_and_pictures_say_so():
         (False, "the layer at the top wall is 0.2 spacings thin; resolved from 2 spacings on"),
         (True, None),
     ]
-    assert error_label(channel, early) == "unresolved: 0.2 spacings"
-    assert error_label(channel, late).startswith("L2 error")
+    assert error_label(channel)(early) == "unresolved: 0.2 spacings"
+    assert error_label(channel)(late).startswith("L2 error")
 
 
 def test_steep_stress_is_not_resolved():

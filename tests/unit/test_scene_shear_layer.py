@@ -108,7 +108,7 @@ def test_files_and_pictures_do_without_a_reference(scene, start, tmp_path):
 def test_the_movie_shows_the_layers(scene, start, color_by):
     video = make_video(640, 320, color_by)
     renderer = FrameRenderer(scene, video, "layers", 4.0)
-    assert error_label(renderer.scene, start, renderer.quantity.error) == ""
+    assert error_label(renderer.scene, renderer.quantity.error)(start) == ""
     panel = renderer.render(start)[renderer.layout.box.slices].astype(float)
     bands = np.array([band.mean(axis=(0, 1)) for band in np.array_split(panel, 20)])  # of three rows of particles
     layers, streams = bands[[4, 5, 14, 15]], bands[[0, 9, 10, 19]]

@@ -210,7 +210,7 @@ def test_error_in_the_picture_is_that_of_what_is_shown():
     view = {name: make_renderer(name) for name in ("speed", "vorticity", "pressure")}
     snapshot = make_snapshot(view["speed"].scene)
     off = scaled(replace(snapshot, pressure=2.0 * snapshot.pressure), 1.01)
-    labels = {name: error_label(renderer.scene, off, renderer.quantity.error) for name, renderer in view.items()}
+    labels = {name: error_label(renderer.scene, renderer.quantity.error)(off) for name, renderer in view.items()}
     assert labels["speed"] == labels["vorticity"] == "L2 error 1.0×10⁻²"
     assert labels["pressure"].startswith("L2 error of p 1.0×10⁰") or labels["pressure"].startswith("L2 error of p 9.9")
 

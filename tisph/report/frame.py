@@ -47,6 +47,7 @@ class FrameRenderer:
         self.frame = self._background.copy()
         self._shades = Shades(style.colours(256, colour_map=self.quantity.colour_map))
         self._time_label = time_label(scene.time_scale, scene.units.time, scene.time_formula)
+        self._error_label = error_label(scene, self.quantity.error)
         self._coordinates = self.quantity.profile.line.coordinates(_CURVE_POINTS)
         panel, scale = self.layout.profile, self.layout.scale
         inside = panel.height - 2, panel.width - 2  # the axes' lines are on the border
@@ -72,7 +73,7 @@ class FrameRenderer:
         self._draw_profile(picture, snapshot)
         for label in self._changing_labels:
             label.paint(picture, snapshot.t)
-        time, error = self._time_label(snapshot.t), error_label(self.scene, snapshot, self.quantity.error)
+        time, error = self._time_label(snapshot.t), self._error_label(snapshot)
         paint_text(picture, self.layout.time_label, time, self.layout.pixels(18), "left")
         paint_text(picture, self.layout.error_label, error, self.layout.pixels(14), "right")
         return picture

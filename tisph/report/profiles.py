@@ -38,13 +38,14 @@ def profile_figure(scene, snapshots: Sequence[Snapshot]) -> style.PlotFigure:
         for left_over in axes[len(panels) :]:
             left_over.set_axis_off()
         named = style.evenly_chosen(len(snapshots), _LEGEND_ENTRIES)
+        error_words = error_label(scene)
         looks = _looks(len(snapshots))
         for index, snapshot in enumerate(snapshots):
             drawn = [_plot(one, panel, snapshot, looks[index]) for one, panel in zip(axes, panels, strict=False)]
             if index in named:
                 t_star = number(snapshot.t / scene.time_scale, 3)
                 time = f"t = {number(snapshot.t)} {scene.units.time},  t* = {t_star}"
-                drawn[0].set_label(f"{time},  {error_label(scene, snapshot)}".rstrip(", "))
+                drawn[0].set_label(f"{time},  {error_words(snapshot)}".rstrip(", "))
         _label_axes(axes, panels, scene)
         references = dict.fromkeys(profile.reference for profile, _ in panels if profile.exact)
         if references:

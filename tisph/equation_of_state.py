@@ -14,7 +14,7 @@ SCALE_RATIO = 10.0
 
 
 class Tait(Model):
-    """Stiffness of the weakly compressible liquid.
+    """Stiffness of the weakly compressible fluid.
 
     At most one of ``sound_speed`` and ``bulk_modulus`` (K = density * sound_speed^2, the bulk modulus at zero
     pressure) is given; without either the sound speed is ``auto``, see ``sound_speed``. ``pressure_cutoff``

@@ -1,4 +1,4 @@
-"""Liquid between two cylinders, for tests of the implicit scheme at walls of any shape."""
+"""Fluid between two cylinders, for tests of the implicit scheme at walls of any shape."""
 
 import math
 

@@ -111,7 +111,7 @@ def test_the_pressure_cutoff_limits_tension(make):
 
     @ti.kernel
     def pressure_at(s: float) -> float:
-        return scheme.liquid.pressure(s)
+        return scheme.fluid.pressure(s)
 
     assert pressure_at(-0.01) == pytest.approx(-0.1, abs=1e-15)
     assert pressure_at(0.01) == pytest.approx(25 / 7 * (1.01**7 - 1), rel=1e-13)

@@ -22,7 +22,7 @@ LEVELS = [
     ["scenes"],
     ["report"],
     ["runtime"],
-    ["liquid", "particles", "periodic"],
+    ["fluid", "particles", "periodic"],
     ["domain"],
     ["neighbours"],
     ["operators", "kernels", "least_squares"],

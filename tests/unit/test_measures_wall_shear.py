@@ -77,7 +77,7 @@ def test_a_stress_controlled_wall_has_the_velocity_of_its_next_particles():
 
 
 def test_the_slip_is_relative_to_the_wall_at_that_time():
-    """Liquid that moves as one with an oscillating wall has no shear there, at any phase."""
+    """Fluid that moves as one with an oscillating wall has no shear there, at any phase."""
     motion = WallMotion(0.4, -0.3, angular_frequency=2.0)
     channel = make_channel(bottom=motion, top=motion)
     for t in (0.3, 1.7):

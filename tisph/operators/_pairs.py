@@ -19,11 +19,11 @@ class PairOperators:
     V_j (-W'(r)/r) with the volume V = spacing^2 that every particle keeps to within the weak compression.
     """
 
-    def __init__(self, particles, lists, liquid, kernel, artificial_viscosity, shift_speed):
+    def __init__(self, particles, lists, fluid, kernel, artificial_viscosity, shift_speed):
         self.particles = particles
         self.lists = lists
         self.domain = lists.domain
-        self.liquid = liquid
+        self.fluid = fluid
         self.has_artificial_viscosity = artificial_viscosity > 0
         if self.has_artificial_viscosity:
             self.artificial_viscosity = scalar(artificial_viscosity)
@@ -35,7 +35,7 @@ class PairOperators:
         self.vector = ti.types.vector(2, real())
         self.matrix = ti.types.matrix(2, 2, real())
         self.artificial_sums = {"push": self.vector} if self.has_artificial_viscosity else {}
-        stress_rate = {"stress": ti.types.vector(3, real())} if liquid.carries_stress else {}
+        stress_rate = {"stress": ti.types.vector(3, real())} if fluid.carries_stress else {}
         self.Rates = ti.types.struct(acceleration=self.vector, compression=real(), transport=self.vector, **stress_rate)
 
     @ti.func
@@ -77,7 +77,7 @@ class PairOperators:
         """Return what the sum of ``artificial_push`` is multiplied by, V alpha c h."""
         return (
             self.artificial_viscosity[None]
-            * self.liquid.sound_speed[None]
+            * self.fluid.sound_speed[None]
             * self.smoothing_length[None]
             * self.pair_weight[None]
         )

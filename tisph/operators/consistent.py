@@ -28,9 +28,9 @@ DIFFUSION = 0.1
 class Operators(PairOperators):
     """Corrected gradient, moment-normalised Laplacian, particle shifting, density diffusion."""
 
-    def __init__(self, particles, lists, liquid, kernel, artificial_viscosity, shift_speed):
-        super().__init__(particles, lists, liquid, kernel, artificial_viscosity, shift_speed)
-        stress_sums = {"stress_gradient": ti.types.matrix(3, 2, real())} if liquid.carries_stress else {}
+    def __init__(self, particles, lists, fluid, kernel, artificial_viscosity, shift_speed):
+        super().__init__(particles, lists, fluid, kernel, artificial_viscosity, shift_speed)
+        stress_sums = {"stress_gradient": ti.types.matrix(3, 2, real())} if fluid.carries_stress else {}
         self.Sums = ti.types.struct(
             moment_xx=real(),
             moment_xy=real(),
@@ -61,13 +61,13 @@ class Operators(PairOperators):
 
         compression = self.particles.mid_compression[now, i]
         density = 1.0 + compression
-        stiffness = self.liquid.stiffness(compression)
+        stiffness = self.fluid.stiffness(compression)
         length = self.smoothing_length[None]
         rates = self.Rates()
         rates.transport = -self.shift_speed[None] * length * self.pair_weight[None] * sums.first
         rates.acceleration = (
             -pressure_gradient / density
-            + self.liquid.kinematic_viscosity[None] * velocity_laplacian
+            + self.fluid.kinematic_viscosity[None] * velocity_laplacian
             + velocity_gradient @ rates.transport
         )
         if ti.static(self.has_artificial_viscosity):
@@ -75,15 +75,15 @@ class Operators(PairOperators):
         rates.compression = (
             -density * (velocity_gradient[0, 0] + velocity_gradient[1, 1])
             + rates.transport.dot(pressure_gradient) / stiffness
-            + DIFFUSION * length * self.liquid.sound_speed[None] * pressure_laplacian / stiffness
+            + DIFFUSION * length * self.fluid.sound_speed[None] * pressure_laplacian / stiffness
         )
-        if ti.static(self.liquid.carries_stress):
+        if ti.static(self.fluid.carries_stress):
             gradient = sums.stress_gradient @ correction
             rates.acceleration += (
                 ti.Vector([gradient[0, 0] + gradient[1, 1], gradient[1, 0] + gradient[2, 1]]) / density
             )
             own = self.particles.mid_stress[now, i]
-            rates.stress = self.liquid.stress.rate(own, velocity_gradient) + gradient @ rates.transport
+            rates.stress = self.fluid.stress.rate(own, velocity_gradient) + gradient @ rates.transport
         return rates
 
     @ti.func
@@ -94,8 +94,8 @@ class Operators(PairOperators):
         on an even arrangement gives the same force as the difference.
         """
         faster = self.particles.mid_velocity[now, j].x - self.particles.mid_velocity[now, i].x
-        pull = 4.0 * self.liquid.kinematic_viscosity[None] * faster
-        if ti.static(self.liquid.carries_stress):
+        pull = 4.0 * self.fluid.kinematic_viscosity[None] * faster
+        if ti.static(self.fluid.carries_stress):
             stress = self.particles.mid_stress[now, i] + self.particles.mid_stress[now, j]
             pull += 2.0 * (stress[0] * apart.x + stress[1] * apart.y)
         return weight * pull
@@ -129,7 +129,7 @@ class Operators(PairOperators):
             sums.pressure_laplacian += weight * higher
             if ti.static(self.has_artificial_viscosity):
                 sums.push += self.artificial_push(weight, apart, faster)
-            if ti.static(self.liquid.carries_stress):
+            if ti.static(self.fluid.carries_stress):
                 tighter = self.particles.mid_stress[now, j] - self.particles.mid_stress[now, i]
                 sums.stress_gradient += tighter.outer_product(weighted)
             j = following

@@ -15,8 +15,8 @@ from tisph.runtime import real, ti, unrolled
 class Operators(PairOperators):
     """Uncorrected sums as they stand in most codes."""
 
-    def __init__(self, particles, lists, liquid, kernel, artificial_viscosity, shift_speed):
-        super().__init__(particles, lists, liquid, kernel, artificial_viscosity, shift_speed)
+    def __init__(self, particles, lists, fluid, kernel, artificial_viscosity, shift_speed):
+        super().__init__(particles, lists, fluid, kernel, artificial_viscosity, shift_speed)
         self.Sums = ti.types.struct(
             pressure=self.vector, viscosity=self.vector, divergence=real(), **self.artificial_sums
         )
@@ -28,7 +28,7 @@ class Operators(PairOperators):
         volume_weight = self.pair_weight[None]
         rates = self.Rates()
         rates.acceleration = volume_weight * (
-            2.0 * self.liquid.kinematic_viscosity[None] * sums.viscosity
+            2.0 * self.fluid.kinematic_viscosity[None] * sums.viscosity
             - sums.pressure / (1.0 + self.particles.mid_compression[now, i])
         )
         if ti.static(self.has_artificial_viscosity):
@@ -40,7 +40,7 @@ class Operators(PairOperators):
     def pair_pull(self, now, i, j, weight, apart):
         """Return a pair's share in the acceleration along x by viscosity and pressure, without the volume."""
         faster = self.particles.mid_velocity[now, j].x - self.particles.mid_velocity[now, i].x
-        viscous = 2.0 * self.liquid.kinematic_viscosity[None] * self.softened(apart.dot(apart)) * faster
+        viscous = 2.0 * self.fluid.kinematic_viscosity[None] * self.softened(apart.dot(apart)) * faster
         pressure = self.particles.mid_pressure[now, i] + self.particles.mid_pressure[now, j]
         return weight * (viscous - pressure * apart.x / (1.0 + self.particles.mid_compression[now, i]))
 

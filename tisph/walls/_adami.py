@@ -9,8 +9,8 @@ from tisph.walls._layers import LayerWalls
 class ShepardDummies(Dummies):
     """Kernel averages (Shepard) of the fluid at every dummy particle."""
 
-    def __init__(self, lists, kernel, liquid, parameters, *layers):
-        super().__init__(lists, kernel, liquid, parameters, *layers)
+    def __init__(self, lists, kernel, fluid, parameters, *layers):
+        super().__init__(lists, kernel, fluid, parameters, *layers)
         self.value = ti.func(kernel.value)
         self.smoothing_length = scalar(lists.cutoff / kernel.SUPPORT)
         self.tensor = ti.types.vector(3, real())

@@ -8,7 +8,7 @@ With s = u_F - U_W its velocity relative to that of the wall point between them,
 s = d s_n + d^2/2 s_nn does,
 
     u_I = U_W - (d_I/d_F) (1 + kappa d_I/2)/(1 - kappa d_F/2) (s - d_F^2 f/2) + d_I^2 f/2,
-    f = -U_W,tt,   s_nn = f - kappa s_n,   around the liquid d_I/d_F = (2 + kappa d_F)/(2 - kappa d_I),
+    f = -U_W,tt,   s_nn = f - kappa s_n,   around the fluid d_I/d_F = (2 + kappa d_F)/(2 - kappa d_I),
 
 where kappa is the curvature, positive where the liquid is outside, and U_W,tt is taken along the wall. That is the
 flow without Laplacian at the wall, as the steady one around an axis is: without kappa second differences are off by
@@ -44,8 +44,8 @@ class Images:
 class CircleImages(SolidWalls):
     """Mirror images in circles that stay where they are, turning or not; copies of the liquid."""
 
-    def __init__(self, lists, kernel, liquid, parameters, images, bodies, origin):
-        super().__init__(lists, kernel, liquid, parameters, bodies, origin)
+    def __init__(self, lists, kernel, fluid, parameters, images, bodies, origin):
+        super().__init__(lists, kernel, fluid, parameters, bodies, origin)
         self.radius, self.side = (ti.field(real(), shape=len(bodies)) for _ in range(2))
         view(self.radius)[:] = [body.shape.radius for body in bodies]
         view(self.side)[:] = [1.0 if body.shape.liquid == "outside" else -1.0 for body in bodies]

@@ -9,13 +9,13 @@ from tisph.walls._track import WallStress
 class Treatment(ImageWalls):
     """Mirror images corrected by the curvature that the velocity has at the wall."""
 
-    def __init__(self, lists, kernel, liquid, parameters):
-        super().__init__(lists, kernel, liquid, parameters)
-        self.liquid = liquid
-        self.tracks_walls = liquid.carries_stress
+    def __init__(self, lists, kernel, fluid, parameters):
+        super().__init__(lists, kernel, fluid, parameters)
+        self.fluid = fluid
+        self.tracks_walls = fluid.carries_stress
         self.corrects = self.tracks_walls or self.domain.has_body_force or self.domain.oscillates
         if self.tracks_walls:
-            self.track = WallStress(lists, liquid, self.domain.columns)
+            self.track = WallStress(lists, fluid, self.domain.columns)
 
     def load(self, channel):
         """Place the tracked points on the walls."""
@@ -44,7 +44,7 @@ class Treatment(ImageWalls):
     @ti.func
     def curvature(self, top: ti.template(), position):
         """Return the second derivative of the velocity across the wall below or above a particle."""
-        curvature = self.domain.relative_acceleration(top) / self.liquid.kinematic_viscosity[None]
+        curvature = self.domain.relative_acceleration(top) / self.fluid.kinematic_viscosity[None]
         if ti.static(self.tracks_walls):
             curvature = self.track.curvature_at(top, position.x)
         return curvature

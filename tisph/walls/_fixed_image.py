@@ -8,8 +8,8 @@ from tisph.walls._dummies import DummyWalls
 class Treatment(DummyWalls):
     """Linear extrapolation from the nearest fluid particle."""
 
-    def __init__(self, lists, kernel, liquid, parameters):
-        super().__init__(lists, kernel, liquid, parameters)
+    def __init__(self, lists, kernel, fluid, parameters):
+        super().__init__(lists, kernel, fluid, parameters)
         self.least_distance = scalar(parameters.least_distance * lists.spacing)
 
     @ti.func

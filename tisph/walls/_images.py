@@ -18,8 +18,8 @@ ROOM = 1.5
 class ImageWalls(WallTreatment):
     """Mirror geometry; what the images carry can be replaced by the treatment."""
 
-    def __init__(self, lists, kernel, liquid, parameters):
-        super().__init__(lists, kernel, liquid, parameters)
+    def __init__(self, lists, kernel, fluid, parameters):
+        super().__init__(lists, kernel, fluid, parameters)
         self.images = ti.field(ti.i32, shape=2)
         self.first_top = integer(0)
 

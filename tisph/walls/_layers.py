@@ -77,8 +77,8 @@ class LayerWalls(Dummies, SolidWalls):
 
     accelerates = True
 
-    def __init__(self, lists, kernel, liquid, parameters, layers, bodies, origin):
-        super().__init__(lists, kernel, liquid, parameters, bodies, origin)
+    def __init__(self, lists, kernel, fluid, parameters, layers, bodies, origin):
+        super().__init__(lists, kernel, fluid, parameters, bodies, origin)
         self.layers = layers
         slots, vector = size_class(self.particles.dummies), ti.types.vector(2, real())
         self.number, self.sorted = (ti.field(ti.i32, shape=slots) for _ in range(2))

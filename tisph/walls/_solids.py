@@ -17,8 +17,8 @@ class SolidWalls(WallTreatment):
 
     stretch = 1.0
 
-    def __init__(self, lists, kernel, liquid, parameters, bodies, origin):
-        super().__init__(lists, kernel, liquid, parameters)
+    def __init__(self, lists, kernel, fluid, parameters, bodies, origin):
+        super().__init__(lists, kernel, fluid, parameters)
         self.bodies, self.origin = bodies, origin
         vector = ti.types.vector(2, real())
         # of each body: centre in the box, cosine and sine of its angle, and its motion

@@ -36,9 +36,9 @@ class WallStress:
     are over the reference density.
     """
 
-    def __init__(self, lists, liquid, points):
+    def __init__(self, lists, fluid, points):
         self.lists = lists
-        self.particles, self.cells, self.domain, self.liquid = lists.particles, lists.cells, lists.domain, liquid
+        self.particles, self.cells, self.domain, self.fluid = lists.particles, lists.cells, lists.domain, fluid
         self.count = integer(points)
         self.spacing = scalar(lists.spacing)
         self.radius_squared = scalar(lists.cutoff**2)
@@ -90,10 +90,10 @@ class WallStress:
         gradient = self.gradient(now, k, top)
         bent = ti.Matrix([[0.0, self.curvature(k, top)], [0.0, 0.0]])
         stress, slope = self.mid_stress[top, k], self.mid_slope[top, k]
-        stress_rate = self.liquid.stress.rate(stress, gradient)
+        stress_rate = self.fluid.stress.rate(stress, gradient)
         # the law is linear in stress and gradient alike; its parts without gradient belong to the slope alone
-        slope_rate = self.liquid.stress.rate(slope, gradient) - self.liquid.stress.strained(gradient)
-        slope_rate += self.liquid.stress.stretched(stress, bent) + self.liquid.stress.strained(bent)
+        slope_rate = self.fluid.stress.rate(slope, gradient) - self.fluid.stress.strained(gradient)
+        slope_rate += self.fluid.stress.stretched(stress, bent) + self.fluid.stress.strained(bent)
         slope_rate -= gradient[1, 1] * slope
         self.compression[top, k] -= length * (1.0 + self.compression[top, k]) * gradient[1, 1]
         self.stress[top, k] += length * stress_rate
@@ -105,7 +105,7 @@ class WallStress:
     def curvature(self, k, top: ti.template()):
         """Return the second derivative u_yy that the momentum equation gives at point ``k``."""
         polymer = self.mid_slope[top, k][1] / (1.0 + self.compression[top, k])
-        return (self.domain.relative_acceleration(top) - polymer) / self.liquid.kinematic_viscosity[None]
+        return (self.domain.relative_acceleration(top) - polymer) / self.fluid.kinematic_viscosity[None]
 
     @ti.func
     def move(self, top: ti.template(), elapsed):

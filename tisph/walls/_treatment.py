@@ -9,14 +9,14 @@ class WallTreatment:
 
     ``has_dummies`` tells whether a loop over the wall particles follows the one over the fluid, ``tracks_walls``
     whether one over points of the walls comes before it. ``uses_mirror_points``: the lists of wall particles are
-    those of their mirror points. ``liquid`` is the ``Liquid``, ``parameters`` the treatment's own from the config.
+    those of their mirror points. ``fluid`` is the ``Fluid``, ``parameters`` the treatment's own from the config.
     """
 
     has_dummies = False
     tracks_walls = False
     uses_mirror_points = False
 
-    def __init__(self, lists, kernel, liquid, parameters):
+    def __init__(self, lists, kernel, fluid, parameters):
         self.particles = lists.particles
         self.cells = lists.cells
         self.domain = lists.domain

@@ -17,8 +17,8 @@ class MirrorPointDummies(Dummies):
 
     uses_mirror_points = True
 
-    def __init__(self, lists, kernel, liquid, parameters, *layers):
-        super().__init__(lists, kernel, liquid, parameters, *layers)
+    def __init__(self, lists, kernel, fluid, parameters, *layers):
+        super().__init__(lists, kernel, fluid, parameters, *layers)
         self.value = ti.func(kernel.value)
         self.support = kernel.SUPPORT
         self.radius = scalar(RADIUS * lists.cutoff)

@@ -58,9 +58,10 @@ def explicit(config, channel, largest_dt):
     """Return the ``SampleEstimate`` of every sample of scheme ``wcsph`` with steps of at most ``largest_dt``."""
     channel = channel.in_flow_frame()
     known = channel.parallel and not off_layers(config) and not _limits.mixes(config, channel)
-    coarse = _coarse(channel, "coupled" if channel.polymer else "newtonian")
-    layers = ExplicitLayers(config, coarse) if known else None
-    finer = (coarse.rows / channel.rows) ** 2
+    layers, finer = None, 1.0
+    if known:
+        coarse = _coarse(channel, "coupled" if channel.polymer else "newtonian")
+        layers, finer = ExplicitLayers(config, coarse), (coarse.rows / channel.rows) ** 2
     samples, steps, before = [], 0, channel.start_time
     for time in config.time.samples:
         if time > before:

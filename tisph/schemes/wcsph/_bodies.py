@@ -51,7 +51,7 @@ class SolidBodies(PeriodicBoundaries):
     def surround(self, operators, kernel):
         """Make the ``walls`` that particles see, for the lists and the liquid of ``operators``; return them."""
         place = self.layers, self.scene.bodies, self.origin
-        self.walls = self.treatment(operators.lists, kernel, operators.liquid, self.parameters, *place)
+        self.walls = self.treatment(operators.lists, kernel, operators.fluid, self.parameters, *place)
         self.stretch = self.walls.stretch
         return self.walls
 

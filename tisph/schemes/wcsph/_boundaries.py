@@ -33,7 +33,7 @@ class PlaneWalls:
 
     def surround(self, operators, kernel):
         """Make the ``walls`` that particles see, for the lists and the liquid of ``operators``; return them."""
-        self.walls = self.treatment(operators.lists, kernel, operators.liquid, self.parameters)
+        self.walls = self.treatment(operators.lists, kernel, operators.fluid, self.parameters)
         self.wall_forces = WallForces(operators.lists, operators)
         return self.walls
 
@@ -102,7 +102,7 @@ class PeriodicBoundaries:
 
     def surround(self, operators, kernel):
         """Return walls of no particles."""
-        return WallTreatment(operators.lists, kernel, operators.liquid, None)
+        return WallTreatment(operators.lists, kernel, operators.fluid, None)
 
     def begin(self, momentum):
         """Note the sum of the velocities along x at the start."""

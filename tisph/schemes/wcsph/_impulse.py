@@ -25,7 +25,7 @@ class ImpulsiveStart:
 
     def __init__(self, stepper):
         self.stepper, self.walls = stepper, stepper.walls
-        self.particles, self.domain, self.liquid = stepper.particles, stepper.domain, stepper.liquid
+        self.particles, self.domain, self.fluid = stepper.particles, stepper.domain, stepper.fluid
         # no shift in no time, no finite force, and nothing that is not linear
         self.disabled = [stepper.operators.shift_speed]
         if stepper.operators.has_artificial_viscosity:
@@ -65,7 +65,7 @@ class ImpulsiveStart:
         images = slice(particles.first_wall, particles.first_wall + self.walls.present_images())
         y = view(particles.mid_position)[now, images, 1]
         depth = y - view(self.domain.height) if top else -y
-        displacement = depth * depth * jump / view(self.liquid.kinematic_viscosity)
+        displacement = depth * depth * jump / view(self.fluid.kinematic_viscosity)
         view(particles.mid_velocity)[other, images, 0] = np.where(depth > 0.0, displacement, 0.0)
 
     def change(self, now):

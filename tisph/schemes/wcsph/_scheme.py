@@ -11,7 +11,7 @@ import numpy as np
 
 from tisph import registry
 from tisph.equation_of_state import compression, pressure, sound_speed
-from tisph.liquid import Liquid
+from tisph.fluid import Fluid
 from tisph.neighbours import reach
 from tisph.neighbours.cells import Cells
 from tisph.neighbours.verlet import VerletLists
@@ -65,13 +65,13 @@ class Scheme:
 
         self.boundaries = boundaries(config, scene, radius)
         self.domain, treatment = self.boundaries.domain, self.boundaries.treatment
-        self.liquid = Liquid(scene, self.equation_of_state, self.sound_speed, stress)
+        self.fluid = Fluid(scene, self.equation_of_state, self.sound_speed, stress)
         self.particles = Particles(scene.particles, *self.boundaries.slots, rheology.carries_stress)
         self.cells = Cells(self.particles, self.domain, self.boundaries.box, radius)
         self.lists = VerletLists(self.cells, cutoff, scene.spacing, serial, treatment.uses_mirror_points)
         speeds = self.sound_speed, self.cfl, scene.solvent_viscosity / self.smoothing_length
         shift = shift_speed(kernel, config.discretisation.smoothing_ratio, *speeds)
-        self.operators = operators(self.particles, self.lists, self.liquid, kernel, self.artificial_viscosity, shift)
+        self.operators = operators(self.particles, self.lists, self.fluid, kernel, self.artificial_viscosity, shift)
         self.walls = self.boundaries.surround(self.operators, kernel)
         self.stepper = Stepper(self.operators, self.walls, serial)
         self.body_force = BodyForce(scene.body_force, self.particles, scene.extent) if scene.body_force else None

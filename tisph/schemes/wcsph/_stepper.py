@@ -14,11 +14,11 @@ class Stepper:
     def __init__(self, operators, walls, serial):
         self.operators, self.walls, self.serial = operators, walls, serial
         self.particles, self.lists, self.domain = operators.particles, operators.lists, operators.domain
-        self.liquid = operators.liquid
+        self.fluid = operators.fluid
         self.drift_squared = scalar(0.0)
         self.speed_squared = scalar(0.0)
         self.acceleration_squared = scalar(0.0)
-        if self.liquid.carries_stress:
+        if self.fluid.carries_stress:
             self.stress_trace = scalar(0.0)
 
     @ti.kernel
@@ -31,7 +31,7 @@ class Stepper:
         self.speed_squared[None] = 0.0
         self.acceleration_squared[None] = 0.0
         half = 0.5 * next_dt
-        if ti.static(self.liquid.carries_stress):
+        if ti.static(self.fluid.carries_stress):
             self.stress_trace[None] = 0.0
         if ti.static(self.walls.tracks_walls):
             ti.loop_config(serialize=self.serial)
@@ -70,8 +70,8 @@ class Stepper:
         position += half * (velocity + rates.transport)
         compression += half * rates.compression
         self.particles.mid_compression[1 - now, i] = compression
-        next_velocity, pressure = velocity + half * acceleration, self.liquid.pressure(compression)
-        if ti.static(self.liquid.carries_stress):
+        next_velocity, pressure = velocity + half * acceleration, self.fluid.pressure(compression)
+        if ti.static(self.fluid.carries_stress):
             stress = self.particles.stress[now, i] + dt * rates.stress
             self.particles.stress[1 - now, i] = stress
             self.walls.publish(1 - now, i, position, next_velocity, pressure, stress + half * rates.stress)

@@ -1,17 +1,17 @@
-"""The liquid as the kernels see it: viscosity and stiffness, as numbers that are not compiled in."""
+"""The fluid as the kernels see it: viscosity and stiffness, as numbers that are not compiled in."""
 
 from tisph.equation_of_state import series
 from tisph.runtime import scalar, ti
 
 
 @ti.data_oriented
-class Liquid:
-    """Weakly compressible liquid; all pressures and stresses are over the reference density (length^2/time^2).
+class Fluid:
+    """Weakly compressible fluid; all pressures and stresses are over the reference density (length^2/time^2).
 
     Tait equation of state p / rho0 = c^2/gamma ((1 + s)^gamma - 1) of the compression s = rho/rho0 - 1, as a
     polynomial in s. ``pressure_cutoff`` (over density) or None limits tension. ``kinematic_viscosity`` is that of the
     solvent; ``stress`` is the law of the stress that particles carry (``Stress`` of a rheology), None for a Newtonian
-    liquid.
+    fluid.
     """
 
     def __init__(self, scene, equation_of_state, sound_speed, stress):

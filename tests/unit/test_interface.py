@@ -14,7 +14,7 @@ from tisph.errors import ConfigError, DivergedError, TisphError
 from tisph.interface.process import _error
 from tisph.results._summary import typed
 
-MOST_LINES, MOST_COLUMNS = 240, 200
+MOST_LINES, MOST_COLUMNS = 260, 200
 """Of ``help(tisph)``: two screens of 65 lines."""
 
 
@@ -25,7 +25,7 @@ def test_importing_tisph_imports_nothing_that_takes_time():
     assert done.stdout.strip() == "[]"
 
 
-def test_help_is_four_screens_and_has_every_public_name():
+def test_help_is_a_few_screens_and_has_every_public_name():
     text = pydoc.plain(pydoc.render_doc(tisph))
     assert text.count("\n") <= MOST_LINES
     assert set(tisph.__all__) <= set(dir(tisph))

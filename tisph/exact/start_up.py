@@ -253,9 +253,9 @@ class StartUp:
         if np.any(times < 0):
             raise ValueError("this flow starts at t = 0: it is defined for t >= 0 only")
         result = np.empty((*parts, *times.shape))
-        for time in np.unique(times)[::-1]:
+        for time in sorted(set(times.ravel().tolist()), reverse=True):  # np.unique would import numpy.ma
             here = times == time
-            result[..., here] = profile(heights[here], float(time))
+            result[..., here] = profile(heights[here], time)
         return result[()]
 
 

@@ -10,7 +10,7 @@ from assessment_case import TIME, exact, loaded
 from typer.testing import CliRunner
 
 from tisph import cli, registry
-from tisph.assessment import judge, reading
+from tisph.assessment import judge, readers
 from tisph.config import load
 from tisph.errors import ConfigError
 
@@ -266,7 +266,7 @@ def test_an_archive_runs_no_program(tmp_path):
 
     np.savez(tmp_path / "evil.npz", particles=np.array(Evil(), dtype=object))
     with pytest.raises(ConfigError, match="is not read"):
-        reading.frames(tmp_path / "evil.npz")
+        readers.frames(tmp_path / "evil.npz")
     assert not (tmp_path / "made").exists()
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from assessment_case import TIME, l2, loaded
 
-from tisph.assessment import judge, reading
+from tisph.assessment import judge, readers
 from tisph.errors import ConfigError
 
 LAMMPS = Path(__file__).parent / "data/lammps_couette.dump"
@@ -52,7 +52,7 @@ def test_a_file_of_pysph_is_judged_as_the_bench_judges_the_run(config):
     assert found.numbers["t"] == pytest.approx(TIME, rel=1e-12)
     assert len(found.aligned.snapshot.u) == 800
     assert found.numbers["l2"] == pytest.approx(PYSPH_BENCH, rel=PRINTED)
-    (frame,) = reading.frames(PYSPH)
+    (frame,) = readers.frames(PYSPH)
     assert found.numbers["l2"] == pytest.approx(
         l2(frame.columns["y"], frame.columns["u"]), rel=1e-9
     )  # sums in another order

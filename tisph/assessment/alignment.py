@@ -42,10 +42,9 @@ class Aligned:
     snapshot: Snapshot
     notes: tuple[str, ...] = ()
 
-
-def noted(aligned, text):
-    """The same with one more note."""
-    return replace(aligned, notes=(*aligned.notes, text))
+    def noted(self, text):
+        """The same with one more note."""
+        return replace(self, notes=(*self.notes, text))
 
 
 def orientation(text):
@@ -105,14 +104,11 @@ def _tried(columns, scene, t, axes, origin):
             return None
         shift = 0.5 * (scene.gap - low - high)
         reoriented["y"] = reoriented["y"] + shift
-        notes += (f"the bottom wall was found at {axes[1].strip('-')} = {_at_wall(shift, axes):.6g} of the data",)
+        wall = shift if axes[1].startswith("-") else -shift
+        notes += (f"the bottom wall was found at {axes[1].strip('-')} = {wall:.6g} of the data",)
     elif high - low < 0.5 * scene.gap:
         return None
     return _aligned(reoriented, scene, t, notes)
-
-
-def _at_wall(shift, axes):
-    return shift if axes[1].startswith("-") else -shift
 
 
 def _reoriented(columns, axes, origin):

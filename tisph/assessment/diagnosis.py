@@ -36,10 +36,11 @@ class Finding:
     remain: float
 
     @property
-    def means_something(self):
+    def significant(self):
         """Whether the parameter is larger than that of any discretisation, and not as large as it may be."""
-        at_an_end = min(self.value - self.fault.low, self.fault.high - self.value) < AT_AN_END * self.fault.size
-        return abs(self.value) >= self.fault.least and not at_an_end
+        fault = self.fault
+        at_an_end = min(self.value - fault.low, fault.high - self.value) < AT_AN_END * (fault.high - fault.low)
+        return abs(self.value) >= fault.least and not at_an_end
 
     @property
     def words(self):
@@ -64,10 +65,10 @@ def diagnose(aligned):
     error = root_mean_square(errors) / scene.reference_velocity
     if error < TOO_SMALL:
         return Diagnosis(error, [], [])
-    times = [snapshot.t for snapshot, _, _ in samples]
+    times = [each.snapshot.t for each in aligned]
     fits = [_fitted(fault, scene, samples) for fault in faults(scene, times)]
     fits.sort(key=lambda each: each.remain)
-    explaining = [each for each in fits if each.remain <= EXPLAINS * error and each.means_something]
+    explaining = [each for each in fits if each.remain <= EXPLAINS * error and each.significant]
     if explaining:
         most = EQUAL * explaining[0].remain + ROUGH * error
         explaining = [each for each in explaining if each.remain <= most]
@@ -75,34 +76,23 @@ def diagnose(aligned):
 
 
 def _chosen(scene, snapshot):
+    """Return positions and time (x, y, t), velocities and exact ones (fields, points) of some points of a sample."""
     values, exact = velocities(scene, snapshot)
     order = np.argsort(snapshot.y, kind="stable")
     index = order[np.unique(np.linspace(0, len(order) - 1, min(len(order), MOST_POINTS)).round().astype(int))]
-    names = [name for name in ("u", "v") if name in scene.fields]
-    place = _Positions(snapshot.t, snapshot.x[index], np.clip(snapshot.y, *_heights(scene))[index], names)
-    return place, values[:, index], exact[:, index]
-
-
-def _heights(scene):
-    return scene.origin[1], scene.origin[1] + scene.extent[1]
-
-
-@dataclass(frozen=True)
-class _Positions:
-    t: float
-    x: np.ndarray
-    y: np.ndarray
-    names: list[str]
+    low, high = scene.origin[1], scene.origin[1] + scene.extent[1]
+    at = snapshot.x[index], np.clip(snapshot.y, low, high)[index], snapshot.t
+    return at, values[:, index], exact[:, index]
 
 
 def _fitted(fault, scene, samples):
     """``Finding`` with the parameter that leaves the smallest error, from the best of the guesses."""
+    names = [name for name in ("u", "v") if name in scene.fields]
 
     def residuals(parameter):
         exact = fault.flow(scene, float(parameter[0]))
         parts = [
-            u - np.array([np.broadcast_to(exact(name, at.x, at.y, at.t), at.y.shape) for name in at.names])
-            for at, u, _ in samples
+            u - np.array([np.broadcast_to(exact(name, *at), at[1].shape) for name in names]) for at, u, _ in samples
         ]
         return np.nan_to_num(np.concatenate([part.ravel() for part in parts]) / scene.reference_velocity, nan=1e3)
 

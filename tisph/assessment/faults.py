@@ -31,11 +31,6 @@ class Fault:
     least: float
     guesses: tuple[float, ...]
 
-    @property
-    def size(self):
-        """Range of the parameter."""
-        return self.high - self.low
-
 
 def faults(scene, times):
     """All faults that can be asked of a ``scene`` at ``times``."""

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from tisph import scenes
-from tisph.assessment import alignment, columns, diagnosis, reading, units
+from tisph.assessment import alignment, columns, diagnosis, readers, units
 from tisph.assessment.error_location import error_location, trend
 from tisph.errors import ConfigError
 from tisph.measures.metrics import fitted_order, sample_metrics
@@ -81,7 +81,7 @@ def _frames(paths, question, scene):
     if len(paths) > 1 and len(times) > 1 and len(times) != len(paths):
         raise ConfigError(f"--time: give one, or one for each of the {len(paths)} files")
     for index, path in enumerate(paths):
-        frames = reading.frames(path, question.select)
+        frames = readers.frames(path, question.select)
         own = times if len(paths) == 1 or len(times) < 2 else [times[index]]
         if own:
             yield from ((path, _nearest(frames, t, factor, path), t) for t in own)
@@ -125,9 +125,9 @@ def _aligned(path, frame, t, scene, question):
     aligned = alignment.align(values, scene, t, axes=axes, origin=question.origin)
     lost = len(finite) - int(finite.sum())
     if lost:
-        aligned = alignment.noted(aligned, f"{lost} points without a number are left out")
+        aligned = aligned.noted(f"{lost} points without a number are left out")
     if frame.time is not None and not np.isclose(frame.time * factors["time"], t):
-        aligned = alignment.noted(aligned, f"the file says t = {frame.time:g}, --time {t:g} was taken")
+        aligned = aligned.noted(f"the file says t = {frame.time:g}, --time {t:g} was taken")
     return aligned
 
 

@@ -7,7 +7,7 @@ import zipfile
 import numpy as np
 from numpy.lib import format as npy
 
-from tisph.assessment.frame import Frame, chosen_group, flat
+from tisph.assessment.readers.frame import Frame, chosen_group, flat
 from tisph.errors import ConfigError
 
 SUFFIXES = (".npz",)

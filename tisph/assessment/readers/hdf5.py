@@ -3,7 +3,7 @@
 import h5py
 import numpy as np
 
-from tisph.assessment.frame import Frame, chosen_group, flat
+from tisph.assessment.readers.frame import Frame, chosen_group, flat
 from tisph.errors import ConfigError
 
 SUFFIXES = (".h5", ".hdf5", ".hdf")

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 
-from tisph.assessment.frame import Frame, flat
+from tisph.assessment.readers.frame import Frame, flat
 from tisph.errors import ConfigError
 
 SUFFIXES = (".json",)

@@ -5,7 +5,7 @@ Where a dump has atoms of several types, walls may be among them: the types of t
 
 import numpy as np
 
-from tisph.assessment.frame import Frame
+from tisph.assessment.readers.frame import Frame
 from tisph.errors import ConfigError
 
 SUFFIXES = (".dump", ".lammpstrj")

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 
-from tisph.assessment.frame import Frame
+from tisph.assessment.readers.frame import Frame
 from tisph.errors import ConfigError
 
 SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".xy", "")

@@ -2,7 +2,7 @@
 
 import h5py
 
-from tisph.assessment.frame import Frame, flat
+from tisph.assessment.readers.frame import Frame, flat
 from tisph.errors import ConfigError
 
 SUFFIXES = (".vtk", ".vtu", ".vtp", ".vti", ".vtr", ".vts", ".pvtu", ".pvtp", ".vtkhdf")

@@ -52,7 +52,7 @@ def sound_speed(
     ``peak_velocity`` of a scene); of the viscous scale sqrt(nu U / H), nu in total and H the reference ``length``; and
     of the ``elastic_speed`` sqrt(nu_p / relaxation time) of shear waves in a polymer. The first two keep inertial and
     viscous pressure differences small against density * c^2 (J. P. Morris, P. J. Fox and Y. Zhu, J. Comput. Phys. 136
-    (1997) 214-226); the third does so for polymer stresses, of which it is the modulus over the density.
+    (1997) 214-226); the third does so for polymer stresses, of which it is the modulus per unit density.
 
     Morris' scale of a body force, sqrt(g H), is no scale of its own here: it is for a force that pressure
     balances. Along the periodic x no pressure can build up, friction balances the force, and with the peak speed

@@ -10,7 +10,7 @@ STRESSES = ("stress_xx", "stress_xy", "stress_yy")
 
 @dataclass(frozen=True)
 class Bodies:
-    """What the n bodies of a scene do at one time, and what the liquid does to them; per length across the plane.
+    """What the n bodies of a scene do at one time, and what the fluid does to them; per length across the plane.
 
     ``centre`` and ``velocity`` (n, 2), ``angle`` [radians] and ``angular_velocity`` (n,), counterclockwise; ``force``
     (n, 2) and ``torque`` (n,) around the centre, of which ``pressure_force`` and ``pressure_torque`` are the
@@ -56,7 +56,7 @@ class Snapshot:
 
     All arrays have shape (particles_fluid,) and the units of the config: positions ``x`` and ``y`` in the box of the
     scene, velocities ``u`` and ``v`` along them, density, pressure; polymer stresses
-    [mass/(length time^2)] where the liquid has them, else None. ``reference``: arrays of the exact solution by the name
+    [mass/(length time^2)] where the fluid has them, else None. ``reference``: arrays of the exact solution by the name
     of the field, where somebody has asked for them; ``bodies``, where there are any. ``steepest``: the largest change
     of the logarithm of a conformation tensor within a particle spacing, with x and y of where it is; None where it is
     not known.

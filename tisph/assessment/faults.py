@@ -19,7 +19,7 @@ HALF = 0.1
 class Fault:
     """A fault by ``name`` with a parameter between ``low`` and ``high``, 0 without the fault.
 
-    ``least``: below it the parameter means nothing, any discretisation errs so much. ``guesses`` are where the fit
+    ``least``: below it the parameter means nothing, any discretisation has such an error. ``guesses`` are where the fit
     starts. ``words(value)`` says what the fitted value means.
     """
 
@@ -143,7 +143,7 @@ def _uniform_start(scene):
     speed = scene.reference_velocity
 
     def flow(scene, value):
-        # what is left of a uniform velocity: the flow in a frame in which both walls start
+        # the remainder of a uniform velocity: the flow in a frame in which both walls start
         return lambda field, x, y, t: scene.exact(field, x, y, t) + value * speed * (1 - dragged.exact(field, x, y, t))
 
     def words(value):

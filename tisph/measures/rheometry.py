@@ -1,6 +1,6 @@
 """What a rheologist reads of a run: from the columns of its ``history.csv``, beside theory and reference.
 
-A reading has a ``title``, lines of text, and curves for a picture. "As read" is the usual evaluation of a rheometer:
+A reading has a ``title``, lines of text, and curves for a picture. "Apparent" is the usual evaluation of a rheometer:
 stress at the moving wall over the nominal shear rate (its speed over the gap), as if the shear rate were uniform and
 the fluid had no inertia. What that is off is the difference from the linear theory of the fluid. Between cylinders
 the torque gives the stress (``_cylinders.py``).
@@ -231,7 +231,7 @@ def _ring(channel, fluid, plate, t, velocities, lines, numbers):
     if found is None or known is None:
         return
     theory = fluid.ringing(known, channel.density, channel.gap, plate.mass_per_area)
-    lines.append("  ringing, e^(-d t) cos(w t):")
+    lines.append("  free oscillation, e^(-d t) cos(w t):")
     for name, root in (("run", found), ("reference", known), ("linear theory", theory)):
         lines.append(f"    {name:14} w = {root.imag:.6g}   d = {-root.real:.6g}")
         key = name.replace(" ", "_")

@@ -19,7 +19,7 @@ TRANSVERSE_LIMIT = 0.1
 SETTLING = 2.0
 """From when on that counts, in times spacing^2 / nu, in which viscosity crosses a spacing.
 
-Before, the layer at a wall that has started is thinner than a spacing. Rows that slide past each other there, and
+Before, the layer at a wall that has started is thinner than a spacing. Layers of particles that shear there, and
 disorder, may stir up more than the limit and calm down again: by 1.4 such times in every run of the stability matrix
 that did (docs/stability.md).
 """

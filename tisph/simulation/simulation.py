@@ -73,7 +73,7 @@ class Simulation:
         body_force: "Field | None" = None,
         **overrides: Any,
     ) -> "Simulation":
-        """Return the simulation that was saved in ``path``; it goes on to the same bits.
+        """Return the simulation that was saved in ``path``; it goes on bitwise as it would have.
 
         ``config`` is the one that it was made with if none is given; ``time.end`` may be later, with samples after the
         old end. A ``body_force`` is to be given again. ConfigError where the checkpoint does not fit.
@@ -201,7 +201,7 @@ class Simulation:
         self.callbacks.append(Callback(schedule, function, self.scene))
 
     def save(self, path: "str | PathLike[str]") -> None:
-        """Write the whole state into the file ``path``, from which ``restore`` goes on to the same bits."""
+        """Write the whole state into the file ``path``, from which ``restore`` goes on bitwise as it would have."""
         self.begin()
         checkpoint.save(Path(path), self.scheme, self.about.resolved)
 

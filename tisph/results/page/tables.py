@@ -28,7 +28,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Table:
-    """``header`` and ``rows``, the first cell of each of which names it; ``note`` says what is left out."""
+    """``header`` and ``rows``, the first cell of each of which names it; ``note`` says what is omitted."""
 
     title: str
     header: list[str]

@@ -1,4 +1,4 @@
-"""Parts of Taichi 1.7.4 that are replaced by faster ones; a run with them and one without give the same bits.
+"""Parts of Taichi 1.7.4 that are replaced by faster ones; a run with them is bitwise the same as one without.
 
 Each file here tells what it replaces, why, and how much that saves. They stay off by themselves with any other version
 than the one they were written for, with Quadrants, and with the environment variable ``TISPH_PLAIN_TAICHI=1``, which

@@ -1,6 +1,6 @@
 """Loops that LLVM leaves as they are written.
 
-Where it can tell how often a loop is repeated, LLVM makes eight iterations one, with another loop for what is left:
+Where it can tell how often a loop is repeated, LLVM makes eight iterations one, with another loop for the remainder:
 half of the machine code of the kernels here (on AMD Zen), which each process waits for, and few loops gain by it. So a
 loop of a kernel may also end early, by a number in memory that is never anything but 0, and stays as it is. Where
 longer iterations are faster, by measurement, or keep a local vector out of memory, it is written

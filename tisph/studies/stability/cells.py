@@ -195,7 +195,7 @@ class Cell:
             usual = {} if self.curved_walls else {"tolerance": TWO_DIMENSIONAL_TOLERANCE}
             steps = usual if self.step == 1.0 else {"cfl": digits(COURANT * self.step)}
             return {"scheme": {**scheme, "largest_courant": COURANT}, "time": steps}
-        # the error of a step goes with the third power of its length
+        # the error of a step scales with the third power of its length
         tolerance, strain = (ELASTIC_TOLERANCE, ELASTIC_STRAIN) if self.has_polymer else (TOLERANCE, STRAIN)
         return {
             "scheme": {**scheme, "largest_strain": digits(min(strain * self.step, LARGEST_STRAIN))},

@@ -92,7 +92,7 @@ def _fill(file, columns):
 
 
 def orders(study, rows):
-    """Powers with which the error goes with each varied number: median over the runs that agree in all else.
+    """Powers with which the error scales with each varied number: median over the runs that agree in all else.
 
     Pairs (key, (power, groups)); none where an error does not exist or is zero.
     """

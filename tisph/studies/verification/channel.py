@@ -13,7 +13,7 @@ CLOSURE = 0.01
 FLOOR = 1e-4
 """Bound of an error that no longer falls with the spacing.
 
-Rows that slide past each other change the weights in the Laplacian, and on average the viscosity by 4e-5, at any
+Layers of particles that shear change the weights in the Laplacian, and on average the viscosity by 4e-5, at any
 resolution. A parabola next to consistent images has no larger error than that, and a flow that has nearly come to
 rest approaches it too: an order is asked for where the error is above.
 """

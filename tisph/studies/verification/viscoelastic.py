@@ -15,7 +15,7 @@ HIGH_BOUNDS = {"l2": 1e-5, "shear_stress_l2": 3e-5, "normal_stress_l2": 3e-5}
 EXPLICIT_BOUNDS = {"l2": 2e-2, "shear_stress_l2": 2e-2, "normal_stress_l2": 4e-2, "wall_shear": 1e-2}
 
 COARSE_BOUNDS = {**BOUNDS, "wall_shear": 2e-3}
-"""25 across, where the layer of the jump is a spacing deep when the first wave has crossed a tenth of the gap."""
+"""25 across, where the layer of the jump is one spacing thick when the first wave has crossed a tenth of the gap."""
 
 MOST_STEPS = 150
 """To two relaxation times."""

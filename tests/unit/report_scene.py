@@ -56,7 +56,7 @@ class PolymerChannel(Channel):
 
 
 def make_polymer_channel(**changes) -> PolymerChannel:
-    from polymer_laws import oldroyd_b  # not on the path of the process that test_report_studio starts
+    from polymer_laws import oldroyd_b  # not on the path of the process that test_report_drawing_process starts
 
     channel = make_channel(**oldroyd_b(2.0, 0.5), **changes)
     return PolymerChannel(**vars(channel))

@@ -6,10 +6,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.ticker import MaxNLocator
 
 from tisph.report import style
-from tisph.report.labels import TIMES, axis_exponent, axis_label, number, tick_text, unit_label
+from tisph.report.labels import TIMES, axis_exponent, axis_label, number, unit_label
 from tisph.report.layout import Layout, Rect
 from tisph.report.quantities import Quantity
 
@@ -151,7 +151,7 @@ class _Stage:
                 axis.set_ticks([])
                 continue
             axis.set_major_locator(MaxNLocator(nbins=int(np.clip(count, 1, 7)), steps=[1, 2, 2.5, 5, 10]))
-            axis.set_major_formatter(FuncFormatter(lambda value, _, e=exponent: tick_text(value, e)))
+            style.format_ticks(axis, exponent)
 
     def _label(self, axes: Axes, x_text: str, y_text: str | None) -> None:
         """Name the axes; a name along x that is longer than its axis and two margins is written smaller."""

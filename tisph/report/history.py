@@ -1,11 +1,10 @@
 """What a scene follows in time, against the exact history."""
 
 import numpy as np
-from matplotlib.ticker import FuncFormatter
 
 from tisph.measures.resolution import resolution
 from tisph.report import style
-from tisph.report.labels import axis_exponent, axis_label, number, tick_text, unit_label
+from tisph.report.labels import axis_exponent, axis_label, number, unit_label
 from tisph.report.margins import set_margins
 
 _MARKERS = 40  # a number
@@ -86,7 +85,7 @@ def _label_axes(axes, scene, series, latest: float) -> None:
     time_exponent, exponent = axis_exponent(latest), axis_exponent(series.scale)
     axes.set_xlabel(axis_label("t", scene.units.time, time_exponent), parse_math=False)
     axes.set_ylabel(axis_label(series.name, unit_label(series.unit, scene.units), exponent), parse_math=False)
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: tick_text(value, time_exponent)))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: tick_text(value, exponent)))
+    style.format_ticks(axes.xaxis, time_exponent)
+    style.format_ticks(axes.yaxis, exponent)
     axes.grid(True)
     axes.margins(x=0.02)

@@ -5,11 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter
 
 from tisph.report import style
 from tisph.report.error_label import error_label
-from tisph.report.labels import MINUS, axis_exponent, axis_label, number, tick_text, unit_label
+from tisph.report.labels import MINUS, axis_exponent, axis_label, number, unit_label
 from tisph.report.margins import set_margins
 from tisph.scenes._views import Profile
 from tisph.snapshot import Snapshot
@@ -90,15 +89,11 @@ def _label_axes(axes: Sequence[Axes], panels: Sequence[Panel], scene) -> None:
             one.axvline(0.0, color=style.MUTED, linewidth=0.8)
         exponent = axis_exponent(float(np.max(np.abs(one.dataLim.intervalx))))
         one.set_xlabel(axis_label(name, unit, exponent), parse_math=False)
-        _format(one.xaxis, exponent)
+        style.format_ticks(one.xaxis, exponent)
         one.grid(True)
         one.locator_params(axis="x", nbins=7)
         if index % 2 == 0:
             exponent = axis_exponent(profile.line.ends[1])
             one.set_ylabel(axis_label(profile.line.along, scene.units.length, exponent), parse_math=False)
-            _format(one.yaxis, exponent)
+            style.format_ticks(one.yaxis, exponent)
             one.set_ylim(*profile.line.ends)
-
-
-def _format(axis, exponent: int) -> None:
-    axis.set_major_formatter(FuncFormatter(lambda value, _: tick_text(value, exponent)))

@@ -8,9 +8,13 @@ from pathlib import Path
 import matplotlib
 import matplotlib.style
 import numpy as np
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
 from PIL import ImageFont
+
+from tisph.report.labels import tick_text
 
 COLOUR_MAP = "viridis"  # perceptually uniform, readable in grey and by colour-blind eyes
 DIVERGING_MAP = "coolwarm"  # blue to red through grey, readable by colour-blind eyes; its middle shows on white
@@ -70,6 +74,11 @@ def plot_figure(rows: int = 1) -> PlotFigure:
     figure = PlotFigure((11.0, 1.5 + 4.5 * rows), dpi=120)
     FigureCanvasAgg(figure)
     return figure
+
+
+def format_ticks(axis: Axis, exponent: int) -> None:
+    """Let the tick labels of ``axis`` be numbers in units of ``10^exponent``."""
+    axis.set_major_formatter(FuncFormatter(lambda value, _: tick_text(value, exponent)))
 
 
 def rgb(colour: str) -> np.ndarray:

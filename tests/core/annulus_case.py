@@ -26,7 +26,7 @@ def make(turning=(1.0, 0.0), centre=(0.0, 0.0), angle=0.0, acceleration=(0.0, 0.
     ``WallMotion`` or ``Schedule``.
     """
     turning = [WallMotion(way) if isinstance(way, int | float) else way for way in turning]
-    shapes = Circle(INNER), Circle(OUTER, liquid="inside")
+    shapes = Circle(INNER), Circle(OUTER, fluid_side="inside")
     motions = [RigidMotion(rotation=way) for way in turning]
     bodies = [Body(shape, centre, angle, motion) for shape, motion in zip(shapes, motions, strict=True)]
     spacing, corner = (OUTER - INNER) / ACROSS, (-OUTER, -OUTER)

@@ -23,7 +23,11 @@ PLANES = (Body(Line((0, 0), (1, 0), 2.0)), Body(Line((0, 1), (-1, 0), 2.0)))
 # Regions with their areas in closed form, and spacings.
 REGIONS = {
     "annulus": (Region((Body(Circle(1.0)), Body(Circle(2.0, "inside"))), (-2, -2), (2, 2)), 3 * np.pi, 1 / 25),
-    "box": (Region((Body(Polygon(((0, 0), (1, 0), (1, 1), (0, 1)), liquid="inside")),), (0, 0), (1, 1)), 1.0, 1 / 30),
+    "box": (
+        Region((Body(Polygon(((0, 0), (1, 0), (1, 1), (0, 1)), fluid_side="inside")),), (0, 0), (1, 1)),
+        1.0,
+        1 / 30,
+    ),
     "ell": (Region((Body(Polygon(ELL, 0.0, "inside")),), (0, 0), (2, 3)), 4.0, 1 / 15),
     "channel": (
         Region((*PLANES, Body(Circle(0.2), (0.1, 0.5), periods=STRIP)), (0, 0), (2, 1), (True, False)),

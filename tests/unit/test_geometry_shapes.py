@@ -56,7 +56,7 @@ def test_the_sign_of_the_distance_tells_in_from_out(shape):
 
 @closed_shapes
 def test_liquid_inside_turns_all_signs(shape):
-    other = replace(shape, liquid="inside")
+    other = replace(shape, fluid_side="inside")
     for one, turned in (
         (shape.nearest(PLACES), other.nearest(PLACES)),
         (shape.boundary_points(0.1), other.boundary_points(0.1)),
@@ -199,7 +199,7 @@ def test_images_across_a_circle_and_into_a_corner():
     images, whose = circle.images(np.array([[1.5, 0.0], [0.0, 1.1], [0.6, -0.9]]), 0.2)
     assert whose.tolist() == [1, 2]
     assert np.allclose(circle.nearest(images).distance, [-0.1, 1 - math.sqrt(1.17)], rtol=0, atol=1e-15)
-    box = Polygon(((0, 0), (1, 0), (1, 1), (0, 1)), liquid="inside")
+    box = Polygon(((0, 0), (1, 0), (1, 1), (0, 1)), fluid_side="inside")
     images, whose = box.images(np.array([[0.1, 0.15], [0.5, 0.9]]), 0.2)
     found = sorted(np.round(np.column_stack([whose, images]), 12).tolist())
     assert found == [[0.0, -0.1, -0.15], [0.0, -0.1, 0.15], [0.0, 0.1, -0.15], [1.0, 0.5, 1.1]]
@@ -225,7 +225,7 @@ def test_a_thin_curve_is_told_from_its_other_side():
 
 REFUSED = {
     "radius": (lambda: Circle(0.0), "a circle needs a radius above 0"),
-    "side": (lambda: Circle(1.0, "left"), "the liquid is outside or inside"),
+    "side": (lambda: Circle(1.0, "left"), "the fluid is outside or inside"),
     "two corners": (lambda: Polygon(((0, 0), (1, 0))), "needs three corners"),
     "same corners": (lambda: Polygon(((0, 0), (0, 0), (1, 0), (1, 1))), "must be two places"),
     "bow": (lambda: Polygon(((0, 0), (1, 1), (1, 0), (0, 1))), "meets itself near"),

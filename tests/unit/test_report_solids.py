@@ -68,7 +68,7 @@ def test_a_body_is_where_it_is_and_through_the_seams(shape, centre):
 
 
 def test_a_cylinder_around_the_fluid_is_all_that_is_not_inside():
-    body = Body(Circle(1.0, liquid="inside"), (0.0, 1.5))
+    body = Body(Circle(1.0, fluid_side="inside"), (0.0, 1.5))
     layout, painted, panel = paint(make_scene(body, periodic=False))
     assert layout.low[0] < -1.0 < 1.0 < layout.high[0]  # a rim is in sight
     assert drawn_as(body, layout, painted, 0.0)
@@ -90,7 +90,7 @@ def spoke_angle(body, time, nearest, farthest):
 def test_spoke_and_mark_turn_with_the_body(time):
     rotation = RigidMotion(rotation=WallMotion(1.3))
     inside = Body(Circle(0.7), (0.0, 1.5), motion=rotation)
-    outside = Body(Circle(0.9, liquid="inside"), (0.0, 1.5), motion=rotation)
+    outside = Body(Circle(0.9, fluid_side="inside"), (0.0, 1.5), motion=rotation)
     first = math.pi / round(2 * math.pi * 0.9 / 0.004)  # points begin half a spacing from angle 0
     for body, nearest, farthest in ((inside, 0.1, 0.6), (outside, 0.92, 1.0)):
         turned = spoke_angle(body, time, nearest, farthest)

@@ -15,8 +15,8 @@ def rheometry(
 ) -> None:
     """Read runs in a channel or between cylinders as a rheometer, beside theory.
 
-    Viscosity growth, N1, creep compliance, recovery, free oscillation, relaxation modulus, flow curve, moduli G' and G'',
-    harmonics: what the walls of the run do. The picture goes into the folder of the run, rheometry.png.
+    Viscosity growth, N1, creep compliance, recovery, free oscillation, relaxation modulus, flow curve, moduli G'
+    and G'', harmonics: what the walls of the run do. The picture goes into the folder of the run, rheometry.png.
 
     \b
     Examples:

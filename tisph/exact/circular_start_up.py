@@ -8,7 +8,7 @@ The velocity u around the axis, the polymer stress S in polar components and the
 with t for the angle, and each law (mode) of the polymer in simple shear, x around the axis and y outwards: see
 ``start_up``, which solves it. The cylinders turn with given angular velocities, counterclockwise is positive.
 
-Source of the equations: R. B. Bird, R. C. Armstrong and O. Hassager, Dynamics of Polymeric Fluids 1 (2nd ed. 1987),
+Source of the equations: R. B. Bird, R. C. Armstrong and O. Hassager, Dynamics of Polymeric Liquids 1 (2nd ed. 1987),
 appendix B. Accuracy: that of ``start_up``.
 """
 

@@ -1,8 +1,8 @@
-"""What every wall is: a curve with the liquid on one side, in the frame of the body that it bounds.
+"""What every wall is: a curve with the fluid on one side, in the frame of the body that it bounds.
 
-Signs, the same for all shapes: a normal points into the liquid; a distance is positive in the liquid; a curvature is
-positive where the centre of curvature lies in the body, so that the body is convex as the liquid sees it: 1/R on a
-cylinder in the liquid, -1/R on a cylinder that the liquid is in.
+Signs, the same for all shapes: a normal points into the fluid; a distance is positive in the fluid; a curvature is
+positive where the centre of curvature lies in the body, so that the body is convex as the fluid sees it: 1/R on a
+cylinder in the fluid, -1/R on a cylinder that the fluid is in.
 """
 
 from abc import ABC, abstractmethod
@@ -12,14 +12,14 @@ from typing import Literal, Protocol
 import numpy as np
 
 Side = Literal["outside", "inside"]
-"""Where the liquid is, seen from a closed curve."""
+"""Where the fluid is, seen from a closed curve."""
 
 
 @dataclass(frozen=True)
 class ClosestPoint:
     """The nearest points of a wall to n places.
 
-    ``point`` (n, 2) on the wall, ``normal`` (n, 2) of the wall there, of length 1, into the liquid, ``curvature`` (n,)
+    ``point`` (n, 2) on the wall, ``normal`` (n, 2) of the wall there, of length 1, into the fluid, ``curvature`` (n,)
     [1/length] and ``distance`` (n,) [length], both signed as the module says. A place is point + distance * normal.
     """
 
@@ -47,10 +47,10 @@ class Shape(Protocol):
 
     ``length`` of the curve; ``area`` that it encloses, 0 for a line; ``extent`` (2, 2), the lowest and the highest
     corner of the smallest box around it; ``smallest_radius`` of curvature, infinite where it is straight and 0 where
-    it has sharp corners; ``liquid``, the side of a closed curve that the liquid is on.
+    it has sharp corners; ``fluid_side``, the side of a closed curve that the fluid is on.
     """
 
-    liquid: Side
+    fluid_side: Side
     length: float
     area: float
     extent: np.ndarray
@@ -67,9 +67,9 @@ class Shape(Protocol):
 
 
 class ClosedCurve(ABC):
-    """A closed curve, run through counterclockwise; what subclasses say of it is said for liquid outside."""
+    """A closed curve, run through counterclockwise; what subclasses say of it is said for fluid outside."""
 
-    liquid: Side
+    fluid_side: Side
 
     @property
     def area(self):
@@ -79,7 +79,7 @@ class ClosedCurve(ABC):
     def nearest(self, points):
         """Nearest points of the wall to ``points`` (n, 2), a ``ClosestPoint``."""
         foot = self._nearest(np.asarray(points, dtype=float))
-        side = 1.0 if self.liquid == "outside" else -1.0
+        side = 1.0 if self.fluid_side == "outside" else -1.0
         return ClosestPoint(foot.point, side * foot.normal, side * foot.curvature, side * foot.distance)
 
     def images(self, points, reach):
@@ -89,22 +89,22 @@ class ClosedCurve(ABC):
     def boundary_points(self, spacing):
         """Points evenly along the wall, the nearest whole number to length/spacing: a ``Boundary``."""
         point, normal, curvature, length = self._spread(spacing)
-        side = 1.0 if self.liquid == "outside" else -1.0
+        side = 1.0 if self.fluid_side == "outside" else -1.0
         return Boundary(point, side * normal, side * curvature, length)
 
     @abstractmethod
     def _nearest(self, points):
-        """Return the ``ClosestPoint`` of each point for liquid outside."""
+        """Return the ``ClosestPoint`` of each point for fluid outside."""
 
     @abstractmethod
     def _spread(self, spacing):
-        """Return points, normals for liquid outside, curvatures and lengths."""
+        """Return points, normals for fluid outside, curvatures and lengths."""
 
 
-def check_side(liquid):
-    """Raise ValueError where ``liquid`` is no ``Side``."""
-    if liquid not in ("outside", "inside"):
-        raise ValueError(f"the liquid is outside or inside a closed curve, not {liquid!r}")
+def check_side(fluid_side):
+    """Raise ValueError where ``fluid`` is no ``Side``."""
+    if fluid_side not in ("outside", "inside"):
+        raise ValueError(f"the fluid is outside or inside a closed curve, not {fluid_side!r}")
 
 
 def mirrored(shape, points, reach):

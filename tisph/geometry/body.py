@@ -76,7 +76,7 @@ class Body:
         points, place = np.asarray(points, dtype=float), self.at(time)
         copy = self._nearest_copy(points - place.centre)
         foot = self._foot(points, copy, place)
-        for way in self.ways() if self.shape.liquid == "outside" else ():
+        for way in self.ways() if self.shape.fluid_side == "outside" else ():
             other = copy + way
             nearer = np.linalg.norm(points - place.centre - other, axis=1) - self.reach < foot.distance
             if nearer.any():

@@ -1,4 +1,4 @@
-"""Circle around the origin of its body: a cylinder in the liquid, or one that the liquid is in."""
+"""Circle around the origin of its body: a cylinder in the fluid, or one that the fluid is in."""
 
 import math
 from dataclasses import dataclass
@@ -13,10 +13,10 @@ class Circle(ClosedCurve):
     """Circle of ``radius`` [length] around (0, 0). ValueError for a radius that is not positive."""
 
     radius: float
-    liquid: Side = "outside"
+    fluid_side: Side = "outside"
 
     def __post_init__(self):
-        check_side(self.liquid)
+        check_side(self.fluid_side)
         if not 0 < self.radius < math.inf:
             raise ValueError(f"a circle needs a radius above 0, not {self.radius}")
 

@@ -40,7 +40,7 @@ def _gap_of(bodies, pair, time):
 
 
 def _gap_to_copies(body, time):
-    if body.shape.liquid == "inside" or not body.shape.area:
+    if body.shape.fluid_side == "inside" or not body.shape.area:
         return math.inf
     copies = [replace(body, centre=tuple(body.centre + way), periods=(math.inf, math.inf)) for way in body.ways()]
     alone = replace(body, periods=(math.inf, math.inf))

@@ -1,4 +1,4 @@
-"""Straight wall, without ends: it goes on periodically. The liquid is on its left."""
+"""Straight wall, without ends: it goes on periodically. The fluid is on its left."""
 
 import math
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from tisph.geometry._shape import Boundary, ClosestPoint, Side, evenly, mirrored
 
 @dataclass(frozen=True)
 class Line:
-    """The line through ``point`` along ``tangent`` (of any length but 0), with the liquid on the left of it.
+    """The line through ``point`` along ``tangent`` (of any length but 0), with the fluid on the left of it.
 
     ``length`` is its period [length], which points on it need. ValueError where the tangent has no direction.
     """
@@ -20,7 +20,7 @@ class Line:
     tangent: tuple[float, float] = (1.0, 0.0)
     length: float = math.inf
 
-    liquid: ClassVar[Side] = "outside"
+    fluid_side: ClassVar[Side] = "outside"
     area: ClassVar[float] = 0.0
     smallest_radius: ClassVar[float] = math.inf
 
@@ -35,7 +35,7 @@ class Line:
 
     @property
     def normal(self):
-        """Normal (2,) into the liquid."""
+        """Normal (2,) into the fluid."""
         return np.array([-self.tangent[1], self.tangent[0]])
 
     @property

@@ -23,10 +23,10 @@ class Polygon(ClosedCurve):
 
     corners: tuple[tuple[float, float], ...]
     corner_radius: float = 0.0
-    liquid: Side = "outside"
+    fluid_side: Side = "outside"
 
     def __post_init__(self):
-        check_side(self.liquid)
+        check_side(self.fluid_side)
         corners = np.array(self.corners, dtype=float)
         if corners.ndim != 2 or corners.shape[1:] != (2,) or len(corners) < 3:
             raise ValueError(f"a polygon needs three corners (x, y) or more, not {len(corners)}")
@@ -66,10 +66,10 @@ class Polygon(ClosedCurve):
     def images(self, points, reach):
         """Mirror images (k, 2) of those of ``points`` (n, 2) within ``reach``, and whose (k,) they are.
 
-        A place has an image across each side, and each arc, that it is beside. Where the liquid fills a sharp corner, a
+        A place has an image across each side, and each arc, that it is beside. Where the fluid fills a sharp corner, a
         place beside both sides has one across the corner too; the body's own corners fill with images of the sides.
         """
-        side = 1.0 if self.liquid == "outside" else -1.0
+        side = 1.0 if self.fluid_side == "outside" else -1.0
         away = points[:, None] - self._start
         along = np.einsum("nkc,kc->nk", away, self._tangent)
         height = side * np.einsum("nkc,kc->nk", away, self._normal)
@@ -85,7 +85,7 @@ class Polygon(ClosedCurve):
         near = np.linalg.norm(points[:, None] - self._corner, axis=2) < 1.5 * reach + self._trim
         before = np.roll(beside, 1, axis=1)
         if not self.corner_radius:
-            filled = self._bend < 0 if self.liquid == "outside" else self._bend > 0
+            filled = self._bend < 0 if self.fluid_side == "outside" else self._bend > 0
             of, corner = np.nonzero(near & filled & beside & before)
             return of, self._corner[corner]
         of, corner = np.nonzero(near & (self._bend != 0))
@@ -235,7 +235,7 @@ class Polygon(ClosedCurve):
         return *self._at(along), length
 
     def _at(self, along):
-        """Return points, normals for liquid outside, and curvatures at arc lengths ``along`` from arc 0 on."""
+        """Return points, normals for fluid outside, and curvatures at arc lengths ``along`` from arc 0 on."""
         ends = np.cumsum(self._lengths)
         piece = np.minimum(np.searchsorted(ends, along, side="right"), len(ends) - 1)
         rest, i = along - (ends - self._lengths)[piece], piece // 2

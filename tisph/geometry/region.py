@@ -1,4 +1,4 @@
-"""The liquid's region: what bodies and walls leave of a cell, periodic in either direction or not."""
+"""The fluid's region: what bodies and walls leave of a cell, periodic in either direction or not."""
 
 import math
 from dataclasses import dataclass
@@ -15,8 +15,8 @@ PUSHES = 4
 class Region:
     """What ``bodies`` leave of the cell from ``low`` to ``high`` (2,), which goes on where it is ``periodic`` (2,).
 
-    Where it is not periodic walls must bound it: lines, each one period long, or a closed curve with the liquid inside.
-    Everything is taken at t = 0. ValueError where a body in the liquid has not the periods of the cell.
+    Where it is not periodic walls must bound it: lines, each one period long, or a closed curve with the fluid inside.
+    Everything is taken at t = 0. ValueError where a body in the fluid has not the periods of the cell.
     """
 
     bodies: tuple[Body, ...]
@@ -27,7 +27,7 @@ class Region:
     def __post_init__(self):
         periods = tuple(np.where(self.periodic, self.size, math.inf).tolist())
         for body in self.bodies:
-            if body.shape.area and body.shape.liquid == "outside" and tuple(body.periods) != periods:
+            if body.shape.area and body.shape.fluid_side == "outside" and tuple(body.periods) != periods:
                 raise ValueError(f"a body in a cell of periods {periods} needs the same ones, not {body.periods}")
 
     @property
@@ -37,7 +37,7 @@ class Region:
 
     @property
     def area(self):
-        """Area of the liquid."""
+        """Area of the fluid."""
         if all(self.periodic):
             area = float(np.prod(self.size))
         else:
@@ -46,10 +46,10 @@ class Region:
             lines = [body for body in self.bodies if not body.shape.area]
             area = sum(body.shape.length * float(body.nearest(np.zeros((1, 2))).distance[0]) for body in lines)
             area /= 2 - sum(self.periodic)
-        return area + sum(body.shape.area * (1 if body.shape.liquid == "inside" else -1) for body in self.bodies)
+        return area + sum(body.shape.area * (1 if body.shape.fluid_side == "inside" else -1) for body in self.bodies)
 
     def distance(self, points):
-        """Distances (n,) of ``points`` (n, 2) from the nearest wall, negative outside the liquid."""
+        """Distances (n,) of ``points`` (n, 2) from the nearest wall, negative outside the fluid."""
         none = np.full(len(points), math.inf)
         return np.min([none, *(body.nearest(points).distance for body in self.bodies)], axis=0)
 

@@ -31,10 +31,10 @@ class Spline(ClosedCurve):
     """
 
     points: tuple[tuple[float, float], ...]
-    liquid: Side = "outside"
+    fluid_side: Side = "outside"
 
     def __post_init__(self):
-        check_side(self.liquid)
+        check_side(self.fluid_side)
         points = np.array(self.points, dtype=float)
         if points.ndim != 2 or points.shape[1:] != (2,) or len(points) < 3:
             raise ValueError(f"a curve needs three points (x, y) or more, not {len(points)}")
@@ -114,7 +114,7 @@ class Spline(ClosedCurve):
         return np.concatenate([[0.0], np.cumsum(np.sum(weight * speed, axis=1))])
 
     def _normals(self, parameter):
-        """Return normals (n, 2) for liquid outside and curvatures (n,) at parameters (n,)."""
+        """Return normals (n, 2) for fluid outside and curvatures (n,) at parameters (n,)."""
         slope, bend = self._curve(parameter, 1), self._curve(parameter, 2)
         speed = np.linalg.norm(slope, axis=-1)
         return slope[..., ::-1] * [1.0, -1.0] / speed[..., None], _cross(slope, bend) / speed**3

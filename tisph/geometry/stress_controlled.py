@@ -10,7 +10,7 @@ from tisph.geometry.motion import penetration_depth
 
 @dataclass(frozen=True)
 class StressControlledWall:
-    """A wall that starts from rest at t = 0: mass_per_area dU/dt = stress(t) - what the liquid takes of it.
+    """A wall that starts from rest at t = 0: mass_per_area dU/dt = stress(t) - what the fluid takes of it.
 
     The stress on it from outside, along x, is cosine * cos(w t) + sine * sin(w t), w = ``angular_frequency``; with
     ``steps``, pairs of a time and the stress from then on, it is constant in between (0 before the first).

@@ -31,7 +31,7 @@ def cell_mean(scene, snapshot):
     feet = np.stack([body.nearest(nodes, snapshot.t).distance for body in scene.bodies])
     values, nearest, in_fluid = np.zeros_like(nodes), np.argmin(feet, axis=0), feet.min(axis=0) > 0.0
     for index, body in enumerate(scene.bodies):
-        within = (nearest == index) & ~in_fluid & bool(body.shape.liquid == "outside" and body.shape.area)
+        within = (nearest == index) & ~in_fluid & bool(body.shape.fluid_side == "outside" and body.shape.area)
         values[within] = body.velocity(nodes[within], snapshot.t)
     values[in_fluid] = local_fits(tree, nodes[in_fluid], velocity, DEGREE, NEAREST)[0][:, 0]
     return weights @ values

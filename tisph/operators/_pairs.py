@@ -15,7 +15,7 @@ class PairOperators:
     """Access to particles and lists, and the rates that an evaluation returns.
 
     ``Rates``: ``acceleration``, rate of ``compression``, ``transport``, the velocity of the particle relative to
-    the liquid, and where particles carry stress, the rate of ``stress``. ``pair_weight`` turns kernel slopes into
+    the fluid, and where particles carry stress, the rate of ``stress``. ``pair_weight`` turns kernel slopes into
     V_j (-W'(r)/r) with the volume V = spacing^2 that every particle keeps to within the weak compression.
     """
 

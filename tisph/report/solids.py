@@ -113,4 +113,4 @@ def _kind(body: Body):
     """Return the class of a body."""
     if not body.shape.area:
         return _StraightWall
-    return _ImmersedBody if body.shape.liquid == "outside" else _ContainerWall
+    return _ImmersedBody if body.shape.fluid_side == "outside" else _ContainerWall

@@ -16,9 +16,9 @@ pushes cancel there."""
 
 
 class BodyScene(Scene):
-    """A scene with ``bodies``: liquid around them, and within them where the box is not ``periodic``.
+    """A scene with ``bodies``: fluid around them, and within them where the box is not ``periodic``.
 
-    ``rheology`` has all numbers of the liquid's polymer; it is None without.
+    ``rheology`` has all numbers of the fluid's polymer; it is None without.
     """
 
     @property
@@ -32,7 +32,7 @@ class BodyScene(Scene):
 
     @cached_property
     def region(self):
-        """The liquid's region at t = 0."""
+        """The fluid's region at t = 0."""
         return Region(self.bodies, self.origin, tuple(np.add(self.origin, self.extent)), self.periodic)
 
     @cached_property
@@ -45,11 +45,11 @@ class BodyScene(Scene):
         return tuple(pack(self.region, self.spacing, max(jitter, LEAST_JITTER), seed).T)
 
     def inside(self, points, time=0.0):
-        """Whether each of the ``points`` (n, 2) is in the liquid at ``time``."""
+        """Whether each of the ``points`` (n, 2) is in the fluid at ``time``."""
         return self.distance(points, time) >= 0.0
 
     def distance(self, points, time):
-        """Distances (n,) of ``points`` (n, 2) from the nearest wall at ``time``, negative outside the liquid."""
+        """Distances (n,) of ``points`` (n, 2) from the nearest wall at ``time``, negative outside the fluid."""
         return np.min([body.nearest(points, time).distance for body in self.bodies], axis=0)
 
     def movie_fields(self, name):

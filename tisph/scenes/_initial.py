@@ -9,7 +9,7 @@ from tisph.config.base import LARGEST, Model, Problem
 
 
 class RestInitial(Model):
-    """The liquid is at rest at first. ``jitter``: uniform random displacement of every particle, +- that many spacings
+    """The fluid is at rest at first. ``jitter``: uniform random displacement of every particle, +- that many spacings
     in x and y, after they have been spread evenly; the same ``seed`` gives the same displacements."""
 
     jitter: Annotated[float, Field(ge=0, lt=0.5)] = 0.0
@@ -33,8 +33,8 @@ class Initial(Model):
     seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
 
 
-def liquid_problems(config: Any, reason: str) -> Iterator[Problem]:
-    """What speaks against a liquid that is neither Newtonian nor has a polymer; ``reason`` has a place for its type."""
+def fluid_problems(config: Any, reason: str) -> Iterator[Problem]:
+    """What speaks against a fluid that is neither Newtonian nor has a polymer; ``reason`` has a place for its type."""
     rheology = config.fluid.rheology
     if rheology.type != "newtonian" and not config.fluid.polymer:
         yield "fluid.rheology.type", f"must be newtonian, or have a polymer: {reason.format(rheology.type)}"

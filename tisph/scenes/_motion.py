@@ -1,4 +1,4 @@
-"""How a wall moves, and what a polymer adds to a liquid: small parts of a scene."""
+"""How a wall moves, and what a polymer adds to a fluid: small parts of a scene."""
 
 import math
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class PolymerParameters:
     def diffusive_fraction(self, t):
         """Share of the total viscosity by which what starts at t = 0 has spread at time ``t``.
 
-        At first there is the front of a shear wave, of which exp(-t/(2 relaxation_time)) is left (Maxwell's liquid: the
+        At first there is the front of a shear wave, of which exp(-t/(2 relaxation_time)) is left (Maxwell's fluid: the
         damped wave equation u_tt + u_t/relaxation_time = modulus u_yy), and which the solvent alone spreads: until less
         than ``FAINT`` is left.
         """

@@ -1,4 +1,4 @@
-"""What a run asks of a scene, whatever it is: its box, liquid, start, scales, reference, and what is looked at.
+"""What a run asks of a scene, whatever it is: its box, fluid, start, scales, reference, and what is looked at.
 
 A scene is one file of this folder with two names: ``Config``, the model of its config (``tisph/config/schema.py``),
 and ``Scene``, a frozen dataclass derived from the ``Scene`` here. Everything above it, from the observers to the
@@ -39,7 +39,7 @@ class Scene:
     """Relaxation time and solvent fraction (``_motion.PolymerParameters``) of a fluid with polymer."""
 
     rheology = None
-    """Parameters of the liquid, where more is needed of them than viscosity and ``polymer``."""
+    """Parameters of the fluid, where more is needed of them than viscosity and ``polymer``."""
 
     start_time = 0.0
     """Time at which the run's clock starts."""

@@ -1,4 +1,4 @@
-"""What scenes of turning liquid look at: profiles, kinetic energy, vorticity, spread of particles."""
+"""What scenes of turning fluid look at: profiles, kinetic energy, vorticity, spread of particles."""
 
 import numpy as np
 

@@ -1,8 +1,8 @@
-"""Lid-driven cavity: liquid in a box whose top slides, from rest to the steady state.
+"""Lid-driven cavity: fluid in a box whose top slides, from rest to the steady state.
 
 Particles fill the box evenly, the first layer half a spacing from the walls. The lid starts at t = 0, with one speed
 all along (``sharp``: it slides past the corners, where the flow is singular), or with 16 X^2 (1 - X)^2 of it, X =
-x/width (``regular``). The liquid is a Newtonian one. References are those of the steady state: see
+x/width (``regular``). The fluid is a Newtonian one. References are those of the steady state: see
 ``tisph/exact/cavity.py``.
 """
 
@@ -13,7 +13,7 @@ from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem, Signed
 from tisph.config.resolution import is_whole
 from tisph.scenes._cavity import Cavity
-from tisph.scenes._initial import RestInitial, liquid_problems
+from tisph.scenes._initial import RestInitial, fluid_problems
 
 __all__ = ["Cavity", "Config", "Scene"]
 
@@ -85,9 +85,9 @@ class Config(schema.Config):
 
 
 def _rheology(config: Config) -> Iterator[Problem]:
-    """Liquids that cannot be served, or not under a sharp lid."""
+    """Fluids that cannot be served, or not under a sharp lid."""
     rheology = config.fluid.rheology
     if rheology.carries_stress and config.singular:
         text = f"must be regular with {rheology.type}: in the corners of a sharp lid its stress has no bound"
         yield "walls.lid.profile", text
-    yield from liquid_problems(config, "{} in a cavity cannot be served yet")
+    yield from fluid_problems(config, "{} in a cavity cannot be served yet")

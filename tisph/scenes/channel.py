@@ -233,7 +233,7 @@ def _motion(config: Config) -> Iterator[Problem]:
     developed = config.initial.state == "developed" or any(wall.velocity_before is not None for wall in walls)
     if len(velocities | (set() if developed else {0.0})) == 1:
         text = "nothing moves: give walls.bottom or walls.top a velocity other than 0, or drive.acceleration"
-        together = f"{text}; walls and liquid move together at {walls[0].velocity:g}"
+        together = f"{text}; walls and fluid move together at {walls[0].velocity:g}"
         yield "walls", together if walls[0].velocity else text
 
 
@@ -244,7 +244,7 @@ def _driven(config: Config) -> Iterator[Problem]:
         for key in ("driven", "velocities")
     )
     if len(sides) > 1:
-        yield "walls.top", "must have a velocity where a stress drives the bottom wall: nothing else holds the liquid"
+        yield "walls.top", "must have a velocity where a stress drives the bottom wall: nothing else holds the fluid"
     for which, text in ((sides, "a stress drives a wall"), (scheduled, "a wall has velocities at times")):
         if which and config.initial.state != "rest":
             yield "initial.state", f"must be rest where {text} (walls.{which[0]})"
@@ -257,5 +257,5 @@ def _polymer(config: Config) -> Iterator[Problem]:
     rheology = config.fluid.rheology
     swinging = [side for side in ("bottom", "top") if getattr(config.walls, side).amplitude is not None]
     if rheology.type != "newtonian" and swinging and config.initial.state == "developed":
-        text = f"no periodic flow is built in for {rheology.type} liquids"
+        text = f"no periodic flow is built in for {rheology.type} fluids"
         yield "initial.state", f"{text}: take rest, or walls of constant velocity"

@@ -1,8 +1,8 @@
-"""Bodies in a doubly periodic cell: liquid flows through a lattice of them, or they move in it.
+"""Bodies in a doubly periodic cell: fluid flows through a lattice of them, or they move in it.
 
-The cell is 0 <= x <= length, 0 <= y <= height; bodies may lie across its edges. The liquid is at rest at first, and
+The cell is 0 <= x <= length, 0 <= y <= height; bodies may lie across its edges. The fluid is at rest at first, and
 driven by an acceleration along x, by bodies that move, or both. An acceleration f is that of a pressure which falls by
-density * f per length: at last the forces on the bodies add up to it times the mass of the liquid, and with the
+density * f per length: at last the forces on the bodies add up to it times the mass of the fluid, and with the
 pressure's own buoyancy, the same for the bodies' areas, to density * f * length * height.
 
 No solution is known. What others have found for cylinders in slow flow: A. S. Sangani and A. Acrivos, Int. J.

@@ -1,8 +1,8 @@
-"""Walls, bodies and a drive put together at will: liquid inside a closed wall, or between two planes, around bodies.
+"""Walls, bodies and a drive put together at will: fluid inside a closed wall, or between two planes, around bodies.
 
-With ``walls: {around: SHAPE}`` the liquid is inside a circle, a polygon or a closed curve, which may turn about its
+With ``walls: {around: SHAPE}`` the fluid is inside a circle, a polygon or a closed curve, which may turn about its
 centre. Otherwise it is in the cell 0 <= x <= length, 0 <= y <= height of the ``geometry``, which is periodic along x
-between the walls ``bottom`` and ``top``. Bodies of any number and shape are in the liquid, which is at rest at first.
+between the walls ``bottom`` and ``top``. Bodies of any number and shape are in the fluid, which is at rest at first.
 An acceleration along x drives it where it is periodic. No solution is known: ``tisph run --estimate-error`` tells the
 errors.
 """
@@ -32,7 +32,7 @@ class Geometry(Model):
 
 
 class Walls(Model):
-    """One closed wall ``around`` the liquid, a shape as bodies have them; or those at y = 0 and y = height."""
+    """One closed wall ``around`` the fluid, a shape as bodies have them; or those at y = 0 and y = height."""
 
     unset_keys = ("around", "bottom", "top")
 
@@ -51,7 +51,7 @@ class Walls(Model):
     def _check_forms(self) -> "Walls":
         given = [name for name in ("bottom", "top") if getattr(self, name) is not None]
         if self.around is not None and given:
-            text = "is not allowed beside walls.around, which is all round the liquid"
+            text = "is not allowed beside walls.around, which is all round the fluid"
             raise refusals([((name,), text, getattr(self, name)) for name in given])
         return self
 
@@ -140,11 +140,11 @@ class Scene:
 
 
 def _walls(config):
-    """Bodies around the liquid by name."""
+    """Bodies around the fluid by name."""
     if config.walls.around is None:
         return plane_walls(config.geometry.length, config.geometry.height, config.walls)
     body = config.walls.around.body()
-    return {"around": replace(body, shape=replace(body.shape, liquid="inside"))}
+    return {"around": replace(body, shape=replace(body.shape, fluid_side="inside"))}
 
 
 def _bodies(config):

@@ -4,7 +4,7 @@ With the period L, the thickness d of the layers and the perturbation e, the run
 
     u = U tanh((y - L/4)/d) below y = L/2, U tanh((3L/4 - y)/d) above it,    v = e U sin(2 pi x/L).
 
-The layers wrap up into a vortex each, and strain what lies between. No solution is known. A liquid with polymer starts
+The layers wrap up into a vortex each, and strain what lies between. No solution is known. A fluid with polymer starts
 without stress.
 
 Source: J. B. Bell, P. Colella and H. M. Glaz, J. Comput. Phys. 85 (1989) 257-283, section 5; D. L. Brown and M. L.
@@ -21,7 +21,7 @@ from pydantic import Field
 from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem
 from tisph.scenes import _two_dimensional
-from tisph.scenes._initial import liquid_problems
+from tisph.scenes._initial import fluid_problems
 from tisph.scenes._motion import PolymerParameters
 from tisph.scenes._scene import Scene as AnyScene
 from tisph.snapshot import STRESSES
@@ -79,7 +79,7 @@ class Config(schema.Config):
         if self.initial.thickness > largest:
             text = f"must be at most {largest:.6g}, 1/24 of the side"
             yield "initial.thickness", f"{text}: streams must be even between the layers"
-        yield from liquid_problems(self, "of {} the roll-up of shear layers is not served")
+        yield from fluid_problems(self, "of {} the roll-up of shear layers is not served")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,7 +157,7 @@ class Scene(AnyScene):
         """Numbers of a snapshot: means over the particles, and those of ``_two_dimensional.diagnostics``.
 
         ``kinetic_energy`` and ``dissipation``, that of the solvent, per mass; ``mean_u``, ``mean_v``: the velocity of
-        all liquid, 0 at first.
+        all fluid, 0 at first.
         """
         square, others = _two_dimensional.diagnostics(self, snapshot)
         return {

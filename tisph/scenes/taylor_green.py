@@ -1,7 +1,7 @@
-"""Taylor-Green vortices in a doubly periodic box: liquid that turns, and that viscosity alone brings to rest.
+"""Taylor-Green vortices in a doubly periodic box: fluid that turns, and that viscosity alone brings to rest.
 
 The box holds n x m periods; particles start at cell centres, (i + 1/2) spacing, or displaced at random, with the exact
-velocity. The liquid is a Newtonian one. See ``tisph/exact/taylor_green.py`` for the solution.
+velocity. The fluid is a Newtonian one. See ``tisph/exact/taylor_green.py`` for the solution.
 """
 
 from collections.abc import Iterator
@@ -65,7 +65,7 @@ class Config(schema.Config):
         """What the scene has against the config."""
         if self.fluid.rheology.type != "newtonian":
             text = f"must be newtonian: of {self.fluid.rheology.type} the decay of these vortices is not known"
-            yield "fluid.rheology.type", f"{text}; shear_layer has liquids with polymer in a periodic box"
+            yield "fluid.rheology.type", f"{text}; shear_layer has fluids with polymer in a periodic box"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -19,7 +19,7 @@ SLOW = 0.1
 
 
 class Modes:
-    """Laws of a liquid's modes, each with its ``part`` of the states (``components`` of all modes, ...).
+    """Laws of a fluid's modes, each with its ``part`` of the states (``components`` of all modes, ...).
 
     ``deviation``: what makes C, the deviation of a conformation tensor from rest, of the state of one mode.
     """

@@ -1,4 +1,4 @@
-"""The balance of momentum along the channel: what walls and drive put in, against what the liquid has."""
+"""The balance of momentum along the channel: what walls and drive put in, against what the fluid has."""
 
 from tisph.runtime import ti, view
 
@@ -10,7 +10,7 @@ trapezoidal rule over 16 steps of a force ~ t^-1/2 errs by 0.4 % right after ste
 
 @ti.data_oriented
 class WallForces:
-    """Force along x that each wall exerts on the liquid, by the pairs of particles that straddle it."""
+    """Force along x that each wall exerts on the fluid, by the pairs of particles that straddle it."""
 
     def __init__(self, lists, operators):
         self.particles, self.cells, self.operators = lists.particles, lists.cells, operators

@@ -1,8 +1,8 @@
 """The error of a run from its differences to two coarser ones, and whether they fall as they should.
 
 Errors e_i = C h_i^p of three runs of spacings h_1 > h_2 > h_3 make the differences |e_i - e_j| where they have one
-shape (Richardson), and sqrt(e_i^2 + e_j^2), as norms, where they are independent, as for disordered
-particles, of which those of one run are at no position of the other's. Of both models C and p are fitted to the logarithms of the
+shape (Richardson), and sqrt(e_i^2 + e_j^2), as norms, where they are independent, as for disordered particles, of
+which those of one run are at no position of the other's. Of both models C and p are fitted to the logarithms of the
 three norms 1-2, 2-3 and 1-3; that which fits better is taken. Spacings may have any ratios.
 
 Source: P. J. Roache, J. Fluids Eng. 116 (1994) 405-413, for errors of one shape.

@@ -1,18 +1,18 @@
 """Walls made of images in circles: copies of the fluid particles near one, written together with them.
 
-The image of a particle is on the same ray. Beyond a circle in the liquid it is as far from the wall as the particle,
-d_I = d_F, and images are denser than the liquid; beyond one around it they take up as much room as the liquid does,
-r_I^2 = 2 R^2 - r_F^2: with d_I = d_F they would be too thin, and shifting, which evens densities out, would push liquid
-through the wall. (Within a circle in the liquid as much room does not do: particles leave through the gaps in rows.)
+The image of a particle is on the same ray. Beyond a circle in the fluid it is as far from the wall as the particle,
+d_I = d_F, and images are denser than the fluid; beyond one around it they take up as much room as the fluid does,
+r_I^2 = 2 R^2 - r_F^2: with d_I = d_F they would be too thin, and shifting, which evens densities out, would push fluid
+through the wall. (Within a circle in the fluid as much room does not do: particles leave through the gaps in rows.)
 With s = u_F - U_W its velocity relative to that of the wall point between them, the image goes on through the wall as
 s = d s_n + d^2/2 s_nn does,
 
     u_I = U_W - (d_I/d_F) (1 + kappa d_I/2)/(1 - kappa d_F/2) (s - d_F^2 f/2) + d_I^2 f/2,
     f = -U_W,tt,   s_nn = f - kappa s_n,   around the fluid d_I/d_F = (2 + kappa d_F)/(2 - kappa d_I),
 
-where kappa is the curvature, positive where the liquid is outside, and U_W,tt is taken along the wall. That is the
+where kappa is the curvature, positive where the fluid is outside, and U_W,tt is taken along the wall. That is the
 flow without Laplacian at the wall, as the steady one around an axis is: without kappa second differences are off by
-kappa s_n there. Liquid that turns with the wall as a solid is continued exactly. p_I = p_F + a_W . r_FI over the
+kappa s_n there. Fluid that turns with the wall as a solid is continued exactly. p_I = p_F + a_W . r_FI over the
 density, a_W the acceleration of the wall point, r_FI from the image to the particle.
 
 Images are in cells of their own, in the order of their sources, so that image k is found without a search.
@@ -42,13 +42,13 @@ class Images:
 
 @ti.data_oriented
 class CircleImages(SolidWalls):
-    """Mirror images in circles that stay where they are, turning or not; copies of the liquid."""
+    """Mirror images in circles that stay where they are, turning or not; copies of the fluid."""
 
     def __init__(self, lists, kernel, fluid, parameters, images, bodies, origin):
         super().__init__(lists, kernel, fluid, parameters, bodies, origin)
         self.radius, self.side = (ti.field(real(), shape=len(bodies)) for _ in range(2))
         view(self.radius)[:] = [body.shape.radius for body in bodies]
-        view(self.side)[:] = [1.0 if body.shape.liquid == "outside" else -1.0 for body in bodies]
+        view(self.side)[:] = [1.0 if body.shape.fluid_side == "outside" else -1.0 for body in bodies]
         self.image = ti.field(ti.i32, shape=(self.particles.first_wall, len(bodies)))
         capacity = self.particles.slots - self.particles.first_wall
         self.image_cell, self.image_order, self.image_slot = (ti.field(ti.i32, shape=capacity) for _ in range(3))

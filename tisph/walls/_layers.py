@@ -24,7 +24,7 @@ class Layers:
 
     @property
     def mirror(self):
-        """Mirror points (n, 2) of the particles, in the liquid."""
+        """Mirror points (n, 2) of the particles, in the fluid."""
         return 2.0 * self.wall_point - self.place
 
     @property

@@ -12,7 +12,7 @@ class SolidWalls(WallTreatment):
 
     The bodies are where ``place_bodies`` has put them last. A treatment says with ``arrange`` what wall particles
     there are: how many ``slots`` they need, and how far from its centre those of a body go around with it, ``radius``.
-    ``stretch``: how much farther they go than the liquid that they are images of.
+    ``stretch``: how much farther they go than the fluid that they are images of.
     """
 
     stretch = 1.0

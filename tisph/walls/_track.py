@@ -1,4 +1,4 @@
-"""The state of the liquid on the walls where it carries polymer stress: points that move with the walls.
+"""The state of the fluid on the walls where it carries polymer stress: points that move with the walls.
 
 At the wall u_x = v_x = 0, so that, along with the wall, density and stress follow from the slopes u_y and v_y across
 it,
@@ -56,7 +56,7 @@ class WallStress:
         return [self.compression, self.stress, self.mid_stress, self.slope, self.mid_slope]
 
     def load(self, channel):
-        """Give the points the stress, and its slope, that the liquid at the walls starts with."""
+        """Give the points the stress, and its slope, that the fluid at the walls starts with."""
         step = STEP * channel.gap
         inside = step * np.arange(3)
         heights = np.concatenate([inside, channel.gap - inside])

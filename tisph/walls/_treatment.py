@@ -5,7 +5,7 @@ from tisph.runtime import ti
 
 @ti.data_oriented
 class WallTreatment:
-    """Wall particles around the liquid; a treatment replaces the methods that it needs.
+    """Wall particles around the fluid; a treatment replaces the methods that it needs.
 
     ``has_dummies`` tells whether a loop over the wall particles follows the one over the fluid, ``tracks_walls``
     whether one over points of the walls comes before it. ``uses_mirror_points``: the lists of wall particles are

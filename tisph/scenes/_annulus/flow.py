@@ -17,8 +17,8 @@ class ReferenceFlow:
     def __init__(self, annulus):
         walls = annulus.inner, annulus.outer
         before = walls if annulus.stays_steady else tuple(Wall(annulus.before(wall)) for wall in walls)
-        liquid = annulus.rheology, annulus.kinematic_viscosity
-        self._of = _solved(*liquid, annulus.inner_radius, annulus.outer_radius, *walls, before)
+        fluid = annulus.rheology, annulus.kinematic_viscosity
+        self._of = _solved(*fluid, annulus.inner_radius, annulus.outer_radius, *walls, before)
         self._density = annulus.density
 
     def velocity(self, r, t):
@@ -34,7 +34,7 @@ class ReferenceFlow:
         return self._of.pressure(r, t, density=self._density)
 
     def torques(self, t):
-        """Torques of the liquid on the inner and the outer cylinder, per length of the axis."""
+        """Torques of the fluid on the inner and the outer cylinder, per length of the axis."""
         return self._of.torque(t, density=self._density)
 
     def conformation_excess(self, r, t):
@@ -49,9 +49,9 @@ class ReferenceFlow:
 @lru_cache(maxsize=8)
 def _solved(rheology, kinematic_viscosity, inner_radius, outer_radius, inner, outer, before):
     share, laws = (rheology.solvent_fraction, rheology.laws(kinematic_viscosity)) if rheology else (1.0, ())
-    liquid = ViscoelasticFluid(share * kinematic_viscosity, laws)
+    fluid = ViscoelasticFluid(share * kinematic_viscosity, laws)
     moved = any(wall.oscillates or wall.velocity(0.0) for wall in before)
-    return CircularStartUp(inner_radius, outer_radius, liquid, inner, outer, before if moved else None)
+    return CircularStartUp(inner_radius, outer_radius, fluid, inner, outer, before if moved else None)
 
 
 def cartesian(stress, x, y):

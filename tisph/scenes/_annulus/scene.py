@@ -1,4 +1,4 @@
-"""The annulus between two cylinders: geometry, what turns, liquid, exact solution."""
+"""The annulus between two cylinders: geometry, what turns, fluid, exact solution."""
 
 import math
 from dataclasses import dataclass
@@ -86,7 +86,7 @@ class Annulus(BodyScene):
     @cached_property
     def bodies(self):
         """The two cylinders."""
-        shapes = Circle(self.inner_radius), Circle(self.outer_radius, liquid="inside")
+        shapes = Circle(self.inner_radius), Circle(self.outer_radius, fluid_side="inside")
         motions = RigidMotion(rotation=self.inner), RigidMotion(rotation=self.outer)
         return tuple(Body(shape, self.centre, motion=way) for shape, way in zip(shapes, motions, strict=True))
 
@@ -211,7 +211,7 @@ class Annulus(BodyScene):
         return {name: self.exact(name, x, y, self.start_time) for name in names}
 
     def exact_torques(self, t):
-        """Torques of the liquid on the inner and the outer cylinder, per length of the axis."""
+        """Torques of the fluid on the inner and the outer cylinder, per length of the axis."""
         return self._flow.torques(t)
 
     @property
@@ -229,7 +229,7 @@ class Annulus(BodyScene):
         """Errors of pressure and stresses, torques with their references, and ``_two_dimensional.diagnostics``.
 
         ``l2_pressure``: sqrt(sum (p-p_exact)^2 / sum p_exact^2), p - p_exact less its mean. ``torque_inner`` and
-        ``torque_outer``: of the liquid on the cylinders, per length of the axis, each also ``_exact``. With polymer
+        ``torque_outer``: of the fluid on the cylinders, per length of the axis, each also ``_exact``. With polymer
         ``shear_stress_l2`` and ``normal_stress_l2``, those of its shear stress and N1 in polar components.
         """
         numbers = {"l2_pressure": field_error(self, snapshot, "pressure"), **self._stress_errors(snapshot)}

@@ -38,7 +38,7 @@ def time_series(annulus):
     inner = 2 * math.pi * annulus.inner_radius**2
     scale = inner * annulus.dynamic_viscosity * annulus.reference_velocity / annulus.gap
     return TimeSeries(
-        content="torque of the liquid on the cylinders over time t",
+        content="torque of the fluid on the cylinders over time t",
         name="torque per length",
         unit="torque",
         scale=scale,

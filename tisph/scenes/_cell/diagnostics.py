@@ -6,7 +6,7 @@ from tisph.measures.mean_velocity import cell_mean
 from tisph.scenes import _two_dimensional
 
 LOADS = ("drag", "lift", "torque")
-"""Of the liquid on a body: force along x and along y, torque around its centre, per length across the plane."""
+"""Of the fluid on a body: force along x and along y, torque around its centre, per length across the plane."""
 
 
 def diagnostics(cell, snapshot):
@@ -37,7 +37,7 @@ def _loads(bodies, index):
 
 
 def velocities(cell, snapshot):
-    """Mean velocities along x: ``superficial_velocity`` over the cell with the bodies, ``mean_velocity`` of the liquid.
+    """Mean velocities along x: ``superficial_velocity`` over the cell with the bodies, ``mean_velocity`` of the fluid.
 
     ``flow_rate``: the superficial velocity times the height of the cell, per length across the plane.
     """

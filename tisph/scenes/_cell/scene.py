@@ -1,4 +1,4 @@
-"""A cell with bodies in it: liquid around them, at rest at first, driven by them, by walls or by an acceleration."""
+"""A cell with bodies in it: fluid around them, at rest at first, driven by them, by walls or by an acceleration."""
 
 import math
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ class Cell(BodyScene):
     """``bodies`` in a cell of ``size`` (width, height) that is ``periodic`` or has walls, which are bodies, too.
 
     ``names`` are those of the bodies as they are put after those of their numbers, such as ``_0`` in ``drag_0``. The
-    first ``count`` are in the liquid, the others around it. ``planes``: pairs as in ``Scene.walls``.
+    first ``count`` are in the fluid, the others around it. ``planes``: pairs as in ``Scene.walls``.
     """
 
     size: tuple[float, float]
@@ -39,7 +39,7 @@ class Cell(BodyScene):
 
     @classmethod
     def around(cls, config, bodies, walls, **others):
-        """The scene of a ``config`` with these ``bodies`` in the liquid, and ``walls`` by their names."""
+        """The scene of a ``config`` with these ``bodies`` in the fluid, and ``walls`` by their names."""
         numbers = ("",) if len(bodies) == 1 else tuple(f"_{index}" for index in range(len(bodies)))
         return cls(
             size=config.extent,
@@ -102,7 +102,7 @@ class Cell(BodyScene):
 
     @property
     def force_scale(self):
-        """Size of forces per length: viscous ones, and the acceleration of all liquid."""
+        """Size of forces per length: viscous ones, and the acceleration of all fluid."""
         viscous = self.dynamic_viscosity * self.reference_velocity
         return max(viscous, self.density * abs(self.acceleration) * self.region.area)
 

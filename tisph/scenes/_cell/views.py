@@ -15,7 +15,7 @@ def profiles(cell):
 
 
 def time_series(cell):
-    """Forces and torques on the bodies in the liquid, or on its walls where there are none, and the mean velocity."""
+    """Forces and torques on the bodies in the fluid, or on its walls where there are none, and the mean velocity."""
     chosen = slice(cell.count or None)
     pairs = zip(cell.names[chosen], cell.bodies[chosen], strict=True)
     columns = [f"{kind}{name}" for name, body in pairs for kind in diagnostics.kinds(body)]
@@ -28,7 +28,7 @@ def time_series(cell):
         return np.array([*values, diagnostics.velocities(cell, snapshot)[VELOCITY]])
 
     return TimeSeries(
-        content="forces and torques of the liquid on bodies, and the mean velocity, over time t",
+        content="forces and torques of the fluid on bodies, and the mean velocity, over time t",
         name="forces over F, torques over F d, velocity over U",
         unit="number",
         scale=1.0,
@@ -66,7 +66,7 @@ def parameters(cell):
             f"{cell.reference_length:.6g} {length}, the height of {'the largest body' if cell.count else 'all'}",
         ),
         ("kinematic viscosity nu", f"{cell.kinematic_viscosity:.6g} {length}^2/{time}"),
-        ("cell", f"{width:.6g} x {height:.6g} {length}, {cell.region.area / (width * height):.4g} of it liquid"),
+        ("cell", f"{width:.6g} x {height:.6g} {length}, {cell.region.area / (width * height):.4g} of it fluid"),
     ]
     if cell.acceleration:
         lines.append(("drive", f"{cell.acceleration:.6g} {length}/{time}^2 along x"))

@@ -21,7 +21,7 @@ def diagnostics(channel, snapshot, probes):
     that of the first normal stress difference S_xx - S_yy;
     ``slope`` (1/time), ``intercept`` (velocity) of the least-squares line u(y) through the probes; ``centreline``: u
     at mid-gap, averaged along the channel; ``wall_shear_bottom``, ``wall_shear_top``: total shear stress on the
-    liquid's side of the walls, see ``wall_shear.py``; each also ``_exact``, the lines being fitted to exact
+    fluid's side of the walls, see ``wall_shear.py``; each also ``_exact``, the lines being fitted to exact
     velocities at the same probes; ``density_variation`` = max |density/density_0 - 1|;
     ``max_transverse_velocity`` = max |v|. None where one does not exist (a wall shear that is infinite).
     """

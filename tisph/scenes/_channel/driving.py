@@ -13,7 +13,7 @@ def wall(config):
 
 
 def largest_speed(channel, wall):
-    """That of a wall; of one that a stress drives, the speed at which a Newtonian liquid would bear the stress."""
+    """That of a wall; of one that a stress drives, the speed at which a Newtonian fluid would bear the stress."""
     if wall.driven:
         return wall.largest_stress * channel.gap / channel.dynamic_viscosity
     return wall.seen_from(channel.frame_velocity).largest_speed

@@ -11,7 +11,7 @@ SIDES = ("bottom", "top")
 def extra_series(channel):
     """Return the ``ExtraSeries`` of a ``channel``.
 
-    None of a Newtonian liquid between walls of which none is driven by a stress or follows a schedule.
+    None of a Newtonian fluid between walls of which none is driven by a stress or follows a schedule.
     """
     plain = channel.polymer is None and channel.rheology is None
     if plain and not any(wall.driven or wall.changes for wall in (channel.bottom, channel.top)):
@@ -26,7 +26,7 @@ def extra_series(channel):
 
 
 def _measure(channel, snapshot):
-    """Shear stress and velocity of both walls, and N1 = S_xx - S_yy of the polymer, mean over the liquid."""
+    """Shear stress and velocity of both walls, and N1 = S_xx - S_yy of the polymer, mean over the fluid."""
     velocities = [
         wall_velocity(channel, side, snapshot) if wall.driven else float(wall.velocity(snapshot.t))
         for side, wall in enumerate((channel.bottom, channel.top))

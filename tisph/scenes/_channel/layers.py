@@ -1,8 +1,8 @@
 """How thin the layers are in which the exact flow of a channel changes from one velocity to another.
 
-What starts or changes at t = 0, a wall or the drive of a liquid at rest, diffuses into the liquid to the depth
+What starts or changes at t = 0, a wall or the drive of a fluid at rest, diffuses into the fluid to the depth
 sqrt(nu t). A wall that oscillates moves a layer that counts with half its penetration depth, sqrt(nu/(2 w)): with so
-many spacings it errs as much as one that diffuses (``benchmarks/resolution.py``). In a liquid with polymer what starts
+many spacings it errs as much as one that diffuses (``benchmarks/resolution.py``). In a fluid with polymer what starts
 is at first the front of a shear wave, see ``Polymer.diffusive_fraction``.
 """
 
@@ -22,8 +22,8 @@ def thinnest_layer(channel, t):
         since = t - max((change for _, wall in _walls(channel) for change in wall.changes if change < t), default=0.0)
         share = channel.polymer.diffusive_fraction(since) if channel.polymer else 1.0
         depth = math.sqrt(share * channel.kinematic_viscosity * since)
-        in_the_liquid = share < 1.0 and channel.elastic_speed * since > depth
-        layers.append((depth, "the front of the shear wave" if in_the_liquid else place))
+        in_the_fluid = share < 1.0 and channel.elastic_speed * since > depth
+        layers.append((depth, "the front of the shear wave" if in_the_fluid else place))
     for name, wall in _walls(channel):
         if wall.oscillates:
             half = 0.5 * wall.penetration_depth(channel.kinematic_viscosity)
@@ -36,7 +36,7 @@ def _walls(channel):
 
 
 def _has_started(channel, wall):
-    """Whether velocity or acceleration of the liquid at a wall has jumped at t = 0."""
+    """Whether velocity or acceleration of the fluid at a wall has jumped at t = 0."""
     if channel.starts_developed:
         return wall.before is not None and wall.before != wall.cosine
     return wall.oscillates or wall.driven or wall.cosine != 0.0 or channel.acceleration != 0.0

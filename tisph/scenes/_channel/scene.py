@@ -1,4 +1,4 @@
-"""The flow in a plane channel: geometry, wall motion, drive, liquid and exact solution."""
+"""The flow in a plane channel: geometry, wall motion, drive, fluid and exact solution."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -19,7 +19,7 @@ from tisph.scenes._scene import Scene
 
 @dataclass(frozen=True, kw_only=True)
 class Channel(Scene):
-    """Geometry, wall motion, drive, liquid and exact solution; every number in the config's units.
+    """Geometry, wall motion, drive, fluid and exact solution; every number in the config's units.
 
     ``kinematic_viscosity`` is the total one, of solvent and ``polymer`` (None without); ``acceleration`` acts on the
     fluid along x; ``rheology`` has the numbers of a fluid that is not Newtonian, else it is None. ``initial_state`` is
@@ -96,7 +96,7 @@ class Channel(Scene):
     def frame_velocity(self):
         """Velocity along x of the frame that the flow has of its own, to which speeds and errors refer.
 
-        Of a liquid at rest before the start it is that rest, 0. In one that has settled between walls it is the
+        Of a fluid at rest before the start it is that rest, 0. In one that has settled between walls it is the
         velocity of the first wall, from the bottom, that keeps it, or of the bottom wall before it changes; 0 where a
         wall oscillates, which it does about rest.
         """
@@ -167,7 +167,7 @@ class Channel(Scene):
 
     @property
     def wall_jumps(self):
-        """By how much the velocities of the (bottom, top) wall jump when the run starts, from those of the liquid."""
+        """By how much the velocities of the (bottom, top) wall jump when the run starts, from those of the fluid."""
         if self.start_time > 0:
             return 0.0, 0.0
         walls = (self.bottom, self.top)
@@ -190,7 +190,7 @@ class Channel(Scene):
         return replace(self, bottom=bottom, top=top)
 
     def apparent_viscosity(self, viscosity, angular_frequency):
-        """Stress at a wall that oscillates, over its speed over the gap, of a liquid of the complex ``viscosity``."""
+        """Stress at a wall that oscillates, over its speed over the gap, of a fluid of the complex ``viscosity``."""
         return apparent_viscosity(viscosity, angular_frequency, self.density, self.gap)
 
     def exact_velocity(self, y, t):
@@ -206,7 +206,7 @@ class Channel(Scene):
         return tuple(self._flow.shear_stress(walls, t))
 
     def viscous_stress(self, shear_rate):
-        """Shear stress of the solvent at a ``shear_rate``, or of a liquid whose viscosity depends on it."""
+        """Shear stress of the solvent at a ``shear_rate``, or of a fluid whose viscosity depends on it."""
         if self.rheology is None or self.polymer:
             return self.density * self.solvent_viscosity * shear_rate
         law = self.rheology.law(self.kinematic_viscosity, self.density)
@@ -217,11 +217,11 @@ class Channel(Scene):
         return self._flow.polymer_stress(y, t)
 
     def exact_transverse_stress(self, y, t):
-        """Exact polymer stress S_yy, 0 but for liquids with a second normal stress difference."""
+        """Exact polymer stress S_yy, 0 but for fluids with a second normal stress difference."""
         return self._flow.transverse_stress(y, t)
 
     def exact_polymer_shear_stress(self, y, t):
-        """Exact polymer stress S_xy alone, of a liquid with polymer: cheap enough for every frame of a movie."""
+        """Exact polymer stress S_xy alone, of a fluid with polymer: cheap enough for every frame of a movie."""
         return self._flow.polymer_shear_stress(y, t)
 
     def exact(self, field, x, y, t):

@@ -152,6 +152,6 @@ def _wall_extremes(channel, end):
     times = np.linspace(channel.start_time, end, _WALL_TIMES)
     walls = [wall for _, wall in reversed(channel.walls)]
     velocities = np.concatenate([wall.velocity(times) for wall in walls])
-    if channel.start_time == 0.0:  # the liquid still has the velocity that a wall had before
+    if channel.start_time == 0.0:  # the fluid still has the velocity that a wall had before
         velocities = np.append(velocities, [wall.before for wall in walls if wall.before is not None])
     return float(velocities.min()), float(velocities.max())

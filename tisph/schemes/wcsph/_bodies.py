@@ -1,4 +1,4 @@
-"""Bodies around the liquid of an explicit run, or in it: layers of wall particles that move as these do."""
+"""Bodies around the fluid of an explicit run, or in it: layers of wall particles that move as these do."""
 
 from dataclasses import replace
 
@@ -21,7 +21,7 @@ class SolidBodies(PeriodicBoundaries):
     """Bodies of a scene; for the rest the box around them is periodic, though nothing is near its ends.
 
     The mean compression stays what it is at the start: density diffusion, a Laplacian of the pressure, lets some
-    through walls on which the pressure has a slope, as that of liquid that turns has.
+    through walls on which the pressure has a slope, as that of fluid that turns has.
     """
 
     def __init__(self, config, scene, radius):
@@ -49,14 +49,14 @@ class SolidBodies(PeriodicBoundaries):
             yield float(np.linalg.norm(here.centre - there.centre)) + radius * abs(here.angle - there.angle)
 
     def surround(self, operators, kernel):
-        """Make the ``walls`` that particles see, for the lists and the liquid of ``operators``; return them."""
+        """Make the ``walls`` that particles see, for the lists and the fluid of ``operators``; return them."""
         place = self.layers, self.scene.bodies, self.origin
         self.walls = self.treatment(operators.lists, kernel, operators.fluid, self.parameters, *place)
         self.stretch = self.walls.stretch
         return self.walls
 
     def begin(self, momentum):
-        """Place the wall particles around a liquid whose velocities along x add up to ``momentum``."""
+        """Place the wall particles around a fluid whose velocities along x add up to ``momentum``."""
         super().begin(momentum)
         self.compression = self.mean_compression(0)
         self.walls.load(self.scene.start_time)
@@ -78,7 +78,7 @@ class SolidBodies(PeriodicBoundaries):
         return float(view(self.walls.particles.compression)[now, : self.walls.particles.fluid].mean(dtype=float))
 
     def described(self, snapshot):
-        """Return the ``snapshot`` with the bodies, and from the first step on what the liquid does to them."""
+        """Return the ``snapshot`` with the bodies, and from the first step on what the fluid does to them."""
         loads = self.loads.of(snapshot) if snapshot.step else None
         return replace(snapshot, bodies=Bodies.at(snapshot.t, self.scene.bodies, loads))
 

@@ -1,8 +1,8 @@
-"""What is around the liquid of an explicit run: the plane walls of a channel, bodies, or copies of the liquid itself.
+"""What is around the fluid of an explicit run: the plane walls of a channel, bodies, or copies of the fluid itself.
 
 ``box`` says how many ``columns`` and ``rows`` of ``spacing`` the cells have to cover, from ``origin`` on; ``slots`` how
 many wall particles of their own and how much room for images there has to be (``tisph/particles.py``); ``stretch`` how
-much farther wall particles go than the liquid that they are images of.
+much farther wall particles go than the fluid that they are images of.
 """
 
 from tisph import registry
@@ -14,7 +14,7 @@ from tisph.walls._treatment import WallTreatment
 
 
 class PlaneWalls:
-    """The walls of a channel: their particles, how far these drift, and the momentum that they give to the liquid.
+    """The walls of a channel: their particles, how far these drift, and the momentum that they give to the fluid.
 
     ``drift``: of the bottom and the top wall, how far dummy particles are from where the lists expect them.
     """
@@ -32,18 +32,18 @@ class PlaneWalls:
         self.drift, self.built_velocity = [0.0, 0.0], [0.0, 0.0]
 
     def surround(self, operators, kernel):
-        """Make the ``walls`` that particles see, for the lists and the liquid of ``operators``; return them."""
+        """Make the ``walls`` that particles see, for the lists and the fluid of ``operators``; return them."""
         self.walls = self.treatment(operators.lists, kernel, operators.fluid, self.parameters)
         self.wall_forces = WallForces(operators.lists, operators)
         return self.walls
 
     def begin(self, momentum):
-        """Place the wall particles around a liquid whose velocities along x add up to ``momentum``."""
+        """Place the wall particles around a fluid whose velocities along x add up to ``momentum``."""
         self.walls.load(self.channel)
         self.balance.initial = momentum
 
     def jump(self, stepper, now):
-        """Give the liquid in buffer ``now`` the impulse of walls that jump at the start."""
+        """Give the fluid in buffer ``now`` the impulse of walls that jump at the start."""
         if self.parameters.obeys_momentum and any(self.channel.wall_jumps):
             self.balance.impulse = ImpulsiveStart(stepper).apply(now, self.channel.wall_jumps)
             self.walls.lay_out(now)
@@ -86,7 +86,7 @@ class PlaneWalls:
 
 
 class PeriodicBoundaries:
-    """A box that is periodic in x and y: nothing moves but the liquid, and nothing changes its momentum."""
+    """A box that is periodic in x and y: nothing moves but the fluid, and nothing changes its momentum."""
 
     treatment = WallTreatment
     drift = (0.0,)
@@ -109,7 +109,7 @@ class PeriodicBoundaries:
         self.initial = momentum
 
     def jump(self, stepper, now):
-        """Nothing gives the liquid an impulse."""
+        """Nothing gives the fluid an impulse."""
 
     def account(self, now, steps, middle):
         """Nothing exerts a force."""
@@ -125,7 +125,7 @@ class PeriodicBoundaries:
         return {"change": self.particle_mass * (momentum - self.initial)}
 
     def described(self, snapshot):
-        """Return the ``snapshot``: there is nothing but liquid."""
+        """Return the ``snapshot``: there is nothing but fluid."""
         return snapshot
 
     def state(self):

@@ -1,8 +1,8 @@
-"""Walls that start or stop at once: their impulse on the liquid, by the images that obey the momentum equation.
+"""Walls that start or stop at once: their impulse on the fluid, by the images that obey the momentum equation.
 
 A wall whose velocity jumps by J at t = 0 has the acceleration J delta(t), and there the images of ``consistent_image``
 have the velocity d^2 J/nu_s delta(t): no velocity, but a displacement xi = d^2 J/nu_s in no time. The rates are linear
-in the velocities, so that the liquid's velocity changes by
+in the velocities, so that the fluid's velocity changes by
 
     du = nu_s lap xi
 

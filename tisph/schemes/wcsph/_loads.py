@@ -1,4 +1,4 @@
-"""What the liquid does to bodies, as the particles show it: the scheme itself needs no stress at a wall.
+"""What the fluid does to bodies, as the particles show it: the scheme itself needs no stress at a wall.
 
 Around points of the walls, a spacing apart, the velocities of the nearest particles and of these points themselves are
 fitted by a polynomial of ``DEGREE`` (``measures/fits.py``), from which follow velocity gradients, and the pressures
@@ -18,7 +18,7 @@ PRESSED = 12
 
 
 class Loads:
-    """Force and torque on the bodies of a ``scene``; its liquid is a Newtonian one."""
+    """Force and torque on the bodies of a ``scene``; its fluid is a Newtonian one."""
 
     def __init__(self, scene):
         self.scene = scene

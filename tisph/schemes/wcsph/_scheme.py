@@ -123,8 +123,8 @@ class Scheme:
     def proceed(self):
         """Evaluate the rates in the middle of the pending step, finish it, and predict the next middle."""
         drifts = (drift * drift for drift in self.boundaries.drift)
-        of_liquid = float(view(self.stepper.drift_squared)) * self.boundaries.stretch**2
-        drift_squared = max(of_liquid, *drifts)
+        of_fluid = float(view(self.stepper.drift_squared)) * self.boundaries.stretch**2
+        drift_squared = max(of_fluid, *drifts)
         if self.lists.outdated(drift_squared, self.middle - self.built):
             self.rebuild()
         if self.length > 0.0:
@@ -285,7 +285,7 @@ class Scheme:
 
 
 def boundaries(config, scene, radius):
-    """Return what is around the liquid of a ``scene``, for lists of this ``radius``."""
+    """Return what is around the fluid of a ``scene``, for lists of this ``radius``."""
     if scene.walls:
         return PlaneWalls(config, scene, radius)
     if scene.bodies:

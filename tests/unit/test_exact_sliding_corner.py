@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tisph.exact.sliding_corner import SlidingCorner
+from tisph.exact.sliding_corner import CornerSingularity
 from tisph.schemes._splitting._corner_singularities import CornerSingularities
 
 NU, SPEED = 0.01, 1.3
@@ -11,7 +11,7 @@ WAYS = np.eye(2)
 
 
 def corner(reach=0.4, share=1.0, speed=SPEED):
-    return SlidingCorner((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), 0.5 * np.pi, speed, NU, reach, share)
+    return CornerSingularity((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), 0.5 * np.pi, speed, NU, reach, share)
 
 
 @pytest.fixture

@@ -52,12 +52,12 @@ def test_compliance_of_a_fluid_with_one_mode():
     liquid, t = Spectrum(0.1, ((0.9, 2.0),)), np.array([0.01, 0.5, 3.0])
     assert liquid.compliance(t) == pytest.approx(t + 1.8 * -np.expm1(-t / 0.2), rel=1e-9)
     assert liquid.growth(1e3) == pytest.approx(1.0)
-    assert liquid.normal_growth(1e3) == pytest.approx(2.0 * 0.9 * 2.0)
+    assert liquid.normal_stress_growth(1e3) == pytest.approx(2.0 * 0.9 * 2.0)
 
 
 def test_a_free_wall_on_a_newtonian_fluid_slows_down():
     # heavy: no waves in the liquid, d = eta/(mass gap), less the liquid's own third
-    assert Spectrum(1.0).ringing(-0.01, 1.0, 1.0, 100.0) == pytest.approx(-1.0 / (100.0 + 1.0 / 3.0), rel=1e-5)
+    assert Spectrum(1.0).free_oscillation(-0.01, 1.0, 1.0, 100.0) == pytest.approx(-1.0 / (100.0 + 1.0 / 3.0), rel=1e-5)
 
 
 def test_moduli_are_found_in_a_history_with_a_start():
@@ -178,10 +178,11 @@ def test_a_cylinder_is_read_as_a_plane():
     _, wall, table = as_plane(annulus, {"t": t, "torque_inner": torque, "torque_inner_exact": torque})
     assert wall.cosine == pytest.approx(0.5 * 8 / 3)
     assert table["wall_shear"] == pytest.approx(wall.cosine * LIQUID.growth(t))
-    normal = {f"n1_{name}": factor * wall.cosine**2 * LIQUID.normal_growth(t) for name, factor in NORMALS.items()}
+    growth = wall.cosine**2 * LIQUID.normal_stress_growth(t)
+    normal = {f"n1_{name}": factor * growth for name, factor in NORMALS.items()}
     _, wall, table = as_plane(annulus, {"t": t, "torque_inner": torque, "torque_inner_exact": torque, **normal})
     reading = _start_up(SimpleNamespace(gap=1.0), LIQUID, wall, table)
-    known = LIQUID.normal_growth(20.0)
+    known = LIQUID.normal_stress_growth(20.0)
     assert reading.numbers["normal_stress_coefficient_at_the_end"] == pytest.approx(1.01 * known)
     assert reading.numbers["normal_stress_coefficient_at_the_end_reference"] == pytest.approx(known)
     assert any(f"(reference {known:.6g})" in line for line in reading.lines)

@@ -29,7 +29,7 @@ def rates(wall, gap):
 def test_a_constant_rate_shows_the_growth_of_stress_and_normal_stress():
     stress, normal = uniform().response([(0.0, lambda t: 3.0 + 0.0 * t)], TIMES)
     assert stress == pytest.approx(3.0 * LIQUID.growth(TIMES), rel=1e-8)
-    assert normal == pytest.approx(9.0 * LIQUID.normal_growth(TIMES), abs=1e-8 * normal.max())
+    assert normal == pytest.approx(9.0 * LIQUID.normal_stress_growth(TIMES), abs=1e-8 * normal.max())
     assert uniform().steady(3.0) == pytest.approx((3.0, 2.0 * 0.9 * 2.0 * 9.0), rel=1e-9)
 
 

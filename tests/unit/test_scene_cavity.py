@@ -9,7 +9,6 @@ from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.exact.cavity import RegularCavity, centre_lines, extremes
 from tisph.measures.metrics import sample_metrics
-from tisph.report import style
 from tisph.report.profiles import profile_figure
 from tisph.scenes.cavity import Scene
 from tisph.simulation.start import start_snapshot, start_values
@@ -170,9 +169,7 @@ def test_pictures_say_where_a_reference_is_from(case):
     assert [profile.reference for profile in regular.profiles()] == ["exact", "exact"]
 
 
-def test_the_legend_of_profiles_has_it(case, tmp_path, monkeypatch):
-    scene, figures = Scene.from_config(case()), []
-    monkeypatch.setattr(style, "save", lambda figure, path: figures.append(figure))
-    profile_figure(scene, [snapshot_of(scene)]).save(tmp_path / "profiles.png")
-    (legend,) = figures[0].legends
+def test_the_legend_of_profiles_has_it(case):
+    scene = Scene.from_config(case())
+    (legend,) = profile_figure(scene, [snapshot_of(scene)]).legends
     assert legend.get_texts()[-1].get_text() == centre_lines(100)[0].source

@@ -12,7 +12,7 @@ SWITCH_TIME = 0.1
 """t* = nu t/gap^2 up to which images are summed, and from which the series: at this time 3 pairs of images or
 7 terms of the series reach rounding error."""
 
-# exp(-EXPONENT) = 2e-17 and erfc(sqrt(EXPONENT)) is smaller still: what is left out is below double rounding.
+# exp(-EXPONENT) = 2e-17 and erfc(sqrt(EXPONENT)) is smaller still: the rest of the series is below double precision.
 EXPONENT = 38.5
 
 

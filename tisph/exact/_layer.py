@@ -1,4 +1,4 @@
-"""The layer that a solvent's walls make when they jump, as closed form: what is left of a start without it is smooth.
+"""The layer that a solvent's walls make when they jump, as closed form: the rest of a start without it is smooth.
 
 Between planes it is the start-up flow of the solvent alone (``couette``). Between cylinders q = r^(3/2) w, with the
 angular velocity w = u/r, obeys

@@ -4,7 +4,7 @@
 
 and between cylinders as in ``_elements``, v the angular velocity. The state is v at the nodes, then the components of C
 of each law at the points of each element. ``layer`` is a known part of the shear rate (``_layer``). Derivatives of laws
-are taken by complex steps, which are exact to rounding.
+are taken by complex steps, which are exact to round-off.
 
 In a system (shift - J) x = b the C of each point follow from the shear rate there alone; put into the equation of v,
 they leave a banded matrix of v, however many modes there are.
@@ -24,7 +24,7 @@ NEGLIGIBLE = 1e-12
 class Equations:
     """Equations of ``fluid`` (``flux``, ``laws``) on ``elements``; walls are (bottom, top), with ``acceleration(t)``.
 
-    Walls that are ``driven`` (``geometry/stress_controlled.py``) have ``stress(t)`` and ``mass_per_area`` over the
+    Walls that are ``driven`` (``geometry/stress_controlled.py``) have ``stress(t)`` and ``mass_per_area`` per unit
     density instead: their mass is added to that of their node, which obeys the weak form of the momentum equation as
     all others do.
 
@@ -125,7 +125,7 @@ def _derivatives(law, c, rate):
 def _inverses(matrices):
     """Inverses of ``matrices`` (m, m, ...), by Gauss and Jordan, all at once; they are small.
 
-    Without pivots: what is lost to rounding here makes Newton's method slower, not its result another.
+    Without pivots: what is lost to round-off here makes Newton's method slower, not its result another.
     """
     result = matrices.copy()
     for k in range(len(result)):

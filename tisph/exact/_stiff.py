@@ -140,7 +140,7 @@ class RadauSolution:
             size = np.max(np.abs(change) / scales)
             if not size < 2 * before:
                 return None
-            stalled = size > before / 3  # rounding errors, of a fluid that is nearly solid somewhere, are what is left
+            stalled = size > before / 3  # rounding errors, of a fluid that is nearly solid somewhere, remain
             if size < (ROUNDING if stalled else 0.02) * self.tolerance:
                 return found
             before = size

@@ -1,6 +1,6 @@
 """Start-up flow of any fluid between two cylinders: a numerical reference, to 1e-8.
 
-The velocity u around the axis, the polymer stress S in polar components and the pressure p over the density obey
+The velocity u around the axis, the polymer stress S in polar components and the pressure p per unit density obey
 
     du/dt = 1/r^2 d/dr [ r^2 (solvent_viscosity rate + S_rt) ],    rate = r d(u/r)/dr
     dp/dr = u^2/r + dS_rr/dr + (S_rr - S_tt)/r
@@ -45,7 +45,7 @@ class CircularStartUp:
         return self._solved.shear_rate(self._place(r), t)
 
     def polymer_stress(self, r, t):
-        """Stress of all modes together over the density, shape (3, ...): S_tt, S_rt and S_rr; N1 = S_tt - S_rr."""
+        """Stress of all modes together per unit density, shape (3, ...): S_tt, S_rt and S_rr; N1 = S_tt - S_rr."""
         return self._solved.polymer_stress(self._place(r), t)
 
     def conformation_excess(self, r, t):

@@ -48,7 +48,7 @@ class Spectrum:
         t = np.asarray(t, dtype=float)
         return sum(viscosity / time * np.exp(-t / time) for viscosity, time in self.modes) + 0.0 * t
 
-    def normal_growth(self, t):
+    def normal_stress_growth(self, t):
         """N1 over the square of the shear rate after it has begun, of upper-convected modes, without inertia."""
         t = np.asarray(t, dtype=float)
         parts = [2.0 * eta * time * (1.0 - np.exp(-t / time) * (1.0 + t / time)) for eta, time in self.modes]
@@ -62,7 +62,7 @@ class Spectrum:
         """Z of a ``gap`` between a wall at rest and one that oscillates."""
         return apparent_viscosity(self.complex_viscosity(1j * angular_frequency), angular_frequency, density, gap)
 
-    def ringing(self, guess, density, gap, mass_per_area):
+    def free_oscillation(self, guess, density, gap, mass_per_area):
         """Root s near ``guess`` of mass s + sqrt(density s eta*) coth(qH) = 0: a plate's free motion is e^(s t)."""
 
         def balance(s):

@@ -23,7 +23,7 @@ DEGREE = 16
 
 
 @dataclass(frozen=True)
-class SlidingCorner:
+class CornerSingularity:
     """Corner at ``place`` (2,) where a wall that slides with ``speed`` away from it, along ``along``, meets another.
 
     ``along`` (2,) and ``inward`` (2,), the normal of the sliding wall into the fluid, are of length 1. ``angle``
@@ -41,7 +41,7 @@ class SlidingCorner:
     share: float = 1.0
 
     @cached_property
-    def slow_numbers(self):
+    def stokes_coefficients(self):
         """a, b, c, d (4,) of f: no flow through the walls, the speed at theta = 0 and rest at the other wall."""
         sine, cosine, angle = np.sin(self.angle), np.cos(self.angle), self.angle
         conditions = [
@@ -54,7 +54,7 @@ class SlidingCorner:
 
     def _slow(self, theta):
         """f and its first three derivatives at ``theta`` (n,)."""
-        a, b, c, d = self.slow_numbers
+        a, b, c, d = self.stokes_coefficients
         sine, cosine = np.sin(theta), np.cos(theta)
         waves = c * cosine + d * sine, d * cosine - c * sine
         f = a * cosine + b * sine + theta * waves[0]
@@ -77,7 +77,7 @@ class SlidingCorner:
         return [part @ h for part in basis[:4]], float(log[0])
 
     @cached_property
-    def inertial_numbers(self):
+    def inertial_coefficients(self):
         """Coefficients (``DEGREE`` + 1, 4) of h and its derivatives in 2 theta/angle - 1, highest power first."""
         powers = [chebyshev.cheb2poly(part) for part in self._inertial[0]]
         return np.stack([np.pad(part, (0, DEGREE + 1 - len(part))) for part in powers], axis=1)[::-1]
@@ -102,7 +102,7 @@ class SlidingCorner:
         """What fields at ``points`` (n, 2) are made of: ``_polar``, ``_slow``, h and its derivatives, ``_fading``."""
         polar = self._polar(points)
         part = 2.0 * polar[1] / self.angle - 1.0
-        inertial = np.vander(part, DEGREE + 1) @ self.inertial_numbers
+        inertial = np.vander(part, DEGREE + 1) @ self.inertial_coefficients
         return polar, self._slow(polar[1]), inertial.T, self._fading(polar[0])
 
     def fields(self, points):
@@ -157,8 +157,8 @@ class SlidingCorner:
         return radial[:, None] * out + turning[:, None] * turn
 
     def pressure(self, points):
-        """Pressure over the density (n,) at ``points`` (n, 2); infinite in the corner."""
-        _, _, c, d = self.slow_numbers
+        """Pressure per unit density (n,) at ``points`` (n, 2); infinite in the corner."""
+        _, _, c, d = self.stokes_coefficients
         radius, theta, *_ = self._polar(points)
         with np.errstate(divide="ignore", invalid="ignore"):
             slow = 2.0 * self.kinematic_viscosity * (c * np.cos(theta) + d * np.sin(theta)) / radius

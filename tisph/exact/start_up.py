@@ -1,6 +1,6 @@
 """Start-up flow of any fluid between two walls, plane or cylinders: a numerical reference, to 1e-8.
 
-Equations for 0 < y < gap, with g = -(dp/dx)/density, all stresses over the density:
+Equations for 0 < y < gap, with g = -(dp/dx)/density, all stresses per unit density:
 
     du/dt = g + d/dy [ flux(du/dy) + sum of S_xy ],    dC/dt = law.rate_in_shear(C, du/dy),  S = law.stress(C)
 
@@ -23,10 +23,10 @@ Solved once, as far as it is asked for; no result depends on what was asked befo
 
 Accuracy, relative to the largest value in the gap, measured against closed forms and against other orders: polymers
 with solvent fractions from 0.01 on: velocity, stress and N1 1e-8 from solvent_viscosity t/gap^2 = 1e-5 on, 1e-11 once
-the layers have crossed the gap; without memory: velocity 1e-6, stress 2e-6 from t* = 1e-3 on after a jump of a wall,
+the layers have crossed the gap; inelastic: velocity 1e-6, stress 2e-6 from t* = 1e-3 on after a jump of a wall,
 and 1e-8 in developed flow, 1e-6 where a plug has edges of 1e-3 of the gap; stress 1e-6 at a rate of 0, 5e-5 there.
-Viscosities that differ by more than some 1e3 within the gap lose digits to rounding, and may end in an UnsolvedError. A
-polymer takes about a second of processor time, a fluid without memory less in a driven flow, and more after a jump of
+Viscosities that differ by more than some 1e3 within the gap lose digits to round-off, and may end in an UnsolvedError.
+A polymer takes about a second of processor time, an inelastic fluid less in a driven flow, and more after a jump of
 a wall: until the layer is as deep as an element is wide, steps are as short as it takes the front to pass from point to
 point. At large regularisation a fluid with a yield stress does not get beyond that: UnsolvedError.
 """
@@ -82,7 +82,7 @@ class Wall:
 class Flow:
     """Walls y = 0 and y = ``gap``, and the acceleration g along planes.
 
-    Walls have ``velocity(t)`` and ``acceleration(t)``, or are a ``StressControlledWall`` over the density; they change
+    Walls have ``velocity(t)`` and ``acceleration(t)``, or are a ``StressControlledWall`` per unit density; they change
     at once at the times ``changes``, and ``after(time)`` is what they are from then on. ``inner_radius``: that of the
     cylinder y = 0, None between planes. Cylinders have angular velocities.
     """
@@ -95,7 +95,7 @@ class Flow:
 
 
 def _edges(fluid, flows, finest):
-    """Edges over the gap. Fluids without memory have plugs, and kinks where the rate is 0: mid-gap, by symmetry."""
+    """Edges over the gap. Inelastic fluids have plugs, and kinks where the rate is 0: mid-gap, by symmetry."""
     if fluid.subtracts_layer:
         return graded_edges(1.0, finest, WIDEST)
     if any(flow.bottom != flow.top for flow in flows):
@@ -107,7 +107,7 @@ def _edges(fluid, flows, finest):
 class StartUp:
     """The flow of a ``ViscoelasticFluid`` or ``InelasticFluid`` fluid from rest, or from the developed flow ``before``.
 
-    Heights ``y`` and times ``t`` >= 0 broadcast; results have their shape. Stresses are over the density. ``order`` and
+    Heights ``y`` and times ``t`` >= 0 broadcast; results have their shape. Stresses are per unit density. ``order`` and
     ``finest``, the width over the gap of those at the walls, or all ``edges`` over the gap, set the elements.
     UnsolvedError where no solution is found that goes on, ValueError for other times.
     """

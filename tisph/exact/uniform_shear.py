@@ -3,8 +3,8 @@
     shear stress = flux(rate) + sum of S_xy,    dC/dt = law.rate_in_shear(C, rate(t)),    S = law.stress(C)
 
 for each law (mode) of a polymer, from rest; C and laws as in ``start_up``, stresses of the unit of the laws' viscosity.
-Ordinary differential equations, solved to 1e-8 of the largest value (LSODA, piece by piece between changes of the
-rate). The steady stress is that after ``REMEMBERED`` of the longest relaxation times.
+Ordinary differential equations, integrated with an error of 1e-8 of the largest value (LSODA, piece by piece between
+changes of the rate). The steady stress is that after ``REMEMBERED`` of the longest relaxation times.
 """
 
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ RELATIVE, ABSOLUTE = 1e-10, 1e-13
 
 @dataclass(frozen=True)
 class UniformShear:
-    """``flux(rate)``: shear stress of the solvent, or of a fluid without memory; ``laws`` of a polymer's modes."""
+    """``flux(rate)``: shear stress of the solvent, or of an inelastic fluid; ``laws`` of a polymer's modes."""
 
     flux: Any
     laws: tuple[Any, ...] = ()

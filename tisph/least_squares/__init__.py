@@ -1,4 +1,4 @@
-"""Least-squares operators: derivatives that are exact for polynomials on any arrangement of particles."""
+"""Least-squares operators: derivatives that are polynomially consistent, also for disordered particles."""
 
 SUPPORT = {2: 1.9, 4: 2.9}
 """Radius in particle spacings by order. About 10 and 27 neighbours: 0.1 less, and sheared disorder becomes singular."""

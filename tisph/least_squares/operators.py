@@ -1,4 +1,4 @@
-"""Least-squares operators: polynomially consistent to degree 2 or 4 on any arrangement of particles.
+"""Least-squares operators: polynomially consistent to degree 2 or 4, also for disordered particles.
 
 For particle i and the vectors r = (x, y) to its neighbours j, in units of the support radius, minimise
 
@@ -43,7 +43,8 @@ FEW_NUMBERS = 10 * FEW
 
 SMALLEST_PIVOT = 1e-2
 """A pivot below this part of its diagonal entry: the neighbours hardly determine the unknown, and the entries of the
-row are many times the usual ones. On a lattice the smallest is 0.15; one neighbourhood in 1e4 is below in disorder."""
+row are many times the usual ones. On a lattice the smallest is 0.15; one of 1e4 neighbourhoods of
+disordered particles is below."""
 
 LOWEST = 5
 """Unknowns of order 2, the last ones of all."""

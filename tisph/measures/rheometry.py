@@ -190,7 +190,7 @@ def _start_up(channel, fluid, wall, table):
         axis = "time", "N1 over the square of the rate"
         curves += normal_curves(table, axis, t, slice(1, None), steady**2)
         if rate:
-            curves.append((axis, "upper-convected modes, without inertia", t, fluid.normal_growth(t), "--"))
+            curves.append((axis, "upper-convected modes, without inertia", t, fluid.normal_stress_growth(t), "--"))
     return Reading("start-up" if rate else "cessation", lines, numbers, curves)
 
 
@@ -230,7 +230,7 @@ def _ring(channel, fluid, plate, t, velocities, lines, numbers):
     found, known = (_slowest_pair(t, one) for one in velocities)
     if found is None or known is None:
         return
-    theory = fluid.ringing(known, channel.density, channel.gap, plate.mass_per_area)
+    theory = fluid.free_oscillation(known, channel.density, channel.gap, plate.mass_per_area)
     lines.append("  free oscillation, e^(-d t) cos(w t):")
     for name, root in (("run", found), ("reference", known), ("linear theory", theory)):
         lines.append(f"    {name:14} w = {root.imag:.6g}   d = {-root.real:.6g}")

@@ -26,7 +26,7 @@ class Cells:
     def __init__(self, particles, domain, channel, reach):
         self.particles = particles
         self.domain = domain
-        # counted in spacings, of which length and gap are whole numbers: no cell is lost to rounding
+        # counted in spacings, of which length and gap are whole numbers: no cell is lost to round-off
         columns = int(channel.columns / (reach / channel.spacing))
         rows = cell_rows(channel, reach)
         if columns < 3 or (domain.periodic_y and rows < 3):

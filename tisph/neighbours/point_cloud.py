@@ -54,7 +54,7 @@ class PointCloud:
         self.cutoff_squared = scalar(cutoff**2)
         if self.varying:
             self.radius = ti.field(real(), shape=self.capacity)
-        # counted in spacings, of which length and gap are whole numbers: no cell is lost to rounding
+        # counted in spacings, of which length and gap are whole numbers: no cell is lost to round-off
         columns = int(channel.columns * channel.spacing / cutoff * (1 + 1e-12))
         rows = max(1, int(channel.rows * channel.spacing / cutoff * (1 + 1e-12)))
         least = 5 if largest > cutoff else 3

@@ -8,7 +8,7 @@ long as that is within the reach no pair is missing: shear flow alone, however f
 The mirror image of a particle keeps its x, and |y_i - y_j| <= |y_i + y_j|, so the bound holds for images too;
 wall particles move with the walls, where w is the wall velocity. (A mirror point of a dummy particle moves with the
 wall too, although w is another one there: who looks inside must do with three quarters of the cutoff.) Where
-the flow turns, in a box without walls, no profile tells where particles go: w = 0 there.
+the flow is two-dimensional, in a box without walls, no profile tells where particles go: w = 0 there.
 """
 
 import math

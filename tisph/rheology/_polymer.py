@@ -50,7 +50,7 @@ class Mode(Model):
 class Law:
     """A polymer of modulus ``polymer_viscosity`` / relaxation time.
 
-    Stresses are over the density where ``polymer_viscosity`` is (kinematic, length^2/time), and mass/(length time^2)
+    Stresses are per unit density where ``polymer_viscosity`` is (kinematic, length^2/time), and mass/(length time^2)
     where it is dynamic.
     """
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from tisph.exact.cavity import RegularCavity, centre_lines
 from tisph.exact.cavity import extremes as tabulated_extremes
-from tisph.exact.sliding_corner import SlidingCorner
+from tisph.exact.sliding_corner import CornerSingularity
 from tisph.geometry.body import Body
 from tisph.geometry.line import Line
 from tisph.geometry.sliding import SlidingWall
@@ -101,7 +101,7 @@ class Cavity(BodyScene):
             "share": min(1.0, RESOLVED_CORNER / cell),
         }
         return tuple(
-            SlidingCorner((x, self.height), (way, 0.0), speed=way * self.velocity, **same)
+            CornerSingularity((x, self.height), (way, 0.0), speed=way * self.velocity, **same)
             for x, way in ((0.0, 1.0), (self.width, -1.0))
         )
 

@@ -8,7 +8,7 @@ from tisph.geometry.motion import WallMotion
 __all__ = ["PolymerParameters", "WallMotion"]
 
 FAINT = 0.015
-"""Part of a jump that counts no more: as much may velocities of a resolved sample err (measures/resolution.py)."""
+"""Part of a jump that counts no more: velocities of a resolved sample may have this error (measures/resolution.py)."""
 
 
 @dataclass(frozen=True)

@@ -60,7 +60,7 @@ class Scene:
     """``geometry.body.Body`` of each wall that is not a plane wall of a channel."""
 
     corners = ()
-    """``exact.sliding_corner.SlidingCorner`` of each corner at which the velocities of two walls differ."""
+    """``exact.sliding_corner.CornerSingularity`` of each corner at which the velocities of two walls differ."""
 
     changes = ()
     """Times after the start at which the velocity of a body, or its acceleration, jumps."""
@@ -158,7 +158,7 @@ class Scene:
 
     @property
     def vanishing_scale(self):
-        """Whether the velocity crosses zero or dies away, so that an error relative to it says little."""
+        """Whether the velocity crosses zero or decays, so that an error relative to it says little."""
         return False
 
     def in_flow_frame(self):

@@ -1,4 +1,4 @@
-"""Circular Couette flow: fluid between two cylinders, either of which turns: steadily, from a jump on, to and fro,
+"""Circular Couette flow: fluid between two cylinders, either of which turns: steadily, from a jump on, oscillating,
 or as velocities at some times say.
 
 Particles fill the annulus evenly, the first layer half a spacing from the walls. Motion starts, or changes, at t = 0.

@@ -26,7 +26,7 @@ __all__ = ["Channel", "Config", "Scene"]
 WallTreatment = Member("walls", usual="consistent_image")
 
 STRESS_KEYS = ("shear_stress", "stress_amplitude", "stresses")
-"""Of a wall, one of which says that a stress drives it."""
+"""Of a wall, one of which says that it is stress-controlled."""
 
 
 class Geometry(Model):
@@ -101,9 +101,9 @@ def _alien_keys(wall: Wall) -> Iterator[tuple[str, str]]:
         yield "angular_frequency", "is only for a wall that oscillates, not for one with velocities at times"
         yield "phase", "is only for a wall that oscillates, not for one with velocities at times"
     if not wall.driven:
-        yield "mass_per_area", "is only for a wall that is driven by a stress, such as shear_stress"
+        yield "mass_per_area", "is only for a stress-controlled wall, with keys such as shear_stress"
         return
-    yield "velocity_before", "is not for a wall that is driven by a stress: it starts from rest"
+    yield "velocity_before", "is not for a stress-controlled wall: it starts from rest"
     if wall.stress_amplitude is None:
         yield "angular_frequency", "is only for a wall that oscillates, which has an amplitude or stress_amplitude"
         yield "phase", "is only for a wall that oscillates, which has an amplitude or stress_amplitude"
@@ -238,18 +238,18 @@ def _motion(config: Config) -> Iterator[Problem]:
 
 
 def _driven(config: Config) -> Iterator[Problem]:
-    """What speaks against walls that a stress drives, or with velocities at times."""
+    """What speaks against stress-controlled walls, or walls with velocities at times."""
     sides, scheduled = (
         [side for side in ("bottom", "top") if getattr(getattr(config.walls, side), key)]
         for key in ("driven", "velocities")
     )
     if len(sides) > 1:
-        yield "walls.top", "must have a velocity where a stress drives the bottom wall: nothing else holds the fluid"
-    for which, text in ((sides, "a stress drives a wall"), (scheduled, "a wall has velocities at times")):
+        yield "walls.top", "must have a velocity if the bottom wall is stress-controlled: nothing else holds the fluid"
+    for which, text in ((sides, "a wall is stress-controlled"), (scheduled, "a wall has velocities at times")):
         if which and config.initial.state != "rest":
             yield "initial.state", f"must be rest where {text} (walls.{which[0]})"
     if sides and config.walls.treatment.type != "consistent_image":
-        text = f"must be consistent_image where a stress drives a wall (walls.{sides[0]})"
+        text = f"must be consistent_image where a wall is stress-controlled (walls.{sides[0]})"
         yield "walls.treatment.type", f"{text}: only its images take a stress"
 
 

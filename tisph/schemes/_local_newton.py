@@ -34,7 +34,7 @@ class Modes:
         return zip(self.laws, self.parts, strict=True)
 
     def stress(self, state):
-        """Return S_xx, S_xy, S_yy over the density, the sums over the modes."""
+        """Return S_xx, S_xy, S_yy per unit density, the sums over the modes."""
         each = [law.stress(self.deviation(state[part]))[:3] for law, part in self]
         return np.stack([sum(column) for column in zip(*each, strict=True)])
 

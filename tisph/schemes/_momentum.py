@@ -5,7 +5,7 @@ from tisph.runtime import ti, view
 EVERY_STEP_UNTIL = 64
 STRIDE = 16
 """Wall forces are summed at every step first, when impulsive walls pull hardest, then at every STRIDE-th: the
-trapezoidal rule over 16 steps of a force ~ t^-1/2 errs by 0.4 % right after step 64, and less and less."""
+trapezoidal rule over 16 steps of a force ~ t^-1/2 has an error of 0.4 % right after step 64, and less and less."""
 
 
 @ti.data_oriented
@@ -68,7 +68,7 @@ class MomentumBalance:
     def report(self, channel, time, velocity_sum):
         """Return the balance at ``time`` in the units of the config, per unit length out of the plane.
 
-        ``closure`` is what is left over, as a fraction of the largest of the terms; None where nothing happened.
+        ``closure`` is the relative imbalance, a fraction of the largest of the terms; None where nothing happened.
         """
         particle_mass = channel.density * channel.spacing**2
         rest = time - self.time

@@ -32,12 +32,12 @@ class StepPlan:
 
     def aim(self, targets):
         """Go on to other targets; return whether all steps so far led to one of them."""
-        led_to = self.targets[0] if self.left else self.time
+        cut_by = self.targets[0] if self.left else self.time
         ahead = [target for target in targets if target > self.time]
         if ahead[:1] != self.targets[:1]:
             self.left = 0
         self.targets = ahead
-        return led_to in targets
+        return cut_by in targets
 
 
 def steps_between(start, target, limit):

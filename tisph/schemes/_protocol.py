@@ -107,7 +107,7 @@ class SchemeEstimates(TypedDict):
     """What ``tisph check`` prints of a run before it runs. Lengths and times are in the units of the config."""
 
     mach: float
-    """Peak speed over the speed of sound; 0 without sound."""
+    """Peak speed over the speed of sound; 0 for an incompressible fluid."""
 
     sound_speed: float | None
     """Speed of sound [length/time]; None without one."""

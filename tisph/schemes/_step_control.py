@@ -61,7 +61,7 @@ class StepControl:
         return not self.targets
 
     def choose_dt(self, time):
-        """Return the step to take from ``time``: ``dt_next``, or an even share of what is left to a near target."""
+        """Return the step to take from ``time``: ``dt_next``, or an even share of the time left to a near target."""
         left = self.targets[0] - time
         count = math.ceil(0.999 * left / self.dt_next)
         if count > self.last_steps:

@@ -1,7 +1,7 @@
 """Automatic choice: the scheme, its order and its step control that are soonest at the wanted accuracy.
 
 The implicit scheme of order 4 is the faster one at every error that both schemes reach, wherever it can serve the
-config (``benchmarks``); what is left to choose is how accurate its steps are.
+config (``benchmarks``); the remaining choice is how accurate its steps are.
 """
 
 from typing import Literal

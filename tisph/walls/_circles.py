@@ -12,7 +12,7 @@ s = d s_n + d^2/2 s_nn does,
 
 where kappa is the curvature, positive where the fluid is outside, and U_W,tt is taken along the wall. That is the
 flow without Laplacian at the wall, as the steady one around an axis is: without kappa second differences are off by
-kappa s_n there. Fluid that turns with the wall as a solid is continued exactly. p_I = p_F + a_W . r_FI over the
+kappa s_n there. Fluid that turns with the wall as a solid is continued exactly. p_I = p_F + a_W . r_FI per unit
 density, a_W the acceleration of the wall point, r_FI from the image to the particle.
 
 Images are in cells of their own, in the order of their sources, so that image k is found without a search.
@@ -57,7 +57,7 @@ class CircleImages(SolidWalls):
 
     @staticmethod
     def arrange(bodies, spacing, reach):
-        """Return the ``Images`` in bodies, circles all of them, for particles that see as far as ``reach``."""
+        """Return the ``Images`` in bodies, circles all of them, for particles of the support radius ``reach``."""
         rings = sum(body.shape.length + 2 * math.pi * reach for body in bodies) * reach
         return Images((0, math.ceil(ROOM * rings / spacing**2)))
 

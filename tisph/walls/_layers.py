@@ -89,7 +89,7 @@ class LayerWalls(Dummies, SolidWalls):
 
     @staticmethod
     def arrange(bodies, spacing, reach):
-        """Return the ``Layers`` of bodies, for particles that see as far as ``reach``."""
+        """Return the ``Layers`` of bodies, for particles of the support radius ``reach``."""
         return layers_in(bodies, spacing, reach)
 
     def load(self, time):

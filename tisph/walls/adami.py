@@ -1,7 +1,7 @@
 """Adami dummy particles: fixed wall layers whose velocity and pressure are kernel averages of the fluid.
 
 u_w = 2 U_W - sum_f u_f W_wf / sum_f W_wf and p_w = sum_f (p_f + a_W . r_fw) W_wf / sum_f W_wf (Adami, Hu & Adams
-2012, J. Comput. Phys. 231, eqs. 22, 23 and 27), p over the density, a_W the acceleration of the wall, r_fw from the
+2012, J. Comput. Phys. 231, eqs. 22, 23 and 27), p per unit density, a_W the acceleration of the wall, r_fw from the
 dummy to the fluid particle. In a channel a_W is along the walls, where no pressure difference balances it, and is left
 out. U_W and a_W are those of the nearest point of the wall: those of the dummy particle itself, as if the body were
 seen there, would move the wall that the fluid feels where the body turns. The extrapolated velocity serves all

@@ -112,7 +112,7 @@ class Annulus(BodyScene):
 
     @property
     def vanishing_scale(self):
-        """Whether the cylinders turn to and fro, or come to rest."""
+        """Whether the cylinders oscillate, or come to rest."""
         walls = self.inner, self.outer
         return any(wall.oscillates for wall in walls) or not any(wall.cosine for wall in walls)
 

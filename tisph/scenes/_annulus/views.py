@@ -70,7 +70,7 @@ def extra_series(annulus):
 def movie_view(annulus, name, end):
     """Speed with the velocity around the axis over the radius, or vorticity, pressure or shear stress over it.
 
-    Where a wall starts, the vorticity is infinite at first: colours and axes are fitted to what is left of it in a
+    Where a wall starts, the vorticity is infinite at first: colours and axes are fitted to its values in a
     layer a quarter of the gap deep, or half-way through the run.
     """
     profiles = {"speed": _velocity, "vorticity": _vorticity, "shear_stress": _shear_stress}

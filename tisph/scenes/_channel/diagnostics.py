@@ -69,7 +69,7 @@ def _centreline(channel, snapshot):
 
 
 def _plate(channel, snapshot):
-    """Velocity of the wall that a stress drives, if there is one."""
+    """Velocity of the stress-controlled wall, if there is one."""
     if channel.driven_side is None:
         return {}
     velocity = wall_velocity(channel, channel.driven_side, snapshot)

@@ -13,14 +13,14 @@ def wall(config):
 
 
 def largest_speed(channel, wall):
-    """That of a wall; of one that a stress drives, the speed at which a Newtonian fluid would bear the stress."""
+    """That of a wall; of a stress-controlled one, the speed at which a Newtonian fluid would bear the stress."""
     if wall.driven:
         return wall.largest_stress * channel.gap / channel.dynamic_viscosity
     return wall.seen_from(channel.frame_velocity).largest_speed
 
 
 def reference_motion(channel, wall):
-    """The motion of a wall; of one that a stress drives, as it moves in the reference."""
+    """The motion of a wall; of a stress-controlled one, as it moves in the reference."""
     if not wall.driven:
         return wall
     height = channel.gap * channel.driven_side

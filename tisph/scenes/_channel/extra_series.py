@@ -11,7 +11,7 @@ SIDES = ("bottom", "top")
 def extra_series(channel):
     """Return the ``ExtraSeries`` of a ``channel``.
 
-    None of a Newtonian fluid between walls of which none is driven by a stress or follows a schedule.
+    None of a Newtonian fluid between walls of which none is stress-controlled or follows a schedule.
     """
     plain = channel.polymer is None and channel.rheology is None
     if plain and not any(wall.driven or wall.changes for wall in (channel.bottom, channel.top)):
@@ -38,7 +38,7 @@ def _measure(channel, snapshot):
 def _final(channel, times, values):
     """Strain, the way of the upper wall less that of the lower one over the gap; exact stresses and velocities.
 
-    That of a wall that a stress drives is the integral of the velocities that the particles show.
+    That of a stress-controlled wall is the integral of the velocities that the particles show.
     """
     ways = [
         integral(times, values[:, 2 + side]) if wall.driven else wall.displacement(times)

@@ -2,7 +2,7 @@
 
 What starts or changes at t = 0, a wall or the drive of a fluid at rest, diffuses into the fluid to the depth
 sqrt(nu t). A wall that oscillates moves a layer that counts with half its penetration depth, sqrt(nu/(2 w)): with so
-many spacings it errs as much as one that diffuses (``benchmarks/resolution.py``). In a fluid with polymer what starts
+many spacings its error is that of one that diffuses (``benchmarks/resolution.py``). In a fluid with polymer what starts
 is at first the front of a shear wave, see ``Polymer.diffusive_fraction``.
 """
 
@@ -12,7 +12,7 @@ import math
 def thinnest_layer(channel, t):
     """Depth [length] of the thinnest layer at time ``t`` on the run's clock, and where it is, in words.
 
-    Infinite, and nothing, in a flow that has settled and goes on as it was.
+    Infinite, and nothing, in a developed flow that goes on as it was.
     """
     started = {name: _has_started(channel, wall) for name, wall in _walls(channel)}
     layers = []

@@ -79,12 +79,12 @@ class Channel(Scene):
 
     @property
     def walls(self):
-        """Both walls, the upper one first; of one that a stress drives, how it moves in the reference."""
+        """Both walls, the upper one first; of a stress-controlled one, how it moves in the reference."""
         return tuple((side, driving.reference_motion(self, getattr(self, side))) for side in ("top", "bottom"))
 
     @property
     def driven_side(self):
-        """Which wall a stress drives: 0 the bottom, 1 the top one; None where the velocities of both are given."""
+        """Which wall is stress-controlled: 0 the bottom, 1 the top one; None where the velocities of both are given."""
         return next((side for side, wall in enumerate((self.bottom, self.top)) if wall.driven), None)
 
     @property
@@ -96,7 +96,7 @@ class Channel(Scene):
     def frame_velocity(self):
         """Velocity along x of the frame that the flow has of its own, to which speeds and errors refer.
 
-        Of a fluid at rest before the start it is that rest, 0. In one that has settled between walls it is the
+        Of a fluid at rest before the start it is that rest, 0. In one that is developed between walls it is the
         velocity of the first wall, from the bottom, that keeps it, or of the bottom wall before it changes; 0 where a
         wall oscillates, which it does about rest.
         """
@@ -250,7 +250,7 @@ class Channel(Scene):
 
     @property
     def vanishing_scale(self):
-        """Whether the velocity takes both signs at any time, or dies away."""
+        """Whether the velocity takes both signs at any time, or decays."""
         return views.vanishing_scale(self)
 
     def profiles(self):

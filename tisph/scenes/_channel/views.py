@@ -6,7 +6,7 @@ from tisph.measures.interpolation import Probes
 from tisph.scenes._views import Line, MovieView, Profile, TimeSeries
 
 MINUS = "\N{MINUS SIGN}"
-_TIMES, _HEIGHTS = 40, 51  # at which it is looked for a flow that turns round
+_TIMES, _HEIGHTS = 40, 51  # at which it is looked for a flow that reverses
 _WALL_TIMES = 2000  # a wall that oscillates is looked at more often: it costs nothing, and there speeds peak
 _SMALL = 0.01  # of the largest speed: a flow slower than that counts as none
 
@@ -45,7 +45,7 @@ def movie_view(channel, name, end):
 
 
 def vanishing_scale(channel):
-    """Tell whether the exact velocity takes both signs at any time, or dies away.
+    """Tell whether the exact velocity takes both signs at any time, or decays.
 
     The flow itself decides, not the length of a run: the same flow has the same error measure everywhere.
     """

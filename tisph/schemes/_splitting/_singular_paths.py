@@ -29,8 +29,8 @@ class SingularPaths:
         field = lambda kind, values: holding(ti.field(kind, len(values)), values)  # noqa: E731
         self.place = field(vector, [np.subtract(corner.place, origin) for corner in corners])
         self.frame = field(matrix, [[corner.along, corner.inward] for corner in corners])
-        self.stokes = field(ti.types.vector(4, real()), [corner.slow_numbers for corner in corners])
-        self.inertial = field(vector, np.concatenate([corner.inertial_numbers[:, :2] for corner in corners]))
+        self.stokes = field(ti.types.vector(4, real()), [corner.stokes_coefficients for corner in corners])
+        self.inertial = field(vector, np.concatenate([corner.inertial_coefficients[:, :2] for corner in corners]))
         self.angle, self.viscosity, self.reach = (
             field(real(), [getattr(corner, name) for corner in corners])
             for name in ("angle", "kinematic_viscosity", "reach")
@@ -75,7 +75,7 @@ class SingularPaths:
 
     @ti.func
     def velocity(self, position):
-        """Return U at a position; ``SlidingCorner.velocity`` has the formula."""
+        """Return U at a position; ``CornerSingularity.velocity`` has the formula."""
         velocity = ti.Vector([0.0, 0.0])
         for corner in range(self.number[None]):
             frame = self.frame[corner]

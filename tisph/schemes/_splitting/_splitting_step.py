@@ -99,7 +99,7 @@ class SplittingStep:
     def impulsive_start(self, tolerance):
         """Impulsive start of walls that move into fluid at rest; return whether it could be solved for.
 
-        u - grad phi, with L phi = 0 and n . grad phi = -n . U: the impulse of a pressure, over the density.
+        u - grad phi, with L phi = 0 and n . grad phi = -n . U: the impulse of a pressure, per unit density.
         """
         self.impulse_rhs()
         solved = self.solve_pressure(tolerance)

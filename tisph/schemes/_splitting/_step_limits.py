@@ -23,7 +23,7 @@ MOST_VISCOUS = 5.0
 """Viscous number nu h/spacing^2 of the longest step between walls. Up to 6 divergence decays at the rate above whatever
 the step, beyond it the divergence that there is grows with the step: every change of the step would change velocities
 by more than the tolerance, and be refused. Steps are stable to 400 and more; flow rates of cylinders in slow flow, 20
-spacings across, err by 3e-4 with 10 and by 1e-3 with 400."""
+spacings across, have errors of 3e-4 with 10 and of 1e-3 with 400."""
 
 LEADING = 11 / 6
 """What backward differences of third order multiply the newest value with, over steps of one length."""
@@ -45,7 +45,7 @@ def step_control(case, targets, tolerance, courant):
 def viscous_step(case):
     """Return the step at which ``MOST_VISCOUS`` is reached, infinite in a box without walls or polymer.
 
-    Of a polymer as much of the viscosity counts as answers within the step h: h times the moduli over the density and
+    Of a polymer as much of the viscosity counts as answers within the step h: h times the moduli per unit density and
     over g.
     """
     if not (case.bodies or case.rheology):

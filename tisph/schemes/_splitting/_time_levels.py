@@ -35,7 +35,7 @@ def transfer(operators: ti.template(), d_dx: ti.template(), d_dy: ti.template(),
 
 @ti.data_oriented
 class TimeLevels:
-    """``position`` (fluid) and ``fields`` (fluid): velocities, newest first, then pressures over the density.
+    """``position`` (fluid) and ``fields`` (fluid): velocities, newest first, then pressures per unit density.
 
     All levels belong to one and the same path: where a particle is shifted, they become those of its new path, by the
     Taylor series to second order of fields that are smooth functions of the present position. ``divergence`` (fluid) is

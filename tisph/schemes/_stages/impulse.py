@@ -14,8 +14,8 @@ equations are y' = M y + B_1 U' + B_2 U'' + ...: J changes y by (B_1 + M B_2) J,
 about the fluid at the wall. Those are the first terms of a series in s = modulus * spacing^2/nu_s^2. Where the
 polymer's is larger than that of the solvent they say nothing, and move fluid faster than the wall. What the wall asks
 of the solvent alone passes to the whole fluid in the time lambda nu_s/nu, which is nu_p/(nu_s s) of what a layer takes
-to be a spacing deep: the wall gives the impulse of an inelastic fluid then, with the total viscosity, on which it does
-not depend, and the polymer is still at rest.
+to be one spacing thick: the wall gives the impulse of an inelastic fluid then, with the total viscosity, on which it
+does not depend, and the polymer is still at rest.
 """
 
 import numpy as np

@@ -22,7 +22,7 @@ from tisph.schemes._local_newton import SMALL, Modes, eliminate, matrix, solve
 
 
 class ViscoelasticModel(Modes):
-    """Laws of a fluid's modes; states C are arrays (numbers of all modes, ...); stresses are over the density."""
+    """Laws of a fluid's modes; states C are arrays (numbers of all modes, ...); stresses are per unit density."""
 
     def __init__(self, rheology, kinematic_viscosity):
         super().__init__(rheology, kinematic_viscosity, deviation)

@@ -96,7 +96,7 @@ class PrescribedWall:
         """End an implicit stage with these velocities of the fluid."""
 
     def apply_stress_jump(self, operators, time):
-        """Return the change of the fluid's velocities by a stress on the wall that jumps, or None for none."""
+        """Return the change of the fluid's velocities by a stress on the impulsively started wall, or None for none."""
 
     def conclude(self):
         """Accept the step: its end is the start of the next."""

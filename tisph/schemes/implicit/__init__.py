@@ -2,11 +2,11 @@
 
 The velocities obey u' = nu A u + what walls and drive give, A being least-squares rows of order 2 or 4 in the
 arrangement of the middle of a step (``tisph/least_squares``), closed by ghosts beyond the walls (``_ghosts.py``), and
-are advanced by an implicit method of third order with an error estimate (``_esdirk.py``). There is a pressure from the
+are advanced by an implicit method of third order with an error estimate (``schemes/_stages/esdirk.py``). There is a pressure from the
 moment on when the velocities have a divergence that truncation errors do not explain (``_pressure.py``).
 
-That is for flows that are parallel, but for errors. Where the flow turns, in a box without walls, pressure and motion
-are of third order in time, too: ``tisph/schemes/_splitting``.
+That is for flows that are parallel, but for errors. In two-dimensional flow pressure and motion are of third order in
+time, too: ``tisph/schemes/_splitting``.
 """
 
 import math
@@ -40,7 +40,7 @@ class Parameters(Model):
     """Choices of the implicit scheme.
 
     ``largest_strain``: how far rows of particles may slide along one another in a step, over their distance.
-    ``largest_courant``: where the flow turns, how many spacings the fastest particle may go in a step.
+    ``largest_courant``: in two-dimensional flow, how many spacings the fastest particle may go in a step.
     """
 
     type: Literal["implicit"] = "implicit"
@@ -63,7 +63,7 @@ def build(config, scene, targets, serial):
 def coarsen_steps(config, factor):
     """Return a config of this scheme with steps ``factor`` times as long; Courant numbers are over the spacing already.
 
-    The estimated error of a step goes with the third power of its length, or the fourth where the flow turns.
+    The estimated error of a step scales with the third power of its length, in two-dimensional flow with the fourth.
     """
     if config.time.cfl != "auto":
         return config

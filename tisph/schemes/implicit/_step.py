@@ -62,7 +62,7 @@ class ImplicitStep:
         return gains
 
     def flow(self, component=0):
-        """Return copies of one component's velocities and of what goes with them, in double precision."""
+        """Return copies of one component's velocities and of what belongs to them, in double precision."""
         velocity = active(self.velocity)[component].astype(float)
         if component == 1 or not self.polymer:
             return FlowState(velocity, self.transverse_state)

@@ -43,7 +43,7 @@ class PlaneWalls:
         self.balance.initial = momentum
 
     def jump(self, stepper, now):
-        """Give the fluid in buffer ``now`` the impulse of walls that jump at the start."""
+        """Give the fluid in buffer ``now`` the impulse of impulsively started walls."""
         if self.parameters.obeys_momentum and any(self.channel.wall_jumps):
             self.balance.impulse = ImpulsiveStart(stepper).apply(now, self.channel.wall_jumps)
             self.walls.lay_out(now)

@@ -19,8 +19,8 @@ WAVES = 32
 def shift_speed(kernel, smoothing_ratio, sound_speed, cfl, diffusion_speed):
     """Return the speed [length/time] that multiplies -h sum V grad W in the shift velocity.
 
-    It goes with the sound speed c, as the longest step does, and above the automatic CFL number with 1/cfl, so that
-    the shift of a step is bounded. Where viscosity binds the step more tightly it goes with the ``diffusion_speed``
+    It scales with the sound speed c, as the longest step does, and above the automatic CFL number with 1/cfl, so that
+    the shift of a step is bounded. Where viscosity binds the step more tightly it scales with the ``diffusion_speed``
     nu/h instead, for the same shift in a step: else disorder would outlive the start of a slow flow. ``kernel`` is a
     module of ``kernels/``, ``smoothing_ratio`` h over the spacing, ``cfl`` the number of the config or ``auto``.
     """

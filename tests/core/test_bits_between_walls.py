@@ -77,7 +77,7 @@ def one(start):
     return stepped(start())
 
 
-def test_one_and_two_threads_give_the_same_bits(start, one, monkeypatch):
+def test_one_and_two_threads_are_bitwise_reproducible(start, one, monkeypatch):
     monkeypatch.setattr(operators, "FEW", 0)  # or small loops would stay on one thread
     monkeypatch.setattr(operators, "FEW_NUMBERS", 0)
     two = stepped(start(2))

@@ -94,7 +94,7 @@ def test_momentum_closes(make, moves):
     assert gained == pytest.approx(driven - weights @ drag, abs=2e-3 * np.abs(drag).max() * (times[-1] - times[0]))
 
 
-def test_a_body_that_starts_to_move_pushes_the_liquid_away(make):
+def test_a_body_that_starts_to_move_pushes_the_fluid_away(make):
     # potential flow but for the layer at the body; without the impulse the divergence is 0.7 of the gradient
     body = "bodies=[{centre: [0.8, 0.3], radius: 0.25, motion: {velocity: [20.0, 10.0]}}]"
     scene, scheme = make(body, "drive.acceleration=0.0")

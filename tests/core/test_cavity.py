@@ -85,7 +85,7 @@ def test_output_between_steps_lies_on_the_paths():
     assert np.median(np.hypot(after.u - before.u, after.v - before.v)) < 2e-3
 
 
-def test_ways_past_corners_follow_their_flow():
+def test_paths_past_corners_follow_their_flow():
     """The flow in the corners moves particles as an integrator with the exact formulas does, on and back."""
     scheme = started(cavity(12, 100.0), 0.5, 0.3)
     corners, length = scheme.wall_boundary.corners, 0.02

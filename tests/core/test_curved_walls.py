@@ -36,7 +36,7 @@ def test_particles_stay_between_the_walls_and_even():
     assert scheme.order_reduced < 10  # of 1400 rows a step: where too few layers were within reach of a wall many were
 
 
-def test_liquid_that_turns_as_a_solid_has_no_stress():
+def test_rigid_rotation_has_no_stress():
     # velocities that are linear in space are e^w of the polar coordinates w, met to (reach/radius)^5/120 = 6e-5 at most
     # at the inner wall; measured 2.9e-7 in all, of which the error of the steps, (w dt)^3 and less, is below 1e-7
     turning = 1.0, 1.0
@@ -46,7 +46,7 @@ def test_liquid_that_turns_as_a_solid_has_no_stress():
     assert np.abs(snapshot.bodies.torque).max() < 1e-3 * VISCOSITY  # 2 pi r^2 times that over a spacing
 
 
-def test_a_cylinder_in_liquid_at_rest_floats_as_archimedes_says():
+def test_a_cylinder_in_fluid_at_rest_floats_as_archimedes_says():
     # a pressure that is linear in space is met to (reach/radius)^5/120 = 6e-5 at most; measured 1.6e-5
     flow, places = make((0.0, 0.0), acceleration=(0.3, -2.0))
     bodies = run(flow, places, 0.0 * places, 0.01).snapshot().bodies
@@ -73,7 +73,7 @@ def _with_velocity(case, centre=(0.0, 0.0)):
     return flow, places, steady(places, centre=centre)
 
 
-def test_a_wall_that_jumps_costs_few_steps():
+def test_an_impulsive_start_costs_few_steps():
     # a shift that does not know how short a step is stirred the layer at the wall up: 39 steps refused, down to 1e-11
     flow, places = make()
     scheme = run(flow, places, 0.0 * places, 0.03)

@@ -207,7 +207,7 @@ def test_a_snapshot_has_the_cylinders_with_their_torques(make):
     assert np.abs(end.bodies.force).max() < 0.02 * 2.0
 
 
-def test_liquid_that_turns_as_a_solid_is_pressed_outwards(make):
+def test_rigid_rotation_has_a_centrifugal_pressure(make):
     # p' = density w^2 r, which the walls have to continue: without their acceleration the errors are 6e-3 and 0.13,
     # with it 3e-4 and 2e-3
     scheme = make(AS_A_SOLID, steps=None)
@@ -218,7 +218,7 @@ def test_liquid_that_turns_as_a_solid_is_pressed_outwards(make):
 
 @pytest.mark.other_program
 @pytest.mark.parametrize("name", LAYERED_AND_IMAGES)
-def test_one_and_two_threads_give_the_same_bits(make, name):
+def test_one_and_two_threads_are_bitwise_reproducible(make, name):
     treatment = f"walls.treatment.type={name}"
     check_threads(*(state(make(treatment, f"runtime.threads={threads}", steps=40)) for threads in (1, 2)))
 

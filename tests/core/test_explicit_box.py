@@ -126,7 +126,7 @@ def test_momentum_of_the_vortex(make):
 
 
 @pytest.mark.other_program
-def test_one_and_two_threads_give_the_same_bits(make):
+def test_one_and_two_threads_are_bitwise_reproducible(make):
     # 625 particles are more than Taichi leaves to one thread
     check_threads(*(state(make(f"runtime.threads={threads}", case=LAYERS, steps=60)) for threads in (1, 2)))
 

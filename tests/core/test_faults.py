@@ -107,7 +107,7 @@ def same_results(one, other):
 # --- killed
 
 
-def test_a_run_killed_again_and_again_ends_with_the_bits_of_one_that_was_not(start, folder, whole):
+def test_a_repeatedly_killed_run_ends_bitwise_like_an_uninterrupted_one(start, folder, whole):
     draw = random.Random(1)
     moments = [("claimed", 0.8), ("stepping", 0.5), ("ending", 0.4)]
     for place, latest in moments:
@@ -140,7 +140,7 @@ def test_a_process_killed_while_it_writes_loses_nothing_that_was_written(tmp_pat
         assert min(found) >= count, (number, found)
 
 
-def test_a_file_of_snapshots_is_not_touched_as_long_as_it_can_be_seen(tmp_path):
+def test_a_visible_file_of_snapshots_is_never_modified(tmp_path):
     # the kills above fall between two writes into HDF5's tables once in fifty times; this holds for all of them
     storage = Storage(tmp_path / "samples.h5", "sample_{:03d}")
     storage.start([])

@@ -158,7 +158,7 @@ def test_images_that_obey_momentum_serve_driven_flow(make, jitter):
 
 
 @pytest.mark.parametrize("jitter", [0.0, 0.2])
-def test_the_kick_takes_most_of_the_error_of_the_start(make, jitter):
+def test_the_impulse_removes_most_of_the_starting_error(make, jitter):
     # at t* = 0.02; co-moving images have the same series in Couette flow, but no kick
     errors = {
         treatment: exact_error(
@@ -169,7 +169,7 @@ def test_the_kick_takes_most_of_the_error_of_the_start(make, jitter):
     assert errors["consistent_image"] < errors["comoving_image"] / 5
 
 
-def test_a_wall_that_stops_gives_the_opposite_kick(make):
+def test_a_wall_that_stops_gives_the_opposite_impulse(make):
     start = make("time.end=1.0")
     moved = start.snapshot().u
     stop = make("walls.top={velocity: 0.0, velocity_before: 0.5}", "initial.state=developed")

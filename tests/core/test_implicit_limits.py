@@ -61,5 +61,5 @@ def test_wall_treatments_without_ghosts_of_this_kind_are_refused(make, treatment
         ("time.tolerance", "0"),
     ],
 )
-def test_keys_and_values_that_mean_nothing_here_are_refused_by_name(make, key, value):
+def test_meaningless_keys_and_values_are_refused(make, key, value):
     assert key in refusal(make, f"{key}={value}")

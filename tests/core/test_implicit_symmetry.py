@@ -64,7 +64,7 @@ def test_a_lattice_that_is_carried_along_stays_one(make):
 
 
 @pytest.mark.parametrize("jitter", [0.0, 0.2])
-def test_what_the_walls_give_is_what_the_liquid_gains(make, jitter):
+def test_what_the_walls_give_is_what_the_fluid_gains(make, jitter):
     scheme = make(f"initial.jitter={jitter}", "walls.bottom.velocity=-0.1", "drive.acceleration=0.02", "time.end=2.0")
     run(scheme)
     balance = scheme.momentum_balance()

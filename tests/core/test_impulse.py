@@ -17,7 +17,7 @@ def at_start(make, *overrides, **options):
     return last.y, last.u, scheme
 
 
-def test_only_rows_at_the_wall_that_jumps_are_set_in_motion(make):
+def test_only_layers_at_the_impulsively_started_wall_move(make):
     _, u, scheme = at_start(make, CONSISTENT)
     assert scheme.steps == 0
     rows = u.reshape(12, 12)
@@ -42,7 +42,7 @@ def test_displacements_leave_nothing_but_velocities(make):
         ("walls.treatment.type=comoving_image",),
     ],
 )
-def test_no_impulse_where_nothing_jumps_or_images_do_not_obey_momentum(make, overrides):
+def test_no_impulse_without_a_jump_or_consistent_images(make, overrides):
     y, u, scheme = at_start(make, *overrides)
     assert np.array_equal(u, scheme.scene.initial_velocity(y))
 
@@ -56,7 +56,7 @@ def test_the_impulse_counts_as_the_walls(make):
 
 @pytest.mark.parametrize(("moves", "rests"), [("top", "bottom"), ("bottom", "top")])
 @pytest.mark.parametrize("memory", [(), (POLYMER,)], ids=["newtonian", "oldroyd_b"])
-def test_an_implicit_impulse_counts_as_that_of_the_wall_that_jumps(make, memory, moves, rests):
+def test_an_implicit_impulse_counts_as_that_of_its_wall(make, memory, moves, rests):
     walls = f"walls.{moves}.velocity=0.5", f"walls.{rests}.velocity=0.0"
     balance = make("scheme.type=implicit", CONSISTENT, *walls, *memory).momentum_balance()
     assert balance[f"{rests}_wall"] == 0.0

@@ -56,7 +56,7 @@ def test_a_hang_up_leaves_results_and_a_checkpoint(folder, tmp_path, monkeypatch
     assert require_readable(folder)[0] == 1
 
 
-def test_a_run_whose_pictures_cannot_be_drawn_says_so_once_and_has_all_other_results(folder, tmp_path, monkeypatch):
+def test_a_failed_picture_is_reported_once_and_loses_no_other_result(folder, tmp_path, monkeypatch):
     gone = DrawingProcess()
     gone._process.kill()
     monkeypatch.setattr("tisph.simulation.drawing.shared", lambda: gone)

@@ -287,7 +287,7 @@ def test_nothing_on_the_right_gives_nothing(assembled, counted):
 
 @pytest.mark.slow  # tests/core/test_bits_between_walls.py has the loops of lists and assembly, too
 @pytest.mark.other_program
-def test_the_same_bits_on_one_thread_and_on_two(make):
+def test_bitwise_the_same_on_one_thread_and_on_two(make):
     # 25 across: 625 particles, of which two threads share the loops of lists and assembly
     states = []
     for threads in (1, 2):

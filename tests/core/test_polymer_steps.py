@@ -53,14 +53,14 @@ def test_steps_are_of_third_order_in_velocity_and_stress(make, law):
 
 
 @pytest.mark.slow  # oldroyd_b_couette_25 of tests/verification/test_suite.py is held to as much, wall shear too
-def test_a_wall_that_jumps(make):
+def test_an_impulsively_started_wall(make):
     # 25 across, from t = 0.5 on, when the first front has crossed half of the gap; twice what was measured
     scheme = make("walls.top.velocity=1.0", "discretisation.particles_across=25", "time={end: 0.5, tolerance: 1.0e-6}")
     assert np.all(errors(scheme) < [8e-5, 8e-5, 6e-4])
 
 
 @pytest.mark.slow  # carreau and bingham of tests/verification/test_suite.py meet their reference
-def test_a_power_law_of_index_one_is_a_newtonian_liquid(make):
+def test_a_power_law_of_index_one_is_a_newtonian_fluid(make):
     options = ("walls.top.velocity=1.0", "time={end: 0.2, tolerance: 1.0e-5}", *DRIVEN[1:])
     laws = (
         LIQUID.format("{type: newtonian}"),
@@ -85,7 +85,7 @@ BOTH = LIQUID.format(f"{{type: multi_mode, solvent_fraction: 0.1, {MODES}}}")
         (BOTH, "initial.state=developed|walls.top.velocity_before=2.0"),
     ],
 )
-def test_a_start_on_the_way_knows_what_each_mode_remembers(make, law, start):
+def test_a_start_under_way_has_the_conformation_of_each_mode(make, law, start):
     # a stress alone tells neither the stretch of a spring that stiffens nor the share of a mode
     scheme = make(
         law, *start.split("|"), "walls.top.velocity=1.0", "discretisation.particles_across=16", "time.end=0.6"
@@ -114,7 +114,7 @@ def test_disorder_costs_no_more_than_a_factor_of_two(make):
     assert np.all(disorder[:2] < 2.0 * lattice[:2] + 1e-5)
 
 
-def test_the_momentum_of_walls_drive_and_liquid_closes(make):
+def test_the_momentum_of_walls_drive_and_fluid_closes(make):
     scheme = make(*DRIVEN, "discretisation.particles_across=25", "time.end=1.0")
     run(scheme)
     # fits of third order at 12 spacings from the middle
@@ -239,7 +239,7 @@ def test_the_conformation_stays_positive_at_large_strain(make):
     assert states.size == 0
 
 
-def test_velocities_across_the_channel_die_away_by_the_solvent(make):
+def test_transverse_velocities_decay_by_the_solvent_viscosity(make):
     # at rest along it; sin(pi y), whose rows a second scheme has without polymer, at the solvent's viscosity
     options = (*DRIVEN, "drive.acceleration=1.0e-9", "time.end=0.02")
     ends = []
@@ -255,7 +255,7 @@ def test_velocities_across_the_channel_die_away_by_the_solvent(make):
 
 
 @pytest.mark.parametrize(("elasticity", "bound"), [(1e-3, 2e-5), (0.1, 2e-3)])
-def test_an_impulse_moves_no_liquid_faster_than_the_wall(tmp_path_factory, elasticity, bound):
+def test_an_impulse_moves_no_fluid_faster_than_the_wall(tmp_path_factory, elasticity, bound):
     # its series says 4.1 times as fast at 1e-3, and steps of 1e-8 of the viscous time followed at Re = 100
     liquid = f"fluid.rheology={{type: oldroyd_b, relaxation_time: {elasticity}, solvent_fraction: 0.1}}"
     speed = 0.1 / elasticity

@@ -117,7 +117,7 @@ def test_a_polymer_without_viscosity_changes_nothing():
     assert np.array_equal(with_polymer.bodies.torque, without.bodies.torque)
 
 
-def test_walls_let_liquid_shear_alone():
+def test_walls_let_fluid_shear_alone():
     flow, _ = make(turning=(2.0, -0.7))
     _, normal, _ = flow.walls.at(0.3)
     measured = np.random.default_rng(0).normal(size=(2, 2, flow.walls.count))
@@ -195,7 +195,7 @@ def test_samples_say_how_steep_the_stress_is():
     assert scheme.snapshot().steepest[0] < 1e-9
 
 
-def test_one_and_two_threads_give_the_same_bits(monkeypatch):
+def test_one_and_two_threads_are_bitwise_reproducible(monkeypatch):
     from tisph.least_squares import operators
 
     monkeypatch.setattr(operators, "FEW", 0)  # or small loops would stay on one thread

@@ -49,7 +49,7 @@ def errors(snapshot):
     return np.sqrt(np.mean(wrong**2)), np.sqrt(np.mean(xx**2)) / (2.0 * VISCOSITY * case.WAVE)
 
 
-def test_weak_vortices_decay_and_turn_back_as_linear_theory_says():
+def test_weak_vortices_decay_and_reverse_as_linear_theory_says():
     assert theory()[0] < -0.05  # the stretched polymer has turned them round
     coarse, fine = (np.array(errors(weak_vortices(number))) for number in (16, 24))
     assert np.all(fine < [8e-5, 1.8e-4])  # measured: 4.0e-5, 8.8e-5

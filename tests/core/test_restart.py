@@ -136,7 +136,7 @@ def forget_what_came_after(folder):
 @pytest.mark.parametrize(
     "scene", [pytest.param(scene, marks=[pytest.mark.slow] if scene in SLOW else []) for scene in SCENES]
 )
-def test_the_files_of_a_resumed_run_have_the_bits_of_an_uninterrupted_one(case, tmp_path, scene):
+def test_files_of_a_resumed_run_equal_an_uninterrupted_one_bitwise(case, tmp_path, scene):
     settings = case(*SCENES[scene])
     whole, cut = Folder(tmp_path / "whole"), Folder(tmp_path / "cut")
     simulation.run(settings, whole.root)
@@ -217,7 +217,7 @@ def test_a_run_goes_on_from_a_checkpoint_at_its_end(case, tmp_path):
 
 
 @pytest.mark.parametrize("scene", [pytest.param("wcsph", marks=pytest.mark.slow), "scheduled wall"])
-def test_a_run_that_goes_on_for_longer_is_one_that_was_to_be_so_long(case, tmp_path, capsys, scene):
+def test_an_extended_run_equals_one_that_was_planned_so_long(case, tmp_path, capsys, scene):
     shorter = "time={end: 0.6, samples: [0.3, 0.45, 0.6]}"  # the old end is a sample: both runs step onto it
     settings = [case(*SCENES[scene], NO_VIDEO, *end) for end in ([], [shorter, *SCENES[scene][1:]])]
     whole, extended = Folder(tmp_path / "whole"), Folder(tmp_path / "extended")
@@ -232,7 +232,7 @@ def test_a_run_that_goes_on_for_longer_is_one_that_was_to_be_so_long(case, tmp_p
     assert (found["numbers"], found["momentum"]) == (expected["numbers"], expected["momentum"])
 
 
-def test_an_explicit_run_goes_on_from_its_end_and_says_that_its_bits_are_others(case, tmp_path, capsys):
+def test_an_extended_explicit_run_warns_that_it_is_not_bitwise_equal(case, tmp_path, capsys):
     settings = [
         case("scheme={type: wcsph}", f"time={{end: {end}}}", NO_VIDEO, "output.checkpoint_every=0.3")
         for end in (0.3, 0.6)
@@ -271,7 +271,7 @@ def saved(make, tmp_path):
     return path, lambda: checkpoint.restore(path, scheme, "fingerprint")
 
 
-def test_a_checkpoint_is_refused_wherever_a_byte_has_changed_or_it_is_cut(saved):
+def test_a_changed_or_truncated_checkpoint_is_refused(saved):
     path, restore = saved
     restore()
     good = path.read_bytes()

@@ -154,7 +154,7 @@ def test_the_resolved_config_reproduces_the_run(run, finished, tmp_path):
         "scheme={type: implicit}",
     ],
 )
-def test_the_same_bits_whatever_is_observed_and_on_one_thread_or_two(run, tmp_path, choice):
+def test_bitwise_the_same_whatever_is_observed_and_on_one_thread_or_two(run, tmp_path, choice):
     # 25 across: 625 particles, which two threads share; each particle is summed by one thread in list order
     case = [
         "--set",
@@ -169,7 +169,7 @@ def test_the_same_bits_whatever_is_observed_and_on_one_thread_or_two(run, tmp_pa
     same_bits(samples(tmp_path / "one"), samples(tmp_path / "two"))
 
 
-def test_an_interrupted_run_goes_on_to_the_same_bits(finished, tmp_path, monkeypatch):
+def test_an_interrupted_run_continues_bitwise(finished, tmp_path, monkeypatch):
     (tmp_path / "small.yaml").write_text(CASE)
     settings, cut = config.load(tmp_path / "small.yaml"), tmp_path / "cut"
     save = checkpoint.save

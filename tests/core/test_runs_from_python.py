@@ -80,7 +80,7 @@ def finished(tmp_path_factory):
     return tisph.run(CASE, tmp_path_factory.mktemp("finished") / "out")
 
 
-def test_the_same_bits_as_on_the_command_line(finished, tmp_path):
+def test_bitwise_the_same_as_on_the_command_line(finished, tmp_path):
     (tmp_path / "small.yaml").write_text(json.dumps(CASE))
     done = CliRunner().invoke(
         cli.app, ["run", str(tmp_path / "small.yaml"), "--no-video", "--out", str(tmp_path / "o")]

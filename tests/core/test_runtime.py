@@ -69,7 +69,7 @@ def test_reading_a_kernel_counts_once():
 
 
 @pytest.mark.parametrize("age", [0.0, 2.0 * runtime.WRITTEN_SECONDS])
-def test_a_lock_that_a_killed_process_left_does_not_keep_kernels_from_the_cache(tmp_path, monkeypatch, age):
+def test_a_stale_lock_does_not_block_the_kernel_cache(tmp_path, monkeypatch, age):
     monkeypatch.setattr(runtime, "CACHE", tmp_path)
     (tmp_path / "serial").mkdir()
     lock = tmp_path / "serial" / {"TI": "ticache.lock", "QD": "qdcache.lock"}[runtime._package.PREFIX]
@@ -290,7 +290,7 @@ def arrays(path):
 @pytest.mark.parametrize(
     ("config", "changes"), [("couette", IMPLICIT), ("couette_adami", EXPLICIT), ("taylor_green", BOX)]
 )
-def test_a_plain_run_gives_the_same_bits_and_says_that_it_is_one(tmp_path, config, changes):
+def test_a_plain_run_is_bitwise_reproducible_and_says_that_it_is_one(tmp_path, config, changes):
     path = Path(__file__).parents[2] / "configs" / f"{config}.yaml"
     changes = [argument for change in changes for argument in ("--set", change)]
     states = []

@@ -56,7 +56,7 @@ def test_a_cylinder_that_stops(tmp_path):
 
 
 @pytest.mark.slow
-def test_polynomials_in_time_that_go_on_over_a_jump_err():
+def test_polynomials_in_time_across_a_jump_have_large_errors():
     scheme = started()
     scheme.begin_again = lambda: None
     while not scheme.finished:

@@ -74,7 +74,7 @@ def test_an_impulse_changes_the_stress_with_the_velocity(case):
         assert wrong < 1e-2 * np.linalg.norm(since_start)  # of 12 layers; measured: 2.7e-3, 6.4e-3
 
 
-def test_the_error_of_a_step_is_what_its_last_stage_makes_of_the_defects(case):
+def test_the_error_of_a_step_is_the_filtered_embedded_error(case):
     # Oldroyd-B: shear stress and velocity of a stage are linear in what it starts from
     found, channel = layers_of(case, OLDROYD_B)
     stages, flow, gamma_dt, random = found.stages, found.flow, 0.02, np.random.default_rng(0)

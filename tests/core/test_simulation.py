@@ -94,7 +94,7 @@ def test_a_schedule_that_is_none_is_refused(given):
         tisph.every(**given)
 
 
-def test_a_saved_simulation_goes_on_to_the_same_bits(end_of_run, tmp_path):
+def test_a_saved_simulation_continues_bitwise(end_of_run, tmp_path):
     with tisph.Simulation(CASE) as sim:
         sim.run_until(0.5)
         sim.save(tmp_path / "checkpoint.h5")

@@ -56,7 +56,7 @@ def test_iterations_of_a_step_are_those_of_its_systems(monkeypatch):
     assert min(scheme.iterations) > 0
 
 
-def test_a_flow_in_other_units_has_the_same_bits():
+def test_a_flow_in_other_units_is_bitwise_the_same():
     found = []
     for length, time, density in ((1.0, 1.0, 1.0), (2.0**-8, 2.0**-4, 2.0**6)):  # as in test_units.py
         runtime.start("f64", 1)
@@ -88,14 +88,14 @@ def test_uniform_motion_stays_uniform():
     assert np.abs(snapshot.pressure).max() < 1e-9  # rounding over the step, times dx^2
 
 
-def test_the_momentum_that_the_liquid_has_gained_is_that_of_all_particles():
+def test_the_momentum_that_the_fluid_has_gained_is_that_of_all_particles():
     scheme = make(24)
     assert scheme.momentum_balance()["change"] == pytest.approx(0.0, abs=1e-12)
     scheme.initial_momentum -= 7.0  # the vortices gain none
     assert scheme.momentum_balance()["change"] == pytest.approx(7.0 * scheme.problem.density / 24**2, rel=1e-12)
 
 
-def test_ways_past_a_corner_that_moves_nothing_are_those_of_the_rest_of_the_velocity():
+def test_paths_past_a_corner_at_rest_follow_the_regular_velocity():
     """That rest, 2 s times the last velocity at the part s of the way, is integrated exactly: the last velocity."""
     still = SimpleNamespace(place=(0.0, 0.0), along=(1.0, 0.0), inward=(0.0, 1.0), angle=1.0)
     still.stokes_coefficients = np.zeros(4)
@@ -144,7 +144,7 @@ def test_a_coarse_tolerance_makes_fewer_steps_and_larger_errors():
     assert large > 2 * small
 
 
-def test_a_flow_that_runs_away_is_stopped_by_name(monkeypatch):
+def test_a_flow_that_runs_away_stops_with_a_specific_message(monkeypatch):
     monkeypatch.setattr(_scheme, "RUNAWAY", 0.5)
     with pytest.raises(DivergedError, match=r"u, v: above 0\.5 times the reference velocity at step 1"):
         make(12).advance()
@@ -174,7 +174,7 @@ def test_places_within_a_step_are_those_of_the_path():
 
 
 @pytest.mark.other_program
-def test_one_and_two_threads_give_the_same_bits(monkeypatch):
+def test_one_and_two_threads_are_bitwise_reproducible(monkeypatch):
     monkeypatch.setattr(operators, "FEW", 0)  # or small loops would stay on one thread
     monkeypatch.setattr(operators, "FEW_NUMBERS", 0)
     one, two = (bits(make(24, threads=threads), 4) for threads in (1, 2))
@@ -200,7 +200,7 @@ def test_places_in_memory_change_nothing_that_is_seen(monkeypatch):
         assert np.abs(left - right).max() < 1e-5
 
 
-def test_a_resumed_run_gives_the_same_bits(monkeypatch):
+def test_a_resumed_run_is_bitwise_reproducible(monkeypatch):
     monkeypatch.setattr(_scheme, "REORDER_INTERVAL", 4)
     scheme = make(24)
     bits(scheme, 6)

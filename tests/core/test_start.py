@@ -89,7 +89,7 @@ time: {end: 1.0}
 """
 
 
-def test_bodies_at_the_start_are_in_their_places_and_no_number_says_what_the_liquid_does_to_them(tmp_path):
+def test_bodies_at_the_start_have_positions_and_no_forces(tmp_path):
     (tmp_path / "case.yaml").write_text(ANNULUS)
     settings = config.load(tmp_path / "case.yaml")
     scene = Annulus.from_config(settings)

@@ -39,7 +39,7 @@ def test_rates_are_exact_for_linear_velocity_and_stress(make):
         assert np.allclose(found, expected, atol=1e-9)
 
 
-def test_waves_of_sound_and_of_the_elastic_liquid_set_the_first_time_step(make):
+def test_acoustic_and_elastic_waves_limit_the_first_time_step(make):
     # 0.25 h / (sqrt(c^2 + c_e^2) + U), with rho c_e^2 the modulus of the polymer; no stress adds to it yet
     scheme = make(OLDROYD, "fluid.rheology.relaxation_time=0.1")
     modulus, fastest = 0.6 * 0.01 / 0.1, scheme.scene.peak_velocity
@@ -67,7 +67,7 @@ def test_the_walls_see_the_slope_of_a_parabolic_profile(make):
     assert np.allclose(slope(1).to_numpy(), [0, -0.3, 0, 0], atol=1e-12)  # d/dy = -d/dd at the top
 
 
-def test_stress_at_the_walls_of_a_driven_flow_bends_as_its_own_law_says(make):
+def test_wall_stress_of_a_driven_flow_has_the_curvature_of_its_law(make):
     # S_xy,y on the wall = -(eta_p/eta) g (1 - exp(-eta t/(eta_s lambda))): momentum and stress law at a resting wall
     drive = ("drive.acceleration=0.02", "walls.top.velocity=0.0", "time.end=0.6")
     scheme = make(OLDROYD, WALLS, *drive, jitter=0.2)
@@ -79,7 +79,7 @@ def test_stress_at_the_walls_of_a_driven_flow_bends_as_its_own_law_says(make):
     assert np.allclose(slopes, expected, rtol=1e-3)
 
 
-def test_walls_and_drive_balance_the_momentum_of_a_liquid_that_carries_stress(make):
+def test_walls_and_drive_balance_the_momentum_of_a_fluid_that_carries_stress(make):
     scheme = make(OLDROYD, WALLS, "drive.acceleration=0.02", "walls.bottom.velocity=-0.2", "time.end=1.0")
     while not scheme.finished:
         scheme.advance()
@@ -87,7 +87,7 @@ def test_walls_and_drive_balance_the_momentum_of_a_liquid_that_carries_stress(ma
     assert balance["closure"] < 1e-3  # measured: 3e-5; a liquid whose shear stress does not count leaves 0.3
 
 
-def test_points_on_the_walls_begin_with_the_stress_of_the_liquid_there_and_know_their_cells(make):
+def test_wall_points_start_with_the_stress_of_the_fluid_and_know_their_cells(make):
     scheme = make(OLDROYD, WALLS, "drive.acceleration=0.3", "initial.state=developed")
     track, channel, columns = scheme.walls.track, scheme.scene, int(view(scheme.lists.cells.columns))
     xx, xy = channel.initial_polymer_stress(np.array([0.0, channel.gap]))

@@ -36,7 +36,7 @@ def overrides(length, time, density):
     ],
     ids=lambda choice: "-".join(choice),
 )
-def test_a_flow_in_other_units_has_the_same_bits(make, choice):
+def test_a_flow_in_other_units_is_bitwise_the_same(make, choice):
     ends = []
     for length, time, density in ((1.0, 1.0, 1.0), (LENGTH, TIME, DENSITY)):
         rheology = [OLDROYD.format(0.5 * time)] if "polymer" in choice else []

@@ -165,7 +165,7 @@ def test_few_particles_and_short_steps_do_without(assembled, monkeypatch, few, v
 # --- runs: with Schemes of their own, whose fields take the place of those above
 
 
-def test_iterations_grow_neither_with_the_particles_nor_with_the_length_of_a_step(two_levels, make):
+def test_iterations_depend_neither_on_particles_nor_on_the_time_step(two_levels, make):
     # measured 4.5 and 4.5; with the diagonal alone 33 and 117
     counts = []
     for across in (12, 48):
@@ -196,7 +196,7 @@ def test_a_run_has_the_velocities_of_one_with_the_diagonal_alone(make, monkeypat
 
 
 @pytest.mark.other_program
-def test_one_and_two_threads_and_a_restart_give_the_same_bits(two_levels, make, monkeypatch, tmp_path):
+def test_one_and_two_threads_and_a_restart_are_bitwise_reproducible(two_levels, make, monkeypatch, tmp_path):
     for name in ("FEW", "FEW_NUMBERS"):
         monkeypatch.setattr(operators, name, 0)  # or small loops would stay on one thread
     one = flow(make)

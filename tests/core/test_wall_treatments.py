@@ -188,7 +188,7 @@ def test_virtual_points_list_the_fluid_around_them(make):
 
 
 @pytest.mark.parametrize("treatment", TREATMENTS)
-def test_walls_and_drive_balance_the_momentum_of_the_liquid(make, treatment):
+def test_walls_and_drive_balance_the_momentum_of_the_fluid(make, treatment):
     # closure counts what is not exchanged in pairs; on a lattice only the shear of its rows disturbs the symmetry
     scheme = make(f"walls.treatment.type={treatment}", DRIVEN, "walls.bottom.velocity=-0.2", "time.end=2.0")
     while not scheme.finished:

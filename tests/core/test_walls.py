@@ -79,7 +79,7 @@ def test_dummy_particles_move_with_their_wall(make):
 
 
 @pytest.mark.parametrize("treatment", ["comoving_image", "adami"])
-def test_a_liquid_that_moves_with_both_walls_stays_as_it_is(make, treatment):
+def test_a_fluid_that_moves_with_both_walls_stays_as_it_is(make, treatment):
     scheme = make(
         f"walls.treatment.type={treatment}",
         "initial.state=developed",

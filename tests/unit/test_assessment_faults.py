@@ -83,7 +83,7 @@ def test_a_slipping_wall(scene):
     assert "95" in first.words
 
 
-def test_slip_and_a_wall_too_far_off_are_the_same_in_the_developed_flow(scene):
+def test_slip_and_a_displaced_wall_are_equivalent_in_developed_flow(scene):
     steady = scene("initial.state=developed")
     names, _ = found(steady, (0.95 * U * HEIGHTS, 20.0))
     assert {"slip", "top_wall"} <= names

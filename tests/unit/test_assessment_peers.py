@@ -58,7 +58,7 @@ def test_a_file_of_pysph_is_judged_as_the_bench_judges_the_run(config):
     )  # sums in another order
 
 
-def test_walls_of_lammps_that_do_not_hold_the_liquid_are_found(config):
+def test_walls_of_lammps_that_do_not_hold_the_fluid_are_found(config):
     """Its SPH package extrapolates no velocity into the walls."""
     found = judge.judge(config, [LAMMPS], judge.Question(times=(1.8, 2.7), select="1"))
     (diagnosis,) = found.diagnoses.values()
@@ -67,6 +67,6 @@ def test_walls_of_lammps_that_do_not_hold_the_liquid_are_found(config):
 
 
 @pytest.mark.parametrize(("select", "says"), [(None, "which types are the fluid"), ("4", "no atoms of type 4")])
-def test_a_dump_with_several_types_is_asked_which_of_them_is_the_liquid(config, select, says):
+def test_a_dump_with_several_types_needs_a_choice_of_the_fluid(config, select, says):
     with pytest.raises(ConfigError, match=says):
         judge.judge(config, [LAMMPS], judge.Question(select=select))

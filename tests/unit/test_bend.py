@@ -8,7 +8,7 @@ import pytest
 from tisph.schemes._splitting._wall_points import WallPoints
 
 
-def test_rows_bend_around_the_centre_of_a_wall_that_is_near_and_not_at_a_flat_one():
+def test_operators_use_polar_coordinates_near_curved_walls_only():
     """Of particles 0.2 from walls of radius 1, from outside and inside, from a flat one, and too far from one."""
     normal = np.array([[0.6, 0.8], [0.0, 1.0], [1.0, 0.0], [0.6, 0.8]])
     planes = np.column_stack([normal, np.zeros(4)])[:, None]

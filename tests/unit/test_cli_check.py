@@ -145,21 +145,21 @@ def test_polymer(checked, fraction, warned):
 
 # modulus 0.9 / 1, (0.02 / 0.1)^2 times that, and with a hundredth of solvent (0.02 / 0.01)^2
 @pytest.mark.parametrize(("fraction", "warned"), [(0.1, False), (0.01, False), (0.009, True)])
-def test_polymer_that_relaxes_before_the_layer_of_a_jump_is_a_spacing_deep(checked, fraction, warned):
+def test_polymer_that_relaxes_before_the_layer_is_one_spacing_thick(checked, fraction, warned):
     liquid = POLYMER % (1.0, f"solvent_fraction: {fraction}")
     lines = checked(liquid, "scheme={type: auto}", "time.end=0.1")
     assert bool(starting(lines, "warning: the polymer stress grows at an impulsively started wall")) == warned
     assert not starting(lines, "warning: fluid.rheology.solvent_fraction")
 
 
-def test_polymer_of_a_flow_without_a_jump_has_no_layer_to_relax_before(checked):
+def test_without_a_jump_polymer_has_no_layer(checked):
     liquid = POLYMER % (1.0, "solvent_fraction: 0.009")
     lines = checked(liquid, "scheme={type: implicit}", AT_REST, DRIVE, "time.end=0.1")
     assert not starting(lines, "warning: the polymer stress grows")
 
 
 @pytest.mark.parametrize(("name", "known"), [("taylor_green", True), ("cavity_regular", False)])
-def test_steps_of_a_flow_that_is_not_known_beforehand_are_called_a_guess(name, known):
+def test_predicted_steps_of_an_unknown_flow_are_called_a_guess(name, known):
     output = CliRunner().invoke(cli.app, ["check", str(CONFIGS / f"{name}.yaml")]).output
     lines = [line.strip() for line in output.splitlines()]
     (steps,) = starting(lines, "steps")

@@ -106,7 +106,7 @@ def test_an_import_is_not_interrupted_but_what_comes_after_it(number):
 
 @POSIX
 @pytest.mark.usefixtures("hang_up_heard")
-def test_a_hang_up_is_not_heard_where_the_process_was_started_to_ignore_it():
+def test_a_hang_up_is_ignored_under_nohup():
     assert signal.SIGHUP in ending_signals()
     heard = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # as nohup does
     try:

@@ -281,14 +281,14 @@ def test_no_movie_is_false_or_null(tmp_path, none):
         ({}, "wcsph"),
     ],
 )
-def test_a_scheme_without_a_type_is_the_one_that_its_keys_belong_to(tmp_path, given, wanted):
+def test_the_keys_of_a_scheme_decide_its_type(tmp_path, given, wanted):
     scheme = load_data(tmp_path, scheme=given).scheme
     assert scheme.type == wanted
     for key, value in given.items():
         assert getattr(scheme, key) == value or isinstance(value, dict)
 
 
-def test_a_key_of_the_default_scheme_is_set_where_the_config_has_no_scheme(tmp_path):
+def test_a_key_of_the_default_scheme_may_be_set_alone(tmp_path):
     scheme = load_data(tmp_path, "scheme.accuracy=fast").scheme
     assert (scheme.type, scheme.accuracy) == ("auto", "fast")
 

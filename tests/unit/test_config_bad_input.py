@@ -218,7 +218,7 @@ def test_a_replaced_value_is_blamed_on_the_override(message):
     assert text.startswith("--set geometry={gap: -1, length: 0.02}: geometry.gap = -1")
 
 
-def test_of_two_values_that_do_not_fit_the_one_written_last_is_blamed(message):
+def test_of_two_conflicting_values_the_later_one_is_reported(message):
     content = GOOD.replace("0.02\n", "0.025\n") + "discretisation: {particles_across: 50}\n"
     text = message(content, "discretisation.particles_across=51")
     assert text.startswith(
@@ -233,7 +233,7 @@ def test_of_two_values_that_do_not_fit_the_one_written_last_is_blamed(message):
     assert message(content.replace("50}", "51}")).startswith("case.yaml:12: discretisation.particles_across = 51")
 
 
-def test_an_item_of_a_list_that_is_there_is_replaced_with_the_whole_list(message):
+def test_an_item_of_a_list_is_replaced_with_the_whole_list(message):
     text = message(GOOD + "  samples: [1.0, 2.0]\n", "time.samples.0=1.5")
     assert text == (
         "--set time.samples.0=1.5: time.samples is a list: give it as a whole, such as time.samples=[1.0, 2.0]"

@@ -53,7 +53,7 @@ def test_resolved_config_has_the_keys_of_the_form_in_use_only(case, tmp_path, ov
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-def test_a_drive_alone_moves_the_liquid(case, sign):
+def test_a_drive_alone_moves_the_fluid(case, sign):
     config = case("walls.top.velocity=0", f"drive.acceleration={sign * 0.02}")
     assert config.drive.acceleration == sign * 0.02
 
@@ -66,7 +66,7 @@ def test_polymer(case):
     assert not case().fluid.rheology.carries_stress
 
 
-def test_a_flow_before_may_be_the_start_of_a_developed_or_exact_run(case):
+def test_a_developed_or_exact_run_may_start_from_an_earlier_flow(case):
     for start in ("initial.state=developed", "initial={state: exact, time: 1.0}"):
         assert case(STOPPED, start).walls.top.velocity_before == 0.5
 

@@ -31,7 +31,7 @@ def refusal(case, *overrides):
 
 
 @pytest.mark.parametrize("name", RHEOLOGIES)
-def test_no_scheme_runs_a_liquid_that_it_does_not_have(case, name):
+def test_no_scheme_runs_a_fluid_that_it_does_not_have(case, name):
     liquid = f"fluid.rheology={RHEOLOGIES[name]}"
     for scheme in ("auto", "implicit"):
         assert schemes.resolve(case(liquid, f"scheme={{type: {scheme}}}"))[0].scheme.type == "implicit"
@@ -42,7 +42,7 @@ def test_no_scheme_runs_a_liquid_that_it_does_not_have(case, name):
 
 
 @pytest.mark.parametrize("name", RHEOLOGIES)
-def test_a_liquid_can_be_sent_to_the_process_that_draws(case, name):
+def test_a_fluid_can_be_sent_to_the_process_that_draws(case, name):
     rheology = case(f"fluid.rheology={RHEOLOGIES[name]}").fluid.rheology
     assert pickle.loads(pickle.dumps(rheology)) == rheology
 
@@ -59,7 +59,7 @@ NOT_SERVED = [*itertools.product(["taylor_green"], RHEOLOGIES), *itertools.produ
 
 
 @pytest.mark.parametrize(("flow", "name"), NOT_SERVED)
-def test_where_the_flow_turns_no_liquid_runs_as_a_newtonian_one(flow, name):
+def test_in_two_dimensional_flow_no_fluid_runs_as_a_newtonian_one(flow, name):
     text = refusal(lambda *changes: changed(flow, *changes), f"fluid.rheology={RHEOLOGIES[name]}")
     assert "fluid.rheology.type" in text
     assert "must be newtonian" in text
@@ -79,7 +79,7 @@ def between_cylinders(*changes):
 
 
 @pytest.mark.parametrize("name", ["power_law", "carreau_yasuda", "herschel_bulkley"])
-def test_between_cylinders_there_is_no_liquid_of_varying_viscosity(name):
+def test_between_cylinders_there_is_no_fluid_of_varying_viscosity(name):
     text = refusal(between_cylinders, f"fluid.rheology={RHEOLOGIES[name]}")
     assert f"must be newtonian, or have a polymer: of {name} the flow between cylinders is not known" in text
 
@@ -91,7 +91,7 @@ def test_between_cylinders_there_is_no_liquid_of_varying_viscosity(name):
         ("walls.outer={amplitude: 1.0, angular_frequency: 1.0}", "periodic flow of giesekus between cylinders"),
     ],
 )
-def test_between_cylinders_what_a_liquid_with_polymer_cannot_do_is_named(change, expected):
+def test_between_cylinders_what_a_fluid_with_polymer_cannot_do_is_named(change, expected):
     options = f"fluid.rheology={RHEOLOGIES['giesekus']}", "initial.state=developed", change
     assert expected in refusal(between_cylinders, *options)
 
@@ -161,7 +161,7 @@ def viscosity(name, rates, **numbers):
     return registry.load("rheology", name).Law(parameters(name, **numbers), 0.8).viscosity(rates**2)
 
 
-def test_viscosities_of_liquids_without_memory():
+def test_viscosities_of_inelastic_fluids():
     rates = np.array([1e-9, 0.5, 2.0, 40.0])
     power = viscosity("power_law", rates, index=0.5, reference_rate=2.0, least_rate=1e-6)
     assert np.allclose(power[1:], 0.8 * (rates[1:] / 2.0) ** -0.5, rtol=1e-11)  # (least_rate/rate)^2 is 4e-12

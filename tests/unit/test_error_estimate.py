@@ -91,7 +91,7 @@ def test_images_continue_an_even_polymer_stress_evenly(case, treatment):
     assert fields[reached] == pytest.approx(0.2, rel=1e-12)
 
 
-def test_a_polymer_stress_that_a_drive_has_developed_falls_by_its_part_of_the_drive_at_both_walls(case):
+def test_developed_polymer_stress_balances_its_share_of_the_drive_at_both_walls(case):
     polymer = "fluid.rheology={type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.4}"
     rows = explicit_layers_of(case, COARSE, polymer, "drive.acceleration=0.3", "initial.state=developed")
     # polymer viscosity u_yy = -0.6 of the drive: differences of a parabola's slope, but for rounding over a short way
@@ -191,7 +191,7 @@ def test_the_profile_is_lost_where_layers_mix_more_than_the_wall_layer_holds(cas
 @pytest.mark.parametrize(
     ("scheme", "cost", "overhead"), [(EXPLICIT, EXPLICIT_COST, 0.0), (IMPLICIT, IMPLICIT_COST, IMPLICIT_OVERHEAD)]
 )
-def test_steps_and_cost_of_a_run_are_those_up_to_its_last_sample(case, scheme, cost, overhead):
+def test_steps_and_cost_of_a_run_end_at_its_last_sample(case, scheme, cost, overhead):
     numbers = estimates(case(scheme, COARSE, "time.end=2", "time.samples=[0, 1, 2]"))
     assert numbers["samples"][-1].steps == numbers["steps"]
     assert numbers["run_time"] == pytest.approx(numbers["steps"] * (overhead + 25 * 50 * cost), rel=1e-14)

@@ -23,7 +23,7 @@ def creep(y, t):
     return y - np.sum(2.0 * (-1.0) ** np.arange(400)[:, None] / k**2 * np.sin(k * y) * np.exp(-k * k * t), axis=0)
 
 
-def test_a_massless_plate_and_a_newtonian_liquid():
+def test_a_massless_wall_and_a_newtonian_fluid():
     found = newtonian(StressControlledWall(1.0))
     for t in (1e-3, 0.1, 1.0):
         assert np.max(np.abs(found.velocity(HEIGHTS, t) - creep(HEIGHTS, t))) < ACCURACY * creep(1.0, t)
@@ -38,7 +38,7 @@ def test_stress_is_taken_away_again():
 
 
 @pytest.mark.parametrize("mass", [0.0, 1.0])
-def test_a_plate_on_an_oldroyd_b_liquid(mass):
+def test_a_stress_controlled_wall_on_an_oldroyd_b_fluid(mass):
     # Laplace transform of the linear problem, inverted by Talbot's contour: 1e-13 before the waves of a cycle add up
     fraction, t = 0.1, 0.1
     member = registry.load("rheology", "oldroyd_b")

@@ -151,7 +151,7 @@ def developed_velocity(now, y):
     ],
     ids=["thinning", "thickening", "carreau", "bingham"],
 )
-def test_developed_flow_without_memory(now, bound, of_stress):
+def test_developed_flow_of_inelastic_fluids(now, bound, of_stress):
     found = StartUp(now, POISEUILLE)
     t = 200.0  # of a liquid whose viscosity falls to 0.2, and that takes 5 times as long
     expected = [developed_velocity(now, y) for y in HEIGHTS[:21]]

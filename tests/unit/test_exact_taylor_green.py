@@ -84,7 +84,7 @@ def test_arguments_broadcast():
     assert taylor_green.pressure(x, 0.25, t, density=1.0, **FLOW).shape == (5, 3)
 
 
-def test_it_turns_counterclockwise_about_the_origin():
+def test_it_rotates_counterclockwise_about_the_origin():
     u, v = taylor_green.velocity([0.0, 0.05], [0.05, 0.0], 0.0, **FLOW)
     assert u[0] < 0 < v[1]
     assert taylor_green.vorticity(0.0, 0.0, 0.0, **FLOW) > 0

@@ -67,7 +67,7 @@ def test_samples_have_the_exact_solution_beside_the_computed_one(tmp_path, run):
     assert not sample["stress_yy_exact"].any()
 
 
-def test_an_interrupted_run_goes_on_with_the_samples_of_this_version_and_of_older_ones(tmp_path, run):
+def test_an_interrupted_run_resumes_with_samples_of_older_versions(tmp_path, run):
     channel, about = run()
     path = tmp_path / "samples.h5"
     written_samples(path, channel, about)

@@ -65,7 +65,7 @@ def test_whoever_has_opened_the_file_that_goes_does_not_hold_the_folder(tmp_path
         pass
 
 
-def test_a_folder_that_took_the_place_of_the_held_one_keeps_its_lock(tmp_path):
+def test_a_folder_that_replaces_the_held_one_keeps_its_lock(tmp_path):
     root = tmp_path / "out"
     with held(root):
         shutil.move(root, tmp_path / "old")

@@ -62,7 +62,7 @@ def test_a_wall_that_stays_at_rest_is_the_frame(flow):
 
 
 @pytest.mark.parametrize("walls", [(0.5, 1.0), (1.0, 1.0), (-1.0, 1.0)])
-def test_the_frame_of_a_liquid_that_starts_from_rest_is_its_rest(walls):
+def test_the_frame_of_a_fluid_that_starts_from_rest_is_its_rest(walls):
     """Whatever the walls do: both at one speed drag along a liquid that has another."""
     channel = make_channel(bottom=WallMotion(walls[0]), top=WallMotion(walls[1]))
     assert (channel.frame_velocity, channel.reference_velocity) == (0.0, 1.0)
@@ -92,7 +92,7 @@ def test_errors_are_the_same_in_every_frame(flow):
     assert other["centreline"] == pytest.approx(one["centreline"] + SPEED, rel=ROUNDING)
 
 
-def test_bodies_move_with_the_liquid_around_them():
+def test_bodies_move_with_the_fluid_around_them():
     """What stands in the frame of the flow goes 3 times 0.5 as the config sees it."""
     falling = RigidMotion(y=WallMotion(-0.1))
     bodies = Body(Circle(0.1), (0.5, 0.2)), Body(Circle(0.1), (0.5, 0.7), motion=falling)
@@ -105,7 +105,7 @@ def test_bodies_move_with_the_liquid_around_them():
     assert seen.bodies.velocity.tolist() == [[0.5, 0.0], [0.5, -0.1]]
 
 
-def test_a_liquid_at_rest_has_no_relative_error_in_any_frame():
+def test_a_fluid_at_rest_has_no_relative_error_in_any_frame():
     for channel in seen_from_two_frames("started wall"):
         x, y = channel.lattice()
         u = channel.exact_velocity(y, 0.0)
@@ -136,7 +136,7 @@ def test_check_says_the_same_in_every_frame(case, scheme, before):
     assert one["reynolds"] == pytest.approx(0.5)
 
 
-def test_walls_and_liquid_that_move_together_do_not_move(case):
+def test_walls_and_fluid_that_move_together_do_not_move(case):
     """Refused like a flow at rest, which it is."""
     with pytest.raises(ConfigError, match="nothing moves"):
         case("initial.state=developed", *walls(0.5, 0.5))

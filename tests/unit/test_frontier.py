@@ -59,7 +59,7 @@ def test_times_are_medians_of_the_rounds():
     assert row("explicit", 1e-3, 5.0, 1.0, 2.0).loop == 2.0
 
 
-def test_the_fastest_way_to_an_error_is_sought_among_the_wanted_ones_of_ours():
+def test_the_fastest_run_to_an_error_is_chosen_among_our_selected_settings():
     rows = [row("explicit", 9e-4, 1.0), row("implicit 4", 1e-5, 0.5), row("implicit 4", 2e-3, 0.1), lammps(1e-6, 0.01)]
     assert fastest(rows, 1e-3) == rows[1]
     assert fastest(rows, 1e-3, "explicit") == rows[0]
@@ -186,7 +186,7 @@ def test_only_runs_of_the_rival_way_with_as_many_particles_are_compared():
     assert "| 200 | 45 | error >= 200, time > 1 | PASS |" in " ".join(equal_resolution_table([found]).split())
 
 
-def test_without_peers_the_vortex_has_quoted_ones_that_are_shown_and_not_judged(tmp_path, capsys):
+def test_quoted_peers_of_the_vortex_are_shown_and_not_judged(tmp_path, capsys):
     rows = [vortex("implicit 4, balanced", 1e-2, 1000.0), *merged([], "taylor_green")]
     assert measurement.show(tmp_path, rows)
     point, compared = [line for line in capsys.readouterr().out.splitlines() if "JAX-SPH TVF, quoted" in line]

@@ -74,7 +74,7 @@ def test_options_name_case_code_threads_resolution_and_time():
     ]
 
 
-def test_rows_have_the_times_of_all_rounds_and_the_name_of_the_code():
+def test_rows_have_all_times_and_the_name_of_the_code():
     rows = {
         (row.flow, row.method, row.across): row
         for row in peers.merged([round_of(2.0), round_of(5.0), round_of(3.0)], "channel")

@@ -101,7 +101,7 @@ def test_a_region_that_a_lattice_fills_keeps_it():
     assert np.abs(points[:, 0] - np.repeat((np.arange(30) + 0.5) * spacing, 30)).max() < 1e-12
 
 
-def test_liquid_without_bodies_is_the_lattice():
+def test_fluid_without_bodies_is_the_lattice():
     region = Region((), (0.0, 1.0), (1.0, 3.0), (True, True))
     assert region.area == 2.0
     assert len(pack(region, 0.1)) == 200

@@ -22,7 +22,7 @@ smooth_shapes = pytest.mark.parametrize("name", ["circle", "rounded ell", "round
 
 
 @closed_shapes
-def test_a_place_is_its_foot_and_the_distance_along_the_normal(shape):
+def test_a_point_is_its_closest_point_and_the_distance_along_the_normal(shape):
     foot = shape.nearest(PLACES)
     assert np.abs(np.linalg.norm(foot.normal, axis=1) - 1).max() < ROUNDING
     assert np.abs(foot.point + foot.distance[:, None] * foot.normal - PLACES).max() < 1e-9  # sharp corners: by rounding
@@ -55,7 +55,7 @@ def test_the_sign_of_the_distance_tells_in_from_out(shape):
 
 
 @closed_shapes
-def test_liquid_inside_turns_all_signs(shape):
+def test_fluid_inside_changes_all_signs(shape):
     other = replace(shape, fluid_side="inside")
     for one, turned in (
         (shape.nearest(PLACES), other.nearest(PLACES)),
@@ -69,7 +69,7 @@ def test_liquid_inside_turns_all_signs(shape):
 
 
 @closed_shapes
-def test_points_stand_for_the_whole_wall(shape):
+def test_wall_points_represent_the_whole_wall(shape):
     points = shape.boundary_points(0.037)
     assert points.length.sum() == pytest.approx(shape.length, rel=1e-13)
     assert np.abs(points.length - 0.037).max() < 0.002  # a whole number of them on sides of length 1 and more
@@ -108,7 +108,7 @@ def test_points_on_a_smooth_curve_integrate_with_the_accuracy_of_fourier_series(
 
 
 @smooth_shapes
-def test_curvature_is_how_the_normal_turns(name):
+def test_curvature_is_the_rotation_rate_of_the_normal(name):
     shape = CLOSED[name]
     points = shape.boundary_points(shape.length / 5000)
     step = points.length[0]

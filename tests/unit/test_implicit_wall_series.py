@@ -32,7 +32,7 @@ def test_the_series_is_that_of_the_layer_at_a_swinging_wall():
     assert errors[0] / errors[1] == pytest.approx(64.0, rel=0.05)
 
 
-def test_with_polymer_the_derivatives_at_the_wall_are_those_of_a_taylor_series():
+def test_viscoelastic_wall_derivatives_are_those_of_a_taylor_series():
     wall = SimpleNamespace(obeys_momentum=True, series=[], stress_series=[])
     second, fourth, depth = 3.0, -40.0, 0.1
     CoupledWall.prescribe(wall, SWINGING.velocity(TIME), 0.0, 0.0, second, fourth, 0.0, 0.0)

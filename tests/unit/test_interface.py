@@ -63,7 +63,7 @@ def test_check_returns_what_the_command_prints(couette, capsys):
     assert forecast.steps > 1000
 
 
-def test_an_error_in_a_dict_does_not_name_a_file_that_nobody_has_written(case):
+def test_an_error_in_a_dict_names_no_file(case):
     with pytest.raises(ConfigError) as raised:
         tisph.check({**case().model_dump(), "time": {"end": -1.0}})
     assert str(raised.value) == "config: time.end = -1.0: must be greater than 0 (at least 1e-30)"

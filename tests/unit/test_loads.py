@@ -49,7 +49,7 @@ def test_a_falling_pressure_pushes_by_its_slope_times_the_area(lattice):
     assert every == pytest.approx(pressed, abs=1e-9)
 
 
-def test_liquid_that_turns_faster_farther_out_turns_the_body_along(lattice):
+def test_fluid_rotating_faster_outside_rotates_the_body_along(lattice):
     beyond = lambda x, y: x * x + y * y - 0.2**2  # noqa: E731 (of the speed over the distance)
     fields = (lambda x, y: -beyond(x, y) * y, lambda x, y: beyond(x, y) * x, nothing)
     every, pressed = loads(*lattice, *fields)

@@ -29,7 +29,7 @@ def test_the_menu_has_every_config_with_a_line_of_its_own():
     assert list(Path().iterdir()) == []
 
 
-def test_a_copy_is_a_config_and_says_how_it_is_run_from_here():
+def test_a_copied_config_is_valid_and_says_how_to_run_it():
     done = new("couette")
     assert (done.exit_code, done.stdout) == (0, "couette.yaml\n")
     original = next(path for path in menu() if path.stem == "couette")

@@ -95,7 +95,7 @@ def test_walls_have_their_velocities(radii, motion):
         assert np.abs(flow.velocity(radius, times) - speed).max() <= 2e-12 * largest_speed(flow)
 
 
-def test_at_the_start_the_liquid_moves_as_before():
+def test_at_the_start_the_fluid_moves_as_before():
     flow = CircularCouette(1.0, 2.0, 0.1, Rotation(0.0, before=1.0), Rotation(0.2, before=0.2))
     r = np.linspace(1.0, 2.0, 7)
     before = replace(flow, inner=Rotation(1.0)).settled_velocity(r)
@@ -106,7 +106,7 @@ def test_at_the_start_the_liquid_moves_as_before():
 
 
 @gaps
-def test_the_settled_flow_is_steady_and_turns_as_a_solid_where_both_walls_do(radii):
+def test_the_developed_flow_is_steady_and_rotates_rigidly_with_both_walls(radii):
     flow = CircularCouette(*radii, 0.3, Rotation(0.7), Rotation(0.7))
     r = np.linspace(*radii, 11)
     assert np.abs(flow.settled_velocity(r) - 0.7 * r).max() <= 1e-14 * radii[1]

@@ -88,7 +88,7 @@ def test_stopped_flow_is_the_developed_one_less_the_start_up():
         assert largest_difference(stopped + start_up, developed(HEIGHTS, fluid=THIN, flow=COUETTE)) <= 1e-13
 
 
-def test_start_has_jumps_at_the_walls_and_the_stress_of_the_flow_before():
+def test_the_start_has_wall_jumps_and_the_earlier_stress():
     y, before = np.array([0.0, 0.25, 1.0]), Flow(1.0, bottom=0.2, top=0.7, acceleration=3.0)
     arguments = {"fluid": THIN, "flow": BOTH, "before": before}
     inside = 0.2 + 0.5 * 0.25 + 3.0 * 0.25 * 0.75 / 2
@@ -158,7 +158,7 @@ def test_units_drop_out():
 
 
 @pytest.mark.parametrize("fluid", [Fluid(1.0, 0.01, 0.99, 1e-4), Fluid(1.0, 1e-3, 0.5, 1e6), Fluid(1e3, 0.01, 1, 1)])
-def test_extreme_liquids_and_times_overflow_nowhere(fluid):
+def test_extreme_fluids_and_times_overflow_nowhere(fluid):
     """At the walls too, and with velocities between those of the walls but for what the drive adds."""
     drive = fluid.density * BOTH.acceleration / (8 * fluid.solvent_viscosity)
     with warnings.catch_warnings():
@@ -177,7 +177,7 @@ def test_what_has_no_solution_is_refused():
 
 
 @pytest.mark.parametrize("name", ["density", "solvent_viscosity", "polymer_viscosity", "relaxation_time"])
-def test_impossible_liquids_are_refused_by_name(name):
+def test_impossible_fluids_are_refused_with_a_specific_message(name):
     numbers = {"density": 1.0, "solvent_viscosity": 0.1, "polymer_viscosity": 0.9, "relaxation_time": 1.0}
     for value in (-1.0, np.nan) if name == "polymer_viscosity" else (-1.0, 0.0, np.nan):
         with pytest.raises(ValueError, match=name):

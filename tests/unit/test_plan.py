@@ -23,7 +23,7 @@ def test_hits_every_target_exactly_within_the_limit(targets, limit):
     assert max(lengths) <= limit * (1 + 1e-12)  # the slack that saves a step of rounding size
 
 
-def test_a_remainder_of_rounding_size_costs_no_step():
+def test_a_remainder_of_round_off_size_costs_no_step():
     times, _ = walk(StepPlan(0.0, [0.3]), 0.1)
     assert len(times) == 3
 
@@ -46,7 +46,7 @@ def test_zero_once_finished():
 
 
 @pytest.mark.parametrize(("taken", "same"), [(2, True), (3, True), (4, False), (9, False), (10, False)])
-def test_goes_on_to_other_targets_and_says_whether_steps_led_to_the_old_ones(taken, same):
+def test_new_targets_report_whether_steps_aimed_at_old_ones(taken, same):
     # three steps to 0.3, which is a target in both, and seven to the old end
     plan, fresh = StepPlan(0.0, [0.3, 1.0]), StepPlan(0.0, [0.3, 5.01])
     first = [(plan.next(0.1), fresh.next(0.1)) for _ in range(taken)]

@@ -52,7 +52,7 @@ def lines(monkeypatch):
     return run
 
 
-def test_a_run_of_a_moment_has_a_line_at_its_first_tenth_and_at_its_end(lines):
+def test_a_very_short_run_has_history_lines_at_a_tenth_and_the_end(lines):
     assert lines(0.5) == [10, 100]
 
 
@@ -60,7 +60,7 @@ def test_a_run_of_a_minute_has_ten_lines(lines):
     assert lines(60.0) == list(range(10, 101, 10))
 
 
-def test_a_run_of_a_few_seconds_has_a_line_a_second_at_most(lines):
+def test_a_run_of_seconds_prints_at_most_a_line_a_second(lines):
     assert lines(3.0) == [10, 43, 77, 100]  # at 0.3 s, 1.3 s, 2.3 s and the end
 
 

@@ -62,7 +62,7 @@ def test_answers_can_be_taken_in_any_order(drawing, channel):
     assert late != early == drawing.request("plots", channel, {"profiles": ([make_snapshot(channel, 1.0)],)}).result()
 
 
-def test_a_movie_that_fails_says_so_once_and_only_when_it_is_closed(drawing, channel, tmp_path):
+def test_a_failed_movie_is_reported_once_when_it_is_closed(drawing, channel, tmp_path):
     movie = RemoteMovie(drawing, tmp_path / "no_such_folder" / "movie.mp4", channel, VIDEO, "test", END)
     for _ in range(20):
         movie.add(make_snapshot(channel, 1.0))

@@ -43,7 +43,7 @@ def test_disc_has_the_colour_of_its_speed(renderer, fraction):
     assert np.abs(frame[pixel(renderer, 0.004, 0.006)] - expected).max() <= 2.5
 
 
-def test_disc_stands_at_its_particle_and_the_rest_of_the_channel_is_white(renderer):
+def test_a_disc_is_at_its_particle_and_the_rest_is_white(renderer):
     x, y = 0.0137, 0.0031
     frame = renderer.render(particles(renderer.scene, 1.0, [x], [y], [0.0]))
     ink = 255.0 - frame[renderer.layout.box.slices][:, :, 0]
@@ -88,7 +88,7 @@ def test_exact_curve_and_dots_stand_at_their_velocity(renderer):
         assert columns.mean() + 1.5 == pytest.approx(expected, abs=1.0)  # a pixel
 
 
-def test_periodic_edge_shows_both_parts_of_a_disc_unless_the_channel_is_cut(renderer):
+def test_a_periodic_edge_shows_both_parts_of_a_disc(renderer):
     frame = renderer.render(particles(renderer.scene, 1.0, [0.0], [0.005], [0.0]))
     panel = frame[renderer.layout.box.slices]
     middle = panel.shape[0] // 2
@@ -101,7 +101,7 @@ def test_periodic_edge_shows_both_parts_of_a_disc_unless_the_channel_is_cut(rend
 
 
 @pytest.mark.parametrize("velocity", [0.005, -0.005])
-def test_arrows_point_where_a_wall_goes_and_a_wall_at_rest_has_none(velocity):
+def test_arrows_show_the_motion_of_walls(velocity):
     renderer = FrameRenderer(make_channel(top=WallMotion(velocity)), VIDEO, "test", END)
     frame = renderer.render(make_snapshot(renderer.scene, 1.0))
     layout, rect = renderer.layout, renderer.layout.box

@@ -156,7 +156,7 @@ def test_a_torque_that_begins_at_infinity_leaves_room_for_the_rest(tmp_path, fig
     history_figure(annulus, {}, times[:1], torques[:1]).save(tmp_path / "history.png")  # stopped at once
 
 
-def test_a_flow_between_cylinders_that_swings_or_stops_has_errors_over_the_wall_speed():
+def test_errors_of_oscillating_or_stopped_annuli_are_over_the_wall_speed():
     swinging, stopped = WallMotion(0.0, 1.0, 2.0), WallMotion(0.0, before=1.0)
     assert not make_annulus().vanishing_scale
     assert all(make_annulus(inner=wall).vanishing_scale for wall in (swinging, stopped))

@@ -149,7 +149,7 @@ def test_shades_are_what_mixing_with_white_makes():
 
 
 @pytest.mark.parametrize("count", [5, 40])
-def test_many_discs_on_each_other_keep_their_colour_and_their_neighbour_its_own(count):
+def test_overlapping_discs_keep_their_colours(count):
     once, _, _ = shown(1, 0.3)
     often, _, full = shown(count, 0.3)
     assert full < LEVELS

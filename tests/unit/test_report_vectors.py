@@ -46,7 +46,7 @@ def test_arrows_point_where_the_fluid_goes(way):
     assert (ink * across**2 * along).sum() > 0.0  # the head, which is wide, is ahead
 
 
-def test_arrows_are_as_long_as_the_velocity_is_large_and_none_is_longer_than_it_may_be():
+def test_arrow_lengths_are_proportional_to_velocity_and_limited():
     pitch = 30 * LAYOUT.scale
     for speed, expected in ((1.0, 0.5 * pitch), (1.6, 0.8 * pitch), (0.1, 0.0)):
         ink = arrow(speed, 0.0)

@@ -28,7 +28,7 @@ SWINGING = WallMotion(0.0, 0.005, angular_frequency=2.0)
         ({"initial_state": "exact", "start_time": 0.1}, "the layer at the top wall"),
     ],
 )
-def test_what_starts_diffuses_into_the_liquid(changes, place):
+def test_what_starts_diffuses_into_the_fluid(changes, place):
     channel = make_channel(**changes)
     assert channel.thinnest_layer(0.25) == (pytest.approx(5e-4, rel=1e-15), place)  # sqrt(1e-6 * 0.25)
     assert channel.thinnest_layer(0.0)[0] == 0.0
@@ -50,7 +50,7 @@ def test_an_oscillating_wall_moves_a_layer_that_grows_no_more():
         assert resolution(channel, 100.0) == (False, f"{place} is 0.5 spacings thin; resolved from 2 spacings on")
 
 
-def test_the_front_of_a_shear_wave_is_spread_by_the_solvent_alone_until_it_has_died():
+def test_only_the_solvent_smooths_the_front_of_a_shear_wave():
     channel = make_channel(**oldroyd_b(2.0, 0.25))
     early, place = channel.thinnest_layer(1e-4)
     assert (early, place) == (pytest.approx(math.sqrt(0.25 * NU * 1e-4), rel=1e-14), "the layer at the top wall")

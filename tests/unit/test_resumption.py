@@ -29,7 +29,7 @@ def fit(case):
         ["time.end=3.0", "time.samples=[1.0, 2.0, 3.0]", "output.video.frames=240"],
     ],
 )
-def test_a_later_end_fits_with_samples_after_the_old_one_and_other_frames(fit, later):
+def test_a_later_end_may_add_samples_and_other_frames(fit, later):
     fit(*later)
 
 

@@ -139,7 +139,7 @@ def test_recovered_strain_counts_from_the_end_of_the_stress():
     assert any("recovered strain 0.5" in line for line in reading.lines)
 
 
-def test_ringing_is_found_beside_what_dies_away():
+def test_free_oscillations_are_found_beside_decaying_terms():
     t = np.linspace(0.0, 10.0, 401)[1:]
     velocity = 1.0 - np.exp(-0.5 * t) * np.cos(1.7 * t) + 0.05 * np.exp(-4.0 * t) * np.cos(9.0 * t)
     assert _slowest_pair(t, velocity) == pytest.approx(-0.5 + 1.7j, rel=1e-8)

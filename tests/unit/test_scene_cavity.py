@@ -64,7 +64,7 @@ def measured(scene, snapshot, energies=STEADY):
         (["time.tolerance=1e-6"], "time.tolerance"),
     ],
 )
-def test_bad_configs_are_refused_by_name(case, overrides, key):
+def test_bad_configs_are_refused_with_a_specific_message(case, overrides, key):
     with pytest.raises(ConfigError, match=key):
         case(*overrides)
 
@@ -136,7 +136,7 @@ def backwards(case):
     return Scene.from_config(case("walls.lid.velocity=-1.0"))
 
 
-def test_a_lid_that_moves_the_other_way_is_held_against_the_same_tables(case):
+def test_a_reversed_lid_is_compared_with_the_same_tables(case):
     """Velocities of a smooth flow that is the mirror image of another have its errors."""
 
     def velocity(x, y):

@@ -82,7 +82,7 @@ def test_a_channel_without_bodies_is_what_it_was(tmp_path):
     assert ran.stdout.strip() == "[]"
 
 
-def test_with_bodies_a_channel_turns(tmp_path):
+def test_a_channel_with_bodies_is_two_dimensional(tmp_path):
     config = loaded(tmp_path, CHANNEL)
     assert not config.parallel
     scene = scene_of(config)
@@ -178,7 +178,7 @@ def test_steady_is_what_does_not_change_for_a_tenth_of_the_run():
     assert steady_since(times, np.where(times[:, None] > 0, values[:, :1], np.nan), [1.0]) == pytest.approx(0.35)
 
 
-def test_a_flow_is_steady_once_its_kinetic_energy_has_not_changed_in_the_last_five_moments():
+def test_a_flow_is_steady_once_its_kinetic_energy_stays_constant():
     scene = SimpleNamespace(reference_length=1.0, reference_velocity=2.0, viscous_time=10.0, start_time=0.0)  # 0.5 each
     times = np.linspace(0.0, 10.0, 201)
     energies = np.where(times <= 6.0, 3.0, 3.0 + (times - 6.0))[:, None]

@@ -63,7 +63,7 @@ def test_a_flow_of_several_modes_and_one_that_stops():
         assert np.allclose(mine, its, atol=2e-8 * scale)
 
 
-def test_a_liquid_without_memory():
+def test_an_inelastic_fluid():
     liquid = rheology("power_law", index=0.8, reference_rate=2.0, least_rate=1e-3)
     channel = Channel(**OIL, rheology=liquid)
     # at the reference rate the viscosity is the fluid's; least rate over reference rate, squared: 3e-7

@@ -122,7 +122,7 @@ each_flow = pytest.mark.parametrize("channel", FLOWS.values(), ids=FLOWS)
 
 
 @each_flow
-def test_the_liquid_sticks_to_both_walls(channel):
+def test_the_fluid_sticks_to_both_walls(channel):
     t = np.array([1.0, 3.0, 30.0])
     # 1e-11 of velocities up to 0.6, which the solution of the polymer flow has
     for y, wall in ((0.0, channel.bottom), (GAP, channel.top)):
@@ -178,7 +178,7 @@ def test_couette_poiseuille_is_the_sum_of_both():
 
 
 @pytest.mark.parametrize("fluid", [{}, POLYMER], ids=["newtonian", "polymer"])
-def test_a_stopped_wall_starts_from_the_old_flow_and_ends_in_the_new(fluid):
+def test_a_stopped_wall_goes_from_the_old_flow_to_the_new(fluid):
     settings = {"acceleration": 0.01, "initial_state": "developed", **fluid}
     channel = make_channel(bottom=WallMotion(0.3), top=WallMotion(0.0, before=0.5), **settings)
     old = make_channel(bottom=WallMotion(0.3), top=WallMotion(0.5), **settings)

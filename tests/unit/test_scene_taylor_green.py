@@ -107,7 +107,7 @@ def test_pressure_error_leaves_out_the_mean():
     assert found["l2_pressure"] == pytest.approx(0.1 * scatter, rel=1e-9)  # digits lost to the offset
 
 
-def test_the_guard_lets_a_turning_liquid_pass_and_stops_what_is_no_number():
+def test_the_guard_accepts_rotating_fluid_and_stops_nan():
     scene = make_scene()
     snapshot = make_snapshot(scene, t=50.0)
     guard = Guard(scene)

@@ -23,7 +23,7 @@ def test_a_jump_is_seen_from_before_and_entered_after():
     assert Schedule((0.0, 1.0), (3.0, 3.0)).changes == ()
 
 
-def test_the_way_is_the_area_under_the_velocities():
+def test_the_displacement_is_the_integral_of_the_velocity():
     # triangle, trapezium, triangle
     assert WALL.displacement(np.array([0.0, 0.3, 0.6, 0.9, 1.5])) == pytest.approx([0.0, 0.1, 0.475, 0.775, 0.775])
 

@@ -62,12 +62,12 @@ def test_the_steps_are_those_of_the_documentation(resolved, liquid, accuracy, st
         ("high", "tolerance 3e-07 and Courant number 0.15"),
     ],
 )
-def test_the_steps_of_flows_that_turn_are_those_of_the_documentation(accuracy, steps):
+def test_steps_of_two_dimensional_flows_are_those_of_the_documentation(accuracy, steps):
     _, reason = schemes.resolve(load(VORTEX, (f"scheme={{type: auto, accuracy: {accuracy}}}",)))
     assert reason.endswith(f"accuracy, {steps} a step")
 
 
-def test_a_liquid_with_memory_gets_the_implicit_one_with_steps_of_its_own(resolved):
+def test_a_viscoelastic_fluid_gets_the_implicit_one_with_steps_of_its_own(resolved):
     config, reason = resolved(POLYMER)
     assert reason.startswith("implicit, order 4: balanced accuracy")
     assert config.time.tolerance < resolved()[0].time.tolerance

@@ -75,7 +75,7 @@ FLOWS = {
 }
 
 
-def test_where_the_flow_is_not_known_every_start_costs_the_steps_that_it_takes_to_grow():
+def test_every_start_of_an_unknown_flow_costs_its_growing_steps():
     scene = SimpleNamespace(peak_velocity=1.0, reference_velocity=1.0, bodies=(1,), spacing=0.1, start_time=0.0)
     found = []
     for changes in ((), (2.0,), (0.5,)):
@@ -85,7 +85,7 @@ def test_where_the_flow_is_not_known_every_start_costs_the_steps_that_it_takes_t
     assert found == [round(50 + grow), round(50 + grow), round(50 + 2 * grow)]
 
 
-def test_steps_beyond_those_that_are_looked_at_are_as_long_as_the_last_of_them(tmp_path, monkeypatch):
+def test_steps_after_the_examined_ones_have_the_last_length(tmp_path, monkeypatch):
     """Cylinders that turn steadily: steps grow for a while, and keep their length."""
     flow, liquid = list(FLOWS)[2], "fluid: {density: 1.0, kinematic_viscosity: 1.0}"
     (tmp_path / "case.yaml").write_text(

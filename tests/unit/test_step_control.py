@@ -149,7 +149,7 @@ def test_the_next_step_would_meet_the_tolerance_with_a_margin():
 
 
 @pytest.mark.parametrize("left", [0.3, 0.6])
-def test_a_step_cut_short_to_meet_a_target_does_not_shorten_the_next(left):
+def test_a_step_cut_for_a_target_does_not_shorten_the_next(left):
     control = make(targets=(left, 5.0), first=1.0)
     length = control.choose_dt(0.0)
     assert length == left
@@ -171,7 +171,7 @@ def test_a_half_step_does_not_shorten_the_next():
     assert control.choose_dt(walked) >= 1.0
 
 
-def test_a_step_cut_short_that_was_too_long_all_the_same_shortens_the_next():
+def test_a_cut_step_with_a_large_error_shortens_the_next():
     control = make(targets=(0.3, 5.0), first=1.0)
     assert control.accepts(1.4, 2, 0.3)
     assert control.dt_next < 0.3
@@ -203,7 +203,7 @@ def test_fixed_steps_heed_neither_error_nor_strain():
 
 
 @pytest.mark.parametrize(("taken", "same"), [(0, True), (10, True), (19, True), (20, False), (21, False)])
-def test_goes_on_to_other_targets_and_says_whether_the_old_ones_have_cut_a_step(taken, same):
+def test_new_targets_report_whether_old_ones_have_cut_a_step(taken, same):
     # steps of 0.1 to a target at 1 in both, then to the old end at 2.05, where the last two are cut
     old, fresh = make(targets=(1.0, 2.05), fixed=0.1), make(targets=(1.0, 5.0), fixed=0.1)
     times = [0.0, 0.0]

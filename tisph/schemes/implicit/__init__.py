@@ -2,8 +2,8 @@
 
 The velocities obey u' = nu A u + what walls and drive give, A being least-squares rows of order 2 or 4 in the
 arrangement of the middle of a step (``tisph/least_squares``), closed by ghosts beyond the walls (``_ghosts.py``), and
-are advanced by an implicit method of third order with an error estimate (``schemes/_stages/esdirk.py``). There is a pressure from the
-moment on when the velocities have a divergence that truncation errors do not explain (``_pressure.py``).
+are advanced by an implicit method of third order with an error estimate (``schemes/_stages``). There is a pressure
+from the moment on when the velocities have a divergence that truncation errors do not explain (``_pressure.py``).
 
 That is for flows that are parallel, but for errors. In two-dimensional flow pressure and motion are of third order in
 time, too: ``tisph/schemes/_splitting``.

@@ -77,7 +77,7 @@ def test_a_restart_gives_the_bits_of_going_on(make, tmp_path, overrides):
 
 
 @pytest.mark.parametrize(("jitter", "identical"), [(0.0, True), (1e-6, False)])
-def test_on_a_sheared_lattice_the_layers_solve_the_systems_and_off_it_particles_do(make, jitter, identical):
+def test_layers_solve_the_systems_on_a_sheared_lattice_particles_off_it(make, jitter, identical):
     scheme = make(f"initial.jitter={jitter}", "time.end=1.0")
     solve, counts = scheme.solver.solve, []
     scheme.solver.solve = lambda *numbers: (solve(*numbers), counts.append(scheme.solver.iterations))[0]

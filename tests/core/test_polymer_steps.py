@@ -203,7 +203,7 @@ def model(request, tmp_path):
     return ViscoelasticModel(config.load(path).fluid.rheology, 1.0)
 
 
-def test_the_state_at_a_shear_rate_solves_the_stage_and_the_tangent_is_its_derivative(model):
+def test_the_update_solves_the_stage_and_its_tangent_is_the_derivative(model):
     known = 0.3 * np.random.default_rng(1).uniform(-1.0, 1.0, (model.components, 7))
     rates = np.linspace(-3.0, 3.0, 7)
     state, slope = model.update(known, 0.2, rates, known)

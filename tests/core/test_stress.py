@@ -87,7 +87,7 @@ def test_walls_and_drive_balance_the_momentum_of_a_fluid_that_carries_stress(mak
     assert balance["closure"] < 1e-3  # measured: 3e-5; a liquid whose shear stress does not count leaves 0.3
 
 
-def test_wall_points_start_with_the_stress_of_the_fluid_and_know_their_cells(make):
+def test_wall_points_start_with_the_stress_of_the_fluid_there(make):
     scheme = make(OLDROYD, WALLS, "drive.acceleration=0.3", "initial.state=developed")
     track, channel, columns = scheme.walls.track, scheme.scene, int(view(scheme.lists.cells.columns))
     xx, xy = channel.initial_polymer_stress(np.array([0.0, channel.gap]))

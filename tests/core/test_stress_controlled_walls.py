@@ -90,14 +90,14 @@ def test_either_wall_may_be_the_one(case):
     assert apart(one.velocity, other.velocity[::-1]) < 1e-12
 
 
-def test_images_in_a_massless_wall_have_its_curvature_and_others_their_slope_alone(case):
+def test_images_in_a_massless_wall_use_its_curvature_others_the_slope(case):
     other, massless = layers(*case("time.end=0.1")).walls
     assert massless.second[1] != 0.0
     assert massless.state_excess(1) == (massless.state[1], massless.second[1])
     assert other.state_excess(1) == (other.slope[1], 0.0)
 
 
-def test_the_shear_rate_of_a_shear_thinning_fluid_changes_with_the_stress_on_it(case):
+def test_the_shear_rate_of_a_shear_thinning_fluid_follows_the_stress(case):
     thins = "fluid.rheology={type: power_law, index: 0.5, reference_rate: 1.0, least_rate: 1e-3}"
     wall = layers(*case(thins, "time.end=0.1")).walls.stress_controlled
     moment = SimpleNamespace(stress=lambda t: 1.0 + 2.0 * t)
@@ -112,7 +112,7 @@ def test_the_shear_rate_of_a_shear_thinning_fluid_changes_with_the_stress_on_it(
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_the_velocity_of_a_massless_wall_follows_from_that_near_it_and_its_odd_derivatives(sign):
+def test_a_massless_wall_moves_with_the_fluid_near_it(sign):
     # u = U + s (u_y d + u_yyy d^3 / 6) at the distance d, s the normal's sign: exact for any weights
     distance = np.array([0.1, 0.25, 0.4, 0.7])
     velocity = 2.0 + sign * (0.3 * distance - 1.7 * distance**3 / 6.0)

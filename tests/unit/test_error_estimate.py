@@ -181,7 +181,7 @@ def test_no_error_is_stated_of_what_layers_do_not_know(last, overrides):
 
 
 @pytest.mark.parametrize(("reynolds", "t", "lost"), [(60.6, 0.1, True), (59.4, 0.1, False), (60.6, 1.0, False)])
-def test_the_profile_is_lost_where_layers_mix_more_than_the_wall_layer_holds(case, reynolds, t, lost):
+def test_the_profile_is_lost_where_layers_mix_too_much(case, reynolds, t, lost):
     """Cell Reynolds numbers around STABLE_CELL_RE; layers of a seventh of a spacing, or half of one."""
     config = case(EXPLICIT, COARSE, f"fluid.kinematic_viscosity={0.5 * 0.04 / reynolds}", f"time={{end: {t}}}")
     channel = scenes.of(config)
@@ -198,7 +198,7 @@ def test_steps_and_cost_of_a_run_end_at_its_last_sample(case, scheme, cost, over
 
 
 @pytest.mark.parametrize(("viscosity", "known"), [(0.0205, True), (0.0195, False)])  # 9.8, 10.3
-def test_steps_of_disordered_polymer_are_a_guess_where_the_solvent_has_little_viscosity(case, viscosity, known):
+def test_steps_of_disordered_polymer_in_a_thin_solvent_are_a_guess(case, viscosity, known):
     flow = case(IMPLICIT, COARSE, OLDROYD_B, f"fluid.kinematic_viscosity={viscosity}", DISORDER)
     assert estimates(flow)["samples"][-1].steps_reliable == known
 

@@ -52,7 +52,7 @@ def lines(monkeypatch):
     return run
 
 
-def test_a_very_short_run_has_history_lines_at_a_tenth_and_the_end(lines):
+def test_a_very_short_run_prints_progress_at_a_tenth_and_the_end(lines):
     assert lines(0.5) == [10, 100]
 
 

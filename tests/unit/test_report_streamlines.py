@@ -76,7 +76,7 @@ def test_lines_between_cylinders_are_circles_and_none_is_within_a_body(annulus):
     assert flow / between == pytest.approx((np.arange(10) + 0.5) / 10, abs=0.02)
 
 
-def test_lines_lie_on_the_fluid_in_a_frame_and_are_not_seen_within_bodies(annulus):
+def test_streamlines_cover_the_fluid_and_not_the_bodies(annulus):
     scene, snapshot = annulus
     plain, lined = (FrameRenderer(scene, make_video(overlay=each), "", END) for each in ("none", "streamlines"))
     changed = np.any(lined.render(snapshot) != plain.render(snapshot), axis=2)[plain.layout.box.slices]

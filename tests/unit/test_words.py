@@ -142,3 +142,10 @@ def test_names_are_those_of_the_field():
         f"{path.relative_to(ROOT)}: {name}, say {NAMES[name]}" for path in used for name in used[path] & set(NAMES)
     ]
     assert not found
+
+
+def test_names_of_tests_have_at_most_a_dozen_words():
+    names = [
+        name for path in ROOT.glob("tests/*/*.py") for name in re.findall(r"def test_(\w+)", path.read_text("utf-8"))
+    ]
+    assert [name for name in names if name.count("_") > 11] == []

@@ -16,8 +16,8 @@ from tisph.runtime._cache import CACHE, CACHE_BYTES, WRITTEN_SECONDS, unlock
 from tisph.runtime._clock import compile_seconds
 from tisph.runtime._fields import holding, integer, real, scalar, view
 from tisph.runtime._loops import unrolled
-from tisph.runtime._package import ti
 from tisph.runtime._program import foreign_program, program
+from tisph.runtime._taichi import ti
 from tisph.runtime._threads import available_threads, processors_shared
 
 _clock.install()

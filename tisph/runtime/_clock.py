@@ -6,9 +6,9 @@ No part of Taichi is replaced for it: two methods of its kernels are timed.
 import functools
 import time
 
-from tisph.runtime import _package
+from tisph.runtime._taichi import kernel_class
 
-Kernel, _TRANSLATED = _package.kernel_class()
+Kernel, _TRANSLATED = kernel_class()
 _spent = 0.0
 _timing = False
 _unlaunched = set()

@@ -9,7 +9,7 @@ from math import prod
 
 import numpy as np
 
-from tisph.runtime._package import ti
+from tisph.runtime._taichi import ti
 
 _real = None
 _program = 0

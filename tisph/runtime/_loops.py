@@ -1,6 +1,6 @@
 """What a kernel says about its loops beside what Taichi has for it."""
 
-from tisph.runtime._package import ti
+from tisph.runtime._taichi import ti
 
 
 @ti.func

@@ -3,7 +3,6 @@
 The two differ in their names alone: everything that tisph uses has the same name and meaning in both.
 """
 
-import importlib
 import os
 from importlib import metadata
 from importlib.util import find_spec
@@ -24,16 +23,7 @@ os.environ.update(
     }
 )
 
-ti = importlib.import_module(NAME)  # it reads the environment
-
 
 def version():
     """Return the version of the package that is installed."""
     return metadata.version(NAME)
-
-
-def kernel_class():
-    """Return the class of kernels, and the name of its dictionary of those that have been translated."""
-    if NAME == "taichi":
-        return importlib.import_module("taichi.lang.kernel_impl").Kernel, "compiled_kernels"
-    return importlib.import_module("quadrants.lang.kernel").Kernel, "materialized_kernels"

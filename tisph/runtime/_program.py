@@ -1,6 +1,6 @@
 """Whose Taichi program is in this process: there is one at most, and whoever starts another ends it."""
 
-from tisph.runtime._package import ti
+from tisph.runtime._taichi import ti
 
 
 def mark():

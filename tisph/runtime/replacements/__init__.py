@@ -5,36 +5,18 @@ than the one they were written for, with Quadrants, and with the environment var
 changes how long a run takes and nothing else.
 """
 
-import os
+from tisph.runtime.replacements._switch import OFF, SWITCH, VERSION
 
-from tisph.runtime import _package
-
-VERSION = "1.7.4"
-"""Of Taichi, for which they were written."""
-
-SWITCH = "TISPH_PLAIN_TAICHI"
-
-
-def _reason():
-    """Tell why nothing is replaced; None where the replacements are on."""
-    if os.environ.get(SWITCH, "0") not in ("", "0"):
-        return f"no part of it is replaced, by {SWITCH}"
-    if _package.NAME != "taichi" or _package.version() != VERSION:
-        return f"no part of it is replaced: what starts sooner was written for taichi {VERSION}; results are the same"
-    return None
-
-
-OFF = _reason()
-"""Why nothing is replaced; None where the replacements are on."""
+__all__ = ["OFF", "SWITCH", "VERSION", "begin", "install"]
 
 
 def install():
     """Put all replacements in their places."""
     if OFF:
         return
-    from tisph.runtime.replacements import _launches, _loops, _memory, _sources, _translation
+    from tisph.runtime.replacements import _frames, _launches, _loops, _memory, _sources, _translation
 
-    for part in (_launches, _loops, _memory, _sources, _translation):
+    for part in (_frames, _launches, _loops, _memory, _sources, _translation):
         part.install()
 
 

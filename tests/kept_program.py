@@ -88,6 +88,7 @@ def zero(field):
     """Leave a field as if it were new."""
     runtime.view(field)[...] = 0
     vars(field).pop("used", None)
+    vars(field).pop("_kept_view")  # as of a new field, whose first view lets fields have their first values
 
 
 def alike(one, other):

@@ -9,7 +9,7 @@ from tisph.geometry.body import Body
 from tisph.geometry.box import box_around
 from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, WallMotion
-from tisph.geometry.packing import fill
+from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
 from tisph.schemes._splitting._problem import BoundedProblem
 from tisph.schemes._splitting._scheme import COURANT, Scheme
@@ -31,13 +31,13 @@ def make(turning=(1.0, 0.0), centre=(0.0, 0.0), angle=0.0, acceleration=(0.0, 0.
     bodies = [Body(shape, centre, angle, motion) for shape, motion in zip(shapes, motions, strict=True)]
     spacing, corner = (OUTER - INNER) / ACROSS, (-OUTER, -OUTER)
     still = tuple(Body(shape) for shape in shapes)
-    places = fill(Region(still, corner, (OUTER, OUTER)), spacing, 0.2)
+    places = pack(Region(still, corner, (OUTER, OUTER)), spacing, 0.2)
     cosine, sine = math.cos(angle), math.sin(angle)
     places = places @ np.array([[cosine, sine], [-sine, cosine]]) + centre
     extent = np.add(centre, corner), np.subtract(centre, corner)
     box = box_around(extent, spacing, (False, False), 0.8)
     flow = BoundedProblem(
-        liquid=len(places),
+        n_fluid=len(places),
         walls=WallPoints(bodies, spacing, box.origin),
         density=1.0,
         kinematic_viscosity=viscosity,

@@ -70,7 +70,7 @@ def test_a_divergence_stretches_no_polymer():
         shown = (gradients + 0.5 * divergence * np.array([[1.0], [0.0], [0.0], [1.0]])).T
         polymer.measure = lambda velocity, shown=shown: view(polymer.gradient)[:144].__setitem__(..., shown)
         polymer.find(None)
-        found.append(polymer.found.copy())
+        found.append(polymer.state.copy())
     assert found[1] == pytest.approx(found[0], abs=1e-12 * np.abs(found[0]).max())
 
 

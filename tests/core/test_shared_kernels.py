@@ -23,7 +23,7 @@ def use(scheme):
         scheme.boundaries.wall_forces(scheme.now)
     else:
         scheme.advance()  # the first step does not shift
-        scheme.project(scheme.time, 1.0)
+        scheme.project(1.0)
         scheme.field.stretch(1.0)
         scheme.advance()
     scheme.snapshot()

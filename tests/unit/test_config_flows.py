@@ -140,11 +140,11 @@ BAD = [
     ([POLYMER, "scheme.operators=standard"], 'scheme.operators = "standard"', "oldroyd_b needs the velocity gradient"),
     ([POLYMER, SWINGING, "initial.state=developed"], 'initial.state = "developed"', "no periodic flow is built in"),
     (["walls.top={shear_stress: 1, velocity: 1}"], "walls.top.shear_stress = 1.0", EXACTLY_ONE + "velocity and shear"),
-    (["walls.top={mass_per_area: 1}"], "walls.top.mass_per_area = 1.0", "is only for a wall that is driven"),
+    (["walls.top={mass_per_area: 1}"], "walls.top.mass_per_area = 1.0", "is only for a stress-controlled wall"),
     (
         ["walls.top={velocity: 1, mass_per_area: 1}"],
         "walls.top.mass_per_area = 1.0",
-        "is only for a wall that is driven",
+        "is only for a stress-controlled wall",
     ),
     (["walls.top={shear_stress: 1, phase: sin}"], 'walls.top.phase = "sin"', ONLY_SWINGING),
     (["walls.top={shear_stress: 1, times: [0]}"], "walls.top.times = [0.0]", "is only for a wall with stresses"),
@@ -155,11 +155,11 @@ BAD = [
         "must be as many times, ascending from 0 on, as there are",
     ),
     (["walls.top={stresses: [1, 0], times: [1, 0]}"], "walls.top.times = [1.0, 0.0]", "must ascend from 0 on"),
-    ([DRIVEN, "walls.bottom={shear_stress: 1}"], "walls.top", "must have a velocity where a stress drives the bottom"),
+    ([DRIVEN, "walls.bottom={shear_stress: 1}"], "walls.top", "must have a velocity if the bottom wall is stress-controlled"),
     (
         [DRIVEN, "initial={state: developed}"],
         'initial.state = "developed"',
-        "must be rest where a stress drives a wall",
+        "must be rest where a wall is stress-controlled",
     ),
     (
         ["walls.top={velocities: [1, 0]}"],

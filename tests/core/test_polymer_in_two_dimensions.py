@@ -1,4 +1,4 @@
-"""Polymer stress where the flow turns: along particles and points of walls, in the implicit scheme between walls."""
+"""Polymer stress in two-dimensional flow: along particles and points of walls, in the implicit scheme between walls."""
 
 import math
 import re
@@ -22,7 +22,7 @@ from tisph.neighbours.point_cloud import active
 from tisph.rheology import giesekus, oldroyd_b
 from tisph.runtime import view
 from tisph.scenes._annulus.flow import cartesian
-from tisph.schemes._splitting import _polymer
+from tisph.schemes._splitting import _viscoelastic_stress
 from tisph.schemes._splitting._wall_points import WallPoints
 from tisph.simulation import checkpoint
 from tisph.simulation.start import start_values
@@ -163,13 +163,13 @@ def test_stress_follows_a_shift():
     moved = np.zeros_like(place)
     moved[:liquid] = np.random.default_rng(1).uniform(-0.02, 0.02, (liquid, 2))
     view(scheme.shift.moved)[: flow.particles] = moved
-    polymer.slope()
+    polymer.level_gradients()
     polymer.remap()
     assert np.abs(active(polymer.tensors) - field(place + moved)[:, None]).max() < 2e-5
 
 
 def test_stress_without_resolution_is_named_with_its_place(monkeypatch):
-    monkeypatch.setattr(_polymer, "MAX_LOG_JUMP", 0.5)
+    monkeypatch.setattr(_viscoelastic_stress, "MAX_LOG_JUMP", 0.5)
     scheme = started(*make(turning=STILL))
     scheme.polymer.states[:, 0, 7] = 2.0
     place = view(scheme.points.position)[7] + scheme.problem.origin
@@ -186,7 +186,7 @@ def test_samples_say_how_steep_the_stress_is():
     place = view(scheme.points.position)[: flow.particles]
     scheme.polymer.states[:, 0] = 2.0 * place[:, 0]
     scheme.polymer.states[:, 1] = place[:, 1]
-    scheme.polymer.slope()
+    scheme.polymer.level_gradients()
     assert scheme.polymer.log_jump()[0] == pytest.approx(
         math.sqrt(6.0) * flow.spacing, rel=6e-5
     )  # (reach/radius)^5/120

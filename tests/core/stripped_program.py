@@ -14,7 +14,7 @@ import sys
 from collections import Counter, deque
 from pathlib import Path
 
-FLAGS = ("carries_stress", "tracks_walls", "limits_tension", "has_artificial_viscosity", "driven", "oscillates")
+FLAGS = ("carries_stress", "tracks_walls", "limits_tension", "has_artificial_viscosity", "has_body_force", "oscillates")
 """Attributes that compile in polymer stress, tension limit, artificial viscosity, body acceleration, moving walls."""
 
 STEPS = 60

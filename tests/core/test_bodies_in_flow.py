@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from tisph.scenes._cell.diagnostics import diagnostics
 
 from tisph import config, runtime, scenes, schemes
+from tisph.scenes._cell.diagnostics import diagnostics
 from tisph.simulation.start import start_values
 
 CELL = """

@@ -24,7 +24,7 @@ def use(scheme):
     else:
         scheme.advance()  # the first step does not shift
         scheme.project(1.0)
-        scheme.field.stretch(1.0)
+        scheme.field.advance_volumes(1.0)
         scheme.advance()
     scheme.snapshot()
     scheme.numbers()

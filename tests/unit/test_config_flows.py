@@ -155,7 +155,11 @@ BAD = [
         "must be as many times, ascending from 0 on, as there are",
     ),
     (["walls.top={stresses: [1, 0], times: [1, 0]}"], "walls.top.times = [1.0, 0.0]", "must ascend from 0 on"),
-    ([DRIVEN, "walls.bottom={shear_stress: 1}"], "walls.top", "must have a velocity if the bottom wall is stress-controlled"),
+    (
+        [DRIVEN, "walls.bottom={shear_stress: 1}"],
+        "walls.top",
+        "must have a velocity if the bottom wall is stress-controlled",
+    ),
     (
         [DRIVEN, "initial={state: developed}"],
         'initial.state = "developed"',

@@ -35,7 +35,8 @@ walls, and lattice bounds the error at 50 across of the wall that moves. The vor
 tests/core/test_splitting.py, its order too, and taylor_green_25 is a row of it. What walls of any shape cost 12 and 25
 across is in tests/core/test_curved_walls.py and annulus_25; the steady flow under a regular lid and the sharp lid are
 in tests/core/test_cavity.py; a coarser cylinder is held in shear in tests/core/test_bodies_in_flow.py, to the same
-stress of the walls; between the same cylinders a Giesekus liquid starts in tests/core/test_polymer_in_two_dimensions.py.
+stress of the walls; between the same cylinders a Giesekus fluid starts in
+tests/core/test_polymer_in_two_dimensions.py.
 What the two laws say in kernels is compared with NumPy in tests/core/test_laws_in_kernels.py, that with the literature
 in tests/unit/test_laws.py; how a law is stepped is in other rows here, and two modes in
 tests/core/test_polymer_steps.py, to the same bound."""

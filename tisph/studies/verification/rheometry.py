@@ -13,14 +13,14 @@ BOUND = 1e-3
 WALLS = {
     "creep": {"shear_stress": 1.0},
     "recovery": {"times": [0.0, 1.0], "stresses": [1.0, 0.0]},
-    "free_oscillation": {"shear_stress": 1.0, "mass_per_area": 1.0},
+    "ringing": {"shear_stress": 1.0, "mass_per_area": 1.0},
     "step_strain": {"times": [0.0, 0.2, 0.2], "velocities": [1.0, 1.0, 0.0]},
     "rising_rate": {"times": [0.0, 3.0], "velocities": [0.0, 3.0]},
 }
 TIMES = {
     "creep": (0.5, 1.0, 3.0),
     "recovery": (1.0, 1.5, 3.0),
-    "free_oscillation": (0.5, 1.0, 3.0),
+    "ringing": (0.5, 1.0, 3.0),
     "step_strain": (0.5, 1.0, 3.0),
     "rising_rate": (0.5, 1.0, 3.0),
 }
@@ -30,7 +30,7 @@ def runs(quick):
     """Configs by run name: what drives the upper wall."""
     base = merged(flows.NEWTONIAN, flows.oldroyd_b(), {"scheme": {"type": "implicit"}})
     if quick:
-        return {"ringing_25": _config(base, "free_oscillation", (1.0,), across(25))}
+        return {"ringing_25": _config(base, "ringing", (1.0,), across(25))}
     return {name: _config(base, name, TIMES[name]) for name in WALLS}
 
 

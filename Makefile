@@ -20,10 +20,9 @@ test: .venv/test-ready
 	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 
 # What shows that nothing depends on the replaced parts of Taichi, nor on Taichi: the quick verification, and core tests
-# of every scheme, of restarts, threads and kernels, which start Taichi anew each time.
-CORE := tests/core/test_runtime.py tests/core/test_run.py tests/core/test_restart.py tests/core/test_implicit.py \
-	tests/core/test_neighbours.py tests/core/test_operators.py tests/core/test_walls.py tests/core/test_cavity.py \
-	tests/core/test_explicit_box.py tests/core/test_laws_in_kernels.py
+# that start Taichi anew for each case and never use two programs at once.
+CORE := tests/core/test_runtime.py tests/core/test_operators.py tests/core/test_cavity.py \
+	tests/core/test_laws_in_kernels.py
 PYTEST := -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 
 # The same without any replaced part of Taichi.

@@ -58,6 +58,15 @@ def test_a_drive_alone_moves_the_fluid(case, sign):
     assert config.drive.acceleration == sign * 0.02
 
 
+@pytest.mark.parametrize("bodies", ["", "bodies: [{centre: [1.0, 0.5], radius: 0.2}]\n"])
+def test_walls_of_a_driven_channel_are_at_rest_unless_said(tmp_path, bodies):
+    path = tmp_path / "driven.yaml"
+    path.write_text(DRIVEN_CHANNEL + bodies)
+    assert load(path) == load(path, ["walls.bottom.velocity=0", "walls.top.velocity=0"])
+    with pytest.raises(ConfigError, match="nothing moves"):
+        load(path, ["drive.acceleration=0"])
+
+
 def test_polymer(case):
     rheology = case(POLYMER, "output.video={color_by: shear_stress}").fluid.rheology
     assert (rheology.type, rheology.relaxation_time, rheology.solvent_fraction) == ("oldroyd_b", 2.0, 0.1)
@@ -93,6 +102,13 @@ def test_single_precision_needs_half_the_memory_for_numbers(case):
     assert whole - half == pytest.approx(1e5 * 4 * REALS[False])
 
 
+DRIVEN_CHANNEL = """
+scene: channel
+fluid: {density: 1.0, kinematic_viscosity: 0.1}
+geometry: {gap: 1.0, length: 2.0}
+drive: {acceleration: 0.5}
+time: {end: 1.0}
+"""
 DRIVEN = "walls.top={shear_stress: 1}"
 SCHEDULED = "walls.top={times: [0, 1], velocities: [0, 1]}"
 ONLY_STEADY = "is only for a wall of constant velocity; this one oscillates"

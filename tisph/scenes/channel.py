@@ -134,7 +134,7 @@ class Config(schema.Config):
     """A whole run in the channel."""
 
     geometry: Geometry
-    walls: Walls
+    walls: Walls = Walls()
     drive: Drive = Drive()
     bodies: Bodies = ()
     initial: Initial = Initial()

@@ -1,12 +1,13 @@
 """What `tisph check` states of runs that were measured: the factors it is held to, and the table that prints them.
 
-``data/measured.json`` is from ``estimates.json`` of ``tisph verify --estimates --quick``, ``data/cells.json`` what that
+``data/measured.json`` is from ``estimates.json`` of ``benchmarks/estimates.py --quick``, ``data/cells.json`` what that
 of all cells has of those with a reference; ``data/matrix.json`` are the errors that docs/stability.md prints, to one
 digit, of cells at the end of their runs, with that end.
 """
 
 import functools
 import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -16,11 +17,13 @@ from tisph.cli.check import estimates, forecast
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.schemes._error_estimate import SampleEstimate, off_layers
-from tisph.studies import estimates as study
 from tisph.studies import processes
 from tisph.studies.stability import matrix
 from tisph.studies.stability.cells import FLOWS, Cell
 from tisph.studies.store import config_text
+
+sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
+import estimates as study
 
 DATA = Path(__file__).parent / "data"
 CONFIGS = Path(__file__).resolve().parents[2] / "configs"
@@ -201,6 +204,6 @@ def test_the_table_names_the_worst_sample_and_fails_with_it(monkeypatch, tmp_pat
 
 def test_without_configs_there_is_nothing_to_compare(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(study, "__file__", str(tmp_path / "a" / "b" / "c.py"))
+    monkeypatch.setattr(study, "__file__", str(tmp_path / "benchmarks" / "estimates.py"))
     with pytest.raises(ConfigError, match="configs"):
         study.run(tmp_path / "out", forecast, 1)

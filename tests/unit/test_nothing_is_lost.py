@@ -17,8 +17,9 @@ from tisph.config.schema import FORMER_KEYS
 
 DATA = Path(__file__).parent / "data"
 FAMILIES = ["walls", "schemes", "rheology", "bodies"]
-GONE = {"bench": {"name"}}
-"""What became scripts in ``benchmarks/``: names of benchmarks other than frontier are no argument's values any more."""
+GONE = {"bench": {"name"}, "verify": {"--estimates"}}
+"""What became scripts in ``benchmarks/``: names of benchmarks other than frontier are no argument's values any more,
+and estimates of ``tisph check`` are compared with runs by ``benchmarks/estimates.py``."""
 
 
 def commands():

@@ -19,18 +19,13 @@ def verify(
     walls: Annotated[
         bool, typer.Option("--walls", help="All wall treatments in all flows, and which one is recommended.")
     ] = False,
-    estimates: Annotated[
-        bool,
-        typer.Option("--estimates", help="What tisph check predicts, against runs: all configs, stability cells."),
-    ] = False,
     out: Annotated[
         Path | None,
         typer.Option(
             "--out",
             metavar="DIR",
             parser=folder_name,
-            help=f"With --walls: folder of its results [default: {WALLS_FOLDER}]; with --estimates [default: that of "
-            "tisph stability].",
+            help=f"With --walls: folder of its results [default: {WALLS_FOLDER}].",
         ),
     ] = None,
 ) -> None:
@@ -38,9 +33,8 @@ def verify(
 
     Prints a table of case, error, bound, pass or FAIL; exit status 1 on a FAIL. With --walls a table of wall
     treatments, with a picture and all numbers in DIR, where finished runs are kept: an interrupted comparison goes
-    on with the same command. With --estimates a line for each run, of the sample whose error is predicted worst: errors
-    within a factor of 3 (10 where the sample is not resolved), steps within 1.5. The whole suite ends with the errors
-    that runs state of themselves (tisph run --estimate-error), over the true ones.
+    on with the same command. The whole suite ends with the errors that runs state of themselves (tisph run
+    --estimate-error), over the true ones.
 
     \b
     Examples:
@@ -48,15 +42,12 @@ def verify(
       tisph verify
       tisph verify --page
       tisph verify --walls
-      tisph verify --estimates --quick
     """
-    if walls + page + estimates > 1:
-        raise ConfigError("--walls, --page and --estimates exclude one another")
-    if out and not (walls or estimates):
-        raise ConfigError("--out is for --walls and --estimates only: nothing else leaves results")
-    if estimates:
-        passed = _estimates(out, quick)
-    elif walls:
+    if walls and page:
+        raise ConfigError("--walls and --page exclude one another")
+    if out and not walls:
+        raise ConfigError("--out is for --walls only: nothing else leaves results")
+    if walls:
         from tisph.studies import walls as comparison
 
         passed = comparison.run(out or WALLS_FOLDER, quick=quick)
@@ -66,13 +57,3 @@ def verify(
         passed = suite.run(quick=quick, page=page)
     if not passed:
         raise typer.Exit(1)
-
-
-def _estimates(out: Path | None, quick: bool) -> bool:
-    from tisph import runtime
-    from tisph.cli.check import forecast
-    from tisph.cli.stability import FOLDER
-    from tisph.studies import estimates as comparison
-
-    default = FOLDER.with_name("stress-quick") if quick else FOLDER
-    return comparison.run(out or default, forecast, runtime.available_threads(), quick=quick)

@@ -1,7 +1,7 @@
 """The engine of everything that runs many configs: processes, kept runs, a bar on a terminal.
 
-Sweeps, the stability matrix, the comparison of wall treatments and that of estimates give it configs by name. A run
-that has ended once, with this config and this code, is not run again: an interrupted command goes on where it was.
+Sweeps, the stability matrix and the comparison of wall treatments give it configs by name. A run that has ended once,
+with this config and this code, is not run again: an interrupted command goes on where it was.
 """
 
 import time

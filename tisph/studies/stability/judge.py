@@ -31,7 +31,7 @@ t* = 1: what disorder may change at the start.
 """
 
 PREDICTED_FACTOR = 3.0
-"""Error over the predicted one up to which the prediction was right (``tisph verify --estimates``)."""
+"""Error over the predicted one up to which the prediction was right (``benchmarks/estimates.py``)."""
 
 SILENT, WARNED, LARGEST = 2e-2, 0.1, 0.2
 """A finished run is a silent failure if its error is above the predicted one times ``PREDICTED_FACTOR`` and above the

@@ -1,11 +1,16 @@
 """What ``tisph check`` predicts against what runs find: error and steps of every sample, of configs and cells.
 
-Every run is a process of its own on one thread; those of the cells are the runs of ``tisph stability``, kept in the
-same folder and used by both.
+    python benchmarks/estimates.py [--quick] [--out DIR]
+
+prints a line for each run, of the sample whose error is predicted worst, and ends with status 1 where one is off:
+errors are to be within a factor of 3 (10 where the sample is not resolved), steps within 1.5. Every run is a process of
+its own on one thread; those of the cells are the runs of ``tisph stability``, kept in the same folder.
 """
 
+import argparse
 import json
 import math
+import sys
 import tempfile
 from contextlib import closing
 from dataclasses import dataclass
@@ -15,6 +20,8 @@ from pathlib import Path
 from rich.console import Console
 from ruamel.yaml import YAML
 
+from tisph import runtime
+from tisph.cli import check, stability
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.studies.engine import Engine
@@ -92,6 +99,20 @@ class Case:
     refusal: str | None = None
 
 
+def main():
+    """Read the arguments, compare, and tell by the exit status whether nothing fails."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="the cells of tisph stability --quick")
+    parser.add_argument("--out", metavar="DIR", help="results [default: the folder of tisph stability]")
+    given = parser.parse_args()
+    default = stability.FOLDER.with_name("stress-quick") if given.quick else stability.FOLDER
+    try:
+        passed = run(given.out or default, check.forecast, runtime.available_threads(), given.quick)
+    except ConfigError as error:
+        sys.exit(f"error: {error}")
+    sys.exit(not passed)
+
+
 def run(folder, forecast, processes, quick=False):
     """Print the table of all cases (``quick``: those of ``tisph stability --quick``) and leave numbers in ``folder``.
 
@@ -127,7 +148,7 @@ def _run(folder, forecast, processes, quick):
 
 def _configs(forecast):
     """Yield a ``Case`` for every config in ``configs`` of the working directory or of the checkout with this file."""
-    roots = (Path.cwd(), Path(__file__).resolve().parents[2])
+    roots = (Path.cwd(), Path(__file__).resolve().parents[1])
     paths = next((found for root in roots if (found := sorted((root / "configs").glob("*.yaml")))), None)
     if not paths:
         raise ConfigError("configs/*.yaml not found: run this from a checkout of the source")
@@ -170,3 +191,7 @@ def _measured(case, summary):
     kept = ("t", "step", "rms", "resolved")
     samples = [{key: each[key] for key in kept} for each in summary["samples"]]
     return {"end": case.config["time"]["end"], "status": summary["status"], "samples": samples}
+
+
+if __name__ == "__main__":
+    main()

@@ -6,7 +6,6 @@ import numpy as np
 
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
-from tisph.scenes._motion import PolymerParameters
 from tisph.scenes._scene import Scene
 from tisph.snapshot import STRESSES
 
@@ -16,15 +15,7 @@ pushes cancel there."""
 
 
 class BodyScene(Scene):
-    """A scene with ``bodies``: fluid around them, and within them where the box is not ``periodic``.
-
-    ``rheology`` has all numbers of the fluid's polymer; it is None without.
-    """
-
-    @property
-    def polymer(self):
-        """The numbers of the polymer by which times are told, None without."""
-        return PolymerParameters.of(self.rheology)
+    """A scene with ``bodies``: fluid around them, and within them where the box is not ``periodic``."""
 
     def initial(self, x, y):
         """Rest, without stress."""

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -41,11 +40,6 @@ class Cavity(BodyScene):
     height: float
     velocity: float
     regular: bool
-    density: float
-    kinematic_viscosity: float
-    spacing: float
-    units: Any
-    rheology: Any = None
 
     periodic = (False, False)
     flow_quantities = ("u_extreme", "v_min", "v_max", "kinetic_energy")
@@ -54,15 +48,11 @@ class Cavity(BodyScene):
     def from_config(cls, config):
         """The scene that a validated config describes."""
         return cls(
+            **cls.fluid_of(config),
             width=config.geometry.width,
             height=config.geometry.height,
             velocity=config.walls.lid.velocity,
             regular=config.walls.lid.profile == "regular",
-            density=config.fluid.density,
-            kinematic_viscosity=config.kinematic_viscosity,
-            spacing=config.spacing,
-            units=config.units,
-            rheology=config.fluid.polymer,
         )
 
     @property

@@ -7,13 +7,16 @@ what it leaves out of the rest has the answer of a fluid at rest in a periodic b
 """
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from tisph.scenes._motion import PolymerParameters
 from tisph.scenes._views import MovieView, Profile, TimeSeries
 
 
+@dataclass(frozen=True, kw_only=True)
 class Scene:
     """A fluid in the box 0 <= x <= width, 0 <= y <= height; every number in the config's units."""
 
@@ -26,20 +29,17 @@ class Scene:
     spacing: float
     """Distance between neighbouring particles at the start."""
 
-    columns: int
-    """Particles along x at the start, in a box without ``bodies``."""
-
-    rows: int
-    """Particles along y at the start, in a box without ``bodies``."""
-
     units: Any
     """``config.schema.Units``: labels of the units for plots and tables."""
 
-    polymer = None
-    """Relaxation time and solvent fraction (``_motion.PolymerParameters``) of a fluid with polymer."""
+    rheology: Any = None
+    """Parameters of the fluid's polymer, None without; in a channel those of every fluid that is not Newtonian."""
 
-    rheology = None
-    """Parameters of the fluid, where more is needed of them than viscosity and ``polymer``."""
+    columns: int = 0
+    """Particles along x at the start, in a box without ``bodies``."""
+
+    rows: int = 0
+    """Particles along y at the start, in a box without ``bodies``."""
 
     start_time = 0.0
     """Time at which the run's clock starts."""
@@ -93,6 +93,22 @@ class Scene:
     def from_config(cls, config: Any) -> "Scene":
         """The scene that a validated config describes."""
         raise NotImplementedError
+
+    @staticmethod
+    def fluid_of(config: Any) -> dict[str, Any]:
+        """The fluid, spacing and units that a validated config describes, as arguments of a scene."""
+        return {
+            "density": config.fluid.density,
+            "kinematic_viscosity": config.kinematic_viscosity,
+            "spacing": config.spacing,
+            "units": config.units,
+            "rheology": config.fluid.polymer,
+        }
+
+    @property
+    def polymer(self):
+        """Relaxation time and solvent fraction of a fluid with polymer, by which times are told; None without."""
+        return PolymerParameters.of(self.rheology)
 
     @property
     def extent(self):

@@ -13,7 +13,7 @@ Minion, J. Comput. Phys. 122 (1995) 165-183 (thick layers: L/30 at a Reynolds nu
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
@@ -22,7 +22,6 @@ from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem
 from tisph.scenes import _two_dimensional
 from tisph.scenes._initial import fluid_problems
-from tisph.scenes._motion import PolymerParameters
 from tisph.scenes._scene import Scene as AnyScene
 from tisph.snapshot import STRESSES
 
@@ -90,13 +89,6 @@ class Scene(AnyScene):
     speed: float
     thickness: float
     perturbation: float
-    density: float
-    kinematic_viscosity: float
-    spacing: float
-    columns: int
-    rows: int
-    units: Any
-    rheology: Any = None
 
     flow_quantities = ("kinetic_energy", "dissipation")
 
@@ -104,23 +96,14 @@ class Scene(AnyScene):
     def from_config(cls, config):
         """The scene that a validated config describes."""
         return cls(
+            **cls.fluid_of(config),
             length=config.geometry.length,
             speed=config.initial.velocity,
             thickness=config.initial.thickness,
             perturbation=config.initial.perturbation,
-            density=config.fluid.density,
-            kinematic_viscosity=config.kinematic_viscosity,
-            spacing=config.spacing,
             columns=config.columns,
             rows=config.rows,
-            units=config.units,
-            rheology=config.fluid.polymer,
         )
-
-    @property
-    def polymer(self):
-        """The numbers of the polymer by which times are told, None without."""
-        return PolymerParameters.of(self.rheology)
 
     @property
     def extent(self):

@@ -6,7 +6,7 @@ velocity. The fluid is a Newtonian one. See ``tisph/exact/taylor_green.py`` for 
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
@@ -75,12 +75,6 @@ class Scene(AnyScene):
     length: float
     cells: tuple[int, int]
     speed: float
-    density: float
-    kinematic_viscosity: float
-    spacing: float
-    columns: int
-    rows: int
-    units: Any
 
     fields = ("u", "v", "pressure")
     flow_quantities = ("kinetic_energy", "dissipation")
@@ -89,15 +83,12 @@ class Scene(AnyScene):
     def from_config(cls, config):
         """The scene that a validated config describes."""
         return cls(
+            **cls.fluid_of(config),
             length=config.geometry.length,
             cells=config.geometry.cells,
             speed=config.initial.velocity,
-            density=config.fluid.density,
-            kinematic_viscosity=config.kinematic_viscosity,
-            spacing=config.spacing,
             columns=config.columns,
             rows=config.rows,
-            units=config.units,
         )
 
     @property

@@ -3,7 +3,6 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -24,7 +23,6 @@ class Annulus(BodyScene):
     """Two cylinders around ``centre`` that turn as ``inner`` and ``outer`` say; every number in the config's units.
 
     ``initial_state`` is ``rest``, ``developed`` or ``exact`` (the flow that began at t = 0, at ``start_time``).
-    ``kinematic_viscosity`` is the total one, of solvent and polymer.
     """
 
     inner_radius: float
@@ -32,13 +30,8 @@ class Annulus(BodyScene):
     centre: tuple[float, float]
     inner: WallMotion | Schedule
     outer: WallMotion | Schedule
-    density: float
-    kinematic_viscosity: float
-    spacing: float
     initial_state: str
     start_time: float
-    units: Any
-    rheology: Any = None
 
     periodic = (False, False)
     flow_quantities = ("torque_inner", "torque_outer")
@@ -49,18 +42,14 @@ class Annulus(BodyScene):
         """The scene that a validated config describes."""
         inner, outer = (_turning_of(wall) for wall in (config.walls.inner, config.walls.outer))
         return cls(
+            **cls.fluid_of(config),
             inner_radius=config.geometry.inner_radius,
             outer_radius=config.geometry.outer_radius,
             centre=config.geometry.centre,
             inner=inner,
             outer=outer,
-            density=config.fluid.density,
-            kinematic_viscosity=config.kinematic_viscosity,
-            spacing=config.spacing,
             initial_state=config.initial.state,
             start_time=config.start_time,
-            units=config.units,
-            rheology=config.fluid.polymer,
         )
 
     @property

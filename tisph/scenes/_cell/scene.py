@@ -3,7 +3,6 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -26,33 +25,24 @@ class Cell(BodyScene):
     size: tuple[float, float]
     names: tuple[str, ...]
     count: int
-    density: float
-    kinematic_viscosity: float
-    spacing: float
-    units: Any
     bodies: tuple = ()
     periodic: tuple[bool, bool] = (True, True)
     origin: tuple[float, float] = (0.0, 0.0)
     acceleration: float = 0.0
     planes: tuple = ()
-    rheology: Any = None
 
     @classmethod
     def around(cls, config, bodies, walls, **others):
         """The scene of a ``config`` with these ``bodies`` in the fluid, and ``walls`` by their names."""
         numbers = ("",) if len(bodies) == 1 else tuple(f"_{index}" for index in range(len(bodies)))
         return cls(
+            **cls.fluid_of(config),
             size=config.extent,
             names=(*numbers, *(f"_{name}" for name in walls)),
             count=len(bodies),
-            density=config.fluid.density,
-            kinematic_viscosity=config.kinematic_viscosity,
-            spacing=config.spacing,
-            units=config.units,
             bodies=(*bodies, *walls.values()),
             periodic=config.periodic,
             acceleration=config.drive.acceleration,
-            rheology=config.fluid.polymer,
             **others,
         )
 

@@ -1,7 +1,6 @@
 """The flow in a plane channel: geometry, wall motion, drive, fluid and exact solution."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -21,50 +20,37 @@ from tisph.scenes._scene import Scene
 class Channel(Scene):
     """Geometry, wall motion, drive, fluid and exact solution; every number in the config's units.
 
-    ``kinematic_viscosity`` is the total one, of solvent and ``polymer`` (None without); ``acceleration`` acts on the
-    fluid along x; ``rheology`` has the numbers of a fluid that is not Newtonian, else it is None. ``initial_state`` is
-    ``rest`` (the fluid starts from rest at t = 0), ``developed`` (the flow has developed before t = 0, under the walls'
-    velocities before) or ``exact`` (the flow that started at t = 0, taken up at ``start_time``). ``rows`` and
-    ``columns`` count the fluid particles across and along the channel, ``units`` holds the labels for plots and tables.
+    ``acceleration`` acts on the fluid along x; ``polymer`` is None without one. ``initial_state`` is ``rest`` (the
+    fluid starts from rest at t = 0), ``developed`` (the flow has developed before t = 0, under the walls' velocities
+    before) or ``exact`` (the flow that started at t = 0, taken up at ``start_time``).
     """
 
     gap: float
     length: float
-    density: float
-    kinematic_viscosity: float
     bottom: WallMotion | StressControlledWall | Schedule
     top: WallMotion | StressControlledWall | Schedule
     acceleration: float = 0.0
     polymer: PolymerParameters | None = None
-    rheology: Any = None
     initial_state: str
     start_time: float
-    spacing: float
-    columns: int
-    rows: int
-    units: Any
 
     @classmethod
     def from_config(cls, config):
         """The scene that a validated config describes."""
-        rheology = config.fluid.rheology
+        law = config.fluid.rheology
         bottom, top = (driving.wall(wall) for wall in (config.walls.bottom, config.walls.top))
         return cls(
+            **{**cls.fluid_of(config), "rheology": None if law.type == "newtonian" else law},
             gap=config.geometry.gap,
             length=config.geometry.length,
-            density=config.fluid.density,
-            kinematic_viscosity=config.kinematic_viscosity,
             bottom=bottom,
             top=top,
             acceleration=config.drive.acceleration,
             polymer=PolymerParameters.of(config.fluid.polymer),
-            rheology=None if rheology.type == "newtonian" else rheology,
             initial_state=config.initial.state,
             start_time=config.start_time,
-            spacing=config.spacing,
             columns=config.columns,
             rows=config.particles_across,
-            units=config.units,
         )
 
     periodic = (True, False)

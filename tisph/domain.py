@@ -17,13 +17,13 @@ class ChannelDomain:
 
     def __init__(self, channel):
         self.has_body_force = channel.acceleration != 0.0
-        self.oscillates = any(wall.oscillates and not wall.driven for wall in (channel.bottom, channel.top))
+        self.oscillates = any(wall.oscillates and not wall.stress_controlled for wall in (channel.bottom, channel.top))
         self.motions = (channel.bottom, channel.top)
         self.columns = channel.columns
         self.height = scalar(channel.gap)
         self.length = scalar(channel.length)
         self.bottom_velocity, self.top_velocity = (
-            scalar(0.0 if wall.driven else wall.velocity(channel.start_time)) for wall in self.motions
+            scalar(0.0 if wall.stress_controlled else wall.velocity(channel.start_time)) for wall in self.motions
         )
         if self.has_body_force:
             self.acceleration = scalar(channel.acceleration)

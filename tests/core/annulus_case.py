@@ -43,7 +43,7 @@ def make(turning=(1.0, 0.0), centre=(0.0, 0.0), angle=0.0, acceleration=(0.0, 0.
         kinematic_viscosity=viscosity,
         reference_velocity=max(1.0, *(way.largest_speed for way in turning)),
         acceleration=acceleration,
-        changes=tuple(sorted({time for way in turning for time in way.changes})),
+        jump_times=tuple(sorted({time for wall in turning for time in wall.jump_times})),
         **vars(box),
     )
     return flow, places

@@ -68,7 +68,7 @@ def test_no_particle_is_lost_where_corners_are_not_resolved(velocity):
     """The cell Reynolds number is 42: what pushes in the corners must not make explicit steps unstable."""
     scene = cavity(12, 500.0, velocity=velocity)
     snapshot = run(started(scene, 4.0, 0.5))
-    assert scene.inside(np.stack([snapshot.x, snapshot.y], 1)).all()
+    assert scene.contains(np.stack([snapshot.x, snapshot.y], 1)).all()
     assert np.hypot(snapshot.u, snapshot.v).max() < 1.05
     assert scene.lines(snapshot, np.linspace(0.0, 1.0, 101))[0].min() * velocity < -0.02 or velocity < 0
 

@@ -100,7 +100,7 @@ def test_no_pair_is_missing_while_cylinders_turn(make, name):
         scheme.advance()
         fluid, walls = slots(scheme)
         drifts = (drift**2 for drift in scheme.boundaries.drift)
-        of_liquid = view(scheme.stepper.drift_squared) * scheme.boundaries.stretch**2
+        of_liquid = view(scheme.stepper.drift_squared) * scheme.boundaries.displacement_factor**2
         if scheme.lists.outdated(max(of_liquid, *drifts), 0.0):
             scheme.rebuild()
             fluid, walls = slots(scheme)
@@ -141,7 +141,7 @@ def test_steady_flow_stays_as_it_is(make, centre):
     scheme = make(f"geometry.centre={centre}", steps=None)
     scene, end = scheme.scene, scheme.snapshot()
     assert relative_error(scene, end) < 4e-3
-    assert scene.inside(np.stack([end.x, end.y], 1)).all()
+    assert scene.contains(np.stack([end.x, end.y], 1)).all()
     # 0.1 h/c times the flux 2 pi of p' through the inner wall, over the area 3 pi: 2.8e-4 would have leaked by now
     assert abs(end.density.mean() / 2.0 - 1.0) < 5e-5
 

@@ -96,7 +96,7 @@ def test_steps_are_known_before(load):
 
 def test_the_scene_knows_the_schedule(load):
     annulus = registry.load("scenes", "annulus").Scene.from_config(load())
-    assert annulus.changes == (0.2,)
+    assert annulus.jump_times == (0.2,)
     assert annulus.bodies[0].motion.rotation == Schedule((0.0, 0.2, 0.2), (0.5, 0.5, 0.0))
     assert annulus.reference_velocity == 0.5
     assert annulus.exact_around(1.0, 0.0, 0.1) == pytest.approx(0.5)

@@ -43,7 +43,7 @@ def error(found, channel):
 def test_steps_end_where_the_velocity_has_a_kink(case, shape):
     settings, channel = case(*shape)
     found = layers(settings, channel)
-    assert found.control.changes == list(channel.top.changes)
+    assert found.control.jump_times == list(channel.top.jump_times)
     assert error(found, channel) < 1e-4  # of 12 layers; measured: 2.6e-5 and 1.1e-5
 
 
@@ -116,7 +116,7 @@ def test_a_stress_may_drive_the_other_wall(case):
     settings, channel = case(plate, "walls.top={times: [0.0, 0.2], velocities: [0.0, 1.0]}")
     found = start_of_layers(settings, channel)
     found.run_to(settings.time.end)
-    assert found.control.changes == [0.15, 0.2]
+    assert found.control.jump_times == [0.15, 0.2]
     assert error(found, channel) < 3e-5  # measured: 6.4e-6
 
 

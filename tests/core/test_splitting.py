@@ -99,7 +99,7 @@ def test_paths_past_a_corner_at_rest_follow_the_regular_velocity():
     """That rest, 2 s times the last velocity at the part s of the way, is integrated exactly: the last velocity."""
     still = SimpleNamespace(place=(0.0, 0.0), along=(1.0, 0.0), inward=(0.0, 1.0), angle=1.0)
     still.stokes_coefficients = np.zeros(4)
-    still.inertial_coefficients, still.kinematic_viscosity, still.reach = np.zeros((DEGREE + 1, 3)), 1.0, 1.0
+    still.inertial_coefficients, still.kinematic_viscosity, still.decay_length = np.zeros((DEGREE + 1, 3)), 1.0, 1.0
     scheme = make(24)
     paths = SingularPaths([still], (0.0, 0.0), scheme.levels)
     found = paths.find(lambda part: [2.0 * part, *[0.0] * (VELOCITIES - 1)], 0.3)

@@ -182,7 +182,7 @@ def test_virtual_points_list_the_fluid_around_them(make):
             continue
         apart = fluid - [places[k, 0], -places[k, 1]]
         apart[:, 0] -= np.round(apart[:, 0])
-        expected = np.flatnonzero(np.hypot(*apart.T) < scheme.lists.reach)
+        expected = np.flatnonzero(np.hypot(*apart.T) < scheme.lists.radius)
         listed = table[k, : count[k]]
         assert sorted(listed) == list(expected)
 

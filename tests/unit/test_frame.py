@@ -39,7 +39,7 @@ def seen_from_two_frames(flow):
     """A settled flow, and the same one seen from a frame that moves backwards."""
     bottom, top, changes = FLOWS[flow]
     channel = make_channel(bottom=bottom, top=top, initial_state="developed", **changes)
-    return channel, replace(channel, bottom=bottom.seen_from(-SPEED), top=top.seen_from(-SPEED))
+    return channel, replace(channel, bottom=bottom.relative_to(-SPEED), top=top.relative_to(-SPEED))
 
 
 @pytest.mark.parametrize("flow", FLOWS)

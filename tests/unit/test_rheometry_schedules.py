@@ -22,7 +22,7 @@ def uniform(name="oldroyd_b", **numbers):
 
 
 def rates(wall, gap):
-    pieces = [(begin, wall.after(begin)) for begin in (0.0, *wall.changes)]
+    pieces = [(begin, wall.after(begin)) for begin in (0.0, *wall.jump_times)]
     return [(begin, lambda t, ramp=ramp: ramp.velocity(t) / gap) for begin, ramp in pieces]
 
 

@@ -18,9 +18,9 @@ def test_a_jump_is_seen_from_before_and_entered_after():
     assert WALL.acceleration(np.array([0.05, 0.3, 0.45])) == pytest.approx([0.0, 5.0, 5.0])
     assert WALL.after(0.3).velocity(0.3) == 0.5
     assert WALL.after(0.3).acceleration(7.0) == pytest.approx(5.0)
-    assert WALL.changes == (0.1, 0.3, 0.6, 0.9)
+    assert WALL.jump_times == (0.1, 0.3, 0.6, 0.9)
     assert Schedule((0.0, 1.0), (3.0, 3.0)).velocity(0.0) == 3.0
-    assert Schedule((0.0, 1.0), (3.0, 3.0)).changes == ()
+    assert Schedule((0.0, 1.0), (3.0, 3.0)).jump_times == ()
 
 
 def test_the_displacement_is_the_integral_of_the_velocity():

@@ -79,7 +79,7 @@ def test_every_start_of_an_unknown_flow_costs_its_growing_steps():
     scene = SimpleNamespace(peak_velocity=1.0, reference_velocity=1.0, bodies=(1,), spacing=0.1, start_time=0.0)
     found = []
     for changes in ((), (2.0,), (0.5,)):
-        scene.changes = changes
+        scene.jump_times = changes
         found.append(_longest_steps(scene, [1.0], 0.2, math.inf)[0][0])
     grow = math.log(1.0 / FIRST) / math.log(LARGEST_MULTISTEP_FACTOR) - 1.0 / (1.0 - 1.0 / LARGEST_MULTISTEP_FACTOR)
     assert found == [round(50 + grow), round(50 + grow), round(50 + 2 * grow)]

@@ -27,8 +27,8 @@ def make(start=0.0, targets=(10.0,), first=1.0, largest_strain=1.0, fixed=None):
     return control
 
 
-def make_multistep(targets, first, tolerance, changes=()):
-    control = StepControl(tolerance, lambda dt: dt, fixed=tolerance is None, multistep=True, changes=changes)
+def make_multistep(targets, first, tolerance, jump_times=()):
+    control = StepControl(tolerance, lambda dt: dt, fixed=tolerance is None, multistep=True, jump_times=jump_times)
     control.dt_next = first
     control.set_targets(targets, 0.0)
     return control
@@ -234,7 +234,7 @@ def test_multistep_steps_grow_by_half_at_most_and_land_on_every_target():
 
 
 def test_steps_end_where_walls_jump_whatever_the_targets():
-    control = make_multistep([1.0], 0.2, None, changes=(0.4, 3.0))
+    control = make_multistep([1.0], 0.2, None, jump_times=(0.4, 3.0))
     assert control.targets == [0.4, 1.0]
     assert control.choose_dt(0.0) == pytest.approx(0.4 / 2)
     assert control.set_targets([2.0, 4.0], 1.0)  # what cut steps was no end of the run

@@ -115,6 +115,24 @@ NAMES = {
     "misfits": "incommensurate",
 }
 
+# Attributes and methods that had a word of their own, or one with several meanings.
+ATTRIBUTES = {
+    "changes": "jump_times",
+    "driven": "stress_controlled",
+    "ways": "periodic_offsets",
+    "give": "set_dummy",
+    "seen_from": "relative_to",
+    "reach": "cutoff, radius, bounding_radius, decay_length",
+    "stretch": "displacement_factor",
+    "inside": "contains, to_body_frame",
+    "outside": "to_lab_frame",
+    "turned": "rotated",
+    "room": "ghost_capacity",
+    "spin": "angular_velocity",
+    "dropped": "singular",
+    "reduced": "order_reduced",
+}
+
 # Where a listed word is meant: file name, the word as it stands there, and why.
 EXCEPTIONS = {
     ("rheometry.py", "ringing"): "rows that tisph verify prints, and programs may read",
@@ -141,6 +159,17 @@ def test_names_are_those_of_the_field():
     used = {path: set(re.findall(r"\w+", text)) for path, text in READ.items()}
     found = [
         f"{path.relative_to(ROOT)}: {name}, say {NAMES[name]}" for path in used for name in used[path] & set(NAMES)
+    ]
+    assert not found
+
+
+def test_attributes_have_one_meaning():
+    code = {path: text for path, text in READ.items() if path.suffix == ".py"}
+    found = [
+        f"{path.relative_to(ROOT)}: {name}, say {ATTRIBUTES[name]}"
+        for path, text in code.items()
+        for name in re.findall(r"(?:def |self\.)(\w+)\b", text)
+        if name in ATTRIBUTES
     ]
     assert not found
 

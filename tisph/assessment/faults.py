@@ -121,7 +121,7 @@ def _start(scene, times):
     other = replace(scene, initial_state="rest" if scene.starts_developed else "developed", start_time=0.0)
     stops = any(wall.before is not None for _, wall in scene.walls)
     swings = scene.polymer and any(wall.oscillates for _, wall in scene.walls)
-    scheduled = any(wall.changes for _, wall in scene.walls)  # nothing has developed before
+    scheduled = any(wall.jump_times for _, wall in scene.walls)  # nothing has developed before
     if stops or swings or scheduled or scene.start_time:
         return
 

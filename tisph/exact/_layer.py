@@ -73,7 +73,7 @@ class AnalyticLayer:
 
 def jump(wall, time):
     """By how much the velocity of a wall that has changes jumps at one of them."""
-    return 0.0 if wall.driven else float(wall.after(time).velocity(time) - wall.velocity(time))
+    return 0.0 if wall.stress_controlled else float(wall.after(time).velocity(time) - wall.velocity(time))
 
 
 @dataclass(frozen=True)
@@ -84,8 +84,8 @@ class ShiftedWall:
     begin: float
 
     @property
-    def driven(self):
-        return self.wall.driven
+    def stress_controlled(self):
+        return self.wall.stress_controlled
 
     @property
     def mass_per_area(self):

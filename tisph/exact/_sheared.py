@@ -24,9 +24,9 @@ NEGLIGIBLE = 1e-12
 class Equations:
     """Equations of ``fluid`` (``flux``, ``laws``) on ``elements``; walls are (bottom, top), with ``acceleration(t)``.
 
-    Walls that are ``driven`` (``geometry/stress_controlled.py``) have ``stress(t)`` and ``mass_per_area`` per unit
-    density instead: their mass is added to that of their node, which obeys the weak form of the momentum equation as
-    all others do.
+    Walls that are ``stress_controlled`` (``geometry/stress_controlled.py``) have ``stress(t)`` and ``mass_per_area``
+    per unit density instead: their mass is added to that of their node, which obeys the weak form of the momentum
+    equation as all others do.
 
     ``layer``: a ``_layer.AnalyticLayer``. ``speed`` is what 1 of the velocity is in the tolerance, at least. ``mass``
     (nodes,): of each node with the plate on it.
@@ -38,9 +38,10 @@ class Equations:
         self.drive, self.speed = acceleration, speed
         self.mass = elements.mass.copy()
         for place, wall in self.walls.items():
-            if wall.driven:
+            if wall.stress_controlled:
                 self.mass[place] += wall.mass_per_area
-        self.free = np.array([not (k in self.walls and not self.walls[k].driven) for k in range(elements.size)])
+        self.free = np.ones(elements.size, dtype=bool)
+        self.free[[place for place, wall in self.walls.items() if not wall.stress_controlled]] = False
         self.share = self.free * elements.mass / self.mass
         points = elements.y.size
         ends = elements.size + np.cumsum([0, *(law.components * points for law in fluid.laws)])
@@ -66,7 +67,10 @@ class Equations:
         """What drives the flow at ``times`` (times,), whatever its state is: shear rates of the layer, and rates."""
         rates = np.zeros((len(times), self.elements.size)) + (self.drive + self.layer.drift(times)) * self.share
         for place, wall in self.walls.items():
-            rates[:, place] += wall.stress(times) / self.mass[place] if wall.driven else wall.acceleration(times)
+            if wall.stress_controlled:
+                rates[:, place] += wall.stress(times) / self.mass[place]
+            else:
+                rates[:, place] += wall.acceleration(times)
         return self.layer.shear_rates(times), rates
 
     def rates(self, states, forcing):

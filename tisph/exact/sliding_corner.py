@@ -27,8 +27,8 @@ class CornerSingularity:
     """Corner at ``place`` (2,) where a wall that slides with ``speed`` away from it, along ``along``, meets another.
 
     ``along`` (2,) and ``inward`` (2,), the normal of the sliding wall into the fluid, are of length 1. ``angle``
-    between the walls, in radians. The second part of the flow fades with exp(-(r/``reach``)^2), since far from the
-    corner it says nothing; ``share`` is how much of it there is.
+    between the walls, in radians. The second part of the flow fades with exp(-(r/``decay_length``)^2), since far from
+    the corner it says nothing; ``share`` is how much of it there is.
     """
 
     place: tuple[float, float]
@@ -37,7 +37,7 @@ class CornerSingularity:
     angle: float
     speed: float
     kinematic_viscosity: float
-    reach: float
+    decay_length: float
     share: float = 1.0
 
     @cached_property
@@ -92,8 +92,8 @@ class CornerSingularity:
         return radius, theta, *ways
 
     def _fading(self, radius):
-        """S = r^2 exp(-(r/reach)^2): chi = S/r^2, S'/r, S'', S'''."""
-        k, square = self.reach**-2, (radius / self.reach) ** 2
+        """S = r^2 exp(-(r/decay_length)^2): chi = S/r^2, S'/r, S'', S'''."""
+        k, square = self.decay_length**-2, (radius / self.decay_length) ** 2
         chi = np.exp(-square)
         second, third = 2.0 - 10.0 * square + 4.0 * square**2, -24.0 + 36.0 * square - 8.0 * square**2
         return chi, (2.0 - 2.0 * square) * chi, second * chi, k * radius * third * chi
@@ -136,7 +136,7 @@ class CornerSingularity:
         f, _, bend, _ = slow
         h, h1, h2, _ = inertial / self.kinematic_viscosity
         chi, first, second, _ = fading
-        stretch = (chi - 2.0 * (radius / self.reach) ** 2 * chi) * h1
+        stretch = (chi - 2.0 * (radius / self.decay_length) ** 2 * chi) * h1
         parts = {
             (0, 0): stretch,
             (0, 1): -second * h,
@@ -150,8 +150,8 @@ class CornerSingularity:
         h, h1, h2, h3 = inertial
         log = self._inertial[1]
         chi, first, second, third = fading
-        square, k = (radius / self.reach) ** 2, radius * self.reach**-2
-        slope = (chi / radius - 2.0 * k * chi * np.log(radius / self.reach)) * log
+        square, k = (radius / self.decay_length) ** 2, radius * self.decay_length**-2
+        slope = (chi / radius - 2.0 * k * chi * np.log(radius / self.decay_length)) * log
         radial = (second + first) * h1 / radius + chi * h3 / radius - slope
         turning = -(third + k * (4.0 * square - 8.0) * chi) * h + 2.0 * k * chi * h2
         return radial[:, None] * out + turning[:, None] * turn
@@ -162,4 +162,4 @@ class CornerSingularity:
         radius, theta, *_ = self._polar(points)
         with np.errstate(divide="ignore", invalid="ignore"):
             slow = 2.0 * self.kinematic_viscosity * (c * np.cos(theta) + d * np.sin(theta)) / radius
-            return slow + self._inertial[1] * self._fading(radius)[0] * np.log(radius / self.reach)
+            return slow + self._inertial[1] * self._fading(radius)[0] * np.log(radius / self.decay_length)

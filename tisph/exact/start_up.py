@@ -58,10 +58,10 @@ again changes all by less than STEADY of the largest value; else the time is dou
 class Wall:
     """A wall of constant ``speed``."""
 
-    driven: ClassVar[bool] = False
+    stress_controlled: ClassVar[bool] = False
     oscillates: ClassVar[bool] = False
     angular_frequency: ClassVar[float] = 0.0
-    changes: ClassVar[tuple[float, ...]] = ()
+    jump_times: ClassVar[tuple[float, ...]] = ()
 
     speed: float = 0.0
 
@@ -83,8 +83,8 @@ class Flow:
     """Walls y = 0 and y = ``gap``, and the acceleration g along planes.
 
     Walls have ``velocity(t)`` and ``acceleration(t)``, or are a ``StressControlledWall`` per unit density; they change
-    at once at the times ``changes``, and ``after(time)`` is what they are from then on. ``inner_radius``: that of the
-    cylinder y = 0, None between planes. Cylinders have angular velocities.
+    at once at the times ``jump_times``, and ``after(time)`` is what they are from then on. ``inner_radius``: that of
+    the cylinder y = 0, None between planes. Cylinders have angular velocities.
     """
 
     gap: float
@@ -117,14 +117,14 @@ class StartUp:
         edges = _edges(fluid, (flow, before or flow), finest) if edges is None else edges
         self.elements = Elements(flow.gap * edges, order, flow.inner_radius)
         walls, self._ends = (flow.bottom, flow.top), [0, self.elements.size - 1]
-        jumps, start = [0.0 if wall.driven else float(wall.velocity(0.0)) for wall in walls], None
+        jumps, start = [0.0 if wall.stress_controlled else float(wall.velocity(0.0)) for wall in walls], None
         if before is not None:
             if (before.gap, before.inner_radius) != (flow.gap, flow.inner_radius):
                 raise ValueError(f"the flow before has a gap of {before.gap}, the flow one of {flow.gap}")
             start = _developed(fluid, before, order, edges)
             jumps = [new - old for new, old in zip(jumps, start[self._ends], strict=True)]
         driven = abs(flow.acceleration) * flow.gap**2 / fluid.total_viscosity
-        self.begins = sorted({0.0, *(time for wall in walls for time in wall.changes)})
+        self.begins = sorted({0.0, *(time for wall in walls for time in wall.jump_times)})
         self._jumps = [(0.0, *jumps), *((time, *(jump(wall, time) for wall in walls)) for time in self.begins[1:])]
         sizes = [*np.ravel([both for _, *both in self._jumps]), *([] if start is None else start[self._ends])]
         self.speed = max(1e-200, driven / 12, *np.abs(sizes))
@@ -138,7 +138,7 @@ class StartUp:
     def _stays(self, before, jumps):
         """Whether the state stays as it begins, since layers and periodic flows are all that changes."""
         walls, plane = (self.flow.bottom, self.flow.top), self.flow.inner_radius is None
-        if any(wall.driven or (wall.oscillates and not self._has_periodic_part(wall)) for wall in walls):
+        if any(wall.stress_controlled or (wall.oscillates and not self._has_periodic_part(wall)) for wall in walls):
             return False
         if before is None:
             steady = self.flow.acceleration == 0.0 and not any(wall.oscillates for wall in walls)
@@ -174,7 +174,7 @@ class StartUp:
 
     def _has_periodic_part(self, wall):
         """Whether the periodic flow of a ``wall`` that oscillates is added to the solution, which is linear."""
-        return _newtonian(self.fluid) and not wall.driven and wall.angular_frequency != 0.0
+        return _newtonian(self.fluid) and not wall.stress_controlled and wall.angular_frequency != 0.0
 
     def _periodic_parts(self):
         """Yield angular frequency and complex amplitude (size,) of the periodic flow of each wall that has one.

@@ -59,8 +59,8 @@ class Shape(Protocol):
     def nearest(self, points: np.ndarray) -> ClosestPoint:
         """Nearest points of the wall to ``points`` (n, 2)."""
 
-    def images(self, points: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
-        """Mirror images (k, 2) of those of ``points`` (n, 2) that are within ``reach``, and whose (k,) they are."""
+    def images(self, points: np.ndarray, cutoff: float) -> tuple[np.ndarray, np.ndarray]:
+        """Mirror images (k, 2) of those of ``points`` (n, 2) that are within ``cutoff``, and whose (k,) they are."""
 
     def boundary_points(self, spacing: float) -> Boundary:
         """Points of the wall about ``spacing`` apart, evenly in arc length, in the order of the curve."""
@@ -82,9 +82,9 @@ class ClosedCurve(ABC):
         side = 1.0 if self.fluid_side == "outside" else -1.0
         return ClosestPoint(foot.point, side * foot.normal, side * foot.curvature, side * foot.distance)
 
-    def images(self, points, reach):
-        """Mirror images (k, 2) of those of ``points`` (n, 2) that are within ``reach``, and whose (k,) they are."""
-        return mirrored(self, points, reach)
+    def images(self, points, cutoff):
+        """Mirror images (k, 2) of those of ``points`` (n, 2) that are within ``cutoff``, and whose (k,) they are."""
+        return mirrored(self, points, cutoff)
 
     def boundary_points(self, spacing):
         """Points evenly along the wall, the nearest whole number to length/spacing: a ``Boundary``."""
@@ -107,10 +107,10 @@ def check_side(fluid_side):
         raise ValueError(f"the fluid is outside or inside a closed curve, not {fluid_side!r}")
 
 
-def mirrored(shape, points, reach):
-    """Images (k, 2) of ``points`` (n, 2) within ``reach``, each across its nearest point, and whose (k,) they are."""
+def mirrored(shape, points, cutoff):
+    """Images (k, 2) of ``points`` (n, 2) within ``cutoff``, each across its nearest point, and whose (k,) they are."""
     foot = shape.nearest(points)
-    near = np.flatnonzero(foot.distance < reach)
+    near = np.flatnonzero(foot.distance < cutoff)
     return points[near] - 2 * foot.distance[near, None] * foot.normal[near], near
 
 

@@ -21,23 +21,23 @@ class Placement:
     centre: np.ndarray
     angle: float
 
-    def turned(self, vectors):
+    def rotated(self, vectors):
         """Vectors (n, 2) of the body's frame as seen from outside."""
         cosine, sine = math.cos(self.angle), math.sin(self.angle)
         return vectors @ np.array([[cosine, sine], [-sine, cosine]])
 
-    def turned_back(self, vectors):
+    def rotated_back(self, vectors):
         """Vectors (n, 2) as seen in the body's frame."""
         cosine, sine = math.cos(self.angle), math.sin(self.angle)
         return vectors @ np.array([[cosine, -sine], [sine, cosine]])
 
-    def outside(self, points):
+    def to_lab_frame(self, points):
         """Places (n, 2) of the body's frame as seen from outside."""
-        return self.centre + self.turned(points)
+        return self.centre + self.rotated(points)
 
-    def inside(self, points):
+    def to_body_frame(self, points):
         """Places (n, 2) in the body's frame."""
-        return self.turned_back(points - self.centre)
+        return self.rotated_back(points - self.centre)
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Body:
             raise ValueError(f"periods are above 0, infinite where there is none, not {self.periods}")
 
     @property
-    def reach(self):
+    def bounding_radius(self):
         """Radius of a circle around the centre that the wall is within."""
         return float(np.linalg.norm(np.abs(self.shape.extent).max(axis=0)))
 
@@ -76,19 +76,19 @@ class Body:
         points, place = np.asarray(points, dtype=float), self.at(time)
         copy = self._nearest_copy(points - place.centre)
         foot = self._foot(points, copy, place)
-        for way in self.ways() if self.shape.fluid_side == "outside" else ():
-            other = copy + way
-            nearer = np.linalg.norm(points - place.centre - other, axis=1) - self.reach < foot.distance
+        for offset in self.periodic_offsets() if self.shape.fluid_side == "outside" else ():
+            other = copy + offset
+            nearer = np.linalg.norm(points - place.centre - other, axis=1) - self.bounding_radius < foot.distance
             if nearer.any():
                 self._take_nearer(foot, nearer, self._foot(points[nearer], other[nearer], place))
         return foot
 
-    def images(self, points, reach, time=0.0):
-        """Mirror images (k, 2) of those of ``points`` (n, 2) that are within ``reach``, and whose (k,) they are."""
+    def images(self, points, cutoff, time=0.0):
+        """Mirror images (k, 2) of those of ``points`` (n, 2) that are within ``cutoff``, and whose (k,) they are."""
         points, place = np.asarray(points, dtype=float), self.at(time)
         copy = self._nearest_copy(points - place.centre)
-        images, whose = self.shape.images(place.inside(points - copy), reach)
-        return place.outside(images) + copy[whose], whose
+        images, whose = self.shape.images(place.to_body_frame(points - copy), cutoff)
+        return place.to_lab_frame(images) + copy[whose], whose
 
     def boundary_points(self, spacing, time=0.0):
         """Points of the wall about ``spacing`` apart, a ``Boundary``: the same points of the body at every time."""
@@ -97,7 +97,7 @@ class Body:
     def placed(self, boundary, time=0.0):
         """The points ``boundary`` of the shape as seen from outside."""
         place = self.at(time)
-        point, normal = place.outside(boundary.point), place.turned(boundary.normal)
+        point, normal = place.to_lab_frame(boundary.point), place.rotated(boundary.normal)
         return Boundary(point, normal, boundary.curvature, boundary.length)
 
     def velocity(self, points, time=0.0):
@@ -105,7 +105,7 @@ class Body:
         rotation = self.motion.rotation.velocity(time)
         return self.motion.velocity(time) + rotation * _quarter(self._from_centre(points, time))
 
-    def strain(self, points, tangents, time=0.0):
+    def tangential_gradient(self, points, tangents, time=0.0):
         """Derivatives (n, 2) of the solid's velocity along ``tangents`` (n, 2) at ``points`` (n, 2)."""
         return self.motion.rotation.velocity(time) * _quarter(tangents)
 
@@ -127,8 +127,8 @@ class Body:
                 copy[:, axis] = period * np.round(away[:, axis] / period)
         return copy
 
-    def ways(self):
-        """Ways (2,) from the body to its copies around it in a periodic cell."""
+    def periodic_offsets(self):
+        """Offsets (2,) from the body to its copies around it in a periodic cell."""
         steps = [(-1, 0, 1) if math.isfinite(period) else (0,) for period in self.periods]
         periods = [period if math.isfinite(period) else 0.0 for period in self.periods]
         for step in itertools.product(*steps):
@@ -136,8 +136,10 @@ class Body:
                 yield np.multiply(step, periods)
 
     def _foot(self, points, copy, place):
-        foot = self.shape.nearest(place.inside(points - copy))
-        return ClosestPoint(place.outside(foot.point) + copy, place.turned(foot.normal), foot.curvature, foot.distance)
+        foot = self.shape.nearest(place.to_body_frame(points - copy))
+        return ClosestPoint(
+            place.to_lab_frame(foot.point) + copy, place.rotated(foot.normal), foot.curvature, foot.distance
+        )
 
     @staticmethod
     def _take_nearer(foot, asked, other):

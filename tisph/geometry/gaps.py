@@ -42,7 +42,10 @@ def _gap_of(bodies, pair, time):
 def _gap_to_copies(body, time):
     if body.shape.fluid_side == "inside" or not body.shape.area:
         return math.inf
-    copies = [replace(body, centre=tuple(body.centre + way), periods=(math.inf, math.inf)) for way in body.ways()]
+    copies = [
+        replace(body, centre=tuple(body.centre + offset), periods=(math.inf, math.inf))
+        for offset in body.periodic_offsets()
+    ]
     alone = replace(body, periods=(math.inf, math.inf))
     return min((gap(alone, copy, time) for copy in copies), default=math.inf)
 

@@ -53,9 +53,9 @@ class Line:
         point = self.point + (away @ self.tangent)[:, None] * np.array(self.tangent)
         return ClosestPoint(point, normal, np.zeros(len(away)), distance)
 
-    def images(self, points, reach):
-        """Mirror images (k, 2) of those of ``points`` (n, 2) that are within ``reach``, and whose (k,) they are."""
-        return mirrored(self, points, reach)
+    def images(self, points, cutoff):
+        """Mirror images (k, 2) of those of ``points`` (n, 2) that are within ``cutoff``, and whose (k,) they are."""
+        return mirrored(self, points, cutoff)
 
     def boundary_points(self, spacing):
         """Points of one period, half a spacing and more from ``point``; ValueError for a line without a period."""

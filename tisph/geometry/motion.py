@@ -15,8 +15,8 @@ class WallMotion:
     [1/time] of what turns, ``angular_frequency`` [1/time].
     """
 
-    driven: ClassVar[bool] = False
-    changes: ClassVar[tuple[float, ...]] = ()
+    stress_controlled: ClassVar[bool] = False
+    jump_times: ClassVar[tuple[float, ...]] = ()
     breakpoints: ClassVar[tuple[tuple[float, float, float], ...]] = ()
 
     cosine: float
@@ -46,7 +46,7 @@ class WallMotion:
         """The largest speed that the wall has or had before t = 0."""
         return max(abs(self.before or 0.0), float(np.hypot(self.cosine, self.sine)))
 
-    def seen_from(self, velocity):
+    def relative_to(self, velocity):
         """The motion in a frame that moves along x with ``velocity``, which must be 0 where the wall oscillates."""
         before = None if self.before is None else self.before - velocity
         return replace(self, cosine=self.cosine - velocity, before=before)
@@ -123,9 +123,9 @@ class RigidMotion:
         """Way (2,) of the centre from t = 0 on."""
         return np.array([self.x.displacement(t), self.y.displacement(t)])
 
-    def largest_speed(self, reach):
-        """Bound of the speed of what is within ``reach`` [length] of the centre."""
-        around = reach * self.rotation.largest_speed if self.rotation.largest_speed else 0.0
+    def largest_speed(self, radius):
+        """Bound of the speed of what is within ``radius`` [length] of the centre."""
+        around = radius * self.rotation.largest_speed if self.rotation.largest_speed else 0.0
         return float(np.hypot(self.x.largest_speed, self.y.largest_speed)) + around
 
 

@@ -63,8 +63,8 @@ class Polygon(ClosedCurve):
         cut = radius**2 * (np.tan(0.5 * turn) - 0.5 * turn)
         return float(_enclosed(self._corner) - np.sum(self._bend * cut))
 
-    def images(self, points, reach):
-        """Mirror images (k, 2) of those of ``points`` (n, 2) within ``reach``, and whose (k,) they are.
+    def images(self, points, cutoff):
+        """Mirror images (k, 2) of those of ``points`` (n, 2) within ``cutoff``, and whose (k,) they are.
 
         A place has an image across each side, and each arc, that it is beside. Where the fluid fills a sharp corner, a
         place beside both sides has one across the corner too; the body's own corners fill with images of the sides.
@@ -73,16 +73,16 @@ class Polygon(ClosedCurve):
         away = points[:, None] - self._start
         along = np.einsum("nkc,kc->nk", away, self._tangent)
         height = side * np.einsum("nkc,kc->nk", away, self._normal)
-        beside = (along >= 0) & (along <= self._lengths[1::2]) & (height < reach)
-        beside &= height > -0.25 * reach  # behind a wall there may be another one
+        beside = (along >= 0) & (along <= self._lengths[1::2]) & (height < cutoff)
+        beside &= height > -0.25 * cutoff  # behind a wall there may be another one
         of, sides = np.nonzero(beside)
         across = points[of] - 2 * side * height[of, sides, None] * self._normal[sides]
-        whose, foot = self._at_corners(points, beside, reach)
+        whose, foot = self._at_corners(points, beside, cutoff)
         return np.concatenate([across, 2 * foot - points[whose]]), np.concatenate([of, whose])
 
-    def _at_corners(self, points, beside, reach):
+    def _at_corners(self, points, beside, cutoff):
         """Return which (k,) of ``points`` have an image across a corner, and the places (k, 2) half way to it."""
-        near = np.linalg.norm(points[:, None] - self._corner, axis=2) < 1.5 * reach + self._trim
+        near = np.linalg.norm(points[:, None] - self._corner, axis=2) < 1.5 * cutoff + self._trim
         before = np.roll(beside, 1, axis=1)
         if not self.corner_radius:
             filled = self._bend < 0 if self.fluid_side == "outside" else self._bend > 0
@@ -216,11 +216,11 @@ class Polygon(ClosedCurve):
         if not self.corner_radius:  # at sharp corners the normals of both sides tell in from out
             normal = np.where((along <= 0)[:, None], self._middle[side], normal)
             normal = np.where((along >= length)[:, None], np.roll(self._middle, -1, axis=0)[side], normal)
-        reach = points - point
-        size = np.linalg.norm(reach, axis=1)
-        distance = np.copysign(size, np.sum(reach * normal, axis=1))
+        away = points - point
+        size = np.linalg.norm(away, axis=1)
+        distance = np.copysign(size, np.sum(away * normal, axis=1))
         at_end = ((along <= 0) | (along >= length)) & (size > STRAIGHT * length)
-        normal[at_end] = reach[at_end] / distance[at_end, None]
+        normal[at_end] = away[at_end] / distance[at_end, None]
         return point, normal, distance
 
     def _spread(self, spacing):

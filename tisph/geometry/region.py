@@ -53,9 +53,9 @@ class Region:
         none = np.full(len(points), math.inf)
         return np.min([none, *(body.nearest(points).distance for body in self.bodies)], axis=0)
 
-    def images(self, points, reach):
-        """Mirror images (k, 2), behind the walls, of those of ``points`` (n, 2) that are within ``reach`` of one."""
-        return np.concatenate([np.empty((0, 2)), *(body.images(points, reach)[0] for body in self.bodies)])
+    def images(self, points, cutoff):
+        """Mirror images (k, 2), behind the walls, of those of ``points`` (n, 2) that are within ``cutoff`` of one."""
+        return np.concatenate([np.empty((0, 2)), *(body.images(points, cutoff)[0] for body in self.bodies)])
 
     def wrapped(self, points):
         """``points`` (n, 2) moved by whole periods into the cell."""

@@ -12,7 +12,7 @@ class Ramp:
     """Velocity ``speed`` + ``slope`` * (t - ``begin``) along a wall [length/time]."""
 
     oscillates: ClassVar[bool] = True
-    driven: ClassVar[bool] = False
+    stress_controlled: ClassVar[bool] = False
 
     begin: float
     speed: float
@@ -40,7 +40,7 @@ class Schedule:
     """
 
     oscillates: ClassVar[bool] = True
-    driven: ClassVar[bool] = False
+    stress_controlled: ClassVar[bool] = False
     before: ClassVar[None] = None
     sine: ClassVar[float] = 0.0
     angular_frequency: ClassVar[float] = 0.0
@@ -106,11 +106,11 @@ class Schedule:
         return found
 
     @property
-    def changes(self):
+    def jump_times(self):
         """Times above 0 at which velocity or acceleration jump."""
         return tuple(time for time, _, _ in self.breakpoints if time > 0.0)
 
-    def seen_from(self, velocity):
+    def relative_to(self, velocity):
         """The schedule in a frame that moves along x with ``velocity``."""
         return replace(self, velocities=tuple(speed - velocity for speed in self.velocities))
 

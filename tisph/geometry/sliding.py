@@ -32,7 +32,7 @@ class SlidingWall(Body):
         third = -elapsed * self.velocity(start + 0.5 * second)
         return start + (first + 2.0 * (second + third) - elapsed * self.velocity(start + third)) / 6.0
 
-    def strain(self, points, tangents, time=0.0):
+    def tangential_gradient(self, points, tangents, time=0.0):
         """Derivatives (n, 2) of the wall's velocity along ``tangents`` (n, 2) at ``points`` (n, 2)."""
         return self.speed / self.width * self._along(points, self.profile.deriv()) * tangents[:, :1]
 

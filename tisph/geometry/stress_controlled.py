@@ -16,7 +16,7 @@ class StressControlledWall:
     ``steps``, pairs of a time and the stress from then on, it is constant in between (0 before the first).
     """
 
-    driven: ClassVar[bool] = True
+    stress_controlled: ClassVar[bool] = True
     before: ClassVar[None] = None
 
     cosine: float
@@ -42,7 +42,7 @@ class StressControlledWall:
         return self.angular_frequency != 0
 
     @property
-    def changes(self):
+    def jump_times(self):
         """Times above 0 at which the stress jumps."""
         return tuple(time for time, _ in self.steps if time > 0)
 
@@ -104,7 +104,7 @@ class StressControlledMotion:
         return self.plate.angular_frequency
 
     @property
-    def driven(self):
+    def stress_controlled(self):
         """It is a stress that is given."""
         return True
 

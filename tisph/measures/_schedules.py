@@ -30,7 +30,7 @@ def read_schedule(config, channel, fluid, wall, table):
     where it was leaves no strain.
     """
     law, end = _uniform(config, channel), wall.times[-1]
-    pieces = [(begin, wall.after(begin)) for begin in (0.0, *wall.changes)]
+    pieces = [(begin, wall.after(begin)) for begin in (0.0, *wall.jump_times)]
     rates = [(begin, lambda t, ramp=ramp: ramp.velocity(t) / channel.gap) for begin, ramp in pieces]
     alone = law.response(rates, table["t"])
     strained = abs(wall.displacement(end)) > NOTHING * wall.largest_speed * end

@@ -203,7 +203,7 @@ def _creep(channel, fluid, table):
         raise ConfigError("RUN_DIR: creep is read from a stress that is constant from t = 0 on, for a while")
     strain = sign * table["strain"]
     exact = integral(t, table[f"wall_velocity_{side}_exact"]) / channel.gap
-    end = min(plate.changes, default=t[-1])
+    end = min(plate.jump_times, default=t[-1])
     during = (t > 0) & (t <= end * (1 + 1e-12))
     found, known, theory = strain[during] / stress, exact[during] / stress, fluid.compliance(t[during])
     lines = [f"creep compliance J under the stress {stress:.6g}"]
@@ -215,7 +215,7 @@ def _creep(channel, fluid, table):
         (axis, "linear theory without inertia", t[during], theory, "--"),
     ]
     numbers = {"compliance_at_the_end": float(found[-1]), "compliance_at_the_end_reference": float(known[-1])}
-    if plate.changes and plate.stress(end) == 0.0:
+    if plate.jump_times and plate.stress(end) == 0.0:
         recovered = [float(one[during][-1] - one[-1]) for one in (strain, exact)]
         lines.append(f"  recovered strain {recovered[0]:.6g} (reference {recovered[1]:.6g})")
         numbers |= {"recovered_strain": recovered[0], "recovered_strain_reference": recovered[1]}

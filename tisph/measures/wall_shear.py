@@ -63,7 +63,7 @@ def wall_velocity(channel, side, snapshot):
 
 def _rate(channel, distance, wall, velocity, t):
     """Velocity gradient away from a wall; at a stress-controlled wall its velocity is that of the particles."""
-    if wall.driven:
+    if wall.stress_controlled:
         return _coefficients(channel, distance, velocity, FREE_POWERS)[1] / (RADIUS * channel.spacing)
     return _slope(channel, distance, velocity - wall.velocity(t))
 

@@ -15,7 +15,7 @@ from tisph.size_class import size_class
 
 @ti.data_oriented
 class Cells:
-    """Cells no smaller than ``reach`` (the radius of the neighbour lists), fitted to the box.
+    """Cells no smaller than ``cutoff`` (the radius of the neighbour lists), fitted to the box.
 
     ``rows`` and ``columns`` are not compiled in; ``levels`` are these rows and those of wall particles.
     ``order[n]`` is the slot of the n-th particle, cell by cell;
@@ -23,12 +23,12 @@ class Cells:
     that neighbouring cells of one row are one range of slots.
     """
 
-    def __init__(self, particles, domain, channel, reach):
+    def __init__(self, particles, domain, channel, cutoff):
         self.particles = particles
         self.domain = domain
         # counted in spacings, of which length and gap are whole numbers: no cell is lost to round-off
-        columns = int(channel.columns / (reach / channel.spacing))
-        rows = cell_rows(channel, reach)
+        columns = int(channel.columns / (cutoff / channel.spacing))
+        rows = cell_rows(channel, cutoff)
         if columns < 3 or (domain.periodic_y and rows < 3):
             axis = f"{columns} cells along x" if columns < 3 else f"{rows} cells along y"
             raise ValueError(f"{axis}: a pair and its periodic copy would both be listed")
@@ -95,6 +95,6 @@ class Cells:
             self.particles.position[now, k] += inside - place
 
 
-def cell_rows(channel, reach):
-    """Return the number of rows of cells, each at least ``reach`` high, between the walls."""
-    return max(1, int(channel.rows / (reach / channel.spacing)))
+def cell_rows(channel, cutoff):
+    """Return the number of rows of cells, each at least ``cutoff`` high, between the walls."""
+    return max(1, int(channel.rows / (cutoff / channel.spacing)))

@@ -1,10 +1,10 @@
 """Verlet lists that are reused for as long as they are provably complete.
 
-A list holds every pair closer than ``reach`` = ``cutoff`` + skin when it was built. Until then particle i has
+A list holds every pair closer than ``radius`` = ``cutoff`` + skin when it was built. Until then particle i has
 moved by w(y_i) t + e_i, where w is a reference velocity profile (the row means at the build, linear in
 between) with the largest slope s. A pair that is now within the cutoff was then at most
 stretch (cutoff + 2 max|e|) apart, stretch = (st + sqrt((st)^2 + 4)) / 2 being the norm of a shear by st. As
-long as that is within the reach no pair is missing: shear flow alone, however fast, hardly wears a list out.
+long as that is within the radius no pair is missing: shear flow alone, however fast, hardly wears a list out.
 The mirror image of a particle keeps its x, and |y_i - y_j| <= |y_i + y_j|, so the bound holds for images too;
 wall particles move with the walls, where w is the wall velocity. (A mirror point of a dummy particle moves with the
 wall too, although w is another one there: who looks inside must do with three quarters of the cutoff.) Where
@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from tisph.neighbours import reach
+from tisph.neighbours import list_radius
 from tisph.runtime import integer, real, scalar, ti, view
 
 ROOM = 1.6
@@ -40,9 +40,9 @@ class VerletLists:
         self.uses_mirror_points = uses_mirror_points
         self.cutoff = cutoff
         self.spacing = spacing
-        self.reach = reach(cutoff, spacing)
-        self.capacity = row_capacity(self.reach, spacing)
-        self.reach_squared = scalar(self.reach**2)
+        self.radius = list_radius(cutoff, spacing)
+        self.capacity = row_capacity(self.radius, spacing)
+        self.radius_squared = scalar(self.radius**2)
         mobile, fluid = self.particles.mobile_slots, self.particles.first_wall
         self.table = ti.field(ti.i32, shape=(mobile, self.capacity))
         self.count = ti.field(ti.i32, shape=mobile)
@@ -66,7 +66,7 @@ class VerletLists:
         """Tell whether a pair may be missing, from max|e|^2 and the time since the lists were built."""
         tilt = float(view(self.steepest)) * elapsed if self.follows_shear else 0.0
         stretch = 0.5 * (tilt + math.sqrt(tilt * tilt + 4.0))
-        return not stretch * (self.cutoff + 2.0 * math.sqrt(drift_squared)) <= self.reach
+        return not stretch * (self.cutoff + 2.0 * math.sqrt(drift_squared)) <= self.radius
 
     @ti.kernel
     def build(self, now: ti.i32):
@@ -197,7 +197,7 @@ class VerletLists:
     def append(self, now, i, begin, end, found, periodic: ti.template()):
         """Append the slots begin .. end-1 that lie within reach, without a branch, and return the new count."""
         place = self.centre(now, i)
-        limit = self.reach_squared[None]
+        limit = self.radius_squared[None]
         for j in range(begin, end):
             apart = self.particles.mid_position[now, j] - place
             if ti.static(periodic):

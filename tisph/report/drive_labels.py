@@ -17,7 +17,7 @@ class WallLabel:
     """The velocity of a wall, written on its bar between arrows, or beside a bar that is too short for both.
 
     A wall at rest has no arrow, and a label only if it moved before t = 0. ``box`` is the place of the words,
-    ``font_size`` theirs, ``changes`` whether they have to be painted anew for every frame.
+    ``font_size`` theirs, ``animated`` whether they have to be painted anew for every frame.
     """
 
     def __init__(self, layout: Layout, bar: Rect, motion, units):
@@ -25,7 +25,7 @@ class WallLabel:
         self._speed = math.hypot(motion.cosine, motion.sine)
         self._unit = unit_label("velocity", units)
         self._digits = fixed_point(self._speed, 3) if motion.oscillates else None
-        self.changes = motion.oscillates
+        self.animated = motion.oscillates
         self._place(bar)
 
     def paint(self, frame: np.ndarray, t: float) -> None:

@@ -39,9 +39,9 @@ class FrameRenderer:
         picture = self._background[:, :, :3]
         DriveLabel(scene, self.layout).paint(picture)
         for label in labels:
-            if not label.changes:
+            if not label.animated:
                 label.paint(picture, scene.start_time)
-        self._changing_labels = [label for label in labels if label.changes]
+        self._changing_labels = [label for label in labels if label.animated]
         self._changing_boxes = [self.layout.profile, self.layout.time_label, self.layout.error_label]
         self._changing_boxes += [box for label in self._changing_labels for box in label.boxes]
         self.frame = self._background.copy()

@@ -74,9 +74,9 @@ class _ImmersedBody:
         for axis, period in enumerate(self.body.periods):
             if math.isfinite(period):  # it may have left the box
                 centre = centre - period * np.floor((centre - self._low) / period) * (np.arange(2) == axis)
-        for way in ((0.0, 0.0), *self.body.ways()):
-            place = Placement(centre + way, angle)
-            yield place.outside(self._edge), [place.outside(stroke) for stroke in self._strokes]
+        for offset in ((0.0, 0.0), *self.body.periodic_offsets()):
+            place = Placement(centre + offset, angle)
+            yield place.to_lab_frame(self._edge), [place.to_lab_frame(stroke) for stroke in self._strokes]
 
 
 class _ContainerWall(_ImmersedBody):
@@ -100,13 +100,13 @@ class _StraightWall:
         """Yield edge and lines; marks that have left one end of the period are at the other."""
         line, place = self.body.shape, Placement(centre, angle)
         along, behind = line.length * np.array(line.tangent), -10 * line.length * line.normal
-        slid = place.turned_back((centre - self.body.centre)[None])[0] @ along / line.length**2
+        slid = place.rotated_back((centre - self.body.centre)[None])[0] @ along / line.length**2
         first = line.point - slid * along
         edge = first + np.array([-10 * along, 10 * along, 10 * along + behind, behind - 10 * along])
         parts = ((np.arange(_MARKS) + 0.5) / _MARKS + slid) % 1.0
         strokes = [first + np.stack([0.0 * along, along])]
         strokes += [first + part * along + np.stack([0.0 * along, self._mark]) for part in parts]
-        yield place.outside(edge), [place.outside(stroke) for stroke in strokes]
+        yield place.to_lab_frame(edge), [place.to_lab_frame(stroke) for stroke in strokes]
 
 
 def _kind(body: Body):

@@ -35,7 +35,7 @@ class BodyScene(Scene):
         """Particles that fill the region; see ``tisph/geometry/packing.py``."""
         return tuple(pack(self.region, self.spacing, max(jitter, LEAST_JITTER), seed).T)
 
-    def inside(self, points, time=0.0):
+    def contains(self, points, time=0.0):
         """Whether each of the ``points`` (n, 2) is in the fluid at ``time``."""
         return self.distance(points, time) >= 0.0
 

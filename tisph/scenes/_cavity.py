@@ -16,7 +16,7 @@ from tisph.measures.steady import steadiness
 from tisph.scenes import _two_dimensional
 from tisph.scenes._body_scene import BodyScene
 
-REACH, VISCOUS_REACH, LEAST_REACH = 0.5, 100.0, 4.0
+DECAY_LENGTH, VISCOUS_DECAY_LENGTH, LEAST_DECAY_LENGTH = 0.5, 100.0, 4.0
 """Of the inertial part of the flow in the corners: the most in shorter sides and nu/U, the least in spacings."""
 
 RESOLVED_CORNER = 10.0
@@ -82,12 +82,12 @@ class Cavity(BodyScene):
         if self.regular:
             return ()
         cell = self.reference_velocity * self.spacing / self.kinematic_viscosity
-        viscous = max(VISCOUS_REACH * self.spacing / cell, LEAST_REACH * self.spacing)
+        viscous = max(VISCOUS_DECAY_LENGTH * self.spacing / cell, LEAST_DECAY_LENGTH * self.spacing)
         same = {
             "inward": (0.0, -1.0),
             "angle": 0.5 * np.pi,
             "kinematic_viscosity": self.kinematic_viscosity,
-            "reach": min(REACH * min(self.extent), viscous),
+            "decay_length": min(DECAY_LENGTH * min(self.extent), viscous),
             "share": min(1.0, RESOLVED_CORNER / cell),
         }
         return tuple(

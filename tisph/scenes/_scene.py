@@ -62,7 +62,7 @@ class Scene:
     corners = ()
     """``exact.sliding_corner.CornerSingularity`` of each corner at which the velocities of two walls differ."""
 
-    changes = ()
+    jump_times = ()
     """Times after the start at which the velocity of a body, or its acceleration, jumps."""
 
     initial_conformation_excess = None

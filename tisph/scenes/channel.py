@@ -65,7 +65,7 @@ class Wall(WallMotion):
     mass_per_area: Annotated[float, Field(ge=0, le=LARGEST)] | None = None
 
     @property
-    def driven(self) -> bool:
+    def stress_controlled(self) -> bool:
         """Whether it is a stress that is given."""
         return any(getattr(self, key) is not None for key in STRESS_KEYS)
 
@@ -100,7 +100,7 @@ def _alien_keys(wall: Wall) -> Iterator[tuple[str, str]]:
         yield "velocity_before", "is not for a wall with velocities at times: it starts from rest"
         yield "angular_frequency", "is only for a wall that oscillates, not for one with velocities at times"
         yield "phase", "is only for a wall that oscillates, not for one with velocities at times"
-    if not wall.driven:
+    if not wall.stress_controlled:
         yield "mass_per_area", "is only for a stress-controlled wall, with keys such as shear_stress"
         return
     yield "velocity_before", "is not for a stress-controlled wall: it starts from rest"
@@ -227,7 +227,7 @@ class Scene:
 
 def _motion(config: Config) -> Iterator[Problem]:
     walls = (config.walls.bottom, config.walls.top)
-    if config.drive.acceleration or any(wall.amplitude or wall.driven or wall.velocities for wall in walls):
+    if config.drive.acceleration or any(wall.amplitude or wall.stress_controlled or wall.velocities for wall in walls):
         return
     velocities = {velocity for wall in walls for velocity in (wall.velocity, wall.velocity_before)} - {None}
     developed = config.initial.state == "developed" or any(wall.velocity_before is not None for wall in walls)
@@ -241,7 +241,7 @@ def _driven(config: Config) -> Iterator[Problem]:
     """What speaks against stress-controlled walls, or walls with velocities at times."""
     sides, scheduled = (
         [side for side in ("bottom", "top") if getattr(getattr(config.walls, side), key)]
-        for key in ("driven", "velocities")
+        for key in ("stress_controlled", "velocities")
     )
     if len(sides) > 1:
         yield "walls.top", "must have a velocity if the bottom wall is stress-controlled: nothing else holds the fluid"

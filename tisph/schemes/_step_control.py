@@ -37,12 +37,12 @@ class StepControl:
 
     ``tolerance``: of the error of a step. ``limit``: function of what the scheme measures after each step (a velocity
     gradient, a velocity) that returns the longest step. ``fixed``: whether steps are that long whatever their error.
-    ``multistep``: whether the method uses values of earlier steps. ``changes``: times at which what drives the flow
+    ``multistep``: whether the method uses values of earlier steps. ``jump_times``: times at which what drives the flow
     jumps; up to the last target they are targets as well.
     """
 
-    def __init__(self, tolerance, limit, *, fixed=False, multistep=False, changes=()):
-        self.tolerance, self.limit, self.fixed, self.changes = tolerance, limit, fixed, sorted(changes)
+    def __init__(self, tolerance, limit, *, fixed=False, multistep=False, jump_times=()):
+        self.tolerance, self.limit, self.fixed, self.jump_times = tolerance, limit, fixed, sorted(jump_times)
         self.multistep = multistep
         self.largest_factor = LARGEST_MULTISTEP_FACTOR if multistep else LARGEST_FACTOR
         self.last_steps = LAST_MULTISTEPS if multistep else LAST_STEPS
@@ -51,9 +51,9 @@ class StepControl:
 
     def set_targets(self, targets, time):
         """Go on from ``time`` to these targets; return whether no others have cut steps so far."""
-        changes = [change for change in self.changes if change < max(targets)]
-        self.targets = sorted(target for target in {*targets, *changes} if target > time)
-        return self.cut_by is None or self.cut_by in {*targets, *self.changes}
+        jump_times = [time for time in self.jump_times if time < max(targets)]
+        self.targets = sorted(target for target in {*targets, *jump_times} if target > time)
+        return self.cut_by is None or self.cut_by in {*targets, *self.jump_times}
 
     @property
     def finished(self):

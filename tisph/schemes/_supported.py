@@ -6,7 +6,7 @@ EXPLICIT_RHEOLOGIES = ("newtonian", "oldroyd_b")
 AROUND_BODIES = ("adami", "virtual_image", "comoving_image")
 """Wall treatments of the explicit scheme at walls of bodies; the first one where a config names none."""
 
-DRIVEN = [("bottom", "driven"), ("top", "driven")]
+STRESS_CONTROLLED = [(side, "stress_controlled") for side in ("bottom", "top")]
 """Walls that may be stress-controlled, and the property that says so."""
 
 SCHEDULED = [(side, "velocities") for side in ("bottom", "top")]
@@ -17,7 +17,7 @@ SCHEDULED += [(side, "angular_velocities") for side in ("inner", "outer")]
 def problems(config, scheme):
     """Yield dotted key and text where ``scheme`` cannot serve the rheology of the config, or the motion of a wall."""
     walls = getattr(config, "walls", None)
-    for keys, kind in ((DRIVEN, "stress-controlled wall"), (SCHEDULED, "wall with velocities at times")):
+    for keys, kind in ((STRESS_CONTROLLED, "stress-controlled wall"), (SCHEDULED, "wall with velocities at times")):
         found = [side for side, key in keys if getattr(getattr(walls, side, None), key, None)]
         if found and scheme != "implicit":
             yield "scheme.type", f"{scheme} has no {kind} (walls.{found[0]}); take implicit"

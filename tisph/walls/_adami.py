@@ -12,7 +12,7 @@ class ShepardDummies(Dummies):
     def __init__(self, lists, kernel, fluid, parameters, *layers):
         super().__init__(lists, kernel, fluid, parameters, *layers)
         self.value = ti.func(kernel.value)
-        self.smoothing_length = scalar(lists.cutoff / kernel.SUPPORT)
+        self.smoothing_length = scalar(lists.radius / kernel.SUPPORT)
         self.tensor = ti.types.vector(3, real())
 
     @ti.func
@@ -41,7 +41,7 @@ class ShepardDummies(Dummies):
             wall = self.velocity_at(buffer, k)
             if ti.static(self.accelerates):
                 pressure += self.acceleration_at(k).dot(first)
-            self.give(buffer, k, 2.0 * wall - velocity / weights, pressure / weights, stress / weights)
+            self.set_dummy(buffer, k, 2.0 * wall - velocity / weights, pressure / weights, stress / weights)
         else:
             self.give_wall_values(buffer, k)
 

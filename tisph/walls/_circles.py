@@ -26,7 +26,7 @@ from tisph.runtime import integer, real, ti, view
 from tisph.walls._solids import SolidWalls
 
 ROOM = 1.5
-"""Room for images over the number of particles that lie within reach of the walls in an even arrangement."""
+"""Room for images over the number of particles that lie within cutoff of the walls in an even arrangement."""
 
 
 @dataclass(frozen=True)
@@ -56,19 +56,19 @@ class CircleImages(SolidWalls):
         self.images = integer(0)
 
     @staticmethod
-    def arrange(bodies, spacing, reach):
-        """Return the ``Images`` in bodies, circles all of them, for particles of the support radius ``reach``."""
-        rings = sum(body.shape.length + 2 * math.pi * reach for body in bodies) * reach
+    def arrange(bodies, spacing, cutoff):
+        """Return the ``Images`` in bodies, circles all of them, for particles of the support radius ``cutoff``."""
+        rings = sum(body.shape.length + 2 * math.pi * cutoff for body in bodies) * cutoff
         return Images((0, math.ceil(ROOM * rings / spacing**2)))
 
     @property
-    def stretch(self):
+    def displacement_factor(self):
         """How much farther images go than the particles that they mirror, at most, on the mean with these."""
-        farthest, reach = 1.0, self.lists.reach
+        farthest, cutoff = 1.0, self.lists.radius
         for radius, side in zip(view(self.radius), view(self.side), strict=True):
             if side < 0.0:
-                source = math.sqrt(max(2.0 * radius**2 - (radius + reach) ** 2, self.lists.spacing**2))
-                farthest = max(farthest, (radius + reach) / source)
+                source = math.sqrt(max(2.0 * radius**2 - (radius + cutoff) ** 2, self.lists.spacing**2))
+                farthest = max(farthest, (radius + cutoff) / source)
         return 0.5 * (1.0 + farthest)
 
     def load(self, time):
@@ -128,7 +128,7 @@ class CircleImages(SolidWalls):
         image = self.mirrored(away, body)
         beyond = image.dot(away) / away.norm() - self.radius[body]
         cell = -1
-        if beyond * beyond < self.lists.reach_squared[None]:
+        if beyond * beyond < self.lists.radius_squared[None]:
             place = self.domain.wrap(self.centre[body] + image)
             cell = (self.cells.row_of(place.y, 0) - 1) * self.cells.columns[None] + self.cells.column_of(place.x)
         return cell

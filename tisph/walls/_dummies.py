@@ -27,18 +27,18 @@ class Dummies(WallTreatment):
             self.extrapolate(now, self.particles.slot(number))
 
     @ti.func
-    def give(self, buffer, k, velocity, pressure, stress):
+    def set_dummy(self, buffer, k, velocity, pressure, stress):
         """Set what dummy particle ``k`` carries."""
         self.write(buffer, k, self.particles.mid_position[buffer, k], velocity, pressure, stress)
 
     @ti.func
     def give_wall_values(self, buffer, k):
-        """Let dummy particle ``k``, which has no fluid in reach, move with its wall."""
+        """Let dummy particle ``k``, which has no fluid in cutoff, move with its wall."""
         velocity = self.velocity_at(buffer, k)
         if ti.static(self.particles.carries_stress):
-            self.give(buffer, k, velocity, 0.0, ti.Vector([0.0, 0.0, 0.0]))
+            self.set_dummy(buffer, k, velocity, 0.0, ti.Vector([0.0, 0.0, 0.0]))
         else:
-            self.give(buffer, k, velocity, 0.0, 0.0)
+            self.set_dummy(buffer, k, velocity, 0.0, 0.0)
 
 
 @ti.data_oriented
@@ -46,13 +46,13 @@ class DummyWalls(Dummies):
     """Dummy particles on the continued lattice, beyond the walls of a channel."""
 
     @staticmethod
-    def wall_slots(channel, reach):
+    def wall_slots(channel, cutoff):
         """Return (dummy particles, room for images): layers as deep as the kernel reaches, on both walls."""
-        return 2 * layers(channel, reach) * channel.columns, 0
+        return 2 * layers(channel, cutoff) * channel.columns, 0
 
     def load(self, channel):
         """Put the dummy particles on the lattice continued beyond both walls, at rest relative to them."""
-        depth = layers(channel, self.lists.reach)
+        depth = layers(channel, self.lists.radius)
         column, layer = np.meshgrid(np.arange(channel.columns), np.arange(depth))
         x = (column.ravel() + 0.5) * channel.spacing
         beyond = (layer.ravel() + 0.5) * channel.spacing
@@ -85,6 +85,6 @@ class DummyWalls(Dummies):
         return ti.select(y < 0.0, self.domain.bottom_velocity[None], self.domain.top_velocity[None])
 
 
-def layers(channel, reach):
+def layers(channel, cutoff):
     """Return the number of layers on each wall that a fluid particle at the wall could see."""
-    return math.ceil(reach / channel.spacing - 0.5)
+    return math.ceil(cutoff / channel.spacing - 0.5)

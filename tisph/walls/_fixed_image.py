@@ -17,7 +17,7 @@ class Treatment(DummyWalls):
         """Set what image ``k`` carries; without fluid in reach, the velocity of the wall."""
         position = self.particles.mid_position[buffer, k]
         found = -1
-        shortest = self.lists.reach_squared[None] * 4.0
+        shortest = self.lists.radius_squared[None] * 4.0
         for n in range(self.lists.count[k]):
             j = self.lists.table[k, n]
             apart = self.particles.mid_position[buffer, j] - position
@@ -41,6 +41,8 @@ class Treatment(DummyWalls):
         wall = ti.Vector([self.wall_velocity(y), 0.0])
         velocity = fluid + (1.0 + self.depth(y) / inside) * (wall - fluid)
         if ti.static(self.particles.carries_stress):
-            self.give(buffer, k, velocity, self.particles.mid_pressure[buffer, j], self.particles.mid_stress[buffer, j])
+            self.set_dummy(
+                buffer, k, velocity, self.particles.mid_pressure[buffer, j], self.particles.mid_stress[buffer, j]
+            )
         else:
-            self.give(buffer, k, velocity, self.particles.mid_pressure[buffer, j], 0.0)
+            self.set_dummy(buffer, k, velocity, self.particles.mid_pressure[buffer, j], 0.0)

@@ -24,9 +24,9 @@ class ImageWalls(WallTreatment):
         self.first_top = integer(0)
 
     @staticmethod
-    def wall_slots(channel, reach):
+    def wall_slots(channel, cutoff):
         """Return (dummy particles, room for images)."""
-        row = math.ceil(channel.rows / cell_rows(channel, reach) + 1) * channel.columns
+        row = math.ceil(channel.rows / cell_rows(channel, cutoff) + 1) * channel.columns
         return 0, min(2 * channel.rows * channel.columns, math.ceil(2 * ROOM * row))
 
     def present_images(self):

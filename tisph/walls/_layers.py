@@ -40,14 +40,14 @@ class Layers:
         return float(max(farthest))
 
 
-def layers_in(bodies, spacing, reach):
+def layers_in(bodies, spacing, cutoff):
     """Return the ``Layers`` of bodies: (k + 1/2) ``spacing`` behind the wall, as many as a particle at it could see.
 
     In each layer particles are about a spacing apart; there is none where the wall's centre of curvature is nearer.
     """
     feet, places, numbers = [], [], []
     for number, body in enumerate(bodies):
-        for layer in range(math.ceil(reach / spacing - 0.5)):
+        for layer in range(math.ceil(cutoff / spacing - 0.5)):
             depth = (layer + 0.5) * spacing
             part = _outline(body.shape, spacing, depth)
             if part is None:
@@ -88,9 +88,9 @@ class LayerWalls(Dummies, SolidWalls):
         self.sorted.used = None
 
     @staticmethod
-    def arrange(bodies, spacing, reach):
-        """Return the ``Layers`` of bodies, for particles of the support radius ``reach``."""
-        return layers_in(bodies, spacing, reach)
+    def arrange(bodies, spacing, cutoff):
+        """Return the ``Layers`` of bodies, for particles of the support radius ``cutoff``."""
+        return layers_in(bodies, spacing, cutoff)
 
     def load(self, time):
         """Put the dummy particles into the bodies at the start."""
@@ -102,7 +102,7 @@ class LayerWalls(Dummies, SolidWalls):
         slots = slice(self.particles.first_wall, self.particles.first_wall + count)
         for number, body in enumerate(self.bodies):
             own = self.layers.body == number
-            places = body.at(time).outside(self.layers.place[own]) - self.origin
+            places = body.at(time).to_lab_frame(self.layers.place[own]) - self.origin
             view(self.particles.mid_position)[0, slots][own] = places
 
     @ti.kernel
@@ -124,7 +124,7 @@ class LayerWalls(Dummies, SolidWalls):
         """Carry dummy particle ``k`` along with its body into the other buffer."""
         number = self.number[k - self.particles.first_wall]
         body = self.body[number]
-        self.particles.mid_position[1 - now, k] = self.centre[body] + self.turned(body, self.lever_arm[number])
+        self.particles.mid_position[1 - now, k] = self.centre[body] + self.rotated(body, self.lever_arm[number])
         if ti.static(self.uses_mirror_points):
             self.mirror(k)
 
@@ -133,7 +133,7 @@ class LayerWalls(Dummies, SolidWalls):
         """Tell the lists where the mirror point of dummy particle ``k`` is."""
         number = self.number[k - self.particles.first_wall]
         body = self.body[number]
-        lever_arm = self.turned(body, 2.0 * self.wall_point[number] - self.lever_arm[number])
+        lever_arm = self.rotated(body, 2.0 * self.wall_point[number] - self.lever_arm[number])
         self.lists.mirror[k - self.particles.first_wall] = self.centre[body] + lever_arm
 
     @ti.func
@@ -141,11 +141,11 @@ class LayerWalls(Dummies, SolidWalls):
         """Return the velocity of the wall point nearest to dummy particle ``k``."""
         number = self.number[k - self.particles.first_wall]
         body = self.body[number]
-        return self.velocity_of(body, self.turned(body, self.wall_point[number]))
+        return self.velocity_of(body, self.rotated(body, self.wall_point[number]))
 
     @ti.func
     def acceleration_at(self, k):
         """Return the acceleration of the wall point nearest to dummy particle ``k``."""
         number = self.number[k - self.particles.first_wall]
         body = self.body[number]
-        return self.acceleration_of(body, self.turned(body, self.wall_point[number]))
+        return self.acceleration_of(body, self.rotated(body, self.wall_point[number]))

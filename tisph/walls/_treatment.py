@@ -23,7 +23,7 @@ class WallTreatment:
         self.lists = lists
 
     @staticmethod
-    def wall_slots(channel, reach):
+    def wall_slots(channel, cutoff):
         """Return (dummy particles, room for images)."""
         return 0, 0
 

@@ -21,7 +21,7 @@ class MirrorPointDummies(Dummies):
         super().__init__(lists, kernel, fluid, parameters, *layers)
         self.value = ti.func(kernel.value)
         self.support = kernel.SUPPORT
-        self.radius = scalar(RADIUS * lists.cutoff)
+        self.radius = scalar(RADIUS * lists.radius)
         self.vector, self.tensor = ti.types.vector(2, real()), ti.types.vector(3, real())
         self.matrix = ti.types.matrix(3, 3, real())
 
@@ -42,7 +42,7 @@ class MirrorPointDummies(Dummies):
             if ti.static(self.accelerates):
                 across = self.lists.centre(buffer, k) - self.particles.mid_position[buffer, k]
                 pressure += self.acceleration_at(k).dot(across)
-            self.give(buffer, k, 2.0 * self.velocity_at(buffer, k) - velocity, pressure, stress)
+            self.set_dummy(buffer, k, 2.0 * self.velocity_at(buffer, k) - velocity, pressure, stress)
         else:
             self.give_wall_values(buffer, k)
 

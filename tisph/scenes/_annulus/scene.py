@@ -80,9 +80,9 @@ class Annulus(BodyScene):
         return tuple(Body(shape, self.centre, motion=way) for shape, way in zip(shapes, motions, strict=True))
 
     @property
-    def changes(self):
+    def jump_times(self):
         """Times above 0 at which the angular velocity of a cylinder, or its slope, jumps."""
-        return tuple(sorted({*self.inner.changes, *self.outer.changes}))
+        return tuple(sorted({*self.inner.jump_times, *self.outer.jump_times}))
 
     @property
     def reference_length(self):
@@ -109,8 +109,8 @@ class Annulus(BodyScene):
         """Depth of the thinnest layer at time ``t`` and where it is: that of a wall that started, or oscillates."""
         layers = []
         for name, wall in (("inner", self.inner), ("outer", self.outer)):
-            if (self.before(wall) != wall.velocity(0.0) and not self.stays_steady) or wall.changes:
-                since = t - max((change for change in wall.changes if change < t), default=0.0)
+            if (self.before(wall) != wall.velocity(0.0) and not self.stays_steady) or wall.jump_times:
+                since = t - max((change for change in wall.jump_times if change < t), default=0.0)
                 viscosity = self.kinematic_viscosity * (self.polymer.diffusive_fraction(since) if self.polymer else 1.0)
                 layers.append((math.sqrt(viscosity * since), f"the layer at the {name} cylinder"))
             if wall.oscillates:

@@ -14,7 +14,7 @@ def extra_series(channel):
     None of a Newtonian fluid between walls of which none is stress-controlled or follows a schedule.
     """
     plain = channel.polymer is None and channel.rheology is None
-    if plain and not any(wall.driven or wall.changes for wall in (channel.bottom, channel.top)):
+    if plain and not any(wall.stress_controlled or wall.jump_times for wall in (channel.bottom, channel.top)):
         return None
     columns = [f"{name}_{side}" for name in ("wall_shear", "wall_velocity") for side in SIDES]
     return ExtraSeries(
@@ -28,7 +28,7 @@ def extra_series(channel):
 def _measure(channel, snapshot):
     """Shear stress and velocity of both walls, and N1 = S_xx - S_yy of the polymer, mean over the fluid."""
     velocities = [
-        wall_velocity(channel, side, snapshot) if wall.driven else float(wall.velocity(snapshot.t))
+        wall_velocity(channel, side, snapshot) if wall.stress_controlled else float(wall.velocity(snapshot.t))
         for side, wall in enumerate((channel.bottom, channel.top))
     ]
     normal = [np.mean(snapshot.stress_xx - snapshot.stress_yy)] if channel.polymer else []
@@ -41,7 +41,7 @@ def _final(channel, times, values):
     That of a stress-controlled wall is the integral of the velocities that the particles show.
     """
     ways = [
-        integral(times, values[:, 2 + side]) if wall.driven else wall.displacement(times)
+        integral(times, values[:, 2 + side]) if wall.stress_controlled else wall.displacement(times)
         for side, wall in enumerate((channel.bottom, channel.top))
     ]
     walls = [wall for _, wall in reversed(channel.walls)]

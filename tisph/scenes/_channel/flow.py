@@ -13,7 +13,9 @@ class ReferenceFlow:
 
     def __init__(self, channel):
         self.channel = channel
-        walls = [wall.over(channel.density) if wall.driven else wall for wall in (channel.bottom, channel.top)]
+        walls = [
+            each.over(channel.density) if each.stress_controlled else each for each in (channel.bottom, channel.top)
+        ]
         flow = Flow(channel.gap, *walls, channel.acceleration)
         before = Flow(channel.gap, *_walls_before(channel), channel.acceleration) if channel.starts_developed else None
         self._solved = _solved(channel.rheology, channel.kinematic_viscosity, channel.density, flow, before)

@@ -19,7 +19,8 @@ def thinnest_layer(channel, t):
     if any(started.values()):
         names = [name for name, has in started.items() if has]
         place = f"the layer at the {names[0]} wall" if len(names) == 1 else "the layer at each wall"
-        since = t - max((change for _, wall in _walls(channel) for change in wall.changes if change < t), default=0.0)
+        jumps = [time for _, wall in _walls(channel) for time in wall.jump_times if time < t]
+        since = t - max(jumps, default=0.0)
         share = channel.polymer.diffusive_fraction(since) if channel.polymer else 1.0
         depth = math.sqrt(share * channel.kinematic_viscosity * since)
         in_the_fluid = share < 1.0 and channel.elastic_speed * since > depth
@@ -39,4 +40,4 @@ def _has_started(channel, wall):
     """Whether velocity or acceleration of the fluid at a wall has jumped at t = 0."""
     if channel.starts_developed:
         return wall.before is not None and wall.before != wall.cosine
-    return wall.oscillates or wall.driven or wall.cosine != 0.0 or channel.acceleration != 0.0
+    return wall.oscillates or wall.stress_controlled or wall.cosine != 0.0 or channel.acceleration != 0.0

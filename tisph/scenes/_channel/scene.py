@@ -71,7 +71,7 @@ class Channel(Scene):
     @property
     def driven_side(self):
         """Which wall is stress-controlled: 0 the bottom, 1 the top one; None where the velocities of both are given."""
-        return next((side for side, wall in enumerate((self.bottom, self.top)) if wall.driven), None)
+        return next((side for side, wall in enumerate((self.bottom, self.top)) if wall.stress_controlled), None)
 
     @property
     def fields(self):
@@ -87,7 +87,7 @@ class Channel(Scene):
         wall oscillates, which it does about rest.
         """
         walls = (self.bottom, self.top)
-        if not self.starts_developed or any(wall.oscillates or wall.driven for wall in walls):
+        if not self.starts_developed or any(wall.oscillates or wall.stress_controlled for wall in walls):
             return 0.0
         before = [self._velocity_before(wall) for wall in walls]
         kept = [old for wall, old in zip(walls, before, strict=True) if wall.cosine == old]
@@ -149,7 +149,7 @@ class Channel(Scene):
         linear = self.rheology is None or (
             self.rheology.type == "oldroyd_b" and not any(wall.oscillates for wall in walls)
         )
-        return linear and not any(wall.driven for wall in walls)
+        return linear and not any(wall.stress_controlled for wall in walls)
 
     @property
     def wall_jumps(self):
@@ -157,7 +157,9 @@ class Channel(Scene):
         if self.start_time > 0:
             return 0.0, 0.0
         walls = (self.bottom, self.top)
-        return tuple(0.0 if wall.driven else wall.velocity(0.0) - self._velocity_before(wall) for wall in walls)
+        return tuple(
+            0.0 if wall.stress_controlled else wall.velocity(0.0) - self._velocity_before(wall) for wall in walls
+        )
 
     def _velocity_before(self, wall):
         if wall.before is not None:
@@ -172,7 +174,7 @@ class Channel(Scene):
         """The same flow as it is seen from a frame that moves with ``frame_velocity``."""
         if self.frame_velocity == 0.0:
             return self
-        bottom, top = (wall.seen_from(self.frame_velocity) for wall in (self.bottom, self.top))
+        bottom, top = (wall.relative_to(self.frame_velocity) for wall in (self.bottom, self.top))
         return replace(self, bottom=bottom, top=top)
 
     def apparent_viscosity(self, viscosity, angular_frequency):

@@ -49,7 +49,7 @@ def vanishing_scale(channel):
 
     The flow itself decides, not the length of a run: the same flow has the same error measure everywhere.
     """
-    if any(wall.oscillates or wall.driven for wall in (channel.bottom, channel.top)):
+    if any(wall.oscillates or wall.stress_controlled for wall in (channel.bottom, channel.top)):
         return True
     slowest = max(channel.viscous_time, channel.polymer.relaxation_time if channel.polymer else 0.0)
     # The slowest mode decays as exp(-pi^2 t*): at t* = 3 nothing of a start is left.

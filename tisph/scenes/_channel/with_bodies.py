@@ -17,7 +17,7 @@ def scene(config):
 
 def problems(config: Any) -> Iterator[Problem]:
     """What the channel with bodies has against the config."""
-    driven = [side for side in ("bottom", "top") if getattr(config.walls, side).driven]
+    driven = [side for side in ("bottom", "top") if getattr(config.walls, side).stress_controlled]
     if driven:
         yield f"walls.{driven[0]}", "must have a velocity: with bodies in the channel no stress can drive a wall"
         return

@@ -95,7 +95,7 @@ class ImplicitLayers:
 
     def _advance(self):
         control = self.control
-        if self.time in control.changes:
+        if self.time in control.jump_times:
             apply_impulse(self.stages, self.flow, self.time)
         for _ in range(MOST_ATTEMPTS):
             dt = self.dt = control.choose_dt(self.time)
@@ -107,7 +107,7 @@ class ImplicitLayers:
             self.unknown = True
             return
         change = np.abs(end.velocity - self.flow.velocity).max()
-        last_change = not any(time > self.time for time in control.changes)
+        last_change = not any(time > self.time for time in control.jump_times)
         unchanged = last_change and change <= STEADY * np.abs(end.velocity).max()
         self.steady = self.walls.steady and unchanged and dt <= 1.01 * self.last_dt
         self.last_dt = dt

@@ -45,7 +45,7 @@ def _problem(scene):
         "start_time": scene.start_time,
         "rheology": scene.rheology,
         "initial_conformation_excess": scene.initial_conformation_excess,
-        "changes": scene.changes,
+        "jump_times": scene.jump_times,
     }
     if not scene.bodies:
         return PeriodicProblem(columns=scene.columns, rows=scene.rows, spacing=scene.spacing, **fluid)
@@ -107,7 +107,7 @@ def _longest_steps(scene, ends, courant, viscous):
     longest = min(courant * scene.spacing / speed, viscous)
     # steps that grow, less their time
     begin = np.log(1 / FIRST) / np.log(LARGEST_MULTISTEP_FACTOR) - 1 / (1 - 1 / LARGEST_MULTISTEP_FACTOR)
-    begun = [1 + sum(change < t for change in scene.changes) for t in ends]
+    begun = [1 + sum(change < t for change in scene.jump_times) for t in ends]
     return [
         max(1, round(n * begin + (t - scene.start_time) / longest)) for n, t in zip(begun, ends, strict=True)
     ], longest

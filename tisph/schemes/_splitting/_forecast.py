@@ -52,7 +52,7 @@ class Walk:
         return self.steps
 
     def _advance(self):
-        if self.time in self.scene.changes:
+        if self.time in self.scene.jump_times:
             self.dts, self.velocities = [], self.velocities[:1]
             self.control.dt_next = FIRST * self.longest_step
         for _ in range(MAX_ATTEMPTS):

@@ -14,7 +14,7 @@ class _Problem(Box):
     those (``exact/sliding_corner.py``) where the velocities of two of them differ. ``kinematic_viscosity`` is the total
     one, of solvent and polymer; ``rheology``: parameters of the fluid where it has a polymer, else None, and
     ``initial_conformation_excess`` of the conformation tensors of its modes at x, y, None where it starts from rest.
-    ``changes``: times at which the velocity of a wall, or its acceleration, jumps.
+    ``jump_times``: times at which the velocity of a wall, or its acceleration, jumps.
     """
 
     density: float
@@ -26,7 +26,7 @@ class _Problem(Box):
     corners: tuple = ()
     rheology: object = None
     initial_conformation_excess: object = None
-    changes: tuple[float, ...] = ()
+    jump_times: tuple[float, ...] = ()
 
     @property
     def bodies(self):

@@ -139,7 +139,7 @@ class Scheme:
 
     def advance(self):
         """Take one step, in as many attempts as its error asks for; raise DivergedError where it runs away."""
-        if self.time in self.problem.changes:
+        if self.time in self.problem.jump_times:
             self.restart_steps()
         unresolved = self.levels.divergence_scale * self.problem.spacing / self.speed
         for _ in range(MAX_ATTEMPTS):

@@ -31,9 +31,9 @@ class SingularPaths:
         self.frame = field(matrix, [[corner.along, corner.inward] for corner in corners])
         self.stokes = field(ti.types.vector(4, real()), [corner.stokes_coefficients for corner in corners])
         self.inertial = field(vector, np.concatenate([corner.inertial_coefficients[:, :2] for corner in corners]))
-        self.angle, self.viscosity, self.reach = (
+        self.angle, self.viscosity, self.decay_length = (
             field(real(), [getattr(corner, name) for corner in corners])
-            for name in ("angle", "kinematic_viscosity", "reach")
+            for name in ("angle", "kinematic_viscosity", "decay_length")
         )
         self.weights = holding(ti.field(ti.types.vector(VELOCITIES, real()), N_TIMES), 0.0)
         self.positions = self.points.field(vector)
@@ -89,7 +89,7 @@ class SingularPaths:
             inertial, part = ti.Vector([0.0, 0.0]), 2.0 * theta / self.angle[corner] - 1.0
             for power in range(DEGREE + 1):
                 inertial = part * inertial + self.inertial[corner * (DEGREE + 1) + power]
-            square = (radius / self.reach[corner]) ** 2
+            square = (radius / self.decay_length[corner]) ** 2
             scale = radius / self.viscosity[corner] * ti.exp(-square)
             u_r, u_theta = derivative + scale * inertial[1], -f - scale * (2.0 - 2.0 * square) * inertial[0]
             local = ti.Vector([u_r * cosine - u_theta * sine, u_r * sine + u_theta * cosine])

@@ -37,7 +37,7 @@ def step_control(case, targets, tolerance, courant):
     """
     viscous = viscous_step(case)
     limit = lambda speed: min(courant * case.spacing / speed, viscous)  # noqa: E731
-    control = StepControl(tolerance, limit, fixed=tolerance is None, multistep=True, changes=case.changes)
+    control = StepControl(tolerance, limit, fixed=tolerance is None, multistep=True, jump_times=case.jump_times)
     control.set_targets(targets, case.start_time)
     return control
 

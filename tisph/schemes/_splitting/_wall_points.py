@@ -88,7 +88,10 @@ class WallPoints:
         tangent = np.stack([normal[1], -normal[0]])
         pairs = zip(self.bodies, boundaries, strict=True)
         tangents = (np.stack([part.normal[:, 1], -part.normal[:, 0]], axis=1) for part in boundaries)
-        parts = [body.strain(part.point, along, time) for (body, part), along in zip(pairs, tangents, strict=True)]
+        parts = [
+            body.tangential_gradient(part.point, along, time)
+            for (body, part), along in zip(pairs, tangents, strict=True)
+        ]
         strain = np.concatenate(parts).T
         shear = np.einsum("abn,an,bn->n", gradients, tangent, normal)
         across = shear * tangent - np.sum(strain * tangent, axis=0) * normal

@@ -35,7 +35,9 @@ def apply_impulse(stages, flow, time):
         jumps = wall.jumps_at(time)
         if walls.obeys_momentum and any(jumps):
             start = ImpulsiveStart(stages, wall)
-            gained = start.coupled_changes(flow, *jumps, near[wall.side]) if stages.model else start.changes(*jumps)
+            gained = (
+                start.coupled_change(flow, *jumps, near[wall.side]) if stages.model else start.velocity_change(*jumps)
+            )
             flow.velocity += gained
             gains[wall.side] += float(gained.sum(dtype=float))
     for wall in walls:
@@ -66,11 +68,11 @@ class ImpulsiveStart:
         """Return the change of the velocities for U' = 1, whose series has u_yy = 1/nu and this ``fourth`` term."""
         return self.nu * (self.spread((0.0, 1.0 / self.nu, fourth)) + self.operators.laplacian(self.velocity_2))
 
-    def changes(self, jump, rate):
+    def velocity_change(self, jump, rate):
         """Return the change of the velocities of a Newtonian fluid."""
         return jump * self.by_velocity(0.0) + rate * self.velocity_2
 
-    def coupled_changes(self, flow, jump, rate, fluid):
+    def coupled_change(self, flow, jump, rate, fluid):
         """Return the change of the velocities; change the states of ``flow`` and at the wall, where ``fluid`` is."""
         operators, model, wall, nu = self.operators, self.stages.model, self.wall, self.nu
         decay, stretching, stress, _ = model.jacobian(fluid[:-1], fluid[-1])

@@ -19,7 +19,7 @@ class WallPair:
         self.model, self.obeys_momentum = model, OBEY_MOMENTUM[treatment]
         self.walls = [_wall(channel, side, self.obeys_momentum, model) for side in range(2)]
         self.steady = model is None and not any(wall.schedule.oscillates for wall in self.walls)
-        changes = (any(wall.jumps) or wall.schedule.changes or wall.even_reflection for wall in self.walls)
+        changes = (any(wall.jumps) or wall.schedule.jump_times or wall.even_reflection for wall in self.walls)
         self.any_jump = any(map(bool, changes))
         self.past = self.present = None
 
@@ -34,7 +34,7 @@ class WallPair:
     @property
     def stress_controlled(self):
         """The stress-controlled wall, or None."""
-        return next((wall for wall in self.walls if wall.schedule.driven), None)
+        return next((wall for wall in self.walls if wall.schedule.stress_controlled), None)
 
     def reset(self):
         """Go back to before the first step."""
@@ -93,6 +93,6 @@ def _wall(channel, side, obeys_momentum, model):
     if model is None:
         return PrescribedWall(channel, side, obeys_momentum)
     kind = CoupledWall
-    if schedule.driven:
+    if schedule.stress_controlled:
         kind = MasslessWall if schedule.mass_per_area == 0.0 else InertialWall
     return kind(channel, side, obeys_momentum, model)

@@ -24,17 +24,17 @@ class FixedGhosts(Ghosts):
 
     mirrors = True
 
-    def __init__(self, points, channel, reach):
-        super().__init__(points, channel, reach)
+    def __init__(self, points, channel, cutoff):
+        super().__init__(points, channel, cutoff)
         self.share = ti.field(real(), shape=(points.ghost_slots, points.row_capacity))
-        self.radius = scalar(reach)
+        self.radius = scalar(cutoff)
         self.vector, self.matrix = ti.types.vector(UNKNOWNS, real()), ti.types.matrix(UNKNOWNS, UNKNOWNS, real())
         self.place(channel)
 
     @staticmethod
-    def room(channel, reach):
-        """Return the number of ghosts: all layers within reach."""
-        return 2 * min(math.ceil(reach / channel.spacing), channel.rows) * channel.columns
+    def ghost_capacity(channel, cutoff):
+        """Return the number of ghosts: all layers within cutoff."""
+        return 2 * min(math.ceil(cutoff / channel.spacing), channel.rows) * channel.columns
 
     def place(self, channel):
         """Lay out the layers; they stay where they are."""

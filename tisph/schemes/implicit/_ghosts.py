@@ -26,7 +26,7 @@ from tisph.runtime import ti, view
 class Ghosts:
     """What all ghosts have; arrays ``depth`` beyond wall ``side`` (0 bottom, 1 top), in the order of their slots.
 
-    ``count``: how many there are. ``near``: the particles within ``reach`` of a wall, which have ghosts among their
+    ``count``: how many there are. ``near``: the particles within ``cutoff`` of a wall, which have ghosts among their
     neighbours; ``offset``: their distance from each wall (2, near). ``listed``: those neighbours one after another, in
     the lists of the near particles ``row``. ``even_reflection``: of velocities in the (bottom, top) wall, else odd.
     """
@@ -36,8 +36,8 @@ class Ghosts:
 
     even_reflection = (False, False)
 
-    def __init__(self, points, channel, reach):
-        self.points, self.gap, self.reach = points, channel.gap, reach
+    def __init__(self, points, channel, cutoff):
+        self.points, self.gap, self.cutoff = points, channel.gap, cutoff
         self.count, self.needed = points.ghosts, 0
         self.side, self.depth = np.empty(0, dtype=np.int32), np.empty(0)
         self.series = np.zeros((2, 3))
@@ -51,7 +51,7 @@ class Ghosts:
     def prepare(self):
         """Take note of the particles near walls, and prepare what ghosts take from them, at their final places."""
         height = self.heights()
-        self.near = np.flatnonzero((height < self.reach) | (self.gap - height < self.reach))
+        self.near = np.flatnonzero((height < self.cutoff) | (self.gap - height < self.cutoff))
         below = height[self.near].astype(float)
         self.offset = np.stack([below, self.gap - below])
         table, listed = self.points.listed_neighbours(self.near)
@@ -113,20 +113,20 @@ class Ghosts:
 class MirrorGhosts(Ghosts):
     """Mirror images: ghost k is that of particle ``source[k]``."""
 
-    def __init__(self, points, channel, reach):
-        super().__init__(points, channel, reach)
+    def __init__(self, points, channel, cutoff):
+        super().__init__(points, channel, cutoff)
         self.source = ti.field(ti.i32, shape=points.ghost_slots)
 
     @staticmethod
-    def room(channel, reach):
+    def ghost_capacity(channel, cutoff):
         """Return the number of ghosts to have room for."""
-        rows = math.ceil(1.5 * reach / channel.spacing) + 1
+        rows = math.ceil(1.5 * cutoff / channel.spacing) + 1
         return 2 * min(rows, channel.rows) * channel.columns
 
     def find(self):
-        """Mirror every particle within reach of a wall."""
+        """Mirror every particle within cutoff of a wall."""
         height = self.heights()
-        sources = [np.flatnonzero(height < self.reach), np.flatnonzero(self.gap - height < self.reach)]
+        sources = [np.flatnonzero(height < self.cutoff), np.flatnonzero(self.gap - height < self.cutoff)]
         self.needed = sum(map(len, sources))
         count = min(self.needed, self.points.ghost_slots)
         self.side = np.repeat([0, 1], list(map(len, sources)))[:count]

@@ -104,10 +104,10 @@ class ClosedParticleOperators:
 
     def even_fit(self, side):
         """Return particles near a wall, their distance from it, and their weights in the ``even_fit``."""
-        near, weights = even_fit(self.ghosts.offset[side], self.ghosts.reach)
+        near, weights = even_fit(self.ghosts.offset[side], self.ghosts.cutoff)
         return self.ghosts.near[near], self.ghosts.offset[side, near], weights
 
     def wall_fits(self, values):
         """Return the ``polynomial_fit`` at each wall to ``values`` (quantities, fluid)."""
         near = np.asarray(values)[:, self.ghosts.near].T
-        return [polynomial_fit(offset, near, self.ghosts.reach) for offset in self.ghosts.offset]
+        return [polynomial_fit(offset, near, self.ghosts.cutoff) for offset in self.ghosts.offset]

@@ -36,7 +36,8 @@ shear flow are below 5e-3 once the layers are resolved; a flow that needs a pres
 RESOLVED = 2.0
 """Thickness sqrt(nu t) of a layer, in particle spacings, from which on derivatives of the velocities mean something."""
 
-HOST_STATE = ("time", "steps", "rejected", "shortest", "longest", "reduced", "dropped", "projections", "transverse")
+HOST_STATE = "time", "steps", "rejected", "shortest", "longest"
+HOST_STATE += "order_reduced", "singular", "projections", "transverse"
 """Attributes of a Scheme that change while it runs."""
 
 
@@ -48,13 +49,14 @@ class Scheme:
 
     def __init__(self, config, channel, targets, serial):
         order = config.scheme.operators.order
-        reach = (SUPPORT[order] + SKIN) * channel.spacing
+        cutoff = (SUPPORT[order] + SKIN) * channel.spacing
         self.channel = channel
         self.domain = ChannelDomain(channel)
         treatment = config.walls.treatment.type
         kind = FixedGhosts if treatment == "virtual_image" else MirrorGhosts
-        self.points = PointCloud(channel, self.domain, reach, kind.room(channel, reach), serial, kind.mirrors)
-        self.ghosts = kind(self.points, channel, reach)
+        ghosts = kind.ghost_capacity(channel, cutoff)
+        self.points = PointCloud(channel, self.domain, cutoff, ghosts, serial, kind.mirrors)
+        self.ghosts = kind(self.points, channel, cutoff)
         self.operators = LeastSquaresOperators(self.points, SUPPORT[order] * channel.spacing, order)
         walls = WallPair(channel, treatment, model_of(config.fluid.rheology, channel))
         self.ghosts.even_reflection = walls.even_reflection
@@ -71,7 +73,7 @@ class Scheme:
     def reset(self):
         """Go back to before the first step."""
         self.time = self.channel.start_time
-        self.steps = self.rejected = self.reduced = self.dropped = self.projections = 0
+        self.steps = self.rejected = self.order_reduced = self.singular = self.projections = 0
         self.transverse = False
         self.shortest, self.longest = math.inf, 0.0
         self.momentum = MomentumBalance(self.time)
@@ -97,7 +99,7 @@ class Scheme:
 
     def advance(self):
         """Take one step, in as many attempts as its error asks for; raise DivergedError where none succeeds."""
-        if self.time in self.control.changes:
+        if self.time in self.control.jump_times:
             self.apply_impulse()
         for attempt in range(MOST_ATTEMPTS):
             dt = self.control.choose_dt(self.time)
@@ -148,7 +150,7 @@ class Scheme:
         """Thickness sqrt(nu t) of layers at walls that have changed at once, in spacings; infinite without."""
         if not self.walls.any_jump:
             return math.inf
-        since = self.time - max((change for change in self.control.changes if change <= self.time), default=0.0)
+        since = self.time - max((change for change in self.control.jump_times if change <= self.time), default=0.0)
         return math.sqrt(self.channel.solvent_viscosity * since) / self.channel.spacing
 
     def solve(self, dt):
@@ -182,8 +184,8 @@ class Scheme:
         self.control.step_taken(end, self.field.steepest)
         self.steps += 1
         self.shortest, self.longest = min(self.shortest, dt), max(self.longest, dt)
-        self.reduced += int(view(self.operators.order_reduced))
-        self.dropped += int(view(self.operators.singular))
+        self.order_reduced += int(view(self.operators.order_reduced))
+        self.singular += int(view(self.operators.singular))
 
     def project(self, dt):
         """Project the velocities at the end of a step; from then on there is a pressure."""
@@ -242,8 +244,8 @@ class Scheme:
             "neighbours_mean": self.points.mean_length(),
             "projections": self.projections,
             "steps_rejected": self.rejected,
-            "order_reduced": self.reduced,
-            "neighbourhoods_dropped": self.dropped,
+            "order_reduced": self.order_reduced,
+            "neighbourhoods_dropped": self.singular,
         }
 
     def parts(self):

@@ -55,7 +55,7 @@ class WallForce:
         for wall, distance in zip(self.step.walls, ghosts.offset, strict=True):
             slope = sum(weight * wall.acceleration(time + c * dt) for c, weight in zip(C, B, strict=True))
             rise = wall.normal_sign * (slope - self.channel.acceleration) * distance
-            found.append(_intercept(distance, stress - rise, ghosts.reach))
+            found.append(_intercept(distance, stress - rise, ghosts.cutoff))
         return found
 
     def from_images(self, differences):

@@ -13,7 +13,7 @@ from tisph.config import resolution
 from tisph.config.base import Model
 from tisph.config.fields import member_name
 from tisph.equation_of_state import Tait
-from tisph.neighbours import reach
+from tisph.neighbours import list_radius
 from tisph.schemes import _supported
 from tisph.schemes._supported import AROUND_BODIES
 
@@ -71,7 +71,7 @@ def _problems_around_bodies(config):
 
 def _problems_of_images(config):
     kernel = registry.load("kernels", config.discretisation.kernel)
-    deepest = reach(kernel.SUPPORT * config.discretisation.smoothing_ratio * config.spacing, config.spacing)
+    deepest = list_radius(kernel.SUPPORT * config.discretisation.smoothing_ratio * config.spacing, config.spacing)
     if config.smallest_radius <= deepest:
         text = (
             f"images {deepest:g} deep, as far as particles see, have no room in a radius of {config.smallest_radius:g}"

@@ -52,7 +52,7 @@ class SolidBodies(PeriodicBoundaries):
         """Make the ``walls`` that particles see, for the lists and the fluid of ``operators``; return them."""
         place = self.layers, self.scene.bodies, self.origin
         self.walls = self.treatment(operators.lists, kernel, operators.fluid, self.parameters, *place)
-        self.stretch = self.walls.stretch
+        self.displacement_factor = self.walls.displacement_factor
         return self.walls
 
     def begin(self, momentum):

@@ -1,8 +1,8 @@
 """What is around the fluid of an explicit run: the plane walls of a channel, bodies, or copies of the fluid itself.
 
 ``box`` says how many ``columns`` and ``rows`` of ``spacing`` the cells have to cover, from ``origin`` on; ``slots`` how
-many wall particles of their own and how much room for images there has to be (``tisph/particles.py``); ``stretch`` how
-much farther wall particles go than the fluid that they are images of.
+many wall particles of their own and how much room for images there has to be (``tisph/particles.py``);
+``displacement_factor`` how much farther wall particles go than the fluid that they are images of.
 """
 
 from tisph import registry
@@ -20,7 +20,7 @@ class PlaneWalls:
     """
 
     origin = (0.0, 0.0)
-    stretch = 1.0
+    displacement_factor = 1.0
 
     def __init__(self, config, channel, radius):
         self.channel, self.parameters = channel, config.walls.treatment
@@ -92,7 +92,7 @@ class PeriodicBoundaries:
     drift = (0.0,)
     origin = (0.0, 0.0)
     slots = (0, 0)
-    stretch = 1.0
+    displacement_factor = 1.0
 
     def __init__(self, config, scene):
         self.box = scene

@@ -12,7 +12,7 @@ import numpy as np
 from tisph import registry
 from tisph.equation_of_state import compression, pressure, sound_speed
 from tisph.fluid import Fluid
-from tisph.neighbours import reach
+from tisph.neighbours import list_radius
 from tisph.neighbours.cells import Cells
 from tisph.neighbours.verlet import VerletLists
 from tisph.particles import Particles
@@ -61,7 +61,7 @@ class Scheme:
         self.artificial_viscosity = config.scheme.artificial_viscosity
         self.smoothing_length = config.discretisation.smoothing_ratio * scene.spacing
         cutoff = kernel.SUPPORT * self.smoothing_length
-        radius = reach(cutoff, scene.spacing)
+        radius = list_radius(cutoff, scene.spacing)
 
         self.boundaries = boundaries(config, scene, radius)
         self.domain, treatment = self.boundaries.domain, self.boundaries.treatment
@@ -123,7 +123,7 @@ class Scheme:
     def proceed(self):
         """Evaluate the rates in the middle of the pending step, finish it, and predict the next middle."""
         drifts = (drift * drift for drift in self.boundaries.drift)
-        of_fluid = float(view(self.stepper.drift_squared)) * self.boundaries.stretch**2
+        of_fluid = float(view(self.stepper.drift_squared)) * self.boundaries.displacement_factor**2
         drift_squared = max(of_fluid, *drifts)
         if self.lists.outdated(drift_squared, self.middle - self.built):
             self.rebuild()

@@ -85,7 +85,7 @@ def test_scenes_have_what_runs_ask_of_them(name):
             assert given.__doc__ or member not in vars(type(scene)), member
             kinds = {each.kind for each in inspect.signature(asked).parameters.values()}
             if inspect.Parameter.VAR_KEYWORD not in kinds:
-                assert arguments(given) == arguments(asked), member
+                assert arguments(getattr(scene, member)) == arguments(asked), member
             if asked.__code__.co_names[-1:] == ("NotImplementedError",):
                 assert given is not asked, f"{member} is missing"
 

@@ -42,7 +42,3 @@ class BodyScene(Scene):
     def distance(self, points, time):
         """Distances (n,) of ``points`` (n, 2) from the nearest wall at ``time``, negative outside the fluid."""
         return np.min([body.nearest(points, time).distance for body in self.bodies], axis=0)
-
-    def movie_fields(self, name):
-        """The pressure, where it is shown."""
-        return ("pressure",) if name == "pressure" else ()

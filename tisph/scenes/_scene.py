@@ -239,7 +239,7 @@ class Scene:
 
     def movie_fields(self, name):
         """Fields of a snapshot that a movie coloured by ``name`` needs beside places, velocities and shear stress."""
-        return ()
+        return ("pressure",) if name == "pressure" else ()
 
     def movie_view(self, name, end) -> MovieView:
         """What a movie to time ``end`` shows whose particles are coloured by ``name``."""

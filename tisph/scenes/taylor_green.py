@@ -167,10 +167,6 @@ class Scene(AnyScene):
         """Velocities along the centre lines and pressure along the vertical one, with their errors."""
         return [self._velocity("u", "y"), self._velocity("v", "x"), self._pressure()]
 
-    def movie_fields(self, name):
-        """The pressure, where it is shown."""
-        return ("pressure",) if name == "pressure" else ()
-
     def time_series(self):
         """The kinetic energy."""
         return TimeSeries(

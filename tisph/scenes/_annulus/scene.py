@@ -242,25 +242,14 @@ class Annulus(BodyScene):
         """Radii and centre."""
         return {"inner_radius": self.inner_radius, "outer_radius": self.outer_radius, "centre": list(self.centre)}
 
-    def parameters(self):
-        """Numbers of the flow."""
-        return views.parameters(self)
-
-    def profiles(self):
-        """Velocity around the axis, and pressure, over the radius; with polymer also its shear stress and N1."""
-        return views.profiles(self)
-
-    def time_series(self):
-        """Torques on the cylinders."""
-        return views.time_series(self)
+    movie_view = views.movie_view
+    parameters = views.parameters
+    profiles = views.profiles
+    time_series = views.time_series
 
     def movie_fields(self, name):
         """The pressure, or all of the stress, where it is shown."""
         return ("stress_xx", "stress_yy") if name == "shear_stress" else super().movie_fields(name)
-
-    def movie_view(self, name, end):
-        """Speed, vorticity, pressure or shear stress of the polymer, as colours and over the radius."""
-        return views.movie_view(self, name, end)
 
 
 def _turning_of(wall):

@@ -9,7 +9,7 @@ LOADS = ("drag", "lift", "torque")
 """Of the fluid on a body: force along x and along y, torque around its centre, per length across the plane."""
 
 
-def diagnostics(cell, snapshot):
+def diagnostics(cell, snapshot, series):
     """Numbers of a snapshot: those of ``loads``, ``velocities`` and ``_two_dimensional.diagnostics``."""
     return {**loads(cell, snapshot), **velocities(cell, snapshot), **_two_dimensional.diagnostics(cell, snapshot)[1]}
 

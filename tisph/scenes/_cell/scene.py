@@ -112,26 +112,12 @@ class Cell(BodyScene):
                     layers.append((depth, "the layer at what oscillates"))
         return min(layers)
 
-    def diagnostics(self, snapshot, series):
-        """Forces, torques, mean velocities, spread; see ``measures.py``."""
-        return diagnostics.diagnostics(self, snapshot)
-
     def description(self):
         """Width and height of the cell, number of bodies."""
         return {**super().description(), "bodies": self.count}
 
-    def parameters(self):
-        """Numbers of the flow and of what drives it."""
-        return views.parameters(self)
-
-    def profiles(self):
-        """Velocities along the vertical centre line."""
-        return views.profiles(self)
-
-    def time_series(self):
-        """Forces and torques on the bodies, and the mean velocity."""
-        return views.time_series(self)
-
-    def movie_view(self, name, end):
-        """Speed with the velocity along the vertical centre line, vorticity, or pressure."""
-        return views.movie_view(self, name)
+    diagnostics = diagnostics.diagnostics
+    movie_view = views.movie_view
+    parameters = views.parameters
+    profiles = views.profiles
+    time_series = views.time_series

@@ -41,7 +41,7 @@ def time_series(cell):
     )
 
 
-def movie_view(cell, name):
+def movie_view(cell, name, end):
     """Speed with the velocity along the vertical centre line, vorticity along it, or pressure."""
     speed = 2.0 * cell.reference_velocity
     largest = {

@@ -14,8 +14,8 @@ CENTRELINE_POINTS = 32
 """Points along the channel over which the velocity at mid-gap is averaged."""
 
 
-def diagnostics(channel, snapshot, probes):
-    """Numbers of a snapshot with its reference; ``probes`` is the pair (y, u) of heights and velocities at the probes.
+def diagnostics(channel, snapshot, series):
+    """Numbers of a snapshot with its reference; ``series`` begins with heights y and velocities u at the probes.
 
     With polymer ``shear_stress_l2`` = sqrt(sum (S-S_exact)^2 / sum S_exact^2) of S = S_xy, and ``normal_stress_l2``,
     that of the first normal stress difference S_xx - S_yy;
@@ -27,7 +27,7 @@ def diagnostics(channel, snapshot, probes):
     """
     return {
         **_stress_errors(channel, snapshot),
-        **_line_fits(channel, snapshot.t, *probes[:2]),
+        **_line_fits(channel, snapshot.t, *series[:2]),
         **_centreline(channel, snapshot),
         **_wall_shears(channel, snapshot),
         **_plate(channel, snapshot),

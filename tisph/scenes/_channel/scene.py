@@ -7,11 +7,8 @@ import numpy as np
 from tisph.exact.linear_viscoelasticity import apparent_viscosity
 from tisph.geometry.schedule import Schedule
 from tisph.geometry.stress_controlled import StressControlledWall
-from tisph.scenes._channel import driving, views
-from tisph.scenes._channel.diagnostics import diagnostics
-from tisph.scenes._channel.extra_series import extra_series
+from tisph.scenes._channel import diagnostics, driving, extra_series, layers, views
 from tisph.scenes._channel.flow import ReferenceFlow
-from tisph.scenes._channel.layers import thinnest_layer
 from tisph.scenes._motion import PolymerParameters, WallMotion
 from tisph.scenes._scene import Scene
 
@@ -166,10 +163,6 @@ class Channel(Scene):
             return wall.before
         return wall.velocity(0.0) if self.starts_developed else 0.0
 
-    def thinnest_layer(self, t):
-        """Depth [length] of the thinnest layer in the flow at time ``t`` and where it is; see ``layers.py``."""
-        return thinnest_layer(self, t)
-
     def in_flow_frame(self):
         """The same flow as it is seen from a frame that moves with ``frame_velocity``."""
         if self.frame_velocity == 0.0:
@@ -232,35 +225,14 @@ class Channel(Scene):
             fields |= {"stress_xx": xx, "stress_xy": xy, "stress_yy": yy}
         return fields
 
-    def diagnostics(self, snapshot, series):
-        """Errors of stresses, lines through the probes, centreline, wall shear; see ``measures.py``."""
-        return diagnostics(self, snapshot, series)
-
-    @property
-    def vanishing_scale(self):
-        """Whether the velocity takes both signs at any time, or decays."""
-        return views.vanishing_scale(self)
-
-    def profiles(self):
-        """Velocity and stresses across the channel."""
-        return views.profiles(self)
-
-    def time_series(self, count, x="centre"):
-        """Velocities at probes; arguments as ``probe_positions``."""
-        return views.probes(self, count, x)
-
-    @property
-    def extra_series(self):
-        """What a rheometer reads."""
-        return extra_series(self)
-
-    def movie_view(self, name, end):
-        """Speed, or shear stress of a polymer."""
-        return views.movie_view(self, name, end)
-
-    def parameters(self):
-        """Numbers of the flow and of what drives it."""
-        return views.parameters(self)
+    diagnostics = diagnostics.diagnostics
+    extra_series = property(extra_series.extra_series)
+    movie_view = views.movie_view
+    parameters = views.parameters
+    profiles = views.profiles
+    thinnest_layer = layers.thinnest_layer
+    time_series = views.probes
+    vanishing_scale = property(views.vanishing_scale)
 
     def description(self):
         """Gap and length."""

@@ -12,7 +12,7 @@ from tisph.studies import walls_cases as walls
 from tisph.studies.processes import Result
 from tisph.studies.store import config_text
 from tisph.studies.walls_cases import Case, Row
-from tisph.studies.walls_table import Columns, recommendation, standings_table, stopped_lines
+from tisph.studies.walls_table import cells, header, recommendation, standings_table, stopped_lines, widths
 
 TREATMENTS = ("comoving_image", "consistent_image")
 
@@ -126,32 +126,30 @@ def test_the_geometric_mean_of_the_costs_counts():
     assert best(make_row("a", 1e-6, cost=1.6), make_row("a", 1e-6, cost=1.1)) is None
 
 
-def cells(row, columns):
-    return dict(zip(columns.header, columns.cells(row), strict=True))
+def line_of(row):
+    return dict(zip(header(walls.FULL), cells(row), strict=True))
 
 
 def test_the_table_says_what_is_compared():
-    columns = Columns((25, 50, 100), 50, TREATMENTS)
-    line = cells(make_row("adami", 1.234e-3, cost=1.25, flow="backflow"), columns)
+    line = line_of(make_row("adami", 1.234e-3, cost=1.25, flow="backflow"))
     assert line["flow"] == "Couette-Poiseuille, backflow"
     assert line["error"] == "rms"
     assert (line["25 across"], line["50 across"]) == ("4.9e-03", "1.2e-03")
     assert (line["order"], line["wall shear"], line["S_xy"], line["cost"]) == ("2.00", "0.12 %", "", "1.25")
-    assert len(columns.widths) == len(columns.header)
 
 
 def test_every_cell_fits_its_column():
-    columns = Columns((25, 50, 100), 50, TREATMENTS)
+    room = widths(walls.FULL, TREATMENTS)
     for flow in walls.FLOWS:
         for case in walls.cases(flow, TREATMENTS, walls.FULL):
             row = make_row(case.treatment, 1e-3, flow=flow, arrangement=case.arrangement)
-            assert all(len(cell) <= width for cell, width in zip(columns.cells(row), columns.widths, strict=True))
+            assert all(len(cell) <= width for cell, width in zip(cells(row), room, strict=True))
 
 
 def test_a_run_that_stopped_shows_in_the_table_and_below_it():
     stopped = {"poiseuille-adami-lattice-50": "diverged: u of particle 7"}
     row = make_row("adami", math.nan, cost=math.nan, stopped=stopped)
-    line = cells(row, Columns((25, 50, 100), 50, TREATMENTS))
+    line = line_of(row)
     assert line["50 across"] == "stopped"
     assert line["cost"] == "-"
     assert stopped_lines([row]) == ["poiseuille-adami-lattice-50 stopped: diverged: u of particle 7"]

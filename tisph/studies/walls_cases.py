@@ -7,6 +7,7 @@ resolution ``MEASURED_AT`` over all flows and arrangements. The geometric mean m
 every flow, whatever the size of the errors there; costs are averaged over the flows in the same way.
 """
 
+import itertools
 import math
 from dataclasses import asdict, dataclass
 
@@ -89,14 +90,10 @@ class Case:
         return self._flow.at(*self._changes(number), samples=(self.t_star,))
 
     def timing(self, extent):
-        """Configs of the runs that only serve to be timed, by name."""
-        number = extent.measured_at
-        config = self._flow.at(*self._changes(number), TIMING, samples=(TIMING_SHARE * self.t_star,))
-        return {f"{self.name(number)}-timed-{count + 1}": config for count in range(extent.repeats)}
-
-    def configs(self, extent):
-        """Configs of all its runs, by name."""
-        return {**{self.name(number): self.config(number) for number in extent.resolutions}, **self.timing(extent)}
+        """Names of the runs that only serve to be timed, and their config."""
+        number, samples = extent.measured_at, (TIMING_SHARE * self.t_star,)
+        names = [f"{self.name(number)}-timed-{count + 1}" for count in range(extent.repeats)]
+        return dict.fromkeys(names, self._flow.at(*self._changes(number), TIMING, samples=samples))
 
     @property
     def _flow(self) -> Flow:
@@ -128,6 +125,26 @@ class Row:
 def cases(flow, treatments, extent):
     """Rows of a flow: every arrangement of each of ``treatments``."""
     return [Case(flow, name, arrangement) for name in treatments for arrangement in extent.arrangements]
+
+
+def runs(cases, extent):
+    """Configs of the runs of ``cases`` that give errors, by name."""
+    return {case.name(number): case.config(number) for case in cases for number in extent.resolutions}
+
+
+def timing(cases, extent):
+    """Configs of those that give the cost of a step: one of each case in turn, so that a slow minute meets all."""
+    rounds = zip(*(case.timing(extent).items() for case in cases), strict=True)
+    return dict(itertools.chain.from_iterable(rounds))
+
+
+def rows(cases, outcomes, extent):
+    """``Row`` s of the ``cases`` of a flow from the (``Result``, message) of all their runs by name."""
+    timed = {case: {name: outcomes[name] for name in case.timing(extent)} for case in cases}
+    reference = {case.arrangement: step_seconds(timed[case]) for case in cases if case.treatment == REFERENCE}
+    for case in cases:
+        results = {number: outcomes[case.name(number)] for number in extent.resolutions}
+        yield row(case, results, timed[case], extent.measured_at, reference[case.arrangement])
 
 
 def step_seconds(timed):

@@ -1,12 +1,11 @@
 """The picture of the comparison of wall treatments: error against resolution, a panel for each flow."""
 
-import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
 from tisph.report.style import MUTED, plot_style
+from tisph.studies.sweep.picture import draw_lines
 from tisph.studies.walls_cases import ARRANGEMENTS
 from tisph.studies.walls_table import MEASURES
 
@@ -17,7 +16,7 @@ COLUMNS = 3
 
 
 def plot_walls(path, rows):
-    """Write the picture of ``rows`` (``verification.walls.Row``) to ``path``; runs that stopped leave gaps."""
+    """Write the picture of ``rows`` (``walls_cases.Row``) to ``path``; runs that stopped leave gaps."""
     titles = list(dict.fromkeys(row.case.title for row in rows))
     treatments = list(dict.fromkeys(row.case.treatment for row in rows))
     looks = {name: LOOKS[place % len(LOOKS)] for place, name in enumerate(treatments)}
@@ -33,43 +32,26 @@ def plot_walls(path, rows):
             _draw(panel, title, [row for row in rows if row.case.title == title], looks, styles)
         for panel in panels[len(titles) :]:
             panel.axis("off")
-        for panel in panels[-COLUMNS:]:
-            panel.set_xlabel("particles across the gap")
         figure.legend(handles=_legend(looks, styles), loc="outside lower center", ncols=4, frameon=False)
         figure.savefig(path)
 
 
 def _draw(panel, title, rows, looks, styles):
-    resolutions = list(rows[0].errors)
+    lines = []
     for row in rows:
         colour, marker = looks[row.case.treatment]
-        panel.loglog(
-            resolutions,
-            list(row.errors.values()),
-            styles[row.case.arrangement],
-            color=colour,
-            marker=marker,
-            markerfacecolor="none",
-            linewidth=1.4,
-            markersize=7,
-        )
-    _second_order(panel, resolutions, rows)
+        options = {"color": colour, "marker": marker, "linestyle": styles[row.case.arrangement]}
+        lines.append((row.errors.items(), {**options, "markerfacecolor": "none", "linewidth": 1.4, "markersize": 7}))
+    lines += _second_order(rows)
+    draw_lines(panel, lines, f"{MEASURES[rows[0].case.measure]} error", "particles across the gap")
     panel.set_title(f"{title}, t* = {rows[0].case.t_star:g}", fontsize=11)
-    panel.set_ylabel(f"{MEASURES[rows[0].case.measure]} error")
-    panel.xaxis.set_major_locator(FixedLocator(resolutions))
-    panel.xaxis.set_major_formatter(FixedFormatter([str(number) for number in resolutions]))
-    panel.xaxis.set_minor_locator(NullLocator())
-    panel.set_xlim(resolutions[0] / 1.2, resolutions[-1] * 1.2)
-    panel.grid(True, which="major")
 
 
-def _second_order(panel, resolutions, rows):
+def _second_order(rows):
     """A line of slope -2 below all others, to compare slopes with."""
-    errors = np.array([list(row.errors.values()) for row in rows])
-    fall = np.array([(resolutions[0] / number) ** 2 for number in resolutions])
-    known = np.isfinite(errors) & (errors > 0)
-    if known.any():
-        panel.loglog(resolutions, 0.6 * np.min((errors / fall)[known]) * fall, "-", color=MUTED, linewidth=0.8)
+    scaled = [error * number**2 for row in rows for number, error in row.errors.items() if error > 0]
+    points = [(number, 0.6 * min(scaled) / number**2) for number in rows[0].errors] if scaled else []
+    return [(points, {"color": MUTED, "linewidth": 0.8})] if points else []
 
 
 def _legend(looks, styles):

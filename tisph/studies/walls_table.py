@@ -8,52 +8,49 @@ from tisph.text_table import format_table
 MEASURES = {"l2": "L2", "rms": "rms"}
 
 
-class Columns:
-    """Columns of the table at the particle numbers ``resolutions``, one of which is ``measured_at``."""
+def header(extent):
+    """Titles of the columns."""
+    errors = (f"{number} across" for number in extent.resolutions)
+    return "flow", "treatment", "particles", "error", *errors, "order", "wall shear", "S_xy", "cost"
 
-    def __init__(self, resolutions, measured_at, treatments):
-        self.resolutions = resolutions
-        self.measured_at = measured_at
-        errors = (f"{number} across" for number in resolutions)
-        self.header = ("flow", "treatment", "particles", "error", *errors, "order", "wall shear", "S_xy", "cost")
-        longest = [max(names, key=len) for names in (self._titles(), treatments, ARRANGEMENTS)]
-        widest = [*longest, "rms", *["1.2e-03"] * len(resolutions), "-1.23", "12.34 %", "1.2e-03", "12.34"]
-        self.widths = [max(map(len, column)) for column in zip(self.header, widest, strict=True)]
 
-    def cells(self, row):
-        """Cells of one ``Row``."""
-        case = row.case
-        return (
-            case.title,
-            case.treatment,
-            case.arrangement,
-            MEASURES[case.measure],
-            *(_number(row.errors[number], ".1e", "stopped") for number in self.resolutions),
-            _number(row.order, ".2f"),
-            f"{_number(100 * row.wall_shear, '.2g')} %".replace("- %", "-"),
-            "" if row.stress_error is None else _number(row.stress_error, ".1e"),
-            _number(row.cost, ".2f"),
-        )
+def widths(extent, treatments):
+    """Widths of the columns: of the longest names, and of numbers as wide as there may be."""
+    names = [flow.title for flow in FLOWS.values()], treatments, ARRANGEMENTS
+    numbers = "rms", *["1.2e-03"] * len(extent.resolutions), "-1.23", "12.34 %", "1.2e-03", "12.34"
+    widest = [*(max(each, key=len) for each in names), *numbers]
+    return [max(map(len, column)) for column in zip(header(extent), widest, strict=True)]
 
-    def legend(self):
-        """What the columns mean."""
-        number = self.measured_at
-        return "\n".join(
-            [
-                "- error: L2 = sqrt(sum (u - u_exact)^2 / sum u_exact^2), or, where u crosses zero, rms = "
-                "sqrt(mean (u - u_exact)^2) / U",
-                "- order: power of the spacing with which the error falls, over all resolutions",
-                f"- wall shear: error of the stress on the walls at {number} across, the larger one of both walls, "
-                "over the larger exact stress",
-                f"- S_xy: L2 error of the polymer's shear stress at {number} across",
-                f"- cost: time for a step over that of {REFERENCE} in the same flow and arrangement, {number} across "
-                "in a channel of length 2, one run at a time on one thread",
-            ]
-        )
 
-    @staticmethod
-    def _titles():
-        return [flow.title for flow in FLOWS.values()]
+def cells(row):
+    """Cells of one ``Row``."""
+    return (
+        row.case.title,
+        row.case.treatment,
+        row.case.arrangement,
+        MEASURES[row.case.measure],
+        *(_number(error, ".1e", "stopped") for error in row.errors.values()),
+        _number(row.order, ".2f"),
+        f"{_number(100 * row.wall_shear, '.2g')} %".replace("- %", "-"),
+        "" if row.stress_error is None else _number(row.stress_error, ".1e"),
+        _number(row.cost, ".2f"),
+    )
+
+
+def legend(number):
+    """What the columns mean, most of them at ``number`` particles across."""
+    return "\n".join(
+        [
+            "- error: L2 = sqrt(sum (u - u_exact)^2 / sum u_exact^2), or, where u crosses zero, rms = "
+            "sqrt(mean (u - u_exact)^2) / U",
+            "- order: power of the spacing with which the error falls, over all resolutions",
+            f"- wall shear: error of the stress on the walls at {number} across, the larger one of both walls, "
+            "over the larger exact stress",
+            f"- S_xy: L2 error of the polymer's shear stress at {number} across",
+            f"- cost: time for a step over that of {REFERENCE} in the same flow and arrangement, {number} across "
+            "in a channel of length 2, one run at a time on one thread",
+        ]
+    )
 
 
 def stopped_lines(rows):

@@ -29,14 +29,22 @@ def plot(study, rows, path):
 
 def _panel(axes, groups, label, key):
     colours = style.colours(max(len(groups), 2), 0.85)
+    lines = []
     for (others, points), colour in zip(groups.items(), colours, strict=False):
         name = ", ".join(f"{other.rpartition('.')[2]} = {value}" for other, value in others)
-        axes.loglog(*zip(*points, strict=True), "o-", color=colour, label=name, markersize=4)
-    values = sorted({value for points in groups.values() for value, _ in points})
+        lines.append((points, {"marker": "o", "color": colour, "label": name, "markersize": 4}))
+    draw_lines(axes, lines, label, key)
+    if 1 < len(groups) <= MOST_LINES:
+        axes.legend(fontsize=7, frameon=False)
+
+
+def draw_lines(axes, lines, label, key):
+    """Draw ``lines``, pairs of points (x, y) and options of matplotlib, on logarithmic axes with a tick at each x."""
+    for points, options in lines:
+        axes.loglog(*zip(*points, strict=True), **options)
+    values = sorted({value for points, _ in lines for value, _ in points})
     axes.set_xticks(values, [f"{value:g}" for value in values])
     axes.set_xticks([], minor=True)
     axes.set_xlabel(key)
     axes.set_ylabel(label)
     axes.grid(True, which="both")
-    if 1 < len(groups) <= MOST_LINES:
-        axes.legend(fontsize=7, frameon=False)

@@ -1,7 +1,4 @@
-"""Reference flow between the two cylinders of an ``Annulus``: solved for once, by tisph.exact.circular_start_up.
-
-Radii ``r`` and times ``t`` broadcast, but for the pressure, which takes one time.
-"""
+"""Reference flow between the two cylinders of an ``Annulus``, solved for once; and stresses in polar components."""
 
 from functools import lru_cache
 
@@ -11,39 +8,12 @@ from tisph.exact.circular_start_up import CircularStartUp
 from tisph.exact.start_up import ViscoelasticFluid, Wall
 
 
-class ReferenceFlow:
-    """Flow from rest, or on from the developed flow of what the cylinders did before."""
-
-    def __init__(self, annulus):
-        walls = annulus.inner, annulus.outer
-        before = walls if annulus.stays_steady else tuple(Wall(annulus.before(wall)) for wall in walls)
-        fluid = annulus.rheology, annulus.kinematic_viscosity
-        self._of = _solved(*fluid, annulus.inner_radius, annulus.outer_radius, *walls, before)
-        self._density = annulus.density
-
-    def velocity(self, r, t):
-        """Velocity around the axis."""
-        return self._of.velocity(r, t)
-
-    def shear_rate(self, r, t):
-        """Shear rate r d(u/r)/dr (1/time)."""
-        return self._of.shear_rate(r, t)
-
-    def pressure(self, r, t):
-        """Pressure, of zero mean."""
-        return self._of.pressure(r, t, density=self._density)
-
-    def torques(self, t):
-        """Torques of the fluid on the inner and the outer cylinder, per length of the axis."""
-        return self._of.torque(t, density=self._density)
-
-    def conformation_excess(self, r, t):
-        """C of each mode, arrays in a list, at radii ``r`` (radii,) and a time; in the order of ``polymer_stress``."""
-        return self._of.conformation_excess(r, t)
-
-    def polymer_stress(self, r, t):
-        """ViscoelasticFluid stress (3, ...) in polar components: around the axis, shear, along the radius."""
-        return self._density * self._of.polymer_stress(r, t)
+def reference_flow(annulus):
+    """The ``CircularStartUp`` from rest, or on from the developed flow of what the cylinders did before."""
+    walls = annulus.inner, annulus.outer
+    before = walls if annulus.stays_steady else tuple(Wall(annulus.before(wall)) for wall in walls)
+    fluid = annulus.rheology, annulus.kinematic_viscosity
+    return _solved(*fluid, annulus.inner_radius, annulus.outer_radius, *walls, before)
 
 
 @lru_cache(maxsize=8)

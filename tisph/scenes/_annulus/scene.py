@@ -13,7 +13,7 @@ from tisph.geometry.schedule import Schedule
 from tisph.measures.metrics import field_error, relative_difference
 from tisph.scenes import _two_dimensional
 from tisph.scenes._annulus import views
-from tisph.scenes._annulus.flow import ReferenceFlow, cartesian, polar
+from tisph.scenes._annulus.flow import cartesian, polar, reference_flow
 from tisph.scenes._body_scene import BodyScene
 from tisph.snapshot import STRESSES
 
@@ -133,7 +133,7 @@ class Annulus(BodyScene):
 
     @property
     def _flow(self):
-        return ReferenceFlow(self)
+        return reference_flow(self)
 
     def radii(self, x, y):
         """Distance of places from the axis."""
@@ -166,7 +166,7 @@ class Annulus(BodyScene):
 
     def exact_polymer_stress(self, x, y, t):
         """Exact stress of the polymer in polar components, shape (3, ...): around the axis, shear, along the radius."""
-        return self._flow.polymer_stress(self.radii(x, y), t)
+        return self.density * self._flow.polymer_stress(self.radii(x, y), t)
 
     @property
     def initial_conformation_excess(self):
@@ -187,7 +187,7 @@ class Annulus(BodyScene):
 
     def _exact_pressure(self, x, y, t):
         def at(time):
-            return self._flow.pressure(self.radii(x, y), time)
+            return self._flow.pressure(self.radii(x, y), time, density=self.density)
 
         times = np.unique(t)
         if len(times) == 1:
@@ -201,7 +201,7 @@ class Annulus(BodyScene):
 
     def exact_torques(self, t):
         """Torques of the fluid on the inner and the outer cylinder, per length of the axis."""
-        return self._flow.torques(t)
+        return self._flow.torque(t, density=self.density)
 
     @property
     def extra_series(self):
@@ -211,7 +211,7 @@ class Annulus(BodyScene):
     def exact_normal_stress(self, t):
         """Exact N1 (2, times) of the polymer at the inner and the outer cylinder."""
         radii = np.array([[self.inner_radius], [self.outer_radius]])
-        around, _, along = self._flow.polymer_stress(radii, np.asarray(t))
+        around, _, along = self.density * self._flow.polymer_stress(radii, np.asarray(t))
         return around - along
 
     def diagnostics(self, snapshot, series):

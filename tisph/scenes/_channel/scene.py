@@ -8,7 +8,7 @@ from tisph.exact.linear_viscoelasticity import apparent_viscosity
 from tisph.geometry.schedule import Schedule
 from tisph.geometry.stress_controlled import StressControlledWall
 from tisph.scenes._channel import diagnostics, driving, extra_series, layers, views
-from tisph.scenes._channel.flow import ReferenceFlow
+from tisph.scenes._channel.flow import reference_flow
 from tisph.scenes._motion import PolymerParameters, WallMotion
 from tisph.scenes._scene import Scene
 
@@ -184,7 +184,7 @@ class Channel(Scene):
         Infinite at t = 0 on a wall whose velocity jumps then.
         """
         walls = np.reshape([0.0, self.gap], (2, *[1] * np.ndim(t)))  # at once: what costs is a time, not a height
-        return tuple(self._flow.shear_stress(walls, t))
+        return tuple(self.density * self._flow.shear_stress(walls, t))
 
     def viscous_stress(self, shear_rate):
         """Shear stress of the solvent at a ``shear_rate``, or of a fluid whose viscosity depends on it."""
@@ -195,15 +195,16 @@ class Channel(Scene):
 
     def exact_polymer_stress(self, y, t):
         """Exact polymer stresses (S_xx, S_xy) [mass/(length time^2)], shaped as ``exact_velocity``."""
-        return self._flow.polymer_stress(y, t)
+        xx, xy, _ = self.density * self._flow.polymer_stress(y, t)
+        return xx, xy
 
     def exact_transverse_stress(self, y, t):
         """Exact polymer stress S_yy, 0 but for fluids with a second normal stress difference."""
-        return self._flow.transverse_stress(y, t)
+        return self.density * self._flow.polymer_stress(y, t)[2]
 
     def exact_polymer_shear_stress(self, y, t):
-        """Exact polymer stress S_xy alone, of a fluid with polymer: cheap enough for every frame of a movie."""
-        return self._flow.polymer_shear_stress(y, t)
+        """Exact polymer stress S_xy alone."""
+        return self.exact_polymer_stress(y, t)[1]
 
     def exact(self, field, x, y, t):
         """Exact value of one of ``fields``, which do not depend on ``x``."""
@@ -263,4 +264,4 @@ class Channel(Scene):
 
     @property
     def _flow(self):
-        return ReferenceFlow(self)
+        return reference_flow(self)

@@ -247,3 +247,15 @@ REFUSED = {
 def test_impossible_shapes_are_refused_with_what_is_possible(make, text):
     with pytest.raises(ValueError, match=text):
         make()
+
+
+def test_images_across_a_rounded_corner_are_of_what_is_near():
+    """Of what is farther than the reach they would come out on the other side of a small body."""
+    body = Polygon(((-0.2, -0.15), (0.2, -0.15), (0.0, 0.2)), 0.1)
+    x, y = np.meshgrid(np.linspace(-0.6, 0.6, 49), np.linspace(-0.6, 0.6, 49))
+    points = np.stack([x.ravel(), y.ravel()], axis=1)
+    points = points[body.nearest(points).distance > 0]
+    images, whose = body.images(points, 0.08)
+    assert body.nearest(points[whose]).distance.max() < 0.08
+    assert body.nearest(images).distance.max() < 0.0
+    assert set(whose) == set(np.flatnonzero(body.nearest(points).distance < 0.08))

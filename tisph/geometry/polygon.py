@@ -90,7 +90,7 @@ class Polygon(ClosedCurve):
             return of, self._corner[corner]
         of, corner = np.nonzero(near & (self._bend != 0))
         outward, within, distance = self._on_arcs(points[of], corner)
-        within &= (distance if self.fluid_side == "outside" else -distance) < reach  # farther ones come out behind
+        within &= (distance if self.fluid_side == "outside" else -distance) < cutoff  # farther ones come out behind
         foot = self._centre[corner] + (self._bend[corner] * self.corner_radius)[:, None] * outward
         return of[within], foot[within]
 

@@ -12,7 +12,7 @@ class ShepardDummies(Dummies):
     def __init__(self, lists, kernel, fluid, parameters, *layers):
         super().__init__(lists, kernel, fluid, parameters, *layers)
         self.value = ti.func(kernel.value)
-        self.smoothing_length = scalar(lists.radius / kernel.SUPPORT)
+        self.smoothing_length = scalar(lists.cutoff / kernel.SUPPORT)
         self.tensor = ti.types.vector(3, real())
 
     @ti.func

@@ -41,7 +41,7 @@ class WallStress:
         self.particles, self.cells, self.domain, self.fluid = lists.particles, lists.cells, lists.domain, fluid
         self.count = integer(points)
         self.spacing = scalar(lists.spacing)
-        self.radius_squared = scalar(lists.radius**2)
+        self.radius_squared = scalar(lists.cutoff**2)
         self.origin = ti.field(real(), shape=2)
         shape = 2, size_class(points)
         self.column = ti.field(ti.i32, shape=shape)

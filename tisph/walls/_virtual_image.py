@@ -21,7 +21,7 @@ class MirrorPointDummies(Dummies):
         super().__init__(lists, kernel, fluid, parameters, *layers)
         self.value = ti.func(kernel.value)
         self.support = kernel.SUPPORT
-        self.radius = scalar(RADIUS * lists.radius)
+        self.radius = scalar(RADIUS * lists.cutoff)
         self.vector, self.tensor = ti.types.vector(2, real()), ti.types.vector(3, real())
         self.matrix = ti.types.matrix(3, 3, real())
 

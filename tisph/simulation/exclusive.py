@@ -32,6 +32,14 @@ def claim(simulation):
     _open = weakref.ref(simulation)
 
 
+def require(simulation):
+    """Raise TisphError where there is nothing left of ``simulation`` to step."""
+    if simulation.scheme is None:
+        raise TisphError("the simulation is closed; its last state is all that is left of it")
+    if runtime.program() is not simulation.program:
+        raise TisphError("the fields of this simulation are gone: ti.init or ti.reset was called since it began")
+
+
 def release(simulation):
     """Give Taichi back, if it is that of ``simulation``."""
     global _open

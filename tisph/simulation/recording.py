@@ -36,7 +36,7 @@ class Recording:
         settings, scene = simulation.config, simulation.scene
         wanted = video and settings.output.video
         self.movie = drawing.movie(folder, settings, scene) if wanted else None
-        with simulation.timed("output"):
+        with simulation.costs.timed("output"):
             self._open(simulation.time if simulation.restored else None)
 
     @classmethod
@@ -110,7 +110,7 @@ class Recording:
         self.ended, self.status, self.message = True, status, message
         failures = []
         try:
-            with self.simulation.timed("output"):
+            with self.simulation.costs.timed("output"):
                 for write in self._last_files():
                     try:
                         write()

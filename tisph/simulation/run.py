@@ -31,7 +31,7 @@ def run(config, out_dir, *, pictures=True, video=True, resume=False):
         with logging_to(folder.log, append=resume), interrupts.counted():
             imported = time.perf_counter() - clock.PROCESS_START
             simulation = Simulation.restore(folder.checkpoint, config) if resume else Simulation(config)
-            simulation.began, simulation.costs["import"] = clock.PROCESS_START, imported
+            simulation.costs.began, simulation.costs.seconds["import"] = clock.PROCESS_START, imported
             recording = Recording(simulation, folder, pictures=pictures, video=video, interrupts=interrupts)
             _to_the_end(simulation, recording, interrupts)
     except OSError as error:

@@ -1,8 +1,6 @@
 """A simulation in your hand: it steps when it is told to, can be looked at in between, and writes nothing unasked."""
 
 import math
-import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from os import PathLike
@@ -21,23 +19,17 @@ from tisph.observers.protocol import Observer, Schedule
 from tisph.observers.schedule import EveryTime
 from tisph.simulation import checkpoint, exclusive
 from tisph.simulation.callback import Callback
+from tisph.simulation.costs import Costs
 from tisph.simulation.functions import with_functions
 from tisph.simulation.interrupts import interrupts_after
 from tisph.simulation.last_step import LastStep
 from tisph.simulation.log import log
-from tisph.simulation.start import start_snapshot, start_values
+from tisph.simulation.resumption import warn_of_other_steps
+from tisph.simulation.start import start_snapshot, start_values, useful_threads
 from tisph.simulation.state import State
 
 Field: TypeAlias = "Callable[[np.ndarray, np.ndarray, float], tuple[Any, Any]]"
 """A vector field, x and y components, of places and a time."""
-
-PARTICLES_PER_THREAD = 512
-"""Taichi does not split a loop into shorter pieces than this."""
-
-OTHER_STEPS = (
-    "the steps before the checkpoint led to the old time.end, so that the bits are not those of a run that had the "
-    "later one from the start"
-)
 
 
 class Simulation:
@@ -89,9 +81,8 @@ class Simulation:
         self.resolved, self.reason = schemes.resolve(config)
         self.scene = with_functions(scenes.of(config), self.resolved.scheme.type, velocity, force)
         self.functions = velocity is not None or force is not None
-        self.threads = threads(config, self.scene)
-        self.costs = {"import": 0.0, "compile": 0.0, "loop": 0.0, "output": 0.0}
-        self.began = time.perf_counter()
+        self.threads = useful_threads(config, self.scene)
+        self.costs = Costs()
         self.about = Description(config, self.scene)
         self.guard = Guard(self.scene)
         self.observers: list[Observer] = [self.guard]
@@ -102,7 +93,7 @@ class Simulation:
         self._begun = False
         exclusive.claim(self)
         try:
-            with self.timed("compile"):
+            with self.costs.timed("compile"):
                 self._build(restored_from)
         except BaseException:
             exclusive.release(self)
@@ -112,12 +103,11 @@ class Simulation:
         runtime.start(self.config.discretisation.precision, self.threads)
         config = self.resolved
         targets = sorted({*config.time.samples, config.time.end})
-        self._program = runtime.program()
+        self.program = runtime.program()
         self.scheme = schemes.build(config, self.scene.in_flow_frame(), targets, serial=self.threads == 1)
         log.info("scheme %s", self.reason)
         if restored_from and not checkpoint.restore(restored_from, self.scheme, self.about.resolved, targets):
-            log.warning(OTHER_STEPS)
-            print(f"warning: {OTHER_STEPS}", file=sys.stderr)
+            warn_of_other_steps()
         self.first_step = self.scheme.steps
         log.info("%s: %d particles, %d threads", self.config.name, self.scene.particles, self.threads)
 
@@ -214,7 +204,7 @@ class Simulation:
         """
         from tisph.simulation.recording import Recording  # it imports what draws
 
-        self._require_program()
+        exclusive.require(self)
         if self.functions:
             raise ConfigError("results: a folder holds what its config says, and that cannot say what a function is")
         if self.recording or (self.steps > self.first_step):
@@ -232,7 +222,7 @@ class Simulation:
         if self.scheme is None:
             return
         try:
-            if runtime.program() is self._program:
+            if runtime.program() is self.program:
                 self.state  # noqa: B018 (it is kept)
                 if self.recording:
                     self.recording.finish("done" if self.finished else "interrupted")
@@ -246,7 +236,7 @@ class Simulation:
 
     def begin(self) -> None:
         """Place the particles, which compiles kernels, and tell what is due at the start; once, before the rest."""
-        self._require_program()
+        exclusive.require(self)
         if self._begun:
             return
         with interrupts_after(), self._ending_on_failure():
@@ -261,7 +251,7 @@ class Simulation:
         """Place the particles where they start, unless they are restored."""
         if self.restored or self._start is not None:
             return
-        with self.timed("compile"):
+        with self.costs.timed("compile"):
             values = start_values(self.scene.in_flow_frame(), self.config.initial)
             self.scheme.start(*values)
         self._start = start_snapshot(self.scene, values, self.config.discretisation.precision)
@@ -269,7 +259,7 @@ class Simulation:
     def _advance(self) -> None:
         self._start = None
         try:
-            with self.timed("loop"):
+            with self.costs.timed("loop"):
                 self.scheme.advance()
         except DivergedError:
             self._last_step().check()  # what has gone wrong may have a plainer name
@@ -281,7 +271,7 @@ class Simulation:
         due = [each for each in (*self.observers, *self.callbacks) if each.schedule.due(time_, steps)]
         if not due:
             return
-        with self.timed("output"):
+        with self.costs.timed("output"):
             pending = [self.scheme.output_times(each.schedule.pending(time_, steps)) for each in due]
             step = self._last_step(pending)
             for observer, times in zip(due, pending, strict=True):
@@ -298,13 +288,6 @@ class Simulation:
     def _state_at(self, time: float) -> State:
         return State(self._last_step([[time]]).at(time), self.scene)
 
-    def _require_program(self) -> None:
-        """Raise TisphError where there is nothing left to step."""
-        if self.scheme is None:
-            raise TisphError("the simulation is closed; its last state is all that is left of it")
-        if runtime.program() is not self._program:
-            raise TisphError("the fields of this simulation are gone: ti.init or ti.reset was called since it began")
-
     @contextmanager
     def _ending_on_failure(self) -> Iterator[None]:
         """Let a failure end what is recorded."""
@@ -314,22 +297,3 @@ class Simulation:
             if self.recording:
                 self.recording.fail(error)
             raise
-
-    @contextmanager
-    def timed(self, kind: str) -> Iterator[None]:
-        """Add the seconds that this takes to ``costs``, those of compiling kernels to that kind."""
-        began, compiled = time.perf_counter(), runtime.compile_seconds()
-        try:
-            yield
-        finally:
-            compiling = runtime.compile_seconds() - compiled  # at the first launch of a kernel, wherever that is
-            self.costs["compile"] += compiling
-            self.costs[kind] += time.perf_counter() - began - compiling
-
-
-def threads(config: Any, scene: Any) -> int:
-    """Return the number of threads that ``runtime.threads`` means for this many particles."""
-    if config.runtime.threads != "auto":
-        return config.runtime.threads
-    useful = math.ceil(scene.particles / PARTICLES_PER_THREAD)
-    return min(runtime.available_threads(), useful)

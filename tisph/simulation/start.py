@@ -1,11 +1,23 @@
-"""How a run starts, and the frame it is computed in: the flow's own, whatever frame the config sees it from."""
+"""How a run starts: threads, first state, and the frame of the flow, whatever frame the config sees it from."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
 
+from tisph import runtime
 from tisph.observers._storage import STRESSES
 from tisph.snapshot import Bodies, Snapshot
+
+PARTICLES_PER_THREAD = 512
+"""Taichi does not split a loop into shorter pieces than this."""
+
+
+def useful_threads(config, scene):
+    """Return the number of threads that ``runtime.threads`` means for this many particles."""
+    if config.runtime.threads != "auto":
+        return config.runtime.threads
+    return min(runtime.available_threads(), math.ceil(scene.particles / PARTICLES_PER_THREAD))
 
 
 def start_values(scene, initial):

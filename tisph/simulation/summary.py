@@ -56,11 +56,11 @@ def _momentum(scheme):
 
 def cost(simulation):
     """Return what the run has cost by now; times elapsed, in seconds of the clock."""
-    steps, loop = simulation.steps - simulation.first_step, simulation.costs["loop"]
+    steps, loop = simulation.steps - simulation.first_step, simulation.costs.seconds["loop"]
     return {
         "steps": simulation.steps,
-        "wall_total_s": time.perf_counter() - simulation.began,
-        **{f"wall_{kind}_s": seconds for kind, seconds in simulation.costs.items()},
+        "wall_total_s": time.perf_counter() - simulation.costs.began,
+        **{f"wall_{kind}_s": seconds for kind, seconds in simulation.costs.seconds.items()},
         "particle_steps_per_s": steps * simulation.scene.particles / loop if loop > 0 else None,
         "peak_memory_mb": peak_memory_mb(),
     }

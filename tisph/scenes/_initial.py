@@ -1,11 +1,17 @@
-"""How a flow starts: at rest, or, where walls have a history, developed, or on the way."""
+"""How a flow starts: at rest, or, where walls have a history, developed, or on the way; and what drives it."""
 
 from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from tisph.config.base import LARGEST, Model, Problem
+from tisph.config.base import LARGEST, Model, Problem, Signed
+
+
+class Drive(Model):
+    """Body acceleration along x [length/time^2], of either sign: -(dp/dx) / density of a pressure gradient."""
+
+    acceleration: Signed = 0.0
 
 
 class RestInitial(Model):

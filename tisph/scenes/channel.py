@@ -19,7 +19,7 @@ from tisph.config.base import LARGEST, Model, Positive, Problem, Signed, refusal
 from tisph.config.fields import Bodies, Member, number_or
 from tisph.config.motion import Amplitude, Times, Values, WallMotion, check_as_many, check_schedule
 from tisph.scenes._channel.scene import Channel
-from tisph.scenes._initial import Initial, start_problems
+from tisph.scenes._initial import Drive, Initial, start_problems
 
 __all__ = ["Channel", "Config", "Scene"]
 
@@ -115,12 +115,6 @@ class Walls(Model):
     treatment: Annotated[Model, WallTreatment] = Field(default_factory=WallTreatment.default)
     bottom: Wall = Wall()
     top: Wall = Wall()
-
-
-class Drive(Model):
-    """Body acceleration along x [length/time^2], of either sign: -(dp/dx) / density of a pressure gradient."""
-
-    acceleration: Signed = 0.0
 
 
 class Probes(Model):

@@ -18,8 +18,8 @@ from tisph.config import resolution, schema
 from tisph.config.base import Model, Positive, Problem
 from tisph.config.fields import Bodies
 from tisph.scenes._cell.scene import Cell
-from tisph.scenes._cell.sections import Drive, cell_problems, incommensurate_periods, periods
-from tisph.scenes._initial import RestInitial
+from tisph.scenes._cell.sections import bodies_of, cell_problems, incommensurate_periods
+from tisph.scenes._initial import Drive, RestInitial
 
 
 class Geometry(Model):
@@ -58,7 +58,7 @@ class Config(schema.Config):
 
     def problems(self) -> Iterator[Problem]:
         """What the scene has against the config."""
-        yield from cell_problems(self, [body.body(periods(self)) for body in self.bodies], {})
+        yield from cell_problems(self, bodies_of(self), {})
 
     def incommensurate(self) -> Iterator[Problem]:
         """A length that the spacing does not divide, or periods that are too short."""
@@ -71,4 +71,4 @@ class Scene:
     @staticmethod
     def from_config(config):
         """The scene that a validated config describes."""
-        return Cell.around(config, [body.body(periods(config)) for body in config.bodies], {})
+        return Cell.around(config, bodies_of(config), {})

@@ -18,9 +18,9 @@ from tisph.config import resolution, schema
 from tisph.config.base import Model, Positive, Problem, refusals
 from tisph.config.fields import Bodies, Member
 from tisph.scenes._cell.scene import Cell
-from tisph.scenes._cell.sections import Drive, cell_problems, incommensurate_periods, periods
+from tisph.scenes._cell.sections import bodies_of, cell_problems, incommensurate_periods
 from tisph.scenes._cell.walls import farthest, plane_walls, planes
-from tisph.scenes._initial import RestInitial
+from tisph.scenes._initial import Drive, RestInitial
 from tisph.scenes.channel import Wall
 
 
@@ -120,7 +120,7 @@ class Config(schema.Config):
             yield "drive.acceleration", "drives nothing inside a closed wall: the pressure takes it up"
         if around is not None and (around.body().motion.x.largest_speed or around.body().motion.y.largest_speed):
             yield "walls.around.motion", "may only turn: give fixed, angular_velocity or angular_amplitude"
-        yield from cell_problems(self, _bodies(self), {f"walls.{name}": wall for name, wall in _walls(self).items()})
+        yield from cell_problems(self, bodies_of(self), {f"walls.{name}": wall for name, wall in _walls(self).items()})
 
     def incommensurate(self) -> Iterator[Problem]:
         """A length that the spacing does not divide, or that is too short."""
@@ -136,7 +136,7 @@ class Scene:
         """The scene that a validated config describes."""
         walls = _walls(config)
         own = {"origin": tuple(config.box[0].tolist())} if "around" in walls else {"planes": planes(walls)}
-        return Cell.around(config, _bodies(config), walls, **own)
+        return Cell.around(config, bodies_of(config), walls, **own)
 
 
 def _walls(config):
@@ -145,7 +145,3 @@ def _walls(config):
         return plane_walls(config.geometry.length, config.geometry.height, config.walls)
     body = config.walls.around.body()
     return {"around": replace(body, shape=replace(body.shape, fluid_side="inside"))}
-
-
-def _bodies(config):
-    return [body.body(periods(config)) for body in config.bodies]

@@ -183,18 +183,12 @@ class Scene(AnyScene):
 
     def movie_view(self, name, end):
         """Speed with the velocity along the vertical centre line, or vorticity or pressure along it."""
-        if name == "speed":
-            profile, of = self._velocity("u", "y"), _two_dimensional.speed
-        elif name == "vorticity":
-            profile = self._vorticity()
-            of = profile.of
-        else:
-            profile = self._pressure()
-            of = profile.of
+        shown = {"speed": self._velocity("u", "y"), "vorticity": self._vorticity(), "pressure": self._pressure()}
+        profile = shown[name]
         return MovieView(
             name=name,
             signed=name != "speed",
-            of=of,
+            of=_two_dimensional.speed if name == "speed" else profile.of,
             profile=profile,
             ends=profile.extremes(self.start_time, end),
             otherwise=1.0,  # these vortices never rest

@@ -1,4 +1,4 @@
-"""What a config says of a cell with bodies beside its size: its drive; and what speaks against the bodies in it."""
+"""The bodies that a config puts into a cell, and what speaks against them."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from tisph.bodies._clearance import problems as room_problems
-from tisph.config.base import Model, Problem, Signed
+from tisph.config.base import Problem
 from tisph.config.resolution import LEAST_IN_PERIOD
 from tisph.geometry.body import Body
 from tisph.scenes._cell.walls import largest_speed
@@ -15,12 +15,6 @@ from tisph.scenes._initial import fluid_problems
 
 MOMENTS = 25
 """Times at which it is looked whether bodies that move keep apart."""
-
-
-class Drive(Model):
-    """Body acceleration along x [length/time^2], of either sign: -(dp/dx) / density of a pressure gradient."""
-
-    acceleration: Signed = 0.0
 
 
 def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -> Iterator[Problem]:
@@ -49,6 +43,8 @@ def incommensurate_periods(config: Any) -> Iterator[Problem]:
             yield f"geometry.{key}", f"{text}: the neighbour search needs three cells around bodies"
 
 
-def periods(config: Any) -> tuple[float, float]:
-    """Periods of the cell along x and y, infinite where there are walls."""
-    return tuple(size if periodic else math.inf for size, periodic in zip(config.extent, config.periodic, strict=True))
+def bodies_of(config: Any) -> list[Body]:
+    """The bodies in the fluid, in a cell whose periods are infinite where there are walls."""
+    sizes = zip(config.extent, config.periodic, strict=True)
+    periods = tuple(size if periodic else math.inf for size, periodic in sizes)
+    return [body.body(periods) for body in config.bodies]

@@ -5,14 +5,14 @@ from typing import Any
 
 from tisph.config.base import Problem
 from tisph.scenes._cell.scene import Cell
-from tisph.scenes._cell.sections import cell_problems, periods
+from tisph.scenes._cell.sections import bodies_of, cell_problems
 from tisph.scenes._cell.walls import plane_walls, planes
 
 
 def scene(config):
     """The scene that a validated config with bodies describes."""
     walls = _walls(config)
-    return Cell.around(config, _bodies(config), walls, planes=planes(walls))
+    return Cell.around(config, bodies_of(config), walls, planes=planes(walls))
 
 
 def problems(config: Any) -> Iterator[Problem]:
@@ -37,12 +37,8 @@ def problems(config: Any) -> Iterator[Problem]:
     if config.probes != type(config.probes)():
         yield "probes", "are not for a channel with bodies: what is followed are the forces on these"
     named = {f"walls.{name}": wall for name, wall in _walls(config).items()}
-    yield from cell_problems(config, _bodies(config), named)
+    yield from cell_problems(config, bodies_of(config), named)
 
 
 def _walls(config: Any):
     return plane_walls(config.geometry.length, config.geometry.gap, config.walls)
-
-
-def _bodies(config: Any):
-    return [body.body(periods(config)) for body in config.bodies]

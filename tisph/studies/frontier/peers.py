@@ -137,36 +137,21 @@ def merged(rounds, group):
 
 def quoted_vortices(codes):
     """``Measured`` of the vortex as quoted, of codes that are not among ``codes``, those measured here."""
-    return [
-        Measured(
-            flow="taylor_green_2",
-            method=f"{label}, quoted",
-            across=across,
-            threads=1,
-            steps=None,
-            l2=l2,
-            loops=(seconds,),
-            code=label.split()[0],
-            quoted=True,
-        )
+    rows = [
+        _quoted(label, flow="taylor_green_2", across=across, threads=1, steps=None, l2=l2, loops=(seconds,))
         for label, across, seconds, l2 in QUOTED_VORTICES
-        if label.split()[0] not in codes
     ]
+    return [row for row in rows if row.code not in codes]
 
 
 def quoted(scale):
     """``Measured`` of the codes that were measured elsewhere, from that of the run ``SCALE``."""
+    case = {"flow": SCALE.flow, "across": SCALE.across, "threads": SCALE.threads}
     return [
-        Measured(
-            flow=SCALE.flow,
-            method=f"{label}, quoted",
-            across=SCALE.across,
-            threads=SCALE.threads,
-            steps=steps,
-            l2=l2,
-            loops=(factor * scale.loop,),
-            code=label.split()[0],
-            quoted=True,
-        )
+        _quoted(label, **case, steps=steps, l2=l2, loops=(factor * scale.loop,))
         for label, (factor, l2, steps) in QUOTED.items()
     ]
+
+
+def _quoted(label, **numbers):
+    return Measured(method=f"{label}, quoted", code=label.split()[0], quoted=True, **numbers)

@@ -58,7 +58,8 @@ class Snapshot:
     scene, velocities ``u`` and ``v`` along them, density, pressure; polymer stresses
     [mass/(length time^2)] where the fluid has them, else None. ``reference``: arrays of the exact solution by the name
     of the field, where somebody has asked for them; ``bodies``, where there are any. ``steepest``: the largest change
-    of the logarithm of a conformation tensor within a particle spacing, with x and y of where it is; None where it is
+    of the logarithm of a conformation tensor within a particle spacing, with x and y of where it is; ``divergence``: of
+    the velocities, root mean square over that of their gradient, by the operators of the scheme. None where they are
     not known.
     """
 
@@ -76,3 +77,4 @@ class Snapshot:
     reference: dict[str, np.ndarray] | None = None
     bodies: Bodies | None = None
     steepest: tuple[float, float, float] | None = None
+    divergence: float | None = None

@@ -45,7 +45,7 @@ def make(tmp_path):
 def run(scene, scheme):
     while not scheme.finished:
         scheme.advance()
-    return diagnostics(scene, scheme.snapshot())
+    return diagnostics(scene, scheme.snapshot(), None)
 
 
 def total_drag(scene, found):
@@ -86,7 +86,7 @@ def test_momentum_closes(make, moves):
     for time in times:
         while scheme.time < time:
             scheme.advance()
-        found.append(diagnostics(scene, scheme.snapshot()))
+        found.append(diagnostics(scene, scheme.snapshot(), None))
     weights = np.array([1, 4, 2, 4, 2, 4, 2, 4, 1]) * (times[1] - times[0]) / 3
     drag = np.array([each["drag"] for each in found])
     gained = scene.density * scene.region.area * (found[-1]["mean_velocity"] - found[0]["mean_velocity"])

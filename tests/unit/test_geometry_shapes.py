@@ -119,6 +119,10 @@ def test_curvature_is_the_rotation_rate_of_the_normal(name):
     turned = np.sum(points.length * points.curvature)
     assert turned == pytest.approx(2 * np.pi, rel=1e-3)  # arcs by whole points: one of several hundred
     assert shape.smallest_radius == pytest.approx(1 / np.abs(points.curvature).max(), rel=1e-3)
+    for side in ("outside", "inside"):
+        seen = replace(shape, fluid_side=side)
+        bulge = seen.boundary_points(shape.length / 5000).curvature.max()
+        assert seen.convex_radius == pytest.approx(1 / bulge if bulge > 0 else np.inf, rel=1e-3)
 
 
 def test_circle_in_closed_form():

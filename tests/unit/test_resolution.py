@@ -85,8 +85,9 @@ def test_samples_and_pictures_say_so():
 
 def test_steep_stress_is_not_resolved():
     channel = make_channel(initial_state="developed")
-    assert resolution(channel, 0.0, (2.0, 0.1, 0.2)) == (True, None)
+    snapshot = make_snapshot(channel, 0.0)
+    assert resolution(channel, 0.0, replace(snapshot, steepest=(2.0, 0.1, 0.2))) == (True, None)
     text = "the polymer's stretch changes 20-fold within a spacing at (0.1, 0.2); resolved up to 7.4-fold"
-    assert resolution(channel, 0.0, (3.0, 0.1, 0.2)) == (False, text)
-    snapshot = replace(make_snapshot(channel, 0.0), steepest=(3.0, 0.1, 0.2))
+    snapshot = replace(snapshot, steepest=(3.0, 0.1, 0.2))
+    assert resolution(channel, 0.0, snapshot) == (False, text)
     assert sample_metrics(channel, snapshot, channel.probe_positions(3))["reason"] == text

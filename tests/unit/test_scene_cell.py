@@ -3,19 +3,26 @@
 import math
 import subprocess
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from report_scene import make_video
 
 from tisph import scenes
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.measures.mean_velocity import _rule, cell_mean
+from tisph.measures.resolution import resolution
 from tisph.measures.steady import steadiness, steady_since
+from tisph.observers.samples import Samples, read_samples
+from tisph.report.error_label import error_label
+from tisph.report.frame import FrameRenderer
+from tisph.report.profiles import profile_figure
 from tisph.scenes._cell.scene import Cell
 from tisph.scenes.channel import Channel
-from tisph.snapshot import Snapshot
+from tisph.snapshot import Bodies, Snapshot
 
 LIQUID = "fluid: {density: 2.0, kinematic_viscosity: 0.5}\ntime: {end: 1.0}\n"
 LATTICE = f"""
@@ -41,6 +48,12 @@ walls: {{around: {{type: circle, centre: [3.0, 1.0], radius: 1.0, motion: {{angu
 bodies: [{{centre: [3.2, 1.0], radius: 0.3}}]
 discretisation: {{particles_across: 40}}
 """
+SHARP = "{type: polygon, centre: [0.5, 0.5], corners: [[-0.2, -0.15], [0.2, -0.15], [0, 0.2]]}"
+THIN = (
+    "{type: polygon, centre: [0.5, 0.5], angle: 0.4, "
+    "corners: [[-0.2, -0.07], [0.2, -0.07], [0.2, 0.07], [-0.2, 0.07]], corner_radius: 0.065}"
+)
+BOX = "{type: polygon, centre: [3, 1], corners: [[-1, -1], [1, -1], [1, 1], [-1, 1]]}"
 SANGANI_ACRIVOS = {0.05: 15.56, 0.1: 24.83, 0.2: 51.53, 0.3: 102.90, 0.4: 217.89}
 """Drag over dynamic viscosity times mean velocity, by solid fraction of a square array."""
 
@@ -97,6 +110,16 @@ def test_a_channel_with_bodies_is_two_dimensional(tmp_path):
     (LATTICE, "drive.acceleration=0.0", "nothing moves"),
     (LATTICE, "bodies=[]", "bodies"),
     (LATTICE, "bodies=[{centre: [0.5, 0.5], radius: 0.47}]", "its own periodic copy"),
+    (LATTICE, "bodies=[{centre: [0.5, 0.5], radius: 0.0625}]", "a circle of radius 0.0625 has 2 spacings; it needs"),
+    (LATTICE, "bodies=[{centre: [0.5, 0.5], radius: 0.0625}]", "at least 2.5: particles_across: 40"),
+    (LATTICE, f"bodies=[{SHARP}]", "bodies.0.corner_radius = 0.0: a corner of radius 0 has 0 spacings"),
+    (LATTICE, f"bodies=[{SHARP}]", "it needs at least 2: corner_radius: 0.0625"),
+    (LATTICE, "bodies=[{type: curve, centre: [0.5, 0.5], points: [[0.3, 0], [0, 0.05], [-0.3, 0], [0, -0.05]]}]",
+     "a bend of radius"),
+    (LATTICE, f"bodies=[{THIN}]", "[-0.2, 0.07]]: a body 0.14 wide has 4.48 spacings"),
+    (LATTICE, f"bodies=[{THIN}]", "it needs at least 5: particles_across: 36"),
+    (REGION, f"walls.around={BOX}", "walls.around.corner_radius = 0.0: a corner of radius 0 has 0 spacings;"),
+    (REGION, f"walls.around={BOX}", "it needs at least 1: corner_radius: 0.05"),
     (LATTICE, "geometry.length=1.01", "nearest valid geometry.length: 1 or 1.03125"),
     (LATTICE, "discretisation.particles_across=16", "18 particle spacings"),
     (LATTICE, "scheme.type=wcsph", "wcsph cannot serve bodies"),
@@ -114,6 +137,12 @@ def test_what_cannot_be_is_refused(tmp_path, text, change, said):
     with pytest.raises(ConfigError) as refused:
         loaded(tmp_path, text, change)
     assert said in str(refused.value)
+
+
+def test_what_a_config_has_of_what_it_needs_is_stated(tmp_path):
+    lines = dict(scene_of(loaded(tmp_path, CHANNEL)).parameters())
+    assert lines["smallest radius"] == "0.2 m, 4.8 spacings (at least 2, a circle 2.5; resolved from 3 on)"
+    assert lines["narrowest gap"] == "0.3 m, 7.2 spacings (at least 2; resolved from 3 on)"
 
 
 def test_bodies_that_meet_later_are_refused(tmp_path):
@@ -193,3 +222,43 @@ def test_a_flow_is_steady_once_its_kinetic_energy_stays_constant():
     two = slice(None, None, 40)
     found = steadiness(scene, 8.0, (*seen, (times[two], energies[two])))
     assert found["steady_reason"] == "the history has too few times"
+
+
+def test_narrow_gaps_and_small_radii_are_not_resolved(tmp_path):
+    """At any time, in samples and pictures, be the layers as deep as they may."""
+    wide, tight, small = (
+        scene_of(loaded(tmp_path, CHANNEL, f"bodies=[{{centre: [0.5, {height}], radius: {radius}}}]"))
+        for height, radius in ((0.5, 0.2), (0.3, 0.2), (0.5, 2.8 / 24))
+    )
+    assert resolution(wide, 10.0) == (True, None)
+    text = "the gap between body and wall bottom is 2.4 spacings; resolved from 3 on"
+    assert resolution(tight, 10.0) == (False, text)
+    assert resolution(small, 10.0) == (False, "the smallest radius of body is 2.8 spacings; resolved from 3 on")
+    for scene, words in ((wide, ""), (tight, "unresolved: gap of 2.4 spacings")):
+        snapshot = snapshot_of(scene, lambda x, y: 0 * x, lambda x, y: 0 * x, 10.0)
+        snapshot = replace(snapshot, bodies=Bodies.at(10.0, scene.bodies))
+        assert error_label(scene)(snapshot) == words
+        legend = profile_figure(scene, [snapshot]).legends[0]
+        assert ("unresolved" in legend.texts[0].get_text()) == bool(words)
+        video = make_video(640, 320)
+        renderer = FrameRenderer(scene, video, "gap", 10.0)
+        label = renderer.render(snapshot)[renderer.layout.error_label.slices]
+        assert (label < 128).any() == bool(words)
+
+
+def test_gaps_of_bodies_that_move_are_those_of_the_time(tmp_path):
+    rising = "bodies=[{centre: [0.5, 0.5], radius: 0.2, motion: {velocity: [0.0, 0.2]}}]"
+    scene = scene_of(loaded(tmp_path, CHANNEL, rising))
+    assert [scene.narrowest(t)[1][0] for t in (0.0, 0.5)] == pytest.approx([0.3, 0.2], rel=1e-9)
+
+
+def test_divergent_velocities_are_not_resolved(tmp_path):
+    scene = scene_of(loaded(tmp_path, CHANNEL))
+    snapshot = replace(snapshot_of(scene, lambda x, y: y, lambda x, y: 0 * x, 10.0), divergence=0.08)
+    text = "the divergence is 0.08 of the velocity gradient; resolved up to 0.01"
+    assert resolution(scene, 10.0, snapshot) == (False, text)
+    assert error_label(scene)(snapshot) == "unresolved: divergence 0.08"
+    samples = Samples(tmp_path / "samples.h5", scene, [10.0])
+    samples.observe(snapshot)
+    samples.close()
+    assert read_samples(tmp_path / "samples.h5")[0].divergence == 0.08

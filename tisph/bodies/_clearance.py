@@ -1,6 +1,10 @@
-"""Whether bodies leave enough clearance: no overlap, and no gap that is too narrow for particles."""
+"""Whether bodies are large enough for particles around them and leave enough clearance."""
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
 
 from tisph.config.base import Problem
 from tisph.geometry.body import Body
@@ -8,6 +12,16 @@ from tisph.geometry.gaps import gap, smallest_gap
 
 LEAST_GAP = 2.0
 """In particle spacings."""
+
+LEAST_RADIUS, LEAST_HOLLOW, LEAST_WIDTH = 2.0, 1.0, 5.0
+"""Of corners and bends that bulge into the fluid, of those that it fills, and of whole bodies, in particle spacings.
+
+Circles of 2 spacings stop at the first step, corners of 1 soon after it, and sharp ones that the fluid fills, too
+(docs/bodies.md). The support of points on walls is 4.5 spacings: through a thinner body they see particles behind it.
+"""
+
+BULGES = {"radius": ("radius", "a circle"), "corners": ("corner_radius", "a corner"), "points": ("points", "a bend")}
+"""By the key that shapes a body, the key of the smallest radius and what has it."""
 
 Walls = dict[str, Body]
 """The other walls by what messages call them."""
@@ -22,6 +36,51 @@ def problems(
         if found:
             yield from found
             return
+
+
+def size_problems(shapes: Iterable[tuple[str, Any, Body]], spacing: float, across: float) -> Iterator[Problem]:
+    """What is too small of bodies and walls, each with its key, the parameters of its shape and the ``Body``.
+
+    ``across`` is the length that has ``particles_across`` spacings.
+    """
+    for key, parameters, body in shapes:
+        found = _too_small(parameters.shaped_by, body.shape, spacing, across)
+        if found:
+            yield f"{key}.{found[0]}", found[1]
+
+
+def _too_small(shaped_by: str, shape: Any, spacing: float, across: float) -> tuple[str, str] | None:
+    """The key of what is too small of a ``shape``, and why; None where nothing is."""
+    radius_key, what = BULGES[shaped_by]
+    convex = 0.5 * LEAST_WIDTH if what == "a circle" else LEAST_RADIUS
+    for radius, least in ((shape.convex_radius, convex), (shape.smallest_radius, LEAST_HOLLOW)):
+        if radius < least * spacing * (1 - 1e-9):
+            larger = math.ceil(1e4 * least * spacing / across) * across / 1e4
+            enough = [f"corner_radius: {larger:.6g}"] if what == "a corner" else []
+            enough += [_particles(least, radius, across)] if radius else []
+            return radius_key, _too_few(f"{what} of radius {radius:.4g}", radius / spacing, least, enough)
+    width = _width(shape)
+    if width < LEAST_WIDTH * spacing * (1 - 1e-3):
+        enough = [_particles(LEAST_WIDTH, width, across)]
+        return shaped_by, _too_few(f"a body {width:.4g} wide", width / spacing, LEAST_WIDTH, enough)
+    return None
+
+
+def _width(shape: Any) -> float:
+    """Smallest distance of two parallel lines that a body is between; infinite of a wall around the fluid."""
+    if shape.fluid_side == "inside":
+        return math.inf
+    angle = np.pi / 180 * np.arange(180)
+    along = shape.boundary_points(shape.length / 1000).point @ np.stack([np.cos(angle), np.sin(angle)])
+    return float(np.ptp(along, axis=0).min())
+
+
+def _particles(least: float, size: float, across: float) -> str:
+    return f"particles_across: {math.ceil(least * across / size - 1e-9)}"
+
+
+def _too_few(what: str, spacings: float, least: float, enough: list[str]) -> str:
+    return f"{what} has {spacings:.3g} spacings; it needs at least {least:g}: {' or '.join(enough)}"
 
 
 def _at_walls(bodies: Sequence[Body], walls: Walls, spacing: float, time: float) -> Iterator[Problem]:

@@ -47,7 +47,8 @@ class Shape(Protocol):
 
     ``length`` of the curve; ``area`` that it encloses, 0 for a line; ``extent`` (2, 2), the lowest and the highest
     corner of the smallest box around it; ``smallest_radius`` of curvature, infinite where it is straight and 0 where
-    it has sharp corners; ``fluid_side``, the side of a closed curve that the fluid is on.
+    it has sharp corners; ``convex_radius``, the same of where it bulges into the fluid alone, infinite where it
+    nowhere does; ``fluid_side``, the side of a closed curve that the fluid is on.
     """
 
     fluid_side: Side
@@ -55,6 +56,7 @@ class Shape(Protocol):
     area: float
     extent: np.ndarray
     smallest_radius: float
+    convex_radius: float
 
     def nearest(self, points: np.ndarray) -> ClosestPoint:
         """Nearest points of the wall to ``points`` (n, 2)."""

@@ -23,6 +23,7 @@ class Line:
     fluid_side: ClassVar[Side] = "outside"
     area: ClassVar[float] = 0.0
     smallest_radius: ClassVar[float] = math.inf
+    convex_radius: ClassVar[float] = math.inf
 
     def __post_init__(self):
         size = math.hypot(*self.tangent)

@@ -58,6 +58,12 @@ class Polygon(ClosedCurve):
         return self.corner_radius
 
     @property
+    def convex_radius(self):
+        """The radius of corners where the wall bulges into the fluid."""
+        side = 1.0 if self.fluid_side == "outside" else -1.0
+        return self.corner_radius if (side * self._bend > 0).any() else math.inf
+
+    @property
     def _area(self):
         radius, turn = self.corner_radius, np.abs(self._turn)
         cut = radius**2 * (np.tan(0.5 * turn) - 0.5 * turn)

@@ -4,6 +4,7 @@ Its parameter is the length of the chords from point to point. Through n even po
 sixth power of their distance, its curvature by the fourth.
 """
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -67,6 +68,12 @@ class Spline(ClosedCurve):
     def smallest_radius(self):
         """Smallest radius of curvature of samples of the curve."""
         return float(1 / np.abs(self._normals(self._samples[0])[1]).max())
+
+    @property
+    def convex_radius(self):
+        """Smallest radius of curvature of those samples at which the curve bulges into the fluid."""
+        largest = ((1.0 if self.fluid_side == "outside" else -1.0) * self._normals(self._samples[0])[1]).max()
+        return float(1 / largest) if largest > 0 else math.inf
 
     @property
     def _area(self):

@@ -33,7 +33,7 @@ def sample_metrics(scene, snapshot, series):
         **scene.diagnostics(snapshot, series),
     }
     numbers = {key: value if _is_word(key, value) else _number(value) for key, value in diagnostics.items()}
-    resolved, reason = resolution(scene, snapshot.t, snapshot.steepest)
+    resolved, reason = resolution(scene, snapshot.t, snapshot)
     return {"t": numbers.pop("t"), "resolved": resolved, "reason": reason, **numbers}
 
 

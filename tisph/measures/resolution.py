@@ -1,4 +1,4 @@
-"""Whether the particles resolve the flow at a time: the depth of its thinnest layer against their spacing."""
+"""Whether the particles resolve the flow at a time: layers, radii and gaps against their spacing; the divergence."""
 
 import math
 
@@ -10,6 +10,18 @@ and every order; with polymer that of the wall shear is 5 %. ``benchmarks/resolu
 has its table.
 """
 
+LEAST_RADIUS, LEAST_GAP = 3.0, 3.0
+"""The same of the radius of curvature of a wall that bulges into the fluid, and of the gap between two walls.
+
+The error of drag and flow rate is then at most 1.5 %; with 2 to 2.5 spacings it is 0.1 to 7 % (docs/bodies.md).
+"""
+
+LARGEST_DIVERGENCE = 0.01
+"""Divergence of the velocities over their gradient, both as root mean squares, up to which a sample counts as resolved.
+
+The error of drag and flow rate around bodies is 0.1 to 2.6 times that (docs/bodies.md).
+"""
+
 STEEPEST = 2.0
 """Change of the logarithm of a conformation tensor within a spacing up to which a sample counts as resolved.
 
@@ -18,22 +30,37 @@ cylinders 1e-3 with 0.5.
 """
 
 
-def resolution(scene, t, steepest=None):
-    """Tell whether the flow of a scene is resolved at time ``t``, and why not: (True, None) or (False, reason).
+def resolution(scene, t, snapshot=None):
+    """Tell whether the flow of a scene is resolved at time ``t``, and why not: (True, None) or (False, reason)."""
+    found = unresolved(scene, t, snapshot)
+    return (True, None) if found is None else (False, found[1])
 
-    ``steepest``: see ``Snapshot``.
+
+def unresolved(scene, t, snapshot=None):
+    """What is not resolved of the flow of a scene at time ``t``, briefly and in full; None where all of it is.
+
+    ``snapshot``: the state then, once there is one; some of it is known before the run.
     """
     depth, layer = scene.thinnest_layer(t)
     spacings = depth / scene.spacing
-    if spacings >= LEAST_DEPTH:
-        if steepest is None or steepest[0] <= STEEPEST:
-            return True, None
-        change, x, y = steepest
+    if spacings < LEAST_DEPTH:
+        text = f"{layer} is {spacings:.2g} spacings thin; resolved from {LEAST_DEPTH:g} spacings on"
+        return f"{spacings:.1f} spacings", text
+    radius, gap = scene.narrowest(t)
+    for name, (size, what), least in (("radius", radius, LEAST_RADIUS), ("gap", gap, LEAST_GAP)):
+        spacings = size / scene.spacing
+        if spacings < least * (1 - 1e-9):
+            text = f"{what} is {spacings:.2g} spacings; resolved from {least:g} on"
+            return f"{name} of {spacings:.2g} spacings", text
+    return None if snapshot is None else _of_state(snapshot)
+
+
+def _of_state(snapshot):
+    if snapshot.divergence is not None and snapshot.divergence > LARGEST_DIVERGENCE:
+        text = f"the divergence is {snapshot.divergence:.2g} of the velocity gradient"
+        return f"divergence {snapshot.divergence:.2g}", f"{text}; resolved up to {LARGEST_DIVERGENCE:g}"
+    if snapshot.steepest is not None and snapshot.steepest[0] > STEEPEST:
+        change, x, y = snapshot.steepest
         text = f"the polymer's stretch changes {math.exp(change):.2g}-fold within a spacing at ({x:.4g}, {y:.4g})"
-        return False, f"{text}; resolved up to {math.exp(STEEPEST):.2g}-fold"
-    return False, f"{layer} is {spacings:.2g} spacings thin; resolved from {LEAST_DEPTH:g} spacings on"
-
-
-def layer_spacings(scene, t):
-    """Depth of the thinnest layer at time ``t`` in particle spacings; infinite where there is none."""
-    return scene.thinnest_layer(t)[0] / scene.spacing
+        return "stretch of polymer", f"{text}; resolved up to {math.exp(STEEPEST):.2g}-fold"
+    return None

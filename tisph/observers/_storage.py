@@ -16,6 +16,9 @@ from tisph.snapshot import STRESSES, Bodies, Snapshot
 
 FIELDS = ("x", "y", "u", "v", "density", "pressure")
 
+STATE = ("divergence", "steepest")
+"""Attributes of a group beside ``t`` and ``step``, where a scheme knows them: see ``Snapshot``."""
+
 BODIES = "bodies"
 """Name of the group with a dataset for each field of the bodies."""
 
@@ -120,6 +123,9 @@ def write_snapshot(group, snapshot):
     """Write the fields that ``snapshot`` has, and those of its reference, into ``group``."""
     group.attrs["t"] = snapshot.t
     group.attrs["step"] = snapshot.step
+    for name in STATE:
+        if getattr(snapshot, name) is not None:
+            group.attrs[name] = getattr(snapshot, name)
     for name in FIELDS + STRESSES:
         if getattr(snapshot, name) is not None:
             group.create_dataset(name, data=getattr(snapshot, name))
@@ -141,6 +147,7 @@ def read_snapshots(path, fields=FIELDS):
         for group in sorted(file.values(), key=lambda group: group.attrs["t"]):
             stored = {name: group[name][...] if name in fields or name in group else np.empty(0) for name in FIELDS}
             stored |= {name: group[name][...] for name in STRESSES if name in group}
+            stored |= {name: group.attrs[name] for name in STATE if name in group.attrs}
             if BODIES in group:
                 bodies = group[BODIES]
                 stored[BODIES] = Bodies(**{name: values[...] for name, values in bodies.items()})

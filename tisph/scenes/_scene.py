@@ -177,6 +177,13 @@ class Scene:
         """Whether the velocity crosses zero or decays, so that an error relative to it says little."""
         return False
 
+    def narrowest(self, t):
+        """Smallest radius of a wall that bulges into the fluid, and smallest gap between two walls at time ``t``.
+
+        Pairs of a size [length], infinite without one, and what it is, in words.
+        """
+        return (math.inf, ""), (math.inf, "")
+
     def in_flow_frame(self):
         """The same scene as it is seen from a frame that moves with ``frame_velocity``."""
         return self

@@ -6,9 +6,13 @@ by the same factor (``schemes.coarsen_steps``). They are processes of their own,
 Fields are compared where the particles of the coarsest run are, so that only the finer two are interpolated. Of each
 field at each sample there is an observed order; that of the run is their median, and errors are estimated with it:
 disorder makes single orders scatter by one and more. Numbers are extrapolated each with its own order.
+
+Where a coarser run is impossible, or does not end, there is a finer one instead, after the run itself, and errors are
+those of the least order that is to be expected, the largest ones that the difference of the two allows.
 """
 
 import statistics
+import sys
 from contextlib import closing, suppress
 from dataclasses import asdict
 
@@ -21,7 +25,7 @@ from tisph.folder import Folder
 from tisph.measures.fits import interpolated
 from tisph.observers._storage import STRESSES, read_snapshots
 from tisph.simulation.results import write_summary
-from tisph.studies.extrapolation import PAIRS, of_norms, of_number
+from tisph.studies.extrapolation import PAIRS, of_norms, of_number, of_pair
 from tisph.studies.processes import read_result
 from tisph.studies.store import Store
 from tisph.text_table import format_table
@@ -30,48 +34,73 @@ FOLDER = "coarser"
 """Of the coarser runs, in that of the results."""
 
 FACTORS = 2.0, 2.0**0.5
+FINER = 1 / 1.5
+"""Spacings over that of the run, of the coarser runs and of the finer one."""
 
 NEAR = 1.1
 """Factor within which the particles across may differ from the wanted ones: less than half the way to the next."""
 
 
 class Coarser:
-    """The coarser runs of a ``config``, to be kept in the results folder ``root``.
+    """The coarser runs of a ``config``, or the finer one, to be kept in the results folder ``root``.
 
-    ConfigError where the config allows none.
+    ``message`` says why there is no estimate from coarser ones. ConfigError where the config allows neither.
     """
 
     def __init__(self, config, root):
-        self.config, self.root = config, root
-        self.configs = [_coarser(config, factor) for factor in FACTORS]
-        self.names = [f"across_{each['discretisation']['particles_across']}" for each in self.configs]
-        self.message = None
+        self.config, self.root, self.message = config, root, None
+        try:
+            self.configs = [_other(config, factor) for factor in FACTORS]
+        except ConfigError as error:
+            self.configs = [_other(config, FINER)]
+            self.message = str(error)
+
+    @property
+    def names(self):
+        """Folders of the runs in ``FOLDER``."""
+        return [f"across_{each['discretisation']['particles_across']}" for each in self.configs]
 
     def run(self):
-        """Run them one after the other, but for those that have run; ``message`` says then what did not end, if any."""
-        store = Store(self.root / FOLDER)
-        configs = dict(zip(self.names, self.configs, strict=True))
-        with closing(store.outcomes(configs, 1)) as ended:
-            for name, _, message in ended:
-                if message:
-                    self.message = f"the coarser run {name} did not finish: {message}"
+        """Run the coarser ones one after the other, but for those that have run; name the finer one where they fail."""
+        if not self.message:
+            self.message = self._run("coarser")
+            if self.message:
+                self.configs = []
+                with suppress(ConfigError):
+                    self.configs = [_other(self.config, FINER)]
+        if self.message and self.configs:
+            finer = _validated(self.config, self.configs[0])
+            known = schemes.estimates(schemes.resolve(finer)[0], scenes.of(finer))
+            text = f"after the run a finer one, {finer.particles_across} across, tells the error instead"
+            cost = f"about {known['steps']} steps, {known['run_time']:.2g} s"
+            print(f"{self.message}\n{text}: {cost}", file=sys.stderr, flush=True)
 
     def report(self):
         """Write the estimates into the ``summary.json`` of the finished run, and return them as text."""
-        estimate = {"reason": self.message}
-        if not self.message:
-            folders = [*(self.root / FOLDER / name for name in self.names), self.root]
-            estimate |= compare([read_result(folder) for folder in folders], [*self._all()])
+        reason = self.message and (self._run("finer") if self.configs else self.message)
+        estimate = {"reason": reason}
+        if not reason:
+            folders = [self.root / FOLDER / name for name in self.names]
+            others = [_validated(self.config, each) for each in self.configs]
+            folders, configs = [*folders, self.root], [*others, self.config]
+            if self.message:
+                folders, configs = folders[::-1], configs[::-1]
+            estimate |= compare([read_result(folder) for folder in folders], configs)
         summary = read_result(self.root).summary
         write_summary(Folder(self.root).summary, {**summary, "error_estimate": estimate})
         return text(estimate, self.config)
 
-    def _all(self):
-        yield from (_validated(self.config, each) for each in self.configs)
-        yield self.config
+    def _run(self, kind):
+        """Run ``configs``; return what did not end, None where all did."""
+        configs, failed = dict(zip(self.names, self.configs, strict=True)), None
+        with closing(Store(self.root / FOLDER).outcomes(configs, 1)) as ended:
+            for name, _, message in ended:
+                if message:
+                    failed = f"the {kind} run {name} did not finish: {message}"
+        return failed
 
 
-def _coarser(config, factor):
+def _other(config, factor):
     """Return the config, a plain dict without its name, of a run with about 1/``factor`` of the particles across."""
     resolved, wanted = schemes.resolve(config)[0], config.particles_across / factor
     near = range(int(wanted / NEAR), int(wanted * NEAR) + 2)
@@ -93,22 +122,34 @@ def _validated(config, data):
 
 
 def compare(results, configs):
-    """Return the estimates of the last of three runs from their ``Result`` and configs, as in ``summary.json``."""
+    """Return estimates as in ``summary.json`` from ``Result`` and configs of runs, from coarse to fine.
+
+    Of three runs they are those of the last, of two those of the first.
+    """
     compared = [scenes.of(each) for each in configs]
     spacings, expected = [scene.spacing for scene in compared], schemes.orders(schemes.resolve(configs[-1])[0])
     snapshots = zip(*(read_snapshots(Folder(result.folder).samples) for result in results), strict=True)
     norms = [{**_fields(compared, each), **_profiles(compared, each)} for each in snapshots]
-    observed = [of_norms(spacings, each, expected) for sample in norms for each in sample.values()]
-    orders = [each.order for each in observed if each.error is not None]
-    order = statistics.median(orders) if orders else None
+    order = None if len(configs) == 2 else _median_order(spacings, norms, expected)
     samples = []
     for fields, *numbers in zip(norms, *(result.summary["samples"] for result in results), strict=True):
-        errors = {name: of_norms(spacings, each, expected, order=order) for name, each in fields.items()}
         values = {name: [each[name] for each in numbers] for name in compared[-1].flow_quantities}
         values = {name: each for name, each in values.items() if None not in each}
-        found = {name: of_number(spacings, each, expected) for name, each in values.items()}
+        if len(configs) == 2:
+            errors = {name: of_pair(spacings, each[0], expected) for name, each in fields.items()}
+            found = {name: of_pair(spacings, abs(one - other), expected) for name, (one, other) in values.items()}
+        else:
+            errors = {name: of_norms(spacings, each, expected, order=order) for name, each in fields.items()}
+            found = {name: of_number(spacings, each, expected) for name, each in values.items()}
         samples.append({"t": numbers[-1]["t"], "fields": _plain(errors), "numbers": _plain(found)})
     return {"particles_across": [each.particles_across for each in configs], "order": order, "samples": samples}
+
+
+def _median_order(spacings, norms, expected):
+    """Return the median of the orders that are observed, None without any."""
+    observed = [of_norms(spacings, each, expected) for sample in norms for each in sample.values()]
+    orders = [each.order for each in observed if each.error is not None]
+    return statistics.median(orders) if orders else None
 
 
 def _plain(found):
@@ -160,7 +201,8 @@ def _at(scene, snapshot, values, points):
 
 def _norms(values):
     size = np.linalg.norm(values[-1]) or 1.0
-    return [float(np.linalg.norm(values[one] - values[other]) / size) for one, other in PAIRS]
+    pairs = PAIRS[: 3 if len(values) == 3 else 1]
+    return [float(np.linalg.norm(values[one] - values[other]) / size) for one, other in pairs]
 
 
 def text(estimate, config):
@@ -175,7 +217,7 @@ def text(estimate, config):
         for name, found in sample[sort].items()
     ]
     order = "none" if estimate["order"] is None else f"{estimate['order']:.2g}"
-    head = f"estimated error, from {across[0]}, {across[1]} and {across[2]} particles across; order {order}"
+    head = f"estimated error, from {', '.join(map(str, across[:-1]))} and {across[-1]} particles across; order {order}"
     return f"{head}\n{format_table(('t', 'quantity', 'error', 'order', 'remark'), rows)}"
 
 

@@ -51,6 +51,16 @@ def of_number(spacings, values, expected, size=None):
     return of_norms(spacings, [abs(values[one] - values[other]) for one, other in PAIRS], expected, size)
 
 
+def of_pair(spacings, difference, expected):
+    """Return the Extrapolation of the coarser of two runs of ``spacings`` from the norm of their ``difference``.
+
+    Its order cannot be seen: that is the least of the ``expected``, with which the error is largest.
+    """
+    if not math.isfinite(difference):
+        return Extrapolation(None, None, "not a number in one of the runs")
+    return Extrapolation(None, float(difference / (1.0 - (spacings[1] / spacings[0]) ** expected[0])))
+
+
 def of_norms(spacings, norms, expected, size=1.0, order=None):
     """Return the Extrapolation of a field from the ``norms`` of its differences 1-2, 2-3 and 1-3.
 

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from tisph.geometry.gaps import smallest_gap
 from tisph.scenes._body_scene import BodyScene
 from tisph.scenes._cell import diagnostics, views
 from tisph.scenes._cell.walls import largest_speed
@@ -111,6 +112,35 @@ class Cell(BodyScene):
                     depth = 0.5 * part.penetration_depth(self.kinematic_viscosity)
                     layers.append((depth, "the layer at what oscillates"))
         return min(layers)
+
+    def narrowest(self, t):
+        """See ``Scene.narrowest``."""
+        return self._smallest_radius, self._first_gap if self._gaps_stay else self._gap(t)
+
+    @cached_property
+    def _smallest_radius(self):
+        radii = [body.shape.convex_radius for body in self.bodies]
+        index = int(np.argmin(radii))
+        return radii[index], f"the smallest radius of {self._named(index)}"
+
+    @cached_property
+    def _gaps_stay(self):
+        return not any(largest_speed(body) for body in self.bodies if body.shape.area)
+
+    @cached_property
+    def _first_gap(self):
+        return self._gap(self.start_time)
+
+    def _gap(self, t):
+        gap, pair = smallest_gap(self.bodies, t)
+        if pair is None:
+            return math.inf, ""
+        one, other = map(self._named, pair)
+        return gap, f"the gap between {one} and {other if one != other else 'its periodic copy'}"
+
+    def _named(self, index):
+        name = self.names[index].lstrip("_")
+        return f"body {name}".rstrip() if index < self.count else f"wall {name}"
 
     def description(self):
         """Width and height of the cell, number of bodies."""

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from tisph.bodies._clearance import problems as room_problems
+from tisph.bodies._clearance import size_problems
 from tisph.config.base import Problem
 from tisph.config.resolution import LEAST_IN_PERIOD
 from tisph.geometry.body import Body
@@ -25,6 +26,9 @@ def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -
     moving = any(largest_speed(body) for body in (*bodies, *walls.values()))
     if not moving and not config.drive.acceleration:
         yield "drive.acceleration", "nothing moves: give an acceleration, or let a body or a wall move"
+    shapes = [(f"bodies.{index}", config.bodies[index], body) for index, body in enumerate(bodies)]
+    shapes += [(key, config.walls.around, wall) for key, wall in walls.items() if wall.shape.area]
+    yield from size_problems(shapes, config.spacing, config.across)
     yield from room_problems(bodies, walls, config.spacing, _times(config, bodies))
 
 

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from tisph.bodies import _clearance
+from tisph.measures import resolution
 from tisph.scenes import _two_dimensional
 from tisph.scenes._cell import diagnostics
 from tisph.scenes._views import TimeSeries
@@ -68,6 +70,19 @@ def parameters(cell):
         ("kinematic viscosity nu", f"{cell.kinematic_viscosity:.6g} {length}^2/{time}"),
         ("cell", f"{width:.6g} x {height:.6g} {length}, {cell.region.area / (width * height):.4g} of it fluid"),
     ]
+    lines += _narrowest(cell)
     if cell.acceleration:
         lines.append(("drive", f"{cell.acceleration:.6g} {length}/{time}^2 along x"))
     return lines
+
+
+def _narrowest(cell):
+    """What is smallest about bodies and walls, in particle spacings, and how many there should be."""
+    radius, gap = (size for size, _ in cell.narrowest(cell.start_time))
+    least = f"at least {_clearance.LEAST_RADIUS:g}, a circle {0.5 * _clearance.LEAST_WIDTH:g}"
+    found = [("smallest radius", radius, least, resolution.LEAST_RADIUS)]
+    found += [("narrowest gap", gap, f"at least {_clearance.LEAST_GAP:g}", resolution.LEAST_GAP)]
+    for name, size, least, enough in found:
+        if np.isfinite(size):
+            spacings = f"{size / cell.spacing:.3g} spacings ({least}; resolved from {enough:g} on)"
+            yield name, f"{size:.4g} {cell.units.length}, {spacings}"

@@ -50,5 +50,6 @@ def state(scheme, time):
         pressure=problem.density * (pressure - pressure.mean()),
         bodies=walls.bodies(time, times, offset) if walls else None,
         steepest=scheme.log_jump,
+        divergence=scheme.levels.residual,
         **dict(zip(STRESSES, stress, strict=False)),
     )

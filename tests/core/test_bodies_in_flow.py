@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from tisph import config, runtime, scenes, schemes
-from tisph.scenes._cell.diagnostics import diagnostics
 from tisph.simulation.start import start_values
 
 CELL = """
@@ -45,7 +44,7 @@ def make(tmp_path):
 def run(scene, scheme):
     while not scheme.finished:
         scheme.advance()
-    return diagnostics(scene, scheme.snapshot(), None)
+    return scene.diagnostics(scheme.snapshot(), None)
 
 
 def total_drag(scene, found):
@@ -86,7 +85,7 @@ def test_momentum_closes(make, moves):
     for time in times:
         while scheme.time < time:
             scheme.advance()
-        found.append(diagnostics(scene, scheme.snapshot(), None))
+        found.append(scene.diagnostics(scheme.snapshot(), None))
     weights = np.array([1, 4, 2, 4, 2, 4, 2, 4, 1]) * (times[1] - times[0]) / 3
     drag = np.array([each["drag"] for each in found])
     gained = scene.density * scene.region.area * (found[-1]["mean_velocity"] - found[0]["mean_velocity"])

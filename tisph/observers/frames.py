@@ -4,7 +4,7 @@ import numpy as np
 
 from tisph.observers._storage import Storage, read_snapshots
 from tisph.observers.protocol import StateObserver
-from tisph.observers.schedule import Times, even_times
+from tisph.observers.schedule import Times
 
 FIELDS = ("x", "y", "u", "v", "stress_xy")
 """What every movie may show; the stress is there only with polymer."""
@@ -55,11 +55,6 @@ class Frames(StateObserver):
             if snapshot.t <= resumed_at:
                 self.movie.add(snapshot)
                 yield snapshot
-
-
-def frame_times(scene, end, count):
-    """Return the times of ``count`` frames over the whole run."""
-    return even_times(scene.start_time, end, count)
 
 
 def read_frames(path):

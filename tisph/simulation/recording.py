@@ -6,9 +6,10 @@ from tisph.errors import DivergedError, TisphError
 from tisph.folder import Folder, claimed
 from tisph.observers._files import replaced
 from tisph.observers.checkpoints import Checkpoints
-from tisph.observers.frames import Frames, frame_times
+from tisph.observers.frames import Frames
 from tisph.observers.history import History
 from tisph.observers.samples import Samples
+from tisph.observers.schedule import even_times
 from tisph.report import drawing_process
 from tisph.simulation import checkpoint, drawing
 from tisph.simulation.interrupts import Interrupts
@@ -71,7 +72,8 @@ class Recording:
 
             self.observers.append(Vtk(folder.vtk, self.samples, resumed_at, self.about))
         if self.movie:
-            times, more = frame_times(scene, end, output.video.frames), scene.movie_fields(output.video.color_by)
+            times = even_times(scene.start_time, end, output.video.frames)
+            more = scene.movie_fields(output.video.color_by)
             self.observers.append(Frames(folder.frames, self.movie, times, resumed_at, more))
         self.simulation.observe(*self.observers)
         if output.checkpoint_every:

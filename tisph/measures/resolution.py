@@ -37,7 +37,7 @@ def resolution(scene, t, snapshot=None):
 
 
 def unresolved(scene, t, snapshot=None):
-    """What is not resolved of the flow of a scene at time ``t``, briefly and in full; None where all of it is.
+    """What is not resolved of the flow of a scene at time ``t``, briefly, as in frames, and in full; None where all is.
 
     ``snapshot``: the state then, once there is one; some of it is known before the run.
     """
@@ -51,16 +51,16 @@ def unresolved(scene, t, snapshot=None):
         spacings = size / scene.spacing
         if spacings < least * (1 - 1e-9):
             text = f"{what} is {spacings:.2g} spacings; resolved from {least:g} on"
-            return f"{name} of {spacings:.2g} spacings", text
+            return f"{name} {spacings:.2g} dx", text
     return None if snapshot is None else _of_state(snapshot)
 
 
 def _of_state(snapshot):
     if snapshot.divergence is not None and snapshot.divergence > LARGEST_DIVERGENCE:
         text = f"the divergence is {snapshot.divergence:.2g} of the velocity gradient"
-        return f"divergence {snapshot.divergence:.2g}", f"{text}; resolved up to {LARGEST_DIVERGENCE:g}"
+        return f"div u {snapshot.divergence:.2g}", f"{text}; resolved up to {LARGEST_DIVERGENCE:g}"
     if snapshot.steepest is not None and snapshot.steepest[0] > STEEPEST:
         change, x, y = snapshot.steepest
         text = f"the polymer's stretch changes {math.exp(change):.2g}-fold within a spacing at ({x:.4g}, {y:.4g})"
-        return "stretch of polymer", f"{text}; resolved up to {math.exp(STEEPEST):.2g}-fold"
+        return "polymer", f"{text}; resolved up to {math.exp(STEEPEST):.2g}-fold"
     return None

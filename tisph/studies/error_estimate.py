@@ -188,6 +188,8 @@ def _profiles(compared, snapshots):
         count = round((line.ends[1] - line.ends[0]) / compared[0].spacing)
         x, y = np.broadcast_arrays(*line.points(line.coordinates(2 * count + 1)[1::2]))
         points, values = np.stack([x, y], axis=1), []
+        if compared[0].bodies:  # a line may lead through them
+            points = points[compared[0].contains(points, snapshots[0].t)]
         for scene, profile, snapshot in zip(compared, profiles, snapshots, strict=True):
             values.append(_at(scene, snapshot, np.asarray(profile.of(snapshot), float)[:, None], points))
         found[f"{profiles[0].name} along {line.along}"] = _norms(values)

@@ -250,7 +250,8 @@ def test_narrow_gaps_and_small_radii_are_not_resolved(tmp_path):
 def test_gaps_of_bodies_that_move_are_those_of_the_time(tmp_path):
     rising = "bodies=[{centre: [0.5, 0.5], radius: 0.2, motion: {velocity: [0.0, 0.2]}}]"
     scene = scene_of(loaded(tmp_path, CHANNEL, rising))
-    assert [scene.narrowest(t)[1][0] for t in (0.0, 0.5)] == pytest.approx([0.3, 0.2], rel=1e-9)
+    # from a hundred points on the circle and a parabola: the fourth power of their distance
+    assert [scene.narrowest(t)[1][0] for t in (0.0, 0.5)] == pytest.approx([0.3, 0.2], rel=1e-6)
 
 
 def test_divergent_velocities_are_not_resolved(tmp_path):

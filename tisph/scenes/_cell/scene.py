@@ -6,13 +6,16 @@ from functools import cached_property
 
 import numpy as np
 
-from tisph.geometry.gaps import smallest_gap
+from tisph.geometry.gaps import POINTS, smallest_gap
 from tisph.scenes._body_scene import BodyScene
 from tisph.scenes._cell import diagnostics, views
 from tisph.scenes._cell.walls import largest_speed
 
 KOZENY = 5.0
 """Constant of Kozeny and Carman: permeability = porosity^3 / (5 wetted length per area^2)."""
+
+FEW = 100
+"""Points on each wall from which gaps are taken as bodies move: once a line of the history, good to 1e-3."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,7 +118,7 @@ class Cell(BodyScene):
 
     def narrowest(self, t):
         """See ``Scene.narrowest``."""
-        return self._smallest_radius, self._first_gap if self._gaps_stay else self._gap(t)
+        return self._smallest_radius, self._first_gap if self._gaps_stay else self._gap(t, FEW)
 
     @cached_property
     def _smallest_radius(self):
@@ -129,10 +132,10 @@ class Cell(BodyScene):
 
     @cached_property
     def _first_gap(self):
-        return self._gap(self.start_time)
+        return self._gap(self.start_time, POINTS)
 
-    def _gap(self, t):
-        gap, pair = smallest_gap(self.bodies, t)
+    def _gap(self, t, points):
+        gap, pair = smallest_gap(self.bodies, t, points)
         if pair is None:
             return math.inf, ""
         one, other = map(self._named, pair)

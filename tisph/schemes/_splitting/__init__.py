@@ -19,6 +19,10 @@ slow flow and in quick start-up it was 2.9, in developed flow 1.6."""
 WITH_POLYMER = 1.7
 """By what factor a polymer increases it."""
 
+STARTED = 50
+"""Steps that a start from rest between walls takes beside those of the longest length: 30 to 80 in the resolved runs of
+docs/bodies.md, whose steps are then told within a factor of 2."""
+
 MARGIN = 0.2
 """Margin beyond walls over the larger side of the box, for the grid of the linear solvers, which is periodic."""
 
@@ -98,8 +102,8 @@ def estimates(config, scene):
 
 
 def _longest_steps(scene, ends, courant, viscous):
-    """Steps up to each of the times ``ends``, and the longest of them, where the speed is that of the start."""
-    speed = scene.peak_velocity
+    """Steps up to each of the times ``ends``, and the longest of them, at the speed of the start or of reference."""
+    speed = scene.reference_velocity
     if not scene.bodies:
         initial = scene.initial(*scene.lattice())
         speed = np.hypot(initial["u"], initial["v"]).max()
@@ -107,7 +111,8 @@ def _longest_steps(scene, ends, courant, viscous):
     longest = min(courant * scene.spacing / speed, viscous)
     # steps that grow, less their time
     begin = np.log(1 / FIRST) / np.log(LARGEST_MULTISTEP_FACTOR) - 1 / (1 - 1 / LARGEST_MULTISTEP_FACTOR)
+    started = STARTED if scene.bodies else 0
     begun = [1 + sum(change < t for change in scene.jump_times) for t in ends]
     return [
-        max(1, round(n * begin + (t - scene.start_time) / longest)) for n, t in zip(begun, ends, strict=True)
+        max(1, round(started + n * begin + (t - scene.start_time) / longest)) for n, t in zip(begun, ends, strict=True)
     ], longest

@@ -19,7 +19,7 @@ The error of drag and flow rate is then at most 1.5 %; with 2 to 2.5 spacings it
 LARGEST_DIVERGENCE = 0.01
 """Divergence of the velocities over their gradient, both as root mean squares, up to which a sample counts as resolved.
 
-The error of drag and flow rate around bodies is 0.1 to 2.6 times that (docs/bodies.md).
+The error of drag and flow rate around bodies is up to 2.6 times that (docs/bodies.md).
 """
 
 STEEPEST = 2.0

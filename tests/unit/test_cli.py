@@ -1,5 +1,6 @@
 """The command line: exit statuses, one message on standard error, and nothing written on bad input."""
 
+import re
 import subprocess
 import sys
 import types
@@ -117,11 +118,13 @@ def test_run_estimates_its_error_after_coarser_runs(case, simulation, monkeypatc
     assert simulation.calls == [["across_25", "across_35"], ("case", Path("runs/case"), True, True, False)]
 
 
-def test_too_few_particles_for_coarser_runs(case, simulation):
+def test_with_too_few_particles_for_coarser_runs_there_is_a_finer_one(case, simulation, monkeypatch):
+    monkeypatch.setattr("tisph.studies.error_estimate.Coarser.report", lambda self: " ".join(self.names))
     done = tisph_command("run", "case.yaml", "--estimate-error", "--set", "discretisation.particles_across=10")
-    assert (done.exit_code, simulation.calls) == (2, [])
+    assert (done.exit_code, len(simulation.calls)) == (0, 1)
     assert "needs a run with about 5 particles across" in done.stderr
-    assert not Path("runs").exists()
+    assert re.search("after the run a finer one, 15 across, tells the error instead: about [0-9]+ steps", done.stderr)
+    assert done.stdout.endswith("across_15\n")
 
 
 def test_full_folder_is_refused(case, simulation):

@@ -8,7 +8,7 @@ import pytest
 
 from tisph.cli.check import estimates
 from tisph.config import load
-from tisph.schemes._splitting import BETWEEN_WALLS, COST, OVERHEAD, _forecast, _longest_steps
+from tisph.schemes._splitting import BETWEEN_WALLS, COST, OVERHEAD, STARTED, _forecast, _longest_steps
 from tisph.schemes._splitting._bdf import TimeWeights
 from tisph.schemes._splitting._step_limits import FIRST
 from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR
@@ -82,7 +82,7 @@ def test_every_start_of_an_unknown_flow_costs_its_growing_steps():
         scene.jump_times = changes
         found.append(_longest_steps(scene, [1.0], 0.2, math.inf)[0][0])
     grow = math.log(1.0 / FIRST) / math.log(LARGEST_MULTISTEP_FACTOR) - 1.0 / (1.0 - 1.0 / LARGEST_MULTISTEP_FACTOR)
-    assert found == [round(50 + grow), round(50 + grow), round(50 + 2 * grow)]
+    assert found == [round(STARTED + 50 + grow), round(STARTED + 50 + grow), round(STARTED + 50 + 2 * grow)]
 
 
 def test_steps_after_the_examined_ones_have_the_last_length(tmp_path, monkeypatch):

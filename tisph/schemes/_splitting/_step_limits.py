@@ -7,8 +7,9 @@ from tisph.schemes._step_control import StepControl
 TOLERANCE = 2e-6
 """Of a step."""
 
-SMALLEST_SPEED = 0.5
-"""Part of the reference velocity below which steps and errors refer to it instead of the present velocities."""
+SMALLEST_SPEED, SMALLEST_TRAVEL_SPEED = 0.1, 0.5
+"""Parts of the reference velocity below which the errors of steps, and their Courant number, refer to them instead of
+the present velocities."""
 
 MAX_ATTEMPTS = 20
 """At one step, before a run is given up."""
@@ -36,7 +37,8 @@ def step_control(case, targets, tolerance, courant):
     limit depends on the largest velocity.
     """
     viscous = viscous_step(case)
-    limit = lambda speed: min(courant * case.spacing / speed, viscous)  # noqa: E731
+    slowest = SMALLEST_TRAVEL_SPEED * case.reference_velocity
+    limit = lambda speed: min(courant * case.spacing / max(speed, slowest), viscous)  # noqa: E731
     control = StepControl(tolerance, limit, fixed=tolerance is None, multistep=True, jump_times=case.jump_times)
     control.set_targets(targets, case.start_time)
     return control

@@ -46,7 +46,7 @@ class Parameters(Model):
     type: Literal["implicit"] = "implicit"
     operators: LeastSquares = LeastSquares()
     largest_strain: Annotated[float, Field(gt=0, le=2)] = 0.5
-    largest_courant: Annotated[float, Field(gt=0, le=1)] = 0.3
+    largest_courant: Annotated[float, Field(gt=0, le=3)] = 0.3
 
 
 def build(config, scene, targets, serial):

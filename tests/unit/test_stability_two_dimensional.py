@@ -77,6 +77,24 @@ def test_the_cell_itself_is_its_baseline():
     assert judge.VOID > 1.0 > judge.DISTANCE
 
 
+def test_drag_is_compared_with_that_of_twice_the_particles():
+    """Around bodies; above 2 % it is a silent failure, but for a sample that is not resolved."""
+    cell = Cell(flow="square3", across=24, scheme="implicit 4")
+    assert cell.baseline == replace(cell, across=48) == cell.baseline.baseline
+    plan = replace(VORTEX, cell=cell)
+
+    def found(error, resolved):
+        own = [{**GOOD, "drag": drag, "resolved": resolved} for drag in (1.0, 1.0, 1.0, 2.0 * (1.0 + error))]
+        fine = [{"drag": drag} for drag in (1.0, 1.0, 1.0, 2.0)]
+        summary = {"status": "done", "samples": own, "numbers": {"reference_velocity": 1.0}}
+        return judge.judge(plan, summary, "", {**summary, "samples": fine})
+
+    assert found(0.019, True).verdict == "stable"
+    assert found(-0.019, True).error == pytest.approx(0.019)
+    assert (found(0.021, True).verdict, found(0.021, True).met) == ("silent failure", False)
+    assert (found(0.5, False).verdict, found(0.5, False).met) == ("inaccurate", True)
+
+
 def test_between_walls_energy_may_grow_and_errors_fall_with_spacing():
     assert verdict(CYLINDERS, energies=(0.1, 0.2, 0.3, 0.4), l2=0.9e-3).verdict == "stable"
     found = verdict(CYLINDERS, l2=1.1e-3)

@@ -13,6 +13,9 @@ from tisph.geometry.gaps import gap, smallest_gap
 LEAST_GAP = 2.0
 """In particle spacings."""
 
+ROUNDING = 1e-5
+"""Part of a gap that counts for nothing: it is good to 1e-6 of the walls (``geometry/gaps.py``)."""
+
 LEAST_RADIUS, LEAST_HOLLOW, LEAST_WIDTH = 2.0, 1.0, 5.0
 """Of corners and bends that bulge into the fluid, of those that it fills, and of whole bodies, in particle spacings.
 
@@ -87,13 +90,13 @@ def _at_walls(bodies: Sequence[Body], walls: Walls, spacing: float, time: float)
     for i, body in enumerate(bodies):
         for name, wall in walls.items():
             apart = gap(body, wall, time)
-            if apart < LEAST_GAP * spacing:
+            if apart < LEAST_GAP * spacing * (1 - ROUNDING):
                 yield f"bodies.{i}.centre", _words(apart, name, spacing, time)
 
 
 def _among(bodies: Sequence[Body], spacing: float, time: float) -> Iterator[Problem]:
     apart, pair = smallest_gap(bodies, time)
-    if pair is None or apart >= LEAST_GAP * spacing:
+    if pair is None or apart >= LEAST_GAP * spacing * (1 - ROUNDING):
         return
     i, j = pair
     if i == j:

@@ -49,7 +49,7 @@ def unresolved(scene, t, snapshot=None):
     radius, gap = scene.narrowest(t)
     for name, (size, what), least in (("radius", radius, LEAST_RADIUS), ("gap", gap, LEAST_GAP)):
         spacings = size / scene.spacing
-        if spacings < least * (1 - 1e-9):
+        if spacings < least * (1 - 1e-4):  # what gaps of bodies that move are good to
             text = f"{what} is {spacings:.2g} spacings; resolved from {least:g} on"
             return f"{name} {spacings:.2g} dx", text
     return None if snapshot is None else _of_state(snapshot)

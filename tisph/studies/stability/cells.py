@@ -10,7 +10,7 @@ from tisph.schemes._time_step import AUTO_CFL
 from tisph.schemes.auto import ELASTIC_STEPS
 from tisph.schemes.implicit import LARGEST_STRAIN
 from tisph.studies.flows import merged
-from tisph.studies.stability.flows import FLOWS, PREDICTABLE, SOLVENT_FRACTION, digits
+from tisph.studies.stability.flows import BODY_ACROSS, FINER, FLOWS, PREDICTABLE, SOLVENT_FRACTION, digits
 
 TOLERANCE, STRAIN = 3e-7, 0.5
 """Defaults of scheme ``implicit``, which step multiples start from."""
@@ -76,7 +76,12 @@ class Cell:
 
     @property
     def baseline(self):
-        """The same cell from the lattice; of a two-dimensional flow, where a lattice is no calmer, the cell itself."""
+        """The same cell from the lattice; of a two-dimensional flow, where a lattice is no calmer, the cell itself.
+
+        Around a body whose drag is compared it is that with twice the particles across.
+        """
+        if self.measure == FINER and self.across <= BODY_ACROSS and not FLOWS[self.flow].refused:
+            return replace(self, across=2 * self.across)
         return self if self.two_dimensional else replace(self, jitter=0.0)
 
     @property

@@ -33,6 +33,13 @@ FAR = (0.01, 10.0, 100.0)
 RADIUS, ACROSS, ALONG = 3, 16, 24
 """Radius of a cylinder near the lower wall of a channel, height and length of the channel, in spacings."""
 
+BODY_ACROSS = 24
+"""Spacings across a channel in which the number behind the name of a body counts; twice as many for what it is
+compared with."""
+
+FINER = "finer"
+"""Measure of a flow without a reference: the drag, over that of a run with twice the particles across."""
+
 
 @dataclass(frozen=True)
 class Flow:
@@ -146,6 +153,27 @@ def _cylinder(gap):
     return lambda nu: merged(_viscosity(nu), channel, {"walls": {"top": {"velocity": 1.0}}})
 
 
+def _body(shape, height=0.5):
+    """A body that moves along a channel between walls at rest, from rest, at a ``height``."""
+    body = {**shape, "centre": [0.5, digits(height)], "motion": {"velocity": [1.0, 0.0]}}
+    channel = {"scene": "channel", "geometry": {"gap": 1.0, "length": 2.0}, "bodies": [body]}
+    return lambda nu: merged(_viscosity(nu), channel)
+
+
+def _bodies():
+    """Circles by radius, squares by the radius of their corners, circles by their gap to the wall, in spacings."""
+    spacing = 1.0 / BODY_ACROSS
+    for radius in (2.0, 3.0):
+        yield f"circle{radius:g}", _body({"type": "circle", "radius": digits(radius * spacing)}), radius < 2.5
+    corners = [[digits(x * spacing), digits(y * spacing)] for x, y in ((-5, -5), (5, -5), (5, 5), (-5, 5))]
+    for radius in (0.0, 2.0, 3.0):
+        square = {"type": "polygon", "angle": 0.3, "corners": corners, "corner_radius": digits(radius * spacing)}
+        yield f"square{radius:g}", _body(square), radius < 2.0
+    for gap in (2.0, 3.0):
+        circle = {"type": "circle", "radius": digits(4.0 * spacing)}
+        yield f"gap{gap:g}", _body(circle, height=(4.0 + gap) * spacing), False
+
+
 def _viscosity(nu):
     return {"fluid": {"kinematic_viscosity": digits(nu)}}
 
@@ -169,6 +197,10 @@ FLOWS = {
     "cylinder1.5": Flow(_cylinder(1.5), "unbalanced", curved_walls=True, refused=True),
     "cylinder2": Flow(_cylinder(2.0), "unbalanced", curved_walls=True, largest=0.02),
     "cylinder5": Flow(_cylinder(5.0), "unbalanced", curved_walls=True, largest=0.02),
+    **{
+        name: Flow(change, FINER, curved_walls=True, largest=0.16, refused=refused)
+        for name, change, refused in _bodies()
+    },
 }
 """The number behind oldroyd, oldroyd_b and giesekus is Wi, that behind annulus the ratio of the radii, that behind
-cylinder the gap in spacings if there are ``ACROSS``."""
+cylinder the gap in spacings if there are ``ACROSS``; those of circle, square and gap are as ``_bodies`` says."""

@@ -6,10 +6,11 @@ warnings. A two-dimensional flow has no calmer run from the lattice: it is held 
 distribution of the particles, no gain of energy unless walls drive it, and a small error.
 """
 
+import math
 from dataclasses import dataclass
 
 from tisph.studies.stability.cells import FINISHED, FLAGGED, REFUSED, STABLE
-from tisph.studies.stability.flows import FLOWS
+from tisph.studies.stability.flows import FINER, FLOWS
 
 MULTIPLE, EARLY_MULTIPLE = 2.0, 10.0
 """Error over that of the baseline, up to which a run is stable: from t* = 1 on, and before, while the flow still
@@ -35,7 +36,8 @@ PREDICTED_FACTOR = 3.0
 
 SILENT, WARNED, LARGEST = 2e-2, 0.1, 0.2
 """A finished run is a silent failure if its error is above the predicted one times ``PREDICTED_FACTOR`` and above the
-first, or the second where ``tisph check`` and ``tisph run`` warned; and above the third whatever was said."""
+first, or the second where ``tisph check`` and ``tisph run`` warned; and above the third whatever was said. Where drag
+is compared it is one above the first whose last sample says that it is resolved."""
 
 GROWTH = 2.0
 """Growth over the last quarter of a run from which on something grows: the error over that of the baseline, or a
@@ -110,6 +112,9 @@ def judge(plan, summary, message, baseline):
     cell, samples = plan.cell, summary["samples"]
     read = _two_dimensional_sample if cell.two_dimensional else _sample
     found = [read(cell, sample, summary) for sample in samples]
+    if cell.measure == FINER and baseline["status"] == "done":
+        for each, sample, fine in zip(found, samples, baseline["samples"], strict=False):
+            each["error"] = abs(sample["drag"] / fine["drag"] - 1.0)
     compared = baseline["status"] == "done" and not cell.two_dimensional
     errors = [sample[cell.measure] for sample in baseline["samples"]] if compared else []
     verdict, reason = _verdict(plan, summary["status"], message, found, errors)
@@ -141,6 +146,7 @@ def _two_dimensional_sample(cell, sample, summary):
         "max_void_radius": sample["max_void_radius"],
         "min_distance": sample["min_distance"],
         "energy": sample.get("kinetic_energy"),
+        "resolved": sample.get("resolved", True),
     }
 
 
@@ -165,6 +171,8 @@ def _verdict(plan, status, message, found, baseline_errors):
         return SILENT_FAILURE, f"ended without a clear error: {message or status}"
     error = found[-1]["error"]
     largest = min(max(PREDICTED_FACTOR * _predicted(plan), WARNED if plan.warnings else SILENT), LARGEST)
+    if plan.cell.measure == FINER:
+        largest = SILENT if found[-1]["resolved"] else math.inf
     if error is not None and not error <= largest:
         said = "none predicted" if plan.predicted is None else f"predicted {plan.predicted:.0e}"
         return SILENT_FAILURE, f"error {error:.1e}, {said}, {'warned' if plan.warnings else 'no warning'}"

@@ -12,12 +12,19 @@ from tisph.snapshot import Bodies, Snapshot
 PARTICLES_PER_THREAD = 512
 """Taichi does not split a loop into shorter pieces than this."""
 
+PARTICLES_PER_THREAD_WITH_PRESSURE = 2048
+"""The same in two-dimensional flow with a pressure equation: loops of its linear solvers, most of all that there are,
+run on one thread anyway."""
+
 
 def useful_threads(config, scene):
     """Return the number of threads that ``runtime.threads`` means for this many particles."""
     if config.runtime.threads != "auto":
         return config.runtime.threads
-    return min(runtime.available_threads(), math.ceil(scene.particles / PARTICLES_PER_THREAD))
+    least = PARTICLES_PER_THREAD
+    if config.scheme.type != "wcsph" and not config.parallel:
+        least = PARTICLES_PER_THREAD_WITH_PRESSURE
+    return min(runtime.available_threads(), math.ceil(scene.particles / least))
 
 
 def start_values(scene, initial):

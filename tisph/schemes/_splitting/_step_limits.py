@@ -7,8 +7,8 @@ from tisph.schemes._step_control import StepControl
 TOLERANCE = 2e-6
 """Of a step."""
 
-SMALLEST_SPEED, SMALLEST_TRAVEL_SPEED = 0.1, 0.5
-"""Parts of the reference velocity below which the errors of steps, and their Courant number, refer to them instead of
+SMALLEST_SPEED, SMALLEST_SCALE = 0.5, 0.1
+"""Parts of the reference velocity below which the Courant number of steps, and their errors, refer to them instead of
 the present velocities."""
 
 MAX_ATTEMPTS = 20
@@ -37,8 +37,7 @@ def step_control(case, targets, tolerance, courant):
     limit depends on the largest velocity.
     """
     viscous = viscous_step(case)
-    slowest = SMALLEST_TRAVEL_SPEED * case.reference_velocity
-    limit = lambda speed: min(courant * case.spacing / max(speed, slowest), viscous)  # noqa: E731
+    limit = lambda speed: min(courant * case.spacing / speed, viscous)  # noqa: E731
     control = StepControl(tolerance, limit, fixed=tolerance is None, multistep=True, jump_times=case.jump_times)
     control.set_targets(targets, case.start_time)
     return control

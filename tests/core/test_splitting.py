@@ -102,7 +102,7 @@ def test_paths_past_a_corner_at_rest_follow_the_regular_velocity():
     still.inertial_coefficients, still.kinematic_viscosity, still.decay_length = np.zeros((DEGREE + 1, 3)), 1.0, 1.0
     scheme = make(24)
     paths = SingularPaths([still], (0.0, 0.0), scheme.levels)
-    found = paths.find(lambda part: [2.0 * part, *[0.0] * (VELOCITIES - 1)], 0.3)
+    found = paths.find(lambda part: np.stack([2.0 * part, *[0.0 * part] * (VELOCITIES - 1)]), 0.3)
     velocity = active(scheme.levels.fields)[:, :2]
     expected = active(scheme.levels.position) + 0.3 * velocity
     assert found == pytest.approx(expected, abs=1e-14)

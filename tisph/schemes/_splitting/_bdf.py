@@ -25,14 +25,14 @@ class TimeWeights:
         """Return the weights of the newest values that give a functional, known by its values for 1, t, t^2 ..."""
         offsets = self.offsets[:count] if offsets is None else offsets
         powers = np.arange(len(offsets))
-        weights = np.zeros(max(count, len(offsets)))
-        weights[: len(offsets)] = np.linalg.solve(
-            (-offsets) ** powers[:, None], [functional(power) for power in powers]
-        )
-        return weights
+        found = np.linalg.solve((-offsets) ** powers[:, None], np.array([functional(power) for power in powers]))
+        return np.concatenate([found, np.zeros((count - len(offsets), *found.shape[1:]))])
 
     def interpolation(self, offset, count):
-        """Return the weights of ``count`` values that give the value at the time ``offset`` before now."""
+        """Return the weights of ``count`` values that give the value at the time ``offset`` before now.
+
+        For offsets (n,) weights are (count, n).
+        """
         return self._weights(count, lambda power: (-offset / self.unit) ** power)
 
     def extrapolation(self, count):

@@ -41,9 +41,9 @@ class SingularPaths:
     def find(self, weights, dt):
         """Return the positions (n, 2) of the particles after a time ``dt``, maybe negative, as they lie in memory.
 
-        ``weights(theta)`` (levels,) give w at the fraction theta of that time.
+        ``weights(theta)`` (levels, n) give w at the fractions theta (n,) of that time.
         """
-        view(self.weights)[...] = [weights(number / (N_TIMES - 1)) for number in range(N_TIMES)]
+        view(self.weights)[...] = weights(np.linspace(0.0, 1.0, N_TIMES)).T
         self.integrate(dt / PARTS)
         return view(self.positions)[: int(view(self.points.n_fluid))].astype(float)
 

@@ -1,6 +1,7 @@
 """Walls in a step: their positions and velocities at its end, vorticity and loads of earlier levels."""
 
 import math
+from functools import cached_property
 
 import numpy as np
 
@@ -79,11 +80,20 @@ class WallBoundary:
         """Velocities (points, levels, 2) of all, in place: less those of the known flow in the corners."""
         return active(self.levels.fields)[: self.problem.particles, : 2 * VELOCITIES].reshape(-1, VELOCITIES, 2)
 
+    @cached_property
+    def corner_velocity(self):
+        """Velocities (count, 2) of the known flow at the points, which stay where they are beside such corners."""
+        return self.corners.velocity(self.positions[self.slots])
+
+    @cached_property
+    def corner_traction(self):
+        """Its tractions (2, count, 2) there."""
+        return self.corners.traction(self.positions[self.slots], self.normal, self.problem.kinematic_viscosity)
+
     def predict(self, times, dt):
         """Set the positions of the particles after a step ``dt``, where there is a known flow in the corners."""
         if self.corners:
-            weights = lambda part: times.interpolation((1.0 - part) * dt, VELOCITIES)  # noqa: E731
-            position = self.corners.paths.find(weights, dt)
+            position = self.corners.paths.find(lambda part: times.interpolation((1.0 - part) * dt, VELOCITIES), dt)
             view(self.points.position)[: self.problem.n_fluid] = position % [self.problem.length, self.problem.height]
 
     def jump(self, time):
@@ -140,7 +150,7 @@ class WallBoundary:
         viscous = np.stack([(stress[:2] * normal.T).sum(axis=0), (stress[1:] * normal.T).sum(axis=0)], axis=1)
         tractions = np.stack([viscous, -fields[:, 2 * VELOCITIES, None] * normal])
         if self.corners:
-            tractions += self.corners.traction(self.positions[self.slots], normal, self.problem.kinematic_viscosity)
+            tractions += self.corner_traction
         viscous, pressure = tractions
         loads = self.walls.sums(self.problem.density * np.stack([viscous + pressure, pressure]), time)
         self.loads = [loads, *self.loads][:LOAD_LEVELS]
@@ -158,7 +168,7 @@ class WallBoundary:
         """Give the velocities of the walls at the end of a step to its solvers, and the extrapolated curl."""
         regular = self.velocity
         if self.corners:
-            regular = regular - self.corners.velocity(self.positions[self.slots])
+            regular = regular - self.corner_velocity
         view(splitting.velocity.x)[self.slots] = regular
         weights = times.extrapolation(min(CURL_LEVELS, max(1, len(self.normal_curls))))
         self.pressure_boundary.normal_curls[...] = sum(

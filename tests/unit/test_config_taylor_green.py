@@ -116,7 +116,7 @@ def test_what_the_scheme_cannot_serve_is_named(tmp_path, override, wanted):
 
 
 @pytest.mark.parametrize(
-    ("given", "courant"), [("{accuracy: fast}", 2.0), ("{accuracy: high}", 0.15), ("{accuracy: balanced}", 0.6)]
+    ("given", "courant"), [("{accuracy: fast}", 2.0), ("{accuracy: high}", 0.15), ("{accuracy: balanced}", 1.0)]
 )
 def test_accuracy_sets_the_steps(tmp_path, given, courant):
     path = tmp_path / "case.yaml"

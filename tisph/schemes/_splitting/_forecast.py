@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from tisph.schemes._splitting._bdf import VELOCITIES, TimeWeights
-from tisph.schemes._splitting._step_limits import FIRST, MAX_ATTEMPTS, SMALLEST_SPEED, step_control
+from tisph.schemes._splitting._step_limits import FIRST, MAX_ATTEMPTS, SMALLEST_SCALE, SMALLEST_SPEED, step_control
 
 N_POSITIONS = 400
 """Number of positions in the box that are looked at, about; they are evenly distributed."""
@@ -33,9 +33,12 @@ class Walk:
     @property
     def speed(self):
         """As of the ``Scheme``."""
-        newest = self.velocities[0]
-        fastest = np.linalg.norm(newest - newest.mean(axis=0), axis=1).max()
-        return max(fastest, SMALLEST_SPEED * self.scene.reference_velocity)
+        return max(self._fastest(), SMALLEST_SPEED * self.scene.reference_velocity)
+
+    @property
+    def scale(self):
+        """As of the ``Scheme``."""
+        return max(self._fastest(), SMALLEST_SCALE * self.scene.reference_velocity)
 
     @property
     def longest_step(self):
@@ -61,8 +64,8 @@ class Walk:
             positions = self.positions + self._summed(times.step_integral())
             velocities = self._velocities(positions, self.time + dt)
             away = velocities - self._summed(times.extrapolation(VELOCITIES))
-            error, order = times.step_error(math.sqrt(np.mean(np.sum(away**2, axis=1))), times.bdf()[0], self.speed)
-            if self.control.accepts(error / self.speed, order, dt, unresolved=0.0):
+            error, order = times.step_error(math.sqrt(np.mean(np.sum(away**2, axis=1))), times.bdf()[0], self.scale)
+            if self.control.accepts(error / self.scale, order, dt, unresolved=0.0):
                 break
         if dt > self.longest:
             self.longest, self.bounded = dt, dt >= 0.99 * self.longest_step
@@ -71,6 +74,10 @@ class Walk:
         self.dts = [dt, *self.dts][: VELOCITIES - 1]
         self.steps += 1
         self.control.step_taken(self.time, self.speed)
+
+    def _fastest(self):
+        newest = self.velocities[0]
+        return np.linalg.norm(newest - newest.mean(axis=0), axis=1).max()
 
     def _velocities(self, positions, time):
         return np.stack([self.scene.exact(name, *positions.T, time) for name in ("u", "v")], axis=-1)

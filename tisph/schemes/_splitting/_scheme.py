@@ -11,11 +11,12 @@ from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.periodic import PeriodicDomain
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes._overflow import clustered
+from tisph.schemes._splitting import _step_limits
 from tisph.schemes._splitting._bdf import PRESSURES, VELOCITIES, TimeWeights
 from tisph.schemes._splitting._output import levels_in_order, state
 from tisph.schemes._splitting._shift import TRAVEL, FickianShifting
 from tisph.schemes._splitting._splitting_step import SplittingStep
-from tisph.schemes._splitting._step_limits import FIRST, MAX_ATTEMPTS, RUNAWAY, SMALLEST_SPEED, TOLERANCE, step_control
+from tisph.schemes._splitting._step_limits import FIRST, MAX_ATTEMPTS, RUNAWAY, TOLERANCE, step_control
 from tisph.schemes._splitting._time_levels import TimeLevels
 from tisph.schemes._splitting._viscoelastic_stress import ViscoelasticStress
 from tisph.schemes._splitting._wall_boundary import WallBoundary
@@ -125,8 +126,13 @@ class Scheme:
 
     @property
     def speed(self):
-        """Largest velocity relative to the mean: what steps and errors refer to."""
-        return max(float(view(self.levels.fastest)), SMALLEST_SPEED * self.problem.reference_velocity)
+        """Largest velocity relative to the mean: what steps refer to."""
+        return max(float(view(self.levels.fastest)), _step_limits.SMALLEST_SPEED * self.problem.reference_velocity)
+
+    @property
+    def scale(self):
+        """The same that errors refer to, which may be smaller: those of a flow that decays are relative."""
+        return max(float(view(self.levels.fastest)), _step_limits.SMALLEST_SCALE * self.problem.reference_velocity)
 
     def begin_steps(self):
         """Choose the first step, or the first one after a change."""
@@ -141,11 +147,11 @@ class Scheme:
         """Take one step, in as many attempts as its error asks for; raise DivergedError where it runs away."""
         if self.time in self.problem.jump_times:
             self.restart_steps()
-        unresolved = self.levels.divergence_scale * self.problem.spacing / self.speed
+        unresolved = self.levels.divergence_scale * self.problem.spacing / self.scale
         for _ in range(MAX_ATTEMPTS):
             dt = self.control.choose_dt(self.time)
             error, order = self.attempt(dt)
-            if self.control.accepts(error / self.speed, order, dt, unresolved):
+            if self.control.accepts(error / self.scale, order, dt, unresolved):
                 break
             self.rejected += 1
         self.accept_step(dt)
@@ -184,7 +190,7 @@ class Scheme:
         error = self.splitting.error()
         if not math.isfinite(error):
             self.require_solution(False)
-        return times.step_error(error, gamma0, self.speed)
+        return times.step_error(error, gamma0, self.scale)
 
     def add_body_force(self, dt):
         """Add the impulse of the body force at the end of a step to what is known of the velocities there."""

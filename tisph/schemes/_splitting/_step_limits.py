@@ -7,8 +7,9 @@ from tisph.schemes._step_control import StepControl
 TOLERANCE = 2e-6
 """Of a step."""
 
-SMALLEST_SPEED = 0.5
-"""Part of the reference velocity below which steps and errors refer to it instead of the present velocities."""
+SMALLEST_SPEED, SMALLEST_SCALE = 0.5, 0.1
+"""Parts of the reference velocity below which the Courant number of steps, and their errors, refer to them instead of
+the present velocities."""
 
 MAX_ATTEMPTS = 20
 """At one step, before a run is given up."""

@@ -4,6 +4,7 @@ The implicit scheme of order 4 is the faster one at every error that both scheme
 config (``benchmarks``); the remaining choice is how accurate its steps are.
 """
 
+import math
 from typing import Literal
 
 from tisph import registry
@@ -19,13 +20,11 @@ STEPS = {"fast": (3e-4, 1.5), "balanced": (3e-5, 0.7), "high": (3e-7, 0.5)}
 ELASTIC_STEPS = {"fast": (1e-4, 1.5), "balanced": (1e-5, 0.7), "high": (3e-7, 0.5)}
 """The same in a viscoelastic fluid, whose waves keep the errors of steps that viscosity would damp."""
 
-TWO_DIMENSIONAL_STEPS = {"fast": (2e-5, 2.0), "balanced": (2e-5, 1.0), "high": (3e-7, 0.15)}
-"""Largest tolerance of a step, and its largest Courant number, in two-dimensional flow."""
-
-OF_THE_SPACING = 6.0
-"""Tolerance of balanced steps times the fourth power of the particles across: errors of time and of the spacing then
-fall alike. In the Taylor-Green vortex at t = 2 they are 6.6e-4, 4.7e-5 and 3.7e-6 with 25, 50 and 100 particles across,
-4.8e-4, 2.8e-5 and 1.5e-6 with steps of a Courant number of 0.3; without the fourth power they would stop falling."""
+TWO_DIMENSIONAL_STEPS = {"fast": (2e-5, 60.0, 2.0), "balanced": (2e-5, 6.0, 1.0), "high": (3e-7, math.inf, 0.15)}
+"""Tolerance of a step in two-dimensional flow, the same times the fourth power of the particles across, and the largest
+Courant number. By the power errors of time and of the spacing fall alike: those of balanced steps in the Taylor-Green
+vortex at t = 2 are 6.6e-4, 4.7e-5 and 3.7e-6 with 25, 50 and 100 across, where steps of a Courant number of 0.3 have
+4.8e-4, 2.8e-5 and 1.5e-6."""
 
 SINGULAR_COURANT = {"fast": 0.6, "balanced": 0.3, "high": 0.15}
 """Courant number of all steps where a velocity is singular: errors of the paths near the corner have no estimate."""
@@ -71,10 +70,11 @@ def resolve(config):
         chosen = registry.load("schemes", "wcsph").Parameters()
         return config.model_copy(update={"scheme": chosen}), f"wcsph, since {obstacle}"
     elastic = config.fluid.rheology.carries_stress
-    table = TWO_DIMENSIONAL_STEPS if two_dimensional else ELASTIC_STEPS if elastic else STEPS
-    tolerance, most = table[config.scheme.accuracy]
-    if two_dimensional and config.scheme.accuracy == "balanced":
-        tolerance = min(tolerance, OF_THE_SPACING / config.particles_across**4)
+    if two_dimensional:
+        tolerance, of_the_spacing, most = TWO_DIMENSIONAL_STEPS[config.scheme.accuracy]
+        tolerance = min(tolerance, of_the_spacing / config.particles_across**4)
+    else:
+        tolerance, most = (ELASTIC_STEPS if elastic else STEPS)[config.scheme.accuracy]
     if config.singular:
         most = SINGULAR_COURANT[config.scheme.accuracy]
     candidate = implicit.Parameters(**{"largest_courant" if two_dimensional else "largest_strain": most})

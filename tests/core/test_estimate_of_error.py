@@ -29,10 +29,10 @@ def test_steps_of_coarser_runs_are_longer_by_the_ratio_of_spacings(config, tmp_p
     half, root_half = Coarser(config(), tmp_path).configs
     assert [each["discretisation"]["particles_across"] for each in (half, root_half)] == [14, 20]
     for each, factor in ((half, 2.0), (root_half, 1.4)):
-        assert each["time"]["tolerance"] == pytest.approx(6.0 / 28**4 * factor**4)  # of an error of fourth order
+        assert each["time"]["tolerance"] == pytest.approx(2e-6 * factor**4)  # of an error of fourth order
         assert each["scheme"]["largest_courant"] == 1.0
     half, _ = Coarser(config("time.cfl=0.2"), tmp_path).configs
-    assert (half["time"]["cfl"], half["time"]["tolerance"]) == (0.2, pytest.approx(6.0 / 28**4))
+    assert (half["time"]["cfl"], half["time"]["tolerance"]) == (0.2, 2e-6)
 
 
 def test_the_error_of_a_vortex_is_estimated(config, tmp_path, monkeypatch):

@@ -20,11 +20,11 @@ STEPS = {"fast": (3e-4, 1.5), "balanced": (3e-5, 0.7), "high": (3e-7, 0.5)}
 ELASTIC_STEPS = {"fast": (1e-4, 1.5), "balanced": (1e-5, 0.7), "high": (3e-7, 0.5)}
 """The same in a viscoelastic fluid, whose waves keep the errors of steps that viscosity would damp."""
 
-TWO_DIMENSIONAL_STEPS = {"fast": (2e-5, 60.0, 2.0), "balanced": (2e-5, 6.0, 1.0), "high": (3e-7, math.inf, 0.15)}
+TWO_DIMENSIONAL_STEPS = {"fast": (2e-5, 60.0, 2.0), "balanced": (2e-6, 6.0, 1.0), "high": (3e-7, math.inf, 0.15)}
 """Tolerance of a step in two-dimensional flow, the same times the fourth power of the particles across, and the largest
 Courant number. By the power errors of time and of the spacing fall alike: those of balanced steps in the Taylor-Green
-vortex at t = 2 are 6.6e-4, 4.7e-5 and 3.7e-6 with 25, 50 and 100 across, where steps of a Courant number of 0.3 have
-4.8e-4, 2.8e-5 and 1.5e-6."""
+vortex at t = 2 are 4.7e-5 and 3.7e-6 with 50 and 100 across, where steps of a Courant number of 0.3 have 2.8e-5 and
+1.5e-6."""
 
 SINGULAR_COURANT = {"fast": 0.6, "balanced": 0.3, "high": 0.15}
 """Courant number of all steps where a velocity is singular: errors of the paths near the corner have no estimate."""

@@ -34,8 +34,9 @@ ELSEWHERE = {  # the same in millimetres and minutes
     "walls": {"inner": {"angular_velocity": 60.0}},
 }
 
-WIDE = _between(0.25, 1.25, (4.0, 0.0))
-"""Between the usual radii the error of the steps is the larger one at 12 across, and hides the order in the spacing."""
+WIDE = {**_between(0.25, 1.25, (4.0, 0.0)), **HIGH}
+"""Between the usual radii, and with longer steps, the error of the steps is the larger one and hides the order in the
+spacing."""
 
 OSCILLATING_INNER = {"walls": {"inner": {"angular_velocity": None, "amplitude": 1.0, "angular_frequency": 0.25}}}
 """At 25 across the layer at the cylinder is sqrt(2 nu/w) = 10 spacings deep."""

@@ -35,8 +35,8 @@ ELSEWHERE = {  # the same in millimetres and minutes
 }
 
 WIDE = {**_between(0.25, 1.25, (4.0, 0.0)), **HIGH}
-"""Orders are those of the spacing. With balanced accuracy, or between the usual radii, errors of steps, of third order, are
-the larger part."""
+"""Orders are those of the spacing: with balanced accuracy, or between the usual radii, errors of steps are the larger
+part."""
 
 OSCILLATING_INNER = {"walls": {"inner": {"angular_velocity": None, "amplitude": 1.0, "angular_frequency": 0.25}}}
 """At 25 across the layer at the cylinder is sqrt(2 nu/w) = 10 spacings deep."""

@@ -57,8 +57,8 @@ def test_the_steps_are_those_of_the_documentation(resolved, liquid, accuracy, st
 @pytest.mark.parametrize(
     ("accuracy", "steps"),
     [  # as docs/implicit.md says them
-        ("fast", "tolerance 2e-05 and Courant number 0.6"),
-        ("balanced", "tolerance 2e-06 and Courant number 0.3"),
+        ("fast", "tolerance 9.6e-06 and Courant number 2"),
+        ("balanced", "tolerance 9.6e-07 and Courant number 1"),
         ("high", "tolerance 3e-07 and Courant number 0.15"),
     ],
 )

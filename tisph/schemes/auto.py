@@ -26,8 +26,8 @@ Courant number. By the power errors of time and of the spacing fall alike: those
 vortex at t = 2 are 4.7e-5 and 3.7e-6 with 50 and 100 across, where steps of a Courant number of 0.3 have 2.8e-5 and
 1.5e-6."""
 
-SINGULAR_COURANT = {"fast": 0.6, "balanced": 0.3, "high": 0.15}
-"""Courant number of all steps where a velocity is singular: errors of the paths near the corner have no estimate."""
+UNESTIMATED_COURANT = {"fast": 0.6, "balanced": 0.3, "high": 0.15}
+"""The same where the estimate lacks some errors: those of polymer stresses, and of paths near a singular corner."""
 
 
 class Parameters(Model):
@@ -72,11 +72,12 @@ def resolve(config):
     elastic = config.fluid.rheology.carries_stress
     if two_dimensional:
         tolerance, of_the_spacing, most = TWO_DIMENSIONAL_STEPS[config.scheme.accuracy]
-        tolerance = min(tolerance, of_the_spacing / config.particles_across**4)
+        if elastic or config.singular:
+            most = UNESTIMATED_COURANT[config.scheme.accuracy]
+        else:
+            tolerance = min(tolerance, of_the_spacing / config.particles_across**4)
     else:
         tolerance, most = (ELASTIC_STEPS if elastic else STEPS)[config.scheme.accuracy]
-    if config.singular:
-        most = SINGULAR_COURANT[config.scheme.accuracy]
     candidate = implicit.Parameters(**{"largest_courant" if two_dimensional else "largest_strain": most})
     given = config.time.tolerance
     time = config.time.model_copy(update={"tolerance": tolerance if given == "auto" else given})

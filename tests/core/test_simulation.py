@@ -172,6 +172,15 @@ def test_two_simulations_at_once_are_refused_and_one_after_the_other_run(end_of_
         other.step()
 
 
+@pytest.fixture
+def heeded_interrupts():
+    """Ctrl-C raises KeyboardInterrupt, also where what started the tests has it ignored, as ``nohup ... &`` does."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("heeded_interrupts")
 def test_ctrl_c_takes_effect_after_the_step_and_changes_no_bit(end_of_run, monkeypatch):
     with tisph.Simulation(CASE) as sim:
         sim.on(tisph.every(time=0.1), lambda state: times.append(state.t))

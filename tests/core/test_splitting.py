@@ -14,7 +14,7 @@ from tisph.exact.sliding_corner import DEGREE
 from tisph.least_squares import operators
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import ti, view
-from tisph.schemes._splitting import _scheme
+from tisph.schemes._splitting import _scheme, _step_limits
 from tisph.schemes._splitting._bdf import VELOCITIES
 from tisph.schemes._splitting._shift import SCATTER
 from tisph.schemes._splitting._singular_paths import SingularPaths
@@ -145,7 +145,7 @@ def test_a_coarse_tolerance_makes_fewer_steps_and_larger_errors():
 
 
 def test_a_flow_that_runs_away_stops_with_a_specific_message(monkeypatch):
-    monkeypatch.setattr(_scheme, "RUNAWAY", 0.5)
+    monkeypatch.setattr(_step_limits, "RUNAWAY", 0.5)
     with pytest.raises(DivergedError, match=r"u, v: above 0\.5 times the reference velocity at step 1"):
         make(12).advance()
 

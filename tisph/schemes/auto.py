@@ -27,7 +27,7 @@ vortex at t = 2 are 4.7e-5 and 3.7e-6 with 50 and 100 across, where steps of a C
 1.5e-6."""
 
 UNESTIMATED_COURANT = {"fast": 0.6, "balanced": 0.3, "high": 0.15}
-"""The same where the estimate lacks some errors: those of polymer stresses, and of paths near a singular corner."""
+"""Largest Courant number where the estimate lacks errors: of polymer stresses, or of paths near a singular corner."""
 
 
 class Parameters(Model):

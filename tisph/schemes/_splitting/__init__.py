@@ -5,7 +5,7 @@ import numpy as np
 from tisph.geometry.box import box_around
 from tisph.schemes._error_estimate import SampleEstimate
 from tisph.schemes._splitting._problem import BoundedProblem, PeriodicProblem
-from tisph.schemes._splitting._step_limits import FIRST, SMALLEST_SPEED, TOLERANCE, viscous_step
+from tisph.schemes._splitting._step_limits import FIRST, TOLERANCE, courant_speed, viscous_step
 from tisph.schemes._splitting._wall_points import WallPoints
 from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR
 
@@ -107,8 +107,7 @@ def _longest_steps(scene, ends, courant, viscous):
     if not scene.bodies:
         initial = scene.initial(*scene.lattice())
         speed = np.hypot(initial["u"], initial["v"]).max()
-    speed = max(speed, SMALLEST_SPEED * scene.reference_velocity)
-    longest = min(courant * scene.spacing / speed, viscous)
+    longest = min(courant * scene.spacing / courant_speed(speed, scene), viscous)
     # steps that grow, less their time
     begin = np.log(1 / FIRST) / np.log(LARGEST_MULTISTEP_FACTOR) - 1 / (1 - 1 / LARGEST_MULTISTEP_FACTOR)
     started = STARTED if scene.bodies else 0

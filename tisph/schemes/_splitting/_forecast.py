@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from tisph.schemes._splitting._bdf import VELOCITIES, TimeWeights
-from tisph.schemes._splitting._step_limits import FIRST, MAX_ATTEMPTS, SMALLEST_SCALE, SMALLEST_SPEED, step_control
+from tisph.schemes._splitting._step_limits import FIRST, MAX_ATTEMPTS, courant_speed, error_speed, step_control
 
 N_POSITIONS = 400
 """Number of positions in the box that are looked at, about; they are evenly distributed."""
@@ -33,12 +33,12 @@ class Walk:
     @property
     def speed(self):
         """As of the ``Scheme``."""
-        return max(self._fastest(), SMALLEST_SPEED * self.scene.reference_velocity)
+        return courant_speed(self._fastest(), self.scene)
 
     @property
-    def scale(self):
+    def error_speed(self):
         """As of the ``Scheme``."""
-        return max(self._fastest(), SMALLEST_SCALE * self.scene.reference_velocity)
+        return error_speed(self._fastest(), self.scene)
 
     @property
     def longest_step(self):
@@ -64,8 +64,9 @@ class Walk:
             positions = self.positions + self._summed(times.step_integral())
             velocities = self._velocities(positions, self.time + dt)
             away = velocities - self._summed(times.extrapolation(VELOCITIES))
-            error, order = times.step_error(math.sqrt(np.mean(np.sum(away**2, axis=1))), times.bdf()[0], self.scale)
-            if self.control.accepts(error / self.scale, order, dt, unresolved=0.0):
+            difference = math.sqrt(np.mean(np.sum(away**2, axis=1)))
+            error, order = times.step_error(difference, times.bdf()[0], self.error_speed)
+            if self.control.accepts(error / self.error_speed, order, dt, unresolved=0.0):
                 break
         if dt > self.longest:
             self.longest, self.bounded = dt, dt >= 0.99 * self.longest_step

@@ -11,12 +11,11 @@ from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.periodic import PeriodicDomain
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes._overflow import clustered
-from tisph.schemes._splitting import _step_limits
+from tisph.schemes._splitting import _step_limits as limits
 from tisph.schemes._splitting._bdf import PRESSURES, VELOCITIES, TimeWeights
 from tisph.schemes._splitting._output import levels_in_order, state
 from tisph.schemes._splitting._shift import TRAVEL, FickianShifting
 from tisph.schemes._splitting._splitting_step import SplittingStep
-from tisph.schemes._splitting._step_limits import FIRST, MAX_ATTEMPTS, RUNAWAY, TOLERANCE, step_control
 from tisph.schemes._splitting._time_levels import TimeLevels
 from tisph.schemes._splitting._viscoelastic_stress import ViscoelasticStress
 from tisph.schemes._splitting._wall_boundary import WallBoundary
@@ -65,7 +64,7 @@ class Scheme:
     body_force = None
     """Function of places x, y and a time, with the accelerations along x and y there; None without one."""
 
-    def __init__(self, problem, targets, serial, tolerance=TOLERANCE, courant=COURANT):
+    def __init__(self, problem, targets, serial, tolerance=limits.TOLERANCE, courant=COURANT):
         self.problem, self.initial_momentum = problem, 0.0
         bounded, cutoff = problem.walls is not None, (SUPPORT + SKIN) * problem.spacing
         if bounded:
@@ -86,7 +85,7 @@ class Scheme:
         boundary = self.wall_boundary.pressure_boundary if bounded else None
         self.polymer = ViscoelasticStress(self.levels, problem) if problem.rheology else None
         self.splitting = SplittingStep(self.levels, self.grid, problem, boundary, self.polymer)
-        self.control = step_control(problem, targets, tolerance, courant)
+        self.control = limits.step_control(problem, targets, tolerance, courant)
         least = ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
         self.residuals = max(PRESSURE_RESIDUAL, least), max(VELOCITY_RESIDUAL, least)
         self.reset()
@@ -127,16 +126,16 @@ class Scheme:
     @property
     def speed(self):
         """Largest velocity relative to the mean: what steps refer to."""
-        return max(float(view(self.levels.fastest)), _step_limits.SMALLEST_SPEED * self.problem.reference_velocity)
+        return limits.courant_speed(float(view(self.levels.fastest)), self.problem)
 
     @property
-    def scale(self):
-        """The same that errors refer to, which may be smaller: those of a flow that decays are relative."""
-        return max(float(view(self.levels.fastest)), _step_limits.SMALLEST_SCALE * self.problem.reference_velocity)
+    def error_speed(self):
+        """The same that errors of steps are divided by."""
+        return limits.error_speed(float(view(self.levels.fastest)), self.problem)
 
     def begin_steps(self):
         """Choose the first step, or the first one after a change."""
-        self.control.dt_next = FIRST * self.control.limit(self.speed)
+        self.control.dt_next = limits.FIRST * self.control.limit(self.speed)
 
     @property
     def finished(self):
@@ -147,11 +146,11 @@ class Scheme:
         """Take one step, in as many attempts as its error asks for; raise DivergedError where it runs away."""
         if self.time in self.problem.jump_times:
             self.restart_steps()
-        unresolved = self.levels.divergence_scale * self.problem.spacing / self.scale
-        for _ in range(MAX_ATTEMPTS):
+        unresolved = self.levels.divergence_scale * self.problem.spacing / self.error_speed
+        for _ in range(limits.MAX_ATTEMPTS):
             dt = self.control.choose_dt(self.time)
             error, order = self.attempt(dt)
-            if self.control.accepts(error / self.scale, order, dt, unresolved):
+            if self.control.accepts(error / self.error_speed, order, dt, unresolved):
                 break
             self.rejected += 1
         self.accept_step(dt)
@@ -190,7 +189,7 @@ class Scheme:
         error = self.splitting.error()
         if not math.isfinite(error):
             self.require_solution(False)
-        return times.step_error(error, gamma0, self.scale)
+        return times.step_error(error, gamma0, self.error_speed)
 
     def add_body_force(self, dt):
         """Add the impulse of the body force at the end of a step to what is known of the velocities there."""
@@ -238,8 +237,8 @@ class Scheme:
             self.polymer.remap()
         if self.wall_boundary:
             self.wall_boundary.find_fastest()
-        if self.speed > RUNAWAY * self.problem.reference_velocity:
-            text = f"{RUNAWAY:g} times the reference velocity at step {self.steps + 1}, t = {self.time:.6g}"
+        if self.speed > limits.RUNAWAY * self.problem.reference_velocity:
+            text = f"{limits.RUNAWAY:g} times the reference velocity at step {self.steps + 1}, t = {self.time:.6g}"
             raise DivergedError(f"u, v: above {text}: the flow needs a smaller spacing")
         if (self.steps + 1) % REORDER_INTERVAL == 0:
             self.levels.reorder([self.polymer.tensors] if self.polymer else [])

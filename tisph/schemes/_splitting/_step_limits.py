@@ -9,7 +9,7 @@ TOLERANCE = 2e-6
 
 SMALLEST_SPEED, SMALLEST_SCALE = 0.5, 0.1
 """Parts of the reference velocity below which the Courant number of steps, and their errors, refer to them instead of
-the present velocities."""
+the present velocities. The second is the smaller one, so that errors of a flow that decays stay relative for longer."""
 
 MAX_ATTEMPTS = 20
 """At one step, before a run is given up."""
@@ -28,6 +28,16 @@ spacings across, have errors of 3e-4 with 10 and of 1e-3 with 400."""
 
 LEADING = 11 / 6
 """What backward differences of third order multiply the newest value with, over steps of one length."""
+
+
+def courant_speed(fastest, case):
+    """Return the velocity that the Courant number refers to where the ``fastest`` one of a flow or scene is that."""
+    return max(fastest, SMALLEST_SPEED * case.reference_velocity)
+
+
+def error_speed(fastest, case):
+    """Return the velocity that errors of steps are divided by."""
+    return max(fastest, SMALLEST_SCALE * case.reference_velocity)
 
 
 def step_control(case, targets, tolerance, courant):

@@ -6,7 +6,7 @@ import functools
 import numpy as np
 import pytest
 
-from tisph.neighbours.point_cloud import LANES, PointCloud, active
+from tisph.neighbours.point_cloud import CELLS_WITHIN, LANES, PointCloud, active
 from tisph.runtime import view
 
 
@@ -181,13 +181,13 @@ def test_a_row_that_may_not_fit_is_told(make, more):
     assert table.max() <= scheme.points.sentinel
 
 
-def test_a_period_of_two_cells_is_refused(make):
-    # the two cells beside a cell would be one and the same, and its points be listed twice
+def test_a_period_of_too_few_cells_is_refused(make):
+    # a cell on one side would be one on the other side, too, and its points be listed twice
     scheme = make()
     channel, reach = scheme.channel, np.sqrt(scheme.points.cutoff_squared[None])
-    columns = int(2.9 * reach / channel.spacing)
+    columns = int(6.9 / CELLS_WITHIN * reach / channel.spacing)
     short = dataclasses.replace(channel, columns=columns, length=columns * channel.spacing)
-    with pytest.raises(ValueError, match="2 cells along x"):
+    with pytest.raises(ValueError, match="6 cells along x"):
         PointCloud(short, scheme.domain, reach, 0, serial=True)
 
 

@@ -46,16 +46,9 @@ class PressureBoundaryCondition:
                 total += weight
             self.operators.diagonal[i] = -total
 
-    @ti.kernel
-    def find_normal_curls(self, velocity: ti.template()):
-        """Take up the vorticity of the velocities, and the normal part of its curl at the points."""
-        ti.loop_config(serialize=self.operators.serial_light)
-        for i in range(self.points.particles[None]):
-            own, total = velocity[i], 0.0
-            for k in range(self.points.count[i]):
-                apart = velocity[self.points.neighbours[i, k]] - own
-                total += self.operators.d_dx[i, k] * apart.y - self.operators.d_dy[i, k] * apart.x
-            self.vorticity[i] = total
+    @ti.func
+    def find_normal_curls(self):
+        """Take up the normal part of the curl of the ``vorticity`` at the points."""
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None], self.points.particles[None]):
             self.normal_curl[i] = self.curl(i)

@@ -38,8 +38,10 @@ that has to vanish at once makes coarse runs take shorter steps."""
 COURANT = 0.3
 """Longest step over the time in which the fastest particle goes one spacing."""
 
-PRESSURE_RESIDUAL, VELOCITY_RESIDUAL = 1e-6, 1e-10
-"""Of the linear systems. That of the velocities adds up from step to step."""
+PRESSURE_RESIDUAL, VELOCITY_RESIDUAL = 5.0, 5e-4
+"""Of the linear systems, over the tolerance of a step. That of the velocities adds up from step to step. With residuals of
+1e-6 and 1e-10 instead, 25 across between cylinders, errors of the velocities differ by 3 % with ``balanced`` accuracy and
+by 0.1 % with ``fast``, and there are 1.4 and 1.8 times as many iterations."""
 
 ROUNDING = 30.0
 """The least residual that is asked for, in units of the rounding error."""
@@ -87,7 +89,8 @@ class Scheme:
         self.splitting = SplittingStep(self.levels, self.grid, problem, boundary, self.polymer)
         self.control = limits.step_control(problem, targets, tolerance, courant)
         least = ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
-        self.residuals = max(PRESSURE_RESIDUAL, least), max(VELOCITY_RESIDUAL, least)
+        of_step = limits.TOLERANCE if tolerance is None else tolerance
+        self.residuals = max(PRESSURE_RESIDUAL * of_step, least), max(VELOCITY_RESIDUAL * of_step, least)
         self.reset()
 
     def reset(self):
@@ -223,9 +226,10 @@ class Scheme:
     def accept_step(self, dt):
         """Store the new velocities, measure them, and shift the particles."""
         self.splitting.store()
-        if self.wall_boundary:
-            self.wall_boundary.store_normal_curls(self.splitting.velocity.x)
         self.levels.measure()
+        if self.wall_boundary:
+            self.splitting.measured_normal_curls()
+            self.wall_boundary.store_normal_curls()
         if self.polymer:
             self.log_jump = self.polymer.take_up(self.splitting.velocity.x, self.steps + 1)
         if self.wall_boundary:

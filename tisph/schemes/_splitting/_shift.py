@@ -24,7 +24,8 @@ TRAVEL = 0.15
 LARGEST = 0.2
 """Largest move of a sweep, in particle spacings."""
 
-SWEEPS = 4
+SWEEPS = 2
+"""With 4 distances of the nearest two particles and voids are more even by 0.05 spacings, and errors smaller by 4 %."""
 
 SCATTER = 0.05
 """Largest displacement along each axis that breaks a lattice up, in particle spacings."""

@@ -124,7 +124,8 @@ class WallBoundary:
             acceleration -= self.corners.force(self.positions[self.slots], regular[self.slots, 0], 0.0)
         view(splitting.velocity.x)[: self.problem.particles] = regular[:, 0]
         view(splitting.u_history)[self.slots] = acceleration
-        self.store_normal_curls(splitting.velocity.x)
+        splitting.find_normal_curls()
+        self.store_normal_curls()
         return started
 
     def host_state(self):
@@ -175,9 +176,8 @@ class WallBoundary:
             weight * curl for weight, curl in zip(weights, self.normal_curls, strict=False)
         )
 
-    def store_normal_curls(self, velocity):
-        """Keep the curl of the vorticity of the ``velocity`` at the end of a step, a field."""
-        self.pressure_boundary.find_normal_curls(velocity)
+    def store_normal_curls(self):
+        """Keep the curl of the vorticity at the end of a step, which was found last."""
         self.normal_curls = [self.pressure_boundary.normal_curls.copy(), *self.normal_curls][:CURL_LEVELS]
 
 

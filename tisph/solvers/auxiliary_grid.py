@@ -1,11 +1,12 @@
-"""Auxiliary grids, on which sigma + c (-Laplacian) is inverted by fast Fourier transforms.
+"""Auxiliary grids, on which sigma + c (-Laplacian) is inverted.
 
 The residual of a linear system after a few Jacobi sweeps is smooth; it is brought from the particles to the nodes of
-the grid by bilinear weights, solved for there with the symbol of the five-point Laplacian, and brought back by the
-same weights. As a preconditioner that leaves a number of iterations that does not depend on the number of particles.
-Each node gathers from the particles in the four cells around it, in the order of their numbers: bitwise the same for
-any number of threads. One thread transforms: a second one of SciPy's costs more than it saves up to 1e5 nodes, and
-saves a quarter of a transform of 1e6.
+the grid by bilinear weights, solved for there, and brought back by the same weights. As a preconditioner that leaves a
+number of iterations that does not depend on the number of particles. Each node gathers from the particles in the four
+cells around it, in the order of their numbers: bitwise the same for any number of threads. Without walls, and between
+the plane walls of a channel, the solution is by fast Fourier transforms and the symbol of the five-point Laplacian; one
+thread transforms: a second one of SciPy's costs more than it saves up to 1e5 nodes, and saves a quarter of a transform
+of 1e6. ``walled_grid.py`` has the grid between any other walls.
 """
 
 import numpy as np
@@ -17,29 +18,22 @@ from tisph.size_class import size_class
 
 @ti.data_oriented
 class AuxiliaryGrid:
-    """Nodes of the periodic box of a ``flow``, in which all points are, about as far apart as the particles.
+    """``shape`` (rows, columns) of nodes in the box of a ``flow``, of this ``height``, in which all points are.
 
     ``members`` are the particles cell by cell, those of cell c from ``begin[c + 1]`` to ``begin[c + 2]``; ``offset``
-    is where in its ``cell`` a particle is, from 0 to 1 along each axis. ``height``: of the box of the ``flow``.
+    is where in its ``cell`` a particle is, from 0 to 1 along each axis. What nodes get is multiplied by ``share``.
     """
 
-    def __init__(self, points, flow, height):
-        from scipy import fft  # not before it is needed: it takes as long to import as a small run
-
-        self.fft = fft
-        self.points = points
-        length = flow.length
-        columns, rows = fft.next_fast_len(flow.columns, real=True), fft.next_fast_len(flow.rows)
-        self.shape = rows, columns
+    def __init__(self, points, flow, height, shape, share):
+        self.points, self.shape = points, shape
+        rows, columns = shape
         self.columns, self.rows = integer(columns), integer(rows)
-        self.per_x, self.per_y = scalar(columns / length), scalar(rows / height)
-        self.share = scalar(rows * columns / (flow.rows * flow.columns))
+        self.per_x, self.per_y = scalar(columns / flow.length), scalar(rows / height)
+        self.share = scalar(share)
         nodes = size_class(rows * columns + 2)
         self.begin = ti.field(ti.i32, nodes)
         self.cell, self.members = (ti.field(ti.i32, points.capacity) for _ in range(2))
         self.offset = ti.field(ti.types.vector(2, real()), points.capacity)
-        wave_x = (2.0 * columns / length * np.sin(np.pi * np.arange(columns // 2 + 1) / columns)) ** 2
-        self.eigenvalues = self.eigenvalues_y(rows, height)[:, None] + wave_x
 
     def nodes(self, kind):
         """Return a field of this ``kind`` for each node."""
@@ -91,6 +85,20 @@ class AuxiliaryGrid:
         upper = (1.0 - offset.x) * values[above * columns + column] + offset.x * values[above * columns + right]
         return (1.0 - offset.y) * lower + offset.y * upper
 
+
+@ti.data_oriented
+class PeriodicGrid(AuxiliaryGrid):
+    """Nodes of a periodic box, about as far apart as the particles."""
+
+    def __init__(self, points, flow, height):
+        from scipy import fft  # not before it is needed: it takes as long to import as a small run
+
+        self.fft = fft
+        columns, rows = fft.next_fast_len(flow.columns, real=True), fft.next_fast_len(flow.rows)
+        super().__init__(points, flow, height, (rows, columns), rows * columns / (flow.rows * flow.columns))
+        wave_x = (2.0 * columns / flow.length * np.sin(np.pi * np.arange(columns // 2 + 1) / columns)) ** 2
+        self.eigenvalues = self.eigenvalues_y(rows, height)[:, None] + wave_x
+
     def eigenvalues_y(self, rows, height):
         """Return the eigenvalues of minus the second difference along y."""
         return (2.0 * rows / height * np.sin(np.pi * np.arange(rows) / rows)) ** 2
@@ -112,7 +120,7 @@ class AuxiliaryGrid:
 
 
 @ti.data_oriented
-class DirichletGrid(AuxiliaryGrid):
+class DirichletGrid(PeriodicGrid):
     """Nodes of a channel, for fields that are odd about its walls: the first row of nodes, at the bottom wall, holds
     zeros, and stands for the row at the top wall too. The transform along y is that of sines."""
 

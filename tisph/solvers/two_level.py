@@ -1,7 +1,8 @@
 """Preconditioner of two levels, with which the number of iterations does not grow with that of the particles.
 
 A damped Jacobi sweep on the particles reduces what is rough, the fast solver of an ``AuxiliaryGrid`` what is smooth,
-and a last sweep what the transfers between the two have left.
+and a last sweep what the transfers between the two have left. Rows of points on walls, one-sided derivatives, are not
+dominated by their diagonal: a sweep satisfies them after those of the fluid, for what these have given.
 """
 
 from tisph.runtime import ti, view
@@ -12,10 +13,13 @@ DAMPING = 0.7
 
 @ti.data_oriented
 class TwoLevel:
-    """Preconditioner of a ``solver``, a ``BiCGStab``, by a ``grid`` that has sorted the particles as they lie."""
+    """Preconditioner of a ``solver``, a ``BiCGStab``, by a ``grid`` that has sorted the particles as they lie.
 
-    def __init__(self, solver, grid):
-        self.solver, self.grid = solver, grid
+    ``walls``: whether the unknowns of the ``solver`` include those of points on walls, after those of the fluid.
+    """
+
+    def __init__(self, solver, grid, walls=False):
+        self.solver, self.grid, self.walls, self.points = solver, grid, walls, solver.points
         self.smooth = ti.field(solver.kind, solver.points.slots + 1)
         self.nodes = grid.nodes(solver.kind)
 
@@ -25,14 +29,36 @@ class TwoLevel:
         self.grid.invert(self.nodes, float(view(self.solver.sigma)), float(view(self.solver.coefficient)))
         self.prolong()
 
+    @ti.func
+    def satisfy_walls(self, values: ti.template(), particles):
+        """Change the ``values`` at points on walls so that their rows hold, but for those of the others among them."""
+        if ti.static(self.walls):
+            fluid = self.points.n_fluid[None]
+            ti.loop_config(serialize=self.solver.serial)
+            for i in range(fluid, particles):
+                residual = self.solver.input[i] - self.solver.row(values, i)
+                self.solver.product[i] = values[i] + self.solver.inverse[i] * residual
+            ti.loop_config(serialize=self.solver.serial)
+            for i in range(fluid, particles):
+                values[i] = self.solver.product[i]
+
+    @ti.func
+    def damping(self, i):
+        """Return the damping of a row in a sweep: the rows of points on walls have their own."""
+        damping = DAMPING
+        if ti.static(self.walls):
+            damping = ti.select(i < self.points.n_fluid[None], DAMPING, 0.0)
+        return damping
+
     @ti.kernel
     def restrict(self):
         """The first sweep, from 0, and its residual on the grid."""
         particles = self.solver.number[None]
         ti.loop_config(serialize=self.solver.serial)
         for i in range(particles):
-            self.smooth[i] = DAMPING * self.solver.inverse[i] * self.solver.input[i]
+            self.smooth[i] = self.damping(i) * self.solver.inverse[i] * self.solver.input[i]
         self.solver.update_ghosts(self.smooth, particles)
+        self.satisfy_walls(self.smooth, particles)
         ti.loop_config(serialize=self.solver.serial)
         for i in range(particles):
             self.solver.product[i] = self.solver.input[i] - self.solver.row(self.smooth, i)
@@ -51,5 +77,6 @@ class TwoLevel:
         ti.loop_config(serialize=self.solver.serial)
         for i in range(particles):
             residual = self.solver.input[i] - self.solver.row(self.smooth, i)
-            self.solver.correction[i] = self.smooth[i] + DAMPING * self.solver.inverse[i] * residual
+            self.solver.correction[i] = self.smooth[i] + self.damping(i) * self.solver.inverse[i] * residual
+        self.satisfy_walls(self.solver.correction, particles)
         self.solver.multiply(particles)

@@ -20,7 +20,8 @@ from tisph.schemes._splitting._time_levels import TimeLevels
 from tisph.schemes._splitting._viscoelastic_stress import ViscoelasticStress
 from tisph.schemes._splitting._wall_boundary import WallBoundary
 from tisph.schemes._splitting._wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
-from tisph.solvers.auxiliary_grid import AuxiliaryGrid
+from tisph.solvers.auxiliary_grid import PeriodicGrid
+from tisph.solvers.walled_grid import WalledGrid
 
 SUPPORT = 2.9
 """Support radius of the operators in particle spacings. Below it a lattice that the flow stretches makes them singular
@@ -77,13 +78,15 @@ class Scheme:
         self.operators = LeastSquaresOperators(
             self.points, SUPPORT * problem.spacing, 4, SMALLEST_PIVOT, bounded, curved
         )
-        self.grid = AuxiliaryGrid(self.points, problem, problem.height)
+        self.grid = (
+            WalledGrid(self.points, problem) if bounded else PeriodicGrid(self.points, problem, problem.height)
+        )
         self.shift = FickianShifting(self.points, problem.spacing, MAX_WALLS if bounded else 0)
         self.levels = TimeLevels(self.operators, self.shift)
         self.wall_boundary = None
         if bounded:
             self.points.n_fluid = integer(problem.n_fluid)
-            self.wall_boundary = WallBoundary(problem, self.levels, self.shift, SUPPORT, SKIN)
+            self.wall_boundary = WallBoundary(problem, self.levels, self.shift, self.grid, SUPPORT, SKIN)
         boundary = self.wall_boundary.pressure_boundary if bounded else None
         self.polymer = ViscoelasticStress(self.levels, problem) if problem.rheology else None
         self.splitting = SplittingStep(self.levels, self.grid, problem, boundary, self.polymer)
@@ -100,6 +103,8 @@ class Scheme:
         self.shortest, self.longest = math.inf, 0.0
         self.dts, self.iterations = [], [0.0, 0.0]
         self.output_cache = self.log_jump = None
+        if self.wall_boundary:
+            self.wall_boundary.grid_time = None
 
     def start(self, position, velocity, stress=None):
         """Place the particles, (particles, 2) arrays, and find the pressure of their velocities.

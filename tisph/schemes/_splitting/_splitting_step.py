@@ -22,7 +22,8 @@ from tisph.solvers.bicgstab import BiCGStab
 from tisph.solvers.two_level import TwoLevel
 
 ROUGH = 1.0
-"""Viscous number dt nu/(gamma_0 spacing^2) up to which Jacobi suffices as a preconditioner."""
+"""Viscous number dt nu/(gamma_0 spacing^2) up to which Jacobi suffices as a preconditioner. Between walls, where it is 2.7
+at most (``MOST_VISCOUS``), it always does: there are twice as many iterations, in half the time."""
 
 FIRST_OUTER = 1e-3, 1e-6
 """Residuals of the first of two outer iterations, of which only the curl at walls is used: with 1e-4 and 1e-8 errors
@@ -46,7 +47,8 @@ class SplittingStep:
         self.acceleration = holding(ti.field(vector, ()), problem.acceleration)
         self.pressure = BiCGStab(self.operators, pure_neumann=True)
         self.velocity = BiCGStab(self.operators, width=2)
-        self.for_pressure, self.for_velocity = (TwoLevel(solver, grid) for solver in (self.pressure, self.velocity))
+        self.for_pressure = TwoLevel(self.pressure, grid, self.bounded)
+        self.for_velocity = None if self.bounded else TwoLevel(self.velocity, grid)
         self.u_history, self.u_extrapolated = (ti.field(vector, self.points.slots + 1) for _ in range(2))
         self.alpha, self.beta = (holding(ti.field(real(), VELOCITIES), 0.0) for _ in range(2))
         self.beta_pressure = holding(ti.field(real(), PRESSURES), 0.0)
@@ -72,8 +74,7 @@ class SplittingStep:
             solved = self.solve_pressure(wanted[0]) and solved
             self.momentum_rhs(dt)
             diffusion = dt * viscosity
-            rough = diffusion <= ROUGH * gamma0 * self.spacing**2
-            preconditioner = None if rough else self.for_velocity
+            preconditioner = self.for_velocity if diffusion > ROUGH * gamma0 * self.spacing**2 else None
             solved = self.velocity.solve(diffusion, wanted[1], gamma0, preconditioner) and solved
             self.iterations[0] += self.pressure.iterations
             self.iterations[1] += self.velocity.iterations

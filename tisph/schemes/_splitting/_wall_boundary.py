@@ -32,14 +32,14 @@ class WallBoundary:
     pressure, are lists of levels, newest first; so are ``normal_stresses`` (bodies,), N1 of a polymer.
     """
 
-    def __init__(self, problem, levels, shift, support, skin):
+    def __init__(self, problem, levels, shift, grid, support, skin):
         self.problem, self.walls, self.support, self.skin = problem, problem.walls, support, skin * problem.spacing
-        self.levels, self.points, self.shift = levels, levels.points, shift
+        self.levels, self.points, self.shift, self.grid = levels, levels.points, shift, grid
         self.pressure_boundary = PressureBoundaryCondition(levels.operators, problem.walls, problem.spacing)
         self.slots = slice(problem.n_fluid, problem.particles)
         self.corners = CornerSingularities(problem.corners, problem.origin, levels) if problem.corners else None
         self.normal_curls, self.loads, self.normal_stresses = [], [], []
-        self.normal = self.velocity = None
+        self.normal = self.velocity = self.grid_time = None
 
     def update_positions(self, time):
         """Set the positions of the points at ``time``, and the nearest walls of the particles."""
@@ -57,6 +57,15 @@ class WallBoundary:
         factor[self.slots] += POINT_SUPPORT / self.support
         view(self.levels.operators.support_factor)[: self.problem.particles] = factor
         view(self.points.radius)[: self.problem.particles] = self.support * factor * spacing + self.skin
+
+        inwards = np.abs(np.sum(self.normal * self.velocity, axis=1)).max()
+        if self.grid_time is None or inwards * abs(time - self.grid_time) > spacing:
+            self.set_grid(time)
+
+    def set_grid(self, time):
+        """Let the ``grid`` of the pressure know where the walls are at ``time``: once, and when they have moved on."""
+        self.grid.set_walls(lambda position: self.walls.distance(position, time))
+        self.grid_time = time
 
     def impose_neumann_rows(self):
         """Replace the Laplacian at the points by the Neumann condition of the pressure."""
@@ -130,12 +139,14 @@ class WallBoundary:
 
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
-        return {name: [array.tolist() for array in getattr(self, name)] for name in LEVEL_LISTS}
+        lists = {name: [array.tolist() for array in getattr(self, name)] for name in LEVEL_LISTS}
+        return {**lists, "grid_time": self.grid_time}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
         for name in LEVEL_LISTS:
             setattr(self, name, [np.array(values) for values in state[name]])
+        self.set_grid(state["grid_time"])
 
     def measure(self, time, polymer=None):
         """Take up the force and torque on each body, from the fields at the points at the end of a step at ``time``."""

@@ -117,6 +117,10 @@ class WallPoints:
             self._kept = time, [body.placed(outline, time) for body, outline in pairs]
         return self._kept[1]
 
+    def distance(self, place, time):
+        """Return the distances (n,) of positions (n, 2) from the nearest wall, negative outside the fluid."""
+        return np.min([body.nearest(place + self.origin, time).distance for body in self.bodies], axis=0)
+
     def nearest_walls(self, place, time):
         """Return the tangent planes of the nearest walls of each of the positions (n, 2), at the closest points.
 

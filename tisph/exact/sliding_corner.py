@@ -82,6 +82,11 @@ class CornerSingularity:
         powers = [chebyshev.cheb2poly(part) for part in self._inertial[0]]
         return np.stack([np.pad(part, (0, DEGREE + 1 - len(part))) for part in powers], axis=1)[::-1]
 
+    @property
+    def pressure_coefficient(self):
+        """e, of the logarithm in the pressure."""
+        return self._inertial[1]
+
     def _polar(self, points):
         """Distance r and angle theta of ``points`` (n, 2), and the unit vectors (n, 2) along both."""
         away = np.asarray(points, dtype=float) - self.place
@@ -104,11 +109,6 @@ class CornerSingularity:
         part = 2.0 * polar[1] / self.angle - 1.0
         inertial = np.vander(part, DEGREE + 1) @ self.inertial_coefficients
         return polar, self._slow(polar[1]), inertial.T, self._fading(polar[0])
-
-    def fields(self, points):
-        """Return ``velocity``, ``gradient`` and ``acceleration`` at ``points`` (n, 2)."""
-        parts = self._parts(points)
-        return self._velocity(*parts), self._gradient(*parts), self._acceleration(*parts)
 
     def velocity(self, points):
         """Velocity (n, 2) at ``points`` (n, 2)."""
@@ -148,7 +148,7 @@ class CornerSingularity:
     def _acceleration(self, polar, _, inertial, fading):
         radius, _, out, turn = polar
         h, h1, h2, h3 = inertial
-        log = self._inertial[1]
+        log = self.pressure_coefficient
         chi, first, second, third = fading
         square, k = (radius / self.decay_length) ** 2, radius * self.decay_length**-2
         slope = (chi / radius - 2.0 * k * chi * np.log(radius / self.decay_length)) * log
@@ -162,4 +162,4 @@ class CornerSingularity:
         radius, theta, *_ = self._polar(points)
         with np.errstate(divide="ignore", invalid="ignore"):
             slow = 2.0 * self.kinematic_viscosity * (c * np.cos(theta) + d * np.sin(theta)) / radius
-            return slow + self._inertial[1] * self._fading(radius)[0] * np.log(radius / self.decay_length)
+            return slow + self.pressure_coefficient * self._fading(radius)[0] * np.log(radius / self.decay_length)

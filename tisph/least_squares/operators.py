@@ -132,10 +132,15 @@ class LeastSquaresOperators:
             inside = ti.cast(nearness > 0.0, self.laplacian.dtype)  # powers of a sentinel's vector would overflow
             squared = nearness * nearness
             self.laplacian[i, k] = squared * squared
-            if ti.static(self.curved):
-                apart = to_polar(apart, self.polar_map[i] / scale)
             self.d_dx[i, k] = apart.x * inside
             self.d_dy[i, k] = apart.y * inside
+        if ti.static(self.curved):
+            bend = self.polar_map[i] / scale
+            if bend.dot(bend) > 0.0:
+                for k in range(self.points.count[i]):
+                    apart = to_polar(ti.Vector([self.d_dx[i, k], self.d_dy[i, k]]), bend)
+                    self.d_dx[i, k] = apart.x
+                    self.d_dy[i, k] = apart.y
 
     @ti.func
     def sum_moments(self, i):

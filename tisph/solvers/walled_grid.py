@@ -2,7 +2,7 @@
 
 Of each element counts the part in the fluid, by the distance of its middle from the nearest wall. The stiffness matrix
 obeys the natural boundary condition, a normal derivative of zero, as what is left of the pressure does once the rows
-of the points on walls are satisfied (``TwoLevel``). Both are the Galerkin operator of the particles' matrix in the limit
+of the points on walls are satisfied (``TwoLevel``). It is the Galerkin operator of the particles' matrix in the limit
 of many particles: the integral of grad(test) . grad(trial), over the area of a particle. It depends on where the walls
 are, and not on where the particles are: where walls stay, or move along themselves, it is factorised once.
 """
@@ -37,7 +37,7 @@ class WalledGrid(AuxiliaryGrid):
         self.box = box
 
     def set_walls(self, distance):
-        """Assemble and factorise the matrix for a function ``distance`` of positions (n, 2) in the box from walls (n,)."""
+        """Assemble and factorise the matrix; ``distance`` of positions (n, 2) in the box is that from walls (n,)."""
         from scipy.sparse import coo_matrix, identity
         from scipy.sparse.linalg import splu
 

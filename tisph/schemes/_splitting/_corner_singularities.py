@@ -10,10 +10,8 @@ The particles carry w; along their paths U is evaluated everywhere.
 
 import numpy as np
 
+from tisph.runtime import view
 from tisph.schemes._splitting._singular_paths import SingularPaths
-
-STEEPEST = 0.5
-"""Gradient of U times a step beyond which w . grad U fades."""
 
 
 class CornerSingularities:
@@ -37,16 +35,10 @@ class CornerSingularities:
         """P (n,)."""
         return self._sum("pressure", position)
 
-    def force(self, position, regular, dt):
-        """F (n, 2) where ``regular`` (n, 2) is w, for a step ``dt``.
-
-        It fades where an explicit step would be unstable with it: so close to the corner w is negligible.
-        """
-        parts = zip(*(corner.fields(position + self.origin) for corner in self.corners), strict=True)
-        velocity, gradient, acceleration = map(sum, parts)
-        steep = dt * np.linalg.norm(gradient, axis=(1, 2)) / STEEPEST
-        force = np.einsum("ni,nij->nj", velocity + regular, gradient) - acceleration
-        return force / (1.0 + steep**4)[:, None]
+    def force(self, dt, weights):
+        """F (points, 2) of all points, which ``paths`` keep, for a step ``dt``; w by ``weights`` (2,) of its levels."""
+        self.paths.find_force(dt, *weights)
+        return view(self.paths.found)
 
     def traction(self, position, normal, viscosity):
         """Parts (2, n, 2) of viscosity and pressure of the force per area and density along ``normal`` (n, 2)."""

@@ -40,9 +40,9 @@ COURANT = 0.3
 """Longest step over the time in which the fastest particle goes one spacing."""
 
 PRESSURE_RESIDUAL, VELOCITY_RESIDUAL = 5.0, 5e-4
-"""Of the linear systems, over the tolerance of a step. That of the velocities adds up from step to step. With residuals of
-1e-6 and 1e-10 instead, 25 across between cylinders, errors of the velocities differ by 3 % with ``balanced`` accuracy and
-by 0.1 % with ``fast``, and there are 1.4 and 1.8 times as many iterations."""
+"""Of the linear systems, over the tolerance of a step. That of the velocities adds up from step to step. With residuals
+of 1e-6 and 1e-10 instead, 25 across between cylinders, errors of the velocities differ by 3 % with ``balanced``
+accuracy and by 0.1 % with ``fast``, and there are 1.4 and 1.8 times as many iterations."""
 
 ROUNDING = 30.0
 """The least residual that is asked for, in units of the rounding error."""
@@ -78,9 +78,7 @@ class Scheme:
         self.operators = LeastSquaresOperators(
             self.points, SUPPORT * problem.spacing, 4, SMALLEST_PIVOT, bounded, curved
         )
-        self.grid = (
-            WalledGrid(self.points, problem) if bounded else PeriodicGrid(self.points, problem, problem.height)
-        )
+        self.grid = WalledGrid(self.points, problem) if bounded else PeriodicGrid(self.points, problem, problem.height)
         self.shift = FickianShifting(self.points, problem.spacing, MAX_WALLS if bounded else 0)
         self.levels = TimeLevels(self.operators, self.shift)
         self.wall_boundary = None

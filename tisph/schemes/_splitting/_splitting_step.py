@@ -22,8 +22,8 @@ from tisph.solvers.bicgstab import BiCGStab
 from tisph.solvers.two_level import TwoLevel
 
 ROUGH = 1.0
-"""Viscous number dt nu/(gamma_0 spacing^2) up to which Jacobi suffices as a preconditioner. Between walls, where it is 2.7
-at most (``MOST_VISCOUS``), it always does: there are twice as many iterations, in half the time."""
+"""Viscous number dt nu/(gamma_0 spacing^2) up to which Jacobi suffices as a preconditioner. Between walls, where it is
+2.7 at most (``MOST_VISCOUS``), it always does: there are twice as many iterations, in half the time."""
 
 FIRST_OUTER = 1e-3, 1e-6
 """Residuals of the first of two outer iterations, of which only the curl at walls is used: with 1e-4 and 1e-8 errors

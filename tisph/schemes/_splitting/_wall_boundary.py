@@ -74,10 +74,8 @@ class WallBoundary:
     def add_corner_force(self, splitting, times, dt):
         """Let the solvers of a step ``dt`` compute the regular part, without the known flow in the corners."""
         if self.corners:
-            levels = self.regular_velocities[:, :CURL_LEVELS].astype(float)
-            regular = np.einsum("a,nac->nc", times.extrapolation(CURL_LEVELS), levels)
-            force = self.corners.force(self.positions, regular, dt)
-            view(splitting.u_history)[: self.problem.particles] -= dt * force
+            force = self.corners.force(dt, times.extrapolation(CURL_LEVELS))
+            view(splitting.u_history)[: self.problem.particles] -= dt * force[: self.problem.particles]
 
     @property
     def positions(self):
@@ -113,9 +111,7 @@ class WallBoundary:
     def find_fastest(self):
         """Take up the largest velocity relative to the mean, with the known flow in the corners."""
         if self.corners:
-            fluid = self.problem.n_fluid
-            velocity = self.regular_velocities[:fluid, 0] + self.corners.velocity(self.positions[:fluid])
-            view(self.levels.fastest)[()] = np.linalg.norm(velocity - velocity.mean(axis=0), axis=1).max()
+            self.corners.paths.find_fastest()
 
     def begin(self, splitting, tolerance):
         """Let the points have the velocities of the walls at the start, and the pressure meet their acceleration.
@@ -130,7 +126,7 @@ class WallBoundary:
         acceleration = -self.walls.acceleration(self.problem.start_time)
         if self.corners:
             regular[:, 0] -= self.corners.velocity(self.positions)
-            acceleration -= self.corners.force(self.positions[self.slots], regular[self.slots, 0], 0.0)
+            acceleration -= self.corners.force(0.0, (1.0, 0.0))[self.slots]
         view(splitting.velocity.x)[: self.problem.particles] = regular[:, 0]
         view(splitting.u_history)[self.slots] = acceleration
         splitting.find_normal_curls()

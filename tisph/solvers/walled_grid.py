@@ -1,7 +1,7 @@
-"""Auxiliary grid between walls of any shape, for the pressure: bilinear finite elements, factorised once.
+"""Auxiliary grid between curved walls, for the pressure: bilinear finite elements, factorised once.
 
 Of each element counts the part in the fluid, by the distance of its middle from the nearest wall. The stiffness matrix
-obeys the natural boundary condition, a normal derivative of zero, as what is left of the pressure does once the rows
+obeys the natural boundary condition, a normal derivative of zero, as corrections of the pressure do once the rows
 of the points on walls are satisfied (``TwoLevel``). It is the Galerkin operator of the particles' matrix in the limit
 of many particles: the integral of grad(test) . grad(trial), over the area of a particle. It depends on where the walls
 are, and not on where the particles are: where walls stay, or move along themselves, it is factorised once.

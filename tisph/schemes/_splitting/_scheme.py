@@ -41,8 +41,8 @@ COURANT = 0.3
 
 PRESSURE_RESIDUAL, VELOCITY_RESIDUAL = 1.0, 5e-4
 """Of the linear systems, over the tolerance of a step. That of the velocities adds up from step to step; with 5 for the
-pressure, forces on bodies have errors of 1e-4. With residuals of 1e-6 and 1e-10 whatever the tolerance, 25 across between
-cylinders, errors of the velocities differ by 3 % with ``balanced`` accuracy and by 0.1 % with ``fast``."""
+pressure, forces on bodies have errors of 1e-4. With residuals of 1e-6 and 1e-10 whatever the tolerance, 25 across
+between cylinders, errors of the velocities differ by 3 % with ``balanced`` accuracy and by 0.1 % with ``fast``."""
 
 ROUNDING = 30.0
 """The least residual that is asked for, in units of the rounding error."""

@@ -45,9 +45,10 @@ class Circle(ClosedCurve):
         return math.pi * self.radius**2
 
     def _nearest(self, points):
-        away = np.linalg.norm(points, axis=1)
-        normal = np.where(away[:, None] > 0, points, [1.0, 0.0])  # every point is nearest to the centre: take one
-        normal = normal / np.linalg.norm(normal, axis=1)[:, None]
+        away = np.sqrt(np.einsum("ni,ni->n", points, points))
+        centre = away == 0.0
+        normal = points / np.where(centre, 1.0, away)[:, None]
+        normal[centre] = 1.0, 0.0  # every point is nearest to the centre: take one
         return ClosestPoint(self.radius * normal, normal, np.full(len(points), 1 / self.radius), away - self.radius)
 
     def _spread(self, spacing):

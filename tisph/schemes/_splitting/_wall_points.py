@@ -135,7 +135,7 @@ class WallPoints:
         for number, body in enumerate(self.bodies):
             foot = body.nearest(places, time)
             planes[:, number, :2], distances[:, number] = foot.normal, foot.distance
-            planes[:, number, 2] = ((foot.point - self.origin) * foot.normal).sum(axis=1)
+            planes[:, number, 2] = np.einsum("ni,ni->n", foot.point - self.origin, foot.normal)
             curvatures[:, number] = foot.curvature
         nearest = np.argsort(distances, axis=1, kind="stable")[:, :MAX_WALLS]
         planes = np.take_along_axis(planes, nearest[..., None], 1)

@@ -27,7 +27,7 @@ import numpy as np
 
 from tisph.errors import DivergedError
 from tisph.runtime import real, ti, view
-from tisph.schemes._local_newton import SMALL, Modes, solve
+from tisph.schemes._local_newton import SMALL, Modes, matrix, solve
 from tisph.schemes._splitting._bdf import ORDER
 from tisph.schemes._splitting._log_conformation import conformation_excess, logarithm, rate
 from tisph.schemes._splitting._time_levels import gradients, transfer
@@ -87,7 +87,8 @@ class ViscoelasticStress:
         if self.walls:
             states[..., self.n_fluid :] = self.walls.carried(states[..., self.n_fluid :], elapsed, self.time)
         self.explicit_part = np.einsum("a,acn->cn", alpha[:ORDER], states) / gamma0
-        self.state, self.jacobians = states[0], [None for _ in self.modes.laws]
+        self.state = np.einsum("a,acn->cn", times.extrapolation(ORDER), states)
+        self.jacobians = [None for _ in self.modes.laws]
         self.viscosity = sum(
             law.modulus * self.duration / (1.0 + self.duration / law.relaxation_time) for law in self.modes.laws
         )
@@ -118,9 +119,8 @@ class ViscoelasticStress:
             change = lambda p, law=law: rate(law, p, gradient)  # noqa: E731
             known, guess = self.explicit_part[part], self.state[part]
             with np.errstate(all="ignore"):  # what is not finite has no pressure, and stops the run
-                self.state[part], self.jacobians[mode] = solve(
-                    change, known, self.duration, guess, self.jacobians[mode]
-                )
+                jacobian = self.jacobians[mode] or matrix(change, guess, self.duration)
+                self.state[part], self.jacobians[mode] = solve(change, known, self.duration, guess, jacobian)
 
     def take_up(self, velocity, step):
         """Store the P of the ``velocity`` at the end of a ``step`` as the newest level.

@@ -39,10 +39,10 @@ that has to vanish at once makes coarse runs take shorter steps."""
 COURANT = 0.3
 """Longest step over the time in which the fastest particle goes one spacing."""
 
-PRESSURE_RESIDUAL, VELOCITY_RESIDUAL = 1.0, 5e-4
-"""Of the linear systems, over the tolerance of a step. That of the velocities adds up from step to step; with 5 for the
-pressure, forces on bodies have errors of 1e-4. With residuals of 1e-6 and 1e-10 whatever the tolerance, 25 across
-between cylinders, errors of the velocities differ by 3 % with ``balanced`` accuracy and by 0.1 % with ``fast``."""
+PRESSURE_RESIDUAL, VELOCITY_RESIDUAL = (1.0, 1e-6), (5e-4, 1e-10)
+"""Of the linear systems: over the tolerance of a step, and the least that is asked for. That of the velocities adds up
+from step to step; with 5 times that of the pressure, forces on bodies have errors of 1e-4. With the least ones always,
+25 across between cylinders, errors of the velocities differ by 3 % (``balanced`` accuracy) and 0.1 % (``fast``)."""
 
 ROUNDING = 30.0
 """The least residual that is asked for, in units of the rounding error."""
@@ -91,7 +91,7 @@ class Scheme:
         self.control = limits.step_control(problem, targets, tolerance, courant)
         least = ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
         of_step = limits.TOLERANCE if tolerance is None else tolerance
-        self.residuals = max(PRESSURE_RESIDUAL * of_step, least), max(VELOCITY_RESIDUAL * of_step, least)
+        self.residuals = [max(part * of_step, lowest, least) for part, lowest in (PRESSURE_RESIDUAL, VELOCITY_RESIDUAL)]
         self.reset()
 
     def reset(self):

@@ -13,9 +13,8 @@ from tisph.runtime import ti, view
 from tisph.solvers.auxiliary_grid import AuxiliaryGrid
 
 COARSENING = 2.0
-"""Distance of the nodes in particle spacings. In a cavity and around a cylinder, 25 and 20 across, there are 4 and 3.5
-iterations a step, where there are 8 and 7 with transforms that know no walls; with 1 they are 2.5 and 3, with 3 5 and
-5.5."""
+"""Distance of the nodes in particle spacings. In a cavity and around a cylinder, 25 and 20 across, there are 7 and 5
+iterations a step; with 1.5 there are 6.5 and 4, and the grid takes twice as long."""
 
 EMPTY = 1e-3
 """Part of the largest entry on the diagonal below which a node does not count."""

@@ -49,7 +49,7 @@ CAVITY = [
     "output.checkpoint_every=0.25",
     NO_VIDEO,
 ]
-TURNING_BODY = "bodies=[{centre: [0.5, 0.5], radius: 0.2, motion: {angular_velocity: 1.0}}]"
+MOVING_BODY = "bodies=[{centre: [0.5, 0.5], radius: 0.2, motion: {velocity: [0.3, 0.0], angular_velocity: 1.0}}]"
 SCENES = {
     "wcsph": ["scheme={type: wcsph}"],
     "implicit": ["scheme={type: implicit}", "time.tolerance=1e-5"],
@@ -64,7 +64,7 @@ SCENES = {
     "a plate with a mass": [OLDROYD_B, "walls.top={shear_stress: 0.01, mass_per_area: 0.3}", NO_VIDEO],
     "annulus": ANNULUS,
     "cavity": CAVITY,
-    "channel with a body": [TURNING_BODY, "discretisation.particles_across=18", "time.tolerance=1e-4"],
+    "channel with a body": [MOVING_BODY, "discretisation.particles_across=18", "time.tolerance=1e-4"],
     "single precision": ["scheme={type: wcsph}", "discretisation.precision=f32", NO_VIDEO],
 }
 SLOW = [

@@ -55,7 +55,7 @@ class FickianShifting:
         self.listed = ti.field(ti.i32, (points.capacity, points.row_capacity))
         self.count = ti.field(ti.i32, points.capacity)
         self.listed.used = self.count.used = None
-        self.reach = scalar((SUPPORT + BEYOND) * spacing)
+        self.cutoff = scalar((SUPPORT + BEYOND) * spacing)
         self.per_support = scalar(1.0 / (SUPPORT * spacing))
         # slope of the kernel over the distance in supports: 7/pi (1 - q)^4 (1 + 4 q) has -140/pi (1 - q)^3
         self.full = RATE * spacing**2 * 140.0 / math.pi / (SUPPORT * spacing) ** 3 * spacing**2
@@ -81,7 +81,7 @@ class FickianShifting:
     @ti.kernel
     def list_neighbours(self):
         """List the fluid particles that may come within the support, without a branch: six in ten of all neighbours."""
-        particles, limit = self.points.n_fluid[None], self.reach[None] ** 2
+        particles, limit = self.points.n_fluid[None], self.cutoff[None] ** 2
         ti.loop_config(serialize=self.points.serial)
         for i in range(particles):
             found = 0

@@ -31,6 +31,7 @@ MOVIES = {
     "circular_couette": 0.1,  # the outer cylinder begins to feel it
     "cavity": 19.0,
     "cylinder_in_channel": 9.0,
+    "eccentric_annulus": 25.0,
 }
 """Configs, and the t* of each preview: the first frame after it."""
 

@@ -17,6 +17,7 @@ EXAMPLES = {
     "annulus": "circular_couette",
     "cavity": "cavity",
     "channel": "oldroyd_b_couette",
+    "eccentric_annulus": "eccentric_annulus",
     "lattice": "cylinder_lattice",
     "region": "turned_box",
     "shear_layer": "shear_layer",

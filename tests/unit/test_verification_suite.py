@@ -82,7 +82,7 @@ def time_scale(config):
     geometry = config["geometry"]
     if config["scene"] == "channel":
         return geometry["gap"] ** 2 / config["fluid"]["kinematic_viscosity"]
-    if config["scene"] == "annulus":
+    if config["scene"] in ("annulus", "eccentric_annulus"):
         gap = geometry["outer_radius"] - geometry["inner_radius"]
         return gap**2 / config["fluid"]["kinematic_viscosity"]
     if config["scene"] == "cavity":

@@ -170,14 +170,7 @@ class Cavity(BodyScene):
     def _errors(self, snapshot):
         """Errors against the reference, at a steady state."""
         if self._exact:
-            u, v = self._exact.velocity(snapshot.x, snapshot.y)
-            squares = (snapshot.u - u) ** 2 + (snapshot.v - v) ** 2
-            speed = self.reference_velocity
-            return {
-                "l2": np.sqrt(np.sum(squares) / np.sum(u**2 + v**2)),
-                "rms": np.sqrt(np.mean(squares)) / speed,
-                "linf": np.sqrt(np.max(squares)) / speed,
-            }
+            return _two_dimensional.velocity_errors(self, snapshot, *self._exact.velocity(snapshot.x, snapshot.y))
         differences = [
             self.lines(snapshot, self._along_lid(table))["uv".index(table.component)] / self.velocity - table.value
             for table in self._tables

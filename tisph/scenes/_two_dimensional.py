@@ -37,6 +37,16 @@ def kinetic_energy(snapshot):
     return 0.5 * np.mean(np.square(snapshot.u) + np.square(snapshot.v))
 
 
+def velocity_errors(scene, snapshot, u, v):
+    """Return ``l2``, ``rms`` and ``linf`` of ``sample_metrics`` against ``u``, ``v`` of a steady flow (particles,)."""
+    squares, speed = (snapshot.u - u) ** 2 + (snapshot.v - v) ** 2, scene.reference_velocity
+    return {
+        "l2": np.sqrt(np.sum(squares) / np.sum(u**2 + v**2)),
+        "rms": np.sqrt(np.mean(squares)) / speed,
+        "linf": np.sqrt(np.max(squares)) / speed,
+    }
+
+
 def velocity_profile(scene, field, along, **reference):
     """Return the Profile of u or v, the ``field``, on the centre line ``along`` x or y; ``reference`` is as there."""
     line = centre_line(scene, along)

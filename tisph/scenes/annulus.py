@@ -9,7 +9,7 @@ for the reference.
 
 import math
 from collections.abc import Iterator
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
@@ -28,12 +28,26 @@ Scene = Annulus
 """The name under which a run asks a module of this folder for its scene."""
 
 
-class Geometry(Model):
-    """Radii of the cylinders [length], and where their common axis is."""
+class Radii(Model):
+    """Radii of the cylinders [length]."""
 
     inner_radius: Positive
     outer_radius: Positive
+
+    @model_validator(mode="after")
+    def _check_order(self) -> "Radii":
+        if not self.inner_radius < self.outer_radius:
+            text = f"must be greater than geometry.inner_radius {self.inner_radius:g}"
+            raise refusals([(("outer_radius",), text, self.outer_radius)])
+        return self
+
+
+class Geometry(Radii):
+    """Radii of the cylinders [length], and where their common axis is."""
+
     centre: Annotated[tuple[Signed, Signed], Field(strict=False)] = (0.0, 0.0)
+
+    offset: ClassVar[float] = 0.0
 
 
 class Cylinder(WallMotion):
@@ -131,9 +145,6 @@ class Config(schema.Config):
     def problems(self) -> Iterator[Problem]:
         """What the scene has against the config."""
         yield from _rheology(self)
-        inner, outer = self.geometry.inner_radius, self.geometry.outer_radius
-        if not inner < outer:
-            yield "geometry.outer_radius", f"must be greater than geometry.inner_radius {inner:g}"
         walls = self.walls.inner, self.walls.outer
         speeds = {speed for wall in walls for speed in (wall.speed, wall.speed_before)} - {None}
         if speeds <= {0.0} and not any(wall.amplitude or wall.angular_velocities for wall in walls):

@@ -1,135 +1,27 @@
-"""The annulus between two cylinders: geometry, what turns, fluid, exact solution."""
+"""The annulus between two cylinders around one axis: exact solution, and what is measured."""
 
-import math
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
-from tisph.geometry.body import Body
-from tisph.geometry.circle import Circle
-from tisph.geometry.motion import RigidMotion, WallMotion
-from tisph.geometry.schedule import Schedule
 from tisph.measures.metrics import field_error, relative_difference
 from tisph.scenes import _two_dimensional
 from tisph.scenes._annulus import views
+from tisph.scenes._annulus.cylinders import Cylinders
 from tisph.scenes._annulus.flow import cartesian, polar, reference_flow
-from tisph.scenes._body_scene import BodyScene
 from tisph.snapshot import STRESSES
 
 
 @dataclass(frozen=True, kw_only=True)
-class Annulus(BodyScene):
-    """Two cylinders around ``centre`` that turn as ``inner`` and ``outer`` say; every number in the config's units.
+class Annulus(Cylinders):
+    """Two cylinders around one axis, with the reference of the flow between them at all times."""
 
-    ``initial_state`` is ``rest``, ``developed`` or ``exact`` (the flow that began at t = 0, at ``start_time``).
-    """
-
-    inner_radius: float
-    outer_radius: float
-    centre: tuple[float, float]
-    inner: WallMotion | Schedule
-    outer: WallMotion | Schedule
-    initial_state: str
-    start_time: float
-
-    periodic = (False, False)
     flow_quantities = ("torque_inner", "torque_outer")
-    time_formula = "νt/H²"
-
-    @classmethod
-    def from_config(cls, config):
-        """The scene that a validated config describes."""
-        inner, outer = (_turning_of(wall) for wall in (config.walls.inner, config.walls.outer))
-        return cls(
-            **cls.fluid_of(config),
-            inner_radius=config.geometry.inner_radius,
-            outer_radius=config.geometry.outer_radius,
-            centre=config.geometry.centre,
-            inner=inner,
-            outer=outer,
-            initial_state=config.initial.state,
-            start_time=config.start_time,
-        )
 
     @property
     def fields(self):
         """Velocity and pressure, and the stresses of a polymer."""
         return ("u", "v", "pressure", *(STRESSES if self.polymer else ()))
-
-    @property
-    def origin(self):
-        """Lowest corner of the box around the outer cylinder."""
-        return tuple(place - self.outer_radius for place in self.centre)
-
-    @property
-    def extent(self):
-        """Diameter of the outer cylinder, twice."""
-        return 2 * self.outer_radius, 2 * self.outer_radius
-
-    @property
-    def gap(self):
-        """Distance between the cylinders."""
-        return self.outer_radius - self.inner_radius
-
-    @cached_property
-    def bodies(self):
-        """The two cylinders."""
-        shapes = Circle(self.inner_radius), Circle(self.outer_radius, fluid_side="inside")
-        motions = RigidMotion(rotation=self.inner), RigidMotion(rotation=self.outer)
-        return tuple(Body(shape, self.centre, motion=way) for shape, way in zip(shapes, motions, strict=True))
-
-    @property
-    def jump_times(self):
-        """Times above 0 at which the angular velocity of a cylinder, or its slope, jumps."""
-        return tuple(sorted({*self.inner.jump_times, *self.outer.jump_times}))
-
-    @property
-    def reference_length(self):
-        """The gap."""
-        return self.gap
-
-    @property
-    def reference_velocity(self):
-        """Speed of the fastest wall, now or before."""
-        return max(self.inner_radius * self.inner.largest_speed, self.outer_radius * self.outer.largest_speed)
-
-    @property
-    def time_scale(self):
-        """Viscous time of the gap."""
-        return self.viscous_time
-
-    @property
-    def vanishing_scale(self):
-        """Whether the cylinders oscillate, or come to rest."""
-        walls = self.inner, self.outer
-        return any(wall.oscillates for wall in walls) or not any(wall.cosine for wall in walls)
-
-    def thinnest_layer(self, t):
-        """Depth of the thinnest layer at time ``t`` and where it is: that of a wall that started, or oscillates."""
-        layers = []
-        for name, wall in (("inner", self.inner), ("outer", self.outer)):
-            if (self.before(wall) != wall.velocity(0.0) and not self.stays_steady) or wall.jump_times:
-                since = t - max((change for change in wall.jump_times if change < t), default=0.0)
-                viscosity = self.kinematic_viscosity * (self.polymer.diffusive_fraction(since) if self.polymer else 1.0)
-                layers.append((math.sqrt(viscosity * since), f"the layer at the {name} cylinder"))
-            if wall.oscillates:
-                depth = 0.5 * wall.penetration_depth(self.kinematic_viscosity)
-                layers.append((depth, f"the layer at the oscillating {name} cylinder"))
-        return min(layers, default=(math.inf, ""))
-
-    def before(self, wall):
-        """Angular velocity of a cylinder before t = 0."""
-        if wall.before is not None:
-            return wall.before
-        return wall.velocity(0.0) if self.initial_state == "developed" else 0.0
-
-    @property
-    def stays_steady(self):
-        """Whether the flow goes on as it was before t = 0."""
-        return self.initial_state == "developed" and all(
-            wall.before in (None, wall.cosine) for wall in (self.inner, self.outer)
-        )
 
     @property
     def _flow(self):
@@ -238,10 +130,6 @@ class Annulus(BodyScene):
             "normal_stress_l2": relative_difference(normal, around - along),
         }
 
-    def description(self):
-        """Radii and centre."""
-        return {"inner_radius": self.inner_radius, "outer_radius": self.outer_radius, "centre": list(self.centre)}
-
     movie_view = views.movie_view
     parameters = views.parameters
     profiles = views.profiles
@@ -250,10 +138,3 @@ class Annulus(BodyScene):
     def movie_fields(self, name):
         """The pressure, or all of the stress, where it is shown."""
         return ("stress_xx", "stress_yy") if name == "shear_stress" else super().movie_fields(name)
-
-
-def _turning_of(wall):
-    """The motion of a cylinder of a config."""
-    if wall.angular_velocities:
-        return Schedule(wall.times, wall.angular_velocities)
-    return WallMotion.from_config(wall)

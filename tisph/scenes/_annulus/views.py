@@ -36,7 +36,7 @@ def profiles(annulus):
 def time_series(annulus):
     """Torques on the cylinders."""
     inner = 2 * math.pi * annulus.inner_radius**2
-    scale = inner * annulus.dynamic_viscosity * annulus.reference_velocity / annulus.gap
+    scale = inner * annulus.dynamic_viscosity * annulus.reference_velocity / annulus.reference_length
     return TimeSeries(
         content="torque of the fluid on the cylinders over time t",
         name="torque per length",
@@ -87,7 +87,9 @@ def movie_view(annulus, name, end):
         of=profile.of if name != "speed" else _two_dimensional.speed,
         profile=profile,
         ends=profile.extremes(first, end),
-        otherwise=annulus.dynamic_viscosity * annulus.reference_velocity / annulus.gap if stressed else 1.0,
+        otherwise=annulus.dynamic_viscosity * annulus.reference_velocity / annulus.reference_length
+        if stressed
+        else 1.0,
         error={"pressure": ("pressure", "p"), "shear_stress": ("stress_xy", "Sxy")}.get(name),
     )
 

@@ -1,11 +1,14 @@
-"""Circular Couette flow in the verification suite: steady, from jumps and oscillating, for several pairs of cylinders.
+"""Flow between cylinders in the verification suite: steady, from jumps and oscillating, for several pairs of them.
 
 But for what their names say the radii are 1 and 2 and the inner cylinder rotates at 1, at Re = 50 by its speed and the
-gap; the particles start up to a fifth of a spacing off an even arrangement, and move.
+gap, that between eccentric cylinders at Re = 0.01; the particles start up to a fifth of a spacing off an even
+arrangement, and move.
 """
 
+import math
+
 from tisph.studies.flows import across, at_times, merged
-from tisph.studies.verification.criteria import at_most, order, same_bits
+from tisph.studies.verification.criteria import Criterion, at_most, order, same_bits
 
 VISCOSITY = 0.02
 
@@ -41,6 +44,12 @@ part."""
 OSCILLATING_INNER = {"walls": {"inner": {"angular_velocity": None, "amplitude": 1.0, "angular_frequency": 0.25}}}
 """At 25 across the layer at the cylinder is sqrt(2 nu/w) = 10 spacings deep."""
 
+ECCENTRIC = {"scene": "eccentric_annulus", "fluid": {"kinematic_viscosity": 100.0}, "geometry": {"eccentricity": 0.5}}
+"""By inertia the force is 1e-4 of itself away from that of Stokes flow, the velocity 3e-6."""
+
+SLOW = 2.0
+"""t* at which flow between eccentric cylinders, which starts from rest, is steady."""
+
 STEADY = 0.03
 """t* of the samples of steady flows, in which the inner cylinder goes 1.5 gaps."""
 
@@ -61,10 +70,14 @@ FULL = {
     "annulus_25_start": (ANNULUS, START, LATE),
     "annulus_50_start": (ANNULUS, START, across(50), LATE),
     "annulus_25_oscillating": (ANNULUS, OSCILLATING_INNER, (0.06, 0.12)),
+    "eccentric_16": (ANNULUS, START, ECCENTRIC, across(16), (SLOW,)),
+    "eccentric_25": (ANNULUS, START, ECCENTRIC, (SLOW,)),
+    "eccentric_25_outer": (ANNULUS, START, ECCENTRIC, _between(1.0, 2.0, (0.0, 0.5)), (SLOW,)),
 }
 """Of each run its config, changes of it, and the t* of its samples, the last one its end."""
 
 QUICK = {name: FULL[name] for name in ("annulus_12_wide", "annulus_25_wide", "annulus_25")}
+QUICK |= {name: FULL[name] for name in ("eccentric_16", "eccentric_25")}
 
 TORQUES = ("torque_inner off exact", "torque_outer off exact")
 
@@ -78,6 +91,8 @@ ERRORS = {
     "annulus_25_outer": (1.8e-4, 6e-4),
     "annulus_25_wide": (1.8e-4, 6e-4),
     "annulus_25_narrow": (1.8e-4, 6e-4),
+    "eccentric_25": (1.5e-5, 5e-5),
+    "eccentric_25_outer": (2.5e-5, 5e-5),
 }
 """Largest L2 of the velocity and error of both torques of steady flows, by run."""
 
@@ -93,12 +108,17 @@ def runs(quick):
 def criteria(quick):
     """What the runs are held to, in the order of the table."""
     orders = {"annulus_12_wide": 12, "annulus_25_wide": 25}
-    found = [*_steady("annulus_25"), order("annulus, ratio 0.2, 12/25", orders, STEADY, 3.5, "l2")]
+    found = [
+        *_steady("annulus_25"),
+        order("annulus, ratio 0.2, 12/25", orders, STEADY, 3.5, "l2"),
+        *_steady("eccentric_25"),
+        order("eccentric 16/25", {"eccentric_16": 16, "eccentric_25": 25}, SLOW, 3, "l2"),
+    ]
     if quick:
         return found
     return [
         *found,
-        *(check for name in ERRORS if name != "annulus_25" for check in _steady(name)),
+        *(check for name in ERRORS if name not in ("annulus_25", "eccentric_25") for check in _steady(name)),
         order("annulus 25/50", {"annulus_25_high": 25, "annulus_50_high": 50}, STEADY, 3.5, "l2"),
         same_bits("annulus_25_repeat", "annulus_25"),
         *(at_most("annulus_50_start", t_star, "l2", bound) for t_star, bound in STARTS.items()),
@@ -117,7 +137,19 @@ def _steady(name):
         at_most(name, t_star, "l2", error),
         *(at_most(name, t_star, quantity, torque) for quantity in TORQUES),
         at_most(name, t_star, "divergence_over_gradient", divergence),
+        *([_force(name, t_star, 3e-4)] if name.startswith("eccentric") else []),
     ]
+
+
+def _force(name, t_star, bound):
+    """The force on the inner cylinder, both components, is that of Stokes flow, which has none along x."""
+
+    def off(result):
+        x, y, exact = (result.measure(t_star, f"force_{part}") for part in ("x", "y", "y_exact"))
+        return math.hypot(x, y - exact) / abs(exact)
+
+    quantity = f"force off exact at t* = {t_star:g}"
+    return Criterion(name, quantity, f"<= {bound:g}", (name,), off, lambda value: value <= bound)
 
 
 def _sampled(config, *changes_and_times):

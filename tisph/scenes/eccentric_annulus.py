@@ -1,0 +1,179 @@
+"""Journal bearing: fluid between two cylinders with different axes, either of which turns as in an annulus.
+
+The outer axis is at the origin, the inner one at (eccentricity * (R2 - R1), 0). Particles fill what is between the
+cylinders evenly, at rest or in the Stokes flow of what these did before t = 0. The reference is that of slow flow, and
+of the steady state: see ``tisph/exact/eccentric_cylinders.py``.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from tisph.bodies import _clearance, circle
+from tisph.config.base import Problem
+from tisph.exact.eccentric_cylinders import EccentricCylinders
+from tisph.measures import resolution
+from tisph.measures.metrics import relative_difference
+from tisph.measures.steady import steadiness
+from tisph.scenes import _two_dimensional, annulus
+from tisph.scenes._annulus import views
+from tisph.scenes._annulus.cylinders import Cylinders
+from tisph.scenes._views import TimeSeries
+
+CREEPING = 0.1
+"""Reynolds number up to which Stokes flow is the reference. Inertia then changes velocities by at most 1.4e-4 (L2),
+torques by 1e-5 and the force by 1e-3 to 7e-3 (docs/annulus.md)."""
+
+LOADS = ("torque_inner", "torque_outer", "force_x", "force_y")
+"""Of the fluid, per length of the axes: torques on the cylinders around their own axes, force on the inner one."""
+
+EXACT_LOADS = tuple(f"{name}_exact" for name in LOADS)
+
+
+class Geometry(annulus.Radii):
+    """Radii of the cylinders [length], and the distance of their axes over the difference of the radii."""
+
+    eccentricity: Annotated[float, Field(ge=0, lt=1)]
+
+    centre: ClassVar[tuple[float, float]] = (0.0, 0.0)
+
+    @property
+    def offset(self) -> float:
+        """Distance of the axes [length]."""
+        return self.eccentricity * (self.outer_radius - self.inner_radius)
+
+
+class Config(annulus.Config):
+    """A whole run of a journal bearing."""
+
+    geometry: Geometry
+
+    across_name = "the mean gap between the cylinders"
+    colours = ("speed", "vorticity", "pressure")
+
+    def problems(self) -> Iterator[Problem]:
+        """What the scene has against the config."""
+        yield from super().problems()
+        if self.scheme.type == "wcsph":
+            yield "scheme.type", "wcsph cannot serve eccentric cylinders yet; take auto or implicit"
+        swinging = self.walls.inner.amplitude or self.walls.outer.amplitude
+        known = self.initial.state == "developed" and self.fluid.rheology.type == "newtonian" and not swinging
+        if not (known or self.initial.state == "rest"):
+            text = "must be rest, or developed for a Newtonian fluid between cylinders that do not oscillate"
+            yield "initial.state", f"{text}: no other flow is known"
+        inner, outer = Scene.from_config(self).bodies
+        for _, text in _clearance.size_problems([("", circle.Parameters, inner)], self.spacing, self.across):
+            yield "geometry.inner_radius", text
+        for _, text in _clearance.problems([inner], {"walls.outer": outer}, self.spacing):
+            yield "geometry.eccentricity", text
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene(Cylinders):
+    """Two cylinders with different axes. There is a reference of slow and steady flow alone."""
+
+    flow_quantities = ("torque_inner", "torque_outer", "force_y")
+
+    @property
+    def _creeps(self):
+        return self.rheology is None and self.reynolds <= CREEPING
+
+    def stokes(self, inner, outer):
+        """The Stokes flow of cylinders that turn at ``inner`` and ``outer``."""
+        return EccentricCylinders(self.inner_radius, self.outer_radius, self.offset, inner, outer)
+
+    def narrowest(self, t):
+        """See ``Scene.narrowest``."""
+        gap = self.reference_length - self.offset, "the gap between the cylinders"
+        return (self.inner_radius, "the radius of the inner cylinder"), gap
+
+    def initial(self, x, y):
+        """Rest, or the Stokes flow of what the cylinders did before."""
+        if self.initial_state == "rest":
+            return super().initial(x, y)
+        before = self.stokes(self.before(self.inner), self.before(self.outer))
+        return dict(zip("uv", before.velocity(x, y), strict=True))
+
+    def diagnostics(self, snapshot, series):
+        """``LOADS``, each also ``_exact``, errors of the velocity and ``l2_pressure``, and whether the flow is steady.
+
+        Errors and exact values are None unless it is steady (``measures/steady.py``) and slow (``CREEPING``).
+        ``l2_pressure``: sqrt(sum (p-p_exact)^2 / sum p_exact^2), p - p_exact less its mean. Further
+        ``kinetic_energy`` per mass, and ``_two_dimensional.diagnostics``.
+        """
+        state = steadiness(self, snapshot.t, series)
+        known = state["steady"] and self._creeps
+        return {
+            **dict(zip(LOADS, _loads(snapshot), strict=True)),
+            **(self._against_stokes(snapshot) if known else dict.fromkeys(("l2_pressure", *EXACT_LOADS))),
+            "kinetic_energy": _two_dimensional.kinetic_energy(snapshot),
+            **state,
+            **_two_dimensional.diagnostics(self, snapshot)[1],
+        }
+
+    def _against_stokes(self, snapshot):
+        flow = self.stokes(self.inner.velocity(snapshot.t), self.outer.velocity(snapshot.t))
+        places, viscosity = (snapshot.x, snapshot.y), {"dynamic_viscosity": self.dynamic_viscosity}
+        pressure = flow.pressure(*places, **viscosity)
+        return {
+            **_two_dimensional.velocity_errors(self, snapshot, *flow.velocity(*places)),
+            "l2_pressure": relative_difference(snapshot.pressure - np.mean(snapshot.pressure - pressure), pressure),
+            **dict(zip(EXACT_LOADS, (*flow.torque(**viscosity), *flow.force(**viscosity)), strict=True)),
+        }
+
+    def parameters(self):
+        """Numbers of the flow."""
+        gap = self.reference_length - self.offset
+        least = f"at least {_clearance.LEAST_GAP:g}; resolved from {resolution.LEAST_GAP:g} on"
+        other = f"none but of Newtonian fluids up to a Reynolds number of {CREEPING:g}"
+        return [
+            *views.parameters(self),
+            ("narrowest gap", f"{gap:.4g} {self.units.length}, {gap / self.spacing:.3g} spacings ({least})"),
+            ("reference", "Stokes flow, of the steady state" if self._creeps else other),
+        ]
+
+    def profiles(self):
+        """The velocity across the line of centres."""
+        scale = self.reference_velocity, "speed of the fastest wall"
+        stokes = {"exact": self._across, "scale": scale, "reference": "Stokes flow"} if self._creeps else {}
+        return [_two_dimensional.velocity_profile(self, "v", "x", **stokes)]
+
+    def _across(self, x, y, t):
+        """Velocity along y of Stokes flow, and of the inner cylinder within it."""
+        away, turning = x - self.offset, self.inner.velocity(t)
+        within = np.abs(away) < self.inner_radius
+        fluid = self.stokes(turning, self.outer.velocity(t)).velocity(np.where(within, self.outer_radius, x), y)[1]
+        return np.where(within, turning * away, fluid)
+
+    def time_series(self):
+        """Kinetic energy, torques, and the force on the inner cylinder."""
+        speed, columns = self.reference_velocity, ["kinetic_energy", *LOADS]
+        force = self.dynamic_viscosity * speed * self.inner_radius / self.reference_length
+        return TimeSeries(
+            content="mean kinetic energy per mass, torques of the fluid on the cylinders and force on the inner one",
+            name="energy over U²/2, force over F = μ U R1/H, torque over F R1",
+            unit="number",
+            scale=1.0,
+            columns=columns,
+            labels=[(name.replace("_", " "), None) for name in columns],
+            exact_columns=[],
+            measure=lambda snapshot: np.array([_two_dimensional.kinetic_energy(snapshot), *_loads(snapshot)]),
+            exact=lambda times: None,
+            angular_frequency=max(self.inner.angular_frequency, self.outer.angular_frequency),
+            sizes=[0.5 * speed**2, *2 * [force * self.inner_radius], force, force],
+        )
+
+    def movie_view(self, name, end):
+        """Speed with the velocity across the line of centres; vorticity or pressure at right angles to that line."""
+        speed, narrow = self.reference_velocity, self.reference_length - self.offset
+        load = self.dynamic_viscosity * speed * self.inner_radius / narrow**2
+        largest = {"speed": speed, "vorticity": 2 * speed / narrow, "pressure": load}
+        return _two_dimensional.movie_view(self, name, *self.profiles(), largest)
+
+
+def _loads(snapshot):
+    """Return ``LOADS`` of a snapshot."""
+    return *snapshot.bodies.torque, *snapshot.bodies.force[0]

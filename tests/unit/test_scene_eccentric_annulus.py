@@ -1,6 +1,7 @@
 """The journal bearing: what its config may say, its walls, and that errors are given of slow and steady flow alone."""
 
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -76,6 +77,12 @@ def measured(scene, snapshot, energies=STEADY):
 def test_bad_configs_are_refused_by_their_keys(case, override, key):
     with pytest.raises(ConfigError, match=f"{key} = |: {key}: "):
         case(override)
+
+
+def test_an_annulus_inside_out_is_refused_by_its_key():
+    path = Path(__file__).parents[2] / "configs" / "circular_couette.yaml"
+    with pytest.raises(ConfigError, match="must be greater than geometry"):
+        load(path, ["geometry.inner_radius=2.5"])
 
 
 def test_nothing_but_known_flows_is_developed(case):

@@ -18,9 +18,6 @@ from functools import cached_property
 
 import numpy as np
 
-POINTS = 16
-"""On each cylinder, from which the weights of the functions follow; three would do."""
-
 
 @dataclass(frozen=True)
 class EccentricCylinders:
@@ -84,7 +81,7 @@ class EccentricCylinders:
     @cached_property
     def _weights(self):
         """Of each stream function (6,)."""
-        circle = np.exp(2j * np.pi * (np.arange(POINTS) + 0.5) / POINTS)
+        circle = np.exp(0.125j * np.pi * (np.arange(16) + 0.5))  # three points would do
         inner, outer = self.inner_radius * circle, self.outer_radius * circle
         functions = self._velocities(np.concatenate([self.distance + inner, outer]))
         walls = 1j * np.concatenate([self.inner * inner, self.outer * outer])

@@ -11,8 +11,9 @@ from polymer_laws import law, steady_shear
 from scipy.integrate import quad
 
 from tisph.exact.circular_start_up import CircularStartUp
-from tisph.exact.start_up import Flow, StartUp, ViscoelasticFluid, Wall
+from tisph.exact.start_up import Flow, InelasticFluid, StartUp, ViscoelasticFluid, Wall
 from tisph.geometry.schedule import Schedule
+from tisph.rheology import power_law
 
 R = np.linspace(1.0, 2.0, 41)
 PANELS = (0.0, 0.1), (0.1, 0.3), (0.3, 1.0)
@@ -196,3 +197,17 @@ def test_it_goes_on_from_a_developed_flow():
 def test_what_is_no_annulus_is_refused():
     with pytest.raises(ValueError, match="grow outwards"):
         start_up(liquid("giesekus"), radii=(2.0, 1.0))
+
+
+@pytest.mark.parametrize("index", [0.5, 1.5])
+def test_steady_flow_of_a_power_law(index):
+    """r^2 K rate^n is constant: u/r is a constant and r^(-2/n) (Bird, Armstrong and Hassager 1987, section 4.2)."""
+    parameters = power_law.Parameters(index=index, reference_rate=1.0, least_rate=1e-3)
+    found = start_up(InelasticFluid(parameters.law(1.0, 1.0), 1.0))
+    steepness, t = 2.0 / index, 10.0
+    scale = 1.0 / (1.0 - 2.0**-steepness)
+    expected = R * scale * (R**-steepness - 2.0**-steepness)
+    # the least rate, 1e-3 of those of the flow, changes viscosities by 1e-6 of themselves
+    assert apart(found.velocity(R, t), expected) < 1e-6
+    torque = 2 * np.pi * 3.0 * (steepness * scale) ** index
+    assert np.allclose(found.torque(t, density=3.0), (-torque, torque), rtol=1e-6)

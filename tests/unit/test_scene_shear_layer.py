@@ -126,7 +126,6 @@ BAD = [
     ("discretisation={spacing: 0.03}", "must divide the side 2"),
     ("time.samples=[5.0]", "must be inside the run, 0 to 4"),
     ("output.video.color_by=pressure", "must be 'speed' or 'vorticity'"),
-    ("fluid.rheology={type: power_law, index: 0.5, reference_rate: 1.0, least_rate: 0.01}", "must be newtonian"),
 ]
 
 

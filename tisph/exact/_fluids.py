@@ -67,3 +67,12 @@ class InelasticFluid:
     def layer_flux(self, rate):
         """Nothing: the whole flow is solved for."""
         return 0.0 * rate
+
+
+def fluid_of(rheology, kinematic_viscosity, density):
+    """The fluid with the parameters ``rheology``, None of a Newtonian one."""
+    if rheology is None:
+        return ViscoelasticFluid(kinematic_viscosity, ())
+    if rheology.carries_stress:
+        return ViscoelasticFluid(rheology.solvent_fraction * kinematic_viscosity, rheology.laws(kinematic_viscosity))
+    return InelasticFluid(rheology.law(kinematic_viscosity, density), kinematic_viscosity)

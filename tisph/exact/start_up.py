@@ -38,12 +38,12 @@ import numpy as np
 
 from tisph.exact._developed import periodic, steady_newtonian
 from tisph.exact._elements import Elements, graded_edges
-from tisph.exact._fluids import InelasticFluid, ViscoelasticFluid
+from tisph.exact._fluids import InelasticFluid, ViscoelasticFluid, fluid_of
 from tisph.exact._layer import AnalyticLayer, ShiftedWall, jump
 from tisph.exact._sheared import Equations
 from tisph.exact._stiff import RadauSolution
 
-__all__ = ["Flow", "InelasticFluid", "StartUp", "ViscoelasticFluid", "Wall"]
+__all__ = ["Flow", "InelasticFluid", "StartUp", "ViscoelasticFluid", "Wall", "fluid_of"]
 
 ORDER = 16
 FINEST, WIDEST = 1e-3, 0.0625

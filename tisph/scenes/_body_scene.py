@@ -19,7 +19,7 @@ class BodyScene(Scene):
 
     def initial(self, x, y):
         """Rest, without stress."""
-        return {name: np.zeros(np.shape(x)) for name in ("u", "v", *(STRESSES if self.rheology else ()))}
+        return {name: np.zeros(np.shape(x)) for name in ("u", "v", *(STRESSES if self.polymer else ()))}
 
     @cached_property
     def region(self):

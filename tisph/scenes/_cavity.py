@@ -108,7 +108,7 @@ class Cavity(BodyScene):
     @cached_property
     def _exact(self):
         """The flow under the regular lid, None where there is no reference."""
-        if not self.regular or self.polymer or self.reynolds > LARGEST_REYNOLDS:
+        if not self.regular or self.rheology or self.reynolds > LARGEST_REYNOLDS:
             return None
         return RegularCavity(self.width, self.height, self.velocity, self.kinematic_viscosity)
 

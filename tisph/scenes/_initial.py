@@ -39,13 +39,6 @@ class Initial(Model):
     seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
 
 
-def fluid_problems(config: Any, reason: str) -> Iterator[Problem]:
-    """What speaks against a fluid that is neither Newtonian nor has a polymer; ``reason`` has a place for its type."""
-    rheology = config.fluid.rheology
-    if rheology.type != "newtonian" and not config.fluid.polymer:
-        yield "fluid.rheology.type", f"must be newtonian, or have a polymer: {reason.format(rheology.type)}"
-
-
 def start_problems(config: Any, walls: Sequence[str]) -> Iterator[Problem]:
     """What is wrong with the start of the ``config`` of a scene with these ``walls``."""
     state = config.initial.state

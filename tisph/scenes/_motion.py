@@ -20,8 +20,10 @@ class PolymerParameters:
 
     @classmethod
     def of(cls, rheology):
-        """What stands first of it for a ``rheology`` with polymer; None for None."""
-        return rheology and cls(rheology.relaxation_time, rheology.solvent_fraction)
+        """What stands first of it for a ``rheology`` with polymer; None for others."""
+        if rheology and rheology.carries_stress:
+            return cls(rheology.relaxation_time, rheology.solvent_fraction)
+        return None
 
     def diffusive_fraction(self, t):
         """Share of the total viscosity by which what starts at t = 0 has spread at time ``t``.

@@ -33,7 +33,7 @@ class Scene:
     """``config.schema.Units``: labels of the units for plots and tables."""
 
     rheology: Any = None
-    """Parameters of the fluid's polymer, None without; in a channel those of every fluid that is not Newtonian."""
+    """Parameters of a fluid that is not Newtonian, else None."""
 
     columns: int = 0
     """Particles along x at the start, in a box without ``bodies``."""
@@ -102,7 +102,7 @@ class Scene:
             "kinematic_viscosity": config.kinematic_viscosity,
             "spacing": config.spacing,
             "units": config.units,
-            "rheology": config.fluid.polymer,
+            "rheology": None if config.fluid.rheology.type == "newtonian" else config.fluid.rheology,
         }
 
     @property

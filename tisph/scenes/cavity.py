@@ -13,7 +13,7 @@ from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem, Signed
 from tisph.config.resolution import is_whole
 from tisph.scenes._cavity import Cavity
-from tisph.scenes._initial import RestInitial, fluid_problems
+from tisph.scenes._initial import RestInitial
 
 __all__ = ["Cavity", "Config", "Scene"]
 
@@ -85,9 +85,8 @@ class Config(schema.Config):
 
 
 def _rheology(config: Config) -> Iterator[Problem]:
-    """Fluids that cannot be served, or not under a sharp lid."""
+    """Fluids that cannot be served under a sharp lid."""
     rheology = config.fluid.rheology
-    if rheology.carries_stress and config.singular:
-        text = f"must be regular with {rheology.type}: in the corners of a sharp lid its stress has no bound"
+    if rheology.type != "newtonian" and config.singular:
+        text = f"must be regular with {rheology.type}: the flow in the corners of a sharp lid is that of newtonian ones"
         yield "walls.lid.profile", text
-    yield from fluid_problems(config, "{} in a cavity cannot be served yet")

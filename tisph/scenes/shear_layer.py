@@ -20,8 +20,8 @@ from pydantic import Field
 
 from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem
+from tisph.measures.gradients import velocity_gradients
 from tisph.scenes import _two_dimensional
-from tisph.scenes._initial import fluid_problems
 from tisph.scenes._scene import Scene as AnyScene
 from tisph.snapshot import STRESSES
 
@@ -78,7 +78,6 @@ class Config(schema.Config):
         if self.initial.thickness > largest:
             text = f"must be at most {largest:.6g}, 1/24 of the side"
             yield "initial.thickness", f"{text}: streams must be even between the layers"
-        yield from fluid_problems(self, "of {} the roll-up of shear layers is not served")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,23 +132,31 @@ class Scene(AnyScene):
         """Velocities when the run starts."""
         from_layer = np.where(y <= 0.5 * self.length, y - 0.25 * self.length, 0.75 * self.length - y)
         u = self.speed * np.tanh(from_layer / self.thickness)
-        stress = dict.fromkeys(STRESSES, np.zeros(np.shape(x))) if self.rheology else {}
+        stress = dict.fromkeys(STRESSES, np.zeros(np.shape(x))) if self.polymer else {}
         return {"u": u, "v": self.perturbation * self.speed * np.sin(2 * np.pi * x / self.length), **stress}
 
     def diagnostics(self, snapshot, series):
         """Numbers of a snapshot: means over the particles, and those of ``_two_dimensional.diagnostics``.
 
-        ``kinetic_energy`` and ``dissipation``, that of the solvent, per mass; ``mean_u``, ``mean_v``: the velocity of
-        all fluid, 0 at first.
+        ``kinetic_energy`` and ``dissipation``, without that of a polymer, per mass; ``mean_u``, ``mean_v``: the velocity
+        of all fluid, 0 at first.
         """
         square, others = _two_dimensional.diagnostics(self, snapshot)
         return {
             "kinetic_energy": _two_dimensional.kinetic_energy(snapshot),
-            "dissipation": self.solvent_viscosity * square,
+            "dissipation": self._dissipation(snapshot, square),
             "mean_u": np.mean(snapshot.u),
             "mean_v": np.mean(snapshot.v),
             **others,
         }
+
+    def _dissipation(self, snapshot, square):
+        """``dissipation``; ``square`` is the mean square of the vorticity."""
+        if self.rheology is None or self.polymer:
+            return self.solvent_viscosity * square
+        slopes = velocity_gradients(self, snapshot)
+        squared = (slopes[0] - slopes[3]) ** 2 + (slopes[1] + slopes[2]) ** 2
+        return np.mean(self.rheology.law(self.kinematic_viscosity, self.density).viscosity(squared) * squared)
 
     def description(self):
         """Side and thickness of the layers."""

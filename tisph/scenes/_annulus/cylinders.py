@@ -8,6 +8,7 @@ from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.schedule import Schedule
+from tisph.scenes._annulus.flow import spreading_viscosity
 from tisph.scenes._body_scene import BodyScene
 
 
@@ -97,10 +98,13 @@ class Cylinders(BodyScene):
         for name, wall in (("inner", self.inner), ("outer", self.outer)):
             if (self.before(wall) != wall.velocity(0.0) and not self.stays_steady) or wall.jump_times:
                 since = t - max((change for change in wall.jump_times if change < t), default=0.0)
-                viscosity = self.kinematic_viscosity * (self.polymer.diffusive_fraction(since) if self.polymer else 1.0)
-                layers.append((math.sqrt(viscosity * since), f"the layer at the {name} cylinder"))
+                depth = math.sqrt(spreading_viscosity(self, since) * since)
+                layers.append((depth, f"the layer at the {name} cylinder"))
             if wall.oscillates:
-                depth = 0.5 * wall.penetration_depth(self.kinematic_viscosity)
+                still = (
+                    self.kinematic_viscosity if self.polymer else spreading_viscosity(self, 1 / wall.angular_frequency)
+                )
+                depth = 0.5 * wall.penetration_depth(still)
                 layers.append((depth, f"the layer at the oscillating {name} cylinder"))
         return min(layers, default=(math.inf, ""))
 

@@ -12,7 +12,6 @@ from tisph.config.base import Problem
 from tisph.config.resolution import LEAST_IN_PERIOD
 from tisph.geometry.body import Body
 from tisph.scenes._cell.walls import largest_speed
-from tisph.scenes._initial import fluid_problems
 
 MOMENTS = 25
 """Times at which it is looked whether bodies that move keep apart."""
@@ -20,7 +19,6 @@ MOMENTS = 25
 
 def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -> Iterator[Problem]:
     """What is wrong with the ``config`` of a cell with these ``bodies``, and ``walls`` by what messages call them."""
-    yield from fluid_problems(config, "around bodies {} cannot be served yet")
     if config.scheme.type == "wcsph":
         yield "scheme.type", "wcsph cannot serve bodies yet; take auto or implicit"
     moving = any(largest_speed(body) for body in (*bodies, *walls.values()))

@@ -2,7 +2,7 @@
 
 from functools import lru_cache
 
-from tisph.exact.start_up import Flow, InelasticFluid, StartUp, ViscoelasticFluid, Wall
+from tisph.exact.start_up import Flow, StartUp, Wall, fluid_of
 
 
 def reference_flow(channel):
@@ -21,9 +21,4 @@ def _walls_before(channel):
 
 @lru_cache(maxsize=8)
 def _solved(rheology, kinematic_viscosity, density, flow, before):
-    if rheology is None:
-        return StartUp(ViscoelasticFluid(kinematic_viscosity, ()), flow, before)
-    if rheology.carries_stress:
-        solvent = rheology.solvent_fraction * kinematic_viscosity
-        return StartUp(ViscoelasticFluid(solvent, rheology.laws(kinematic_viscosity)), flow, before)
-    return StartUp(InelasticFluid(rheology.law(kinematic_viscosity, density), kinematic_viscosity), flow, before)
+    return StartUp(fluid_of(rheology, kinematic_viscosity, density), flow, before)

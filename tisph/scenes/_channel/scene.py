@@ -34,10 +34,9 @@ class Channel(Scene):
     @classmethod
     def from_config(cls, config):
         """The scene that a validated config describes."""
-        law = config.fluid.rheology
         bottom, top = (driving.wall(wall) for wall in (config.walls.bottom, config.walls.top))
         return cls(
-            **{**cls.fluid_of(config), "rheology": None if law.type == "newtonian" else law},
+            **cls.fluid_of(config),
             gap=config.geometry.gap,
             length=config.geometry.length,
             bottom=bottom,

@@ -16,8 +16,8 @@ BETWEEN_WALLS = 2.2
 """By how much a particle costs more there: supports are wider, and the pressure is solved for twice a step. In
 slow flow and in quick start-up it was 2.9, in developed flow 1.6."""
 
-WITH_POLYMER = 1.7
-"""By what factor a polymer increases it."""
+NOT_NEWTONIAN = 1.7
+"""By what factor a polymer increases it, or a viscosity that varies."""
 
 STARTED = 60
 """Steps that a start from rest between walls takes beside those of the longest length: 30 to 100 in resolved runs of
@@ -85,7 +85,7 @@ def estimates(config, scene):
         counts, longest, bounded = [walk.run_to(t) for t in ends], walk.longest, walk.bounded
     else:
         (counts, longest), bounded = _longest_steps(scene, ends, courant, viscous), True
-    cost = COST * (BETWEEN_WALLS if scene.bodies else 1.0) * (WITH_POLYMER if scene.rheology else 1.0)
+    cost = COST * (BETWEEN_WALLS if scene.bodies else 1.0) * (NOT_NEWTONIAN if scene.rheology else 1.0)
     return {
         "mach": 0.0,
         "sound_speed": None,

@@ -12,7 +12,7 @@ class _Problem(Box):
     ``reference_velocity`` is the velocity that errors and steps refer to, as seen from the frame of the mean flow.
     ``acceleration`` is that of the body force; ``walls`` (``WallPoints``) are None where there are none, ``corners``
     those (``exact/sliding_corner.py``) where the velocities of two of them differ. ``kinematic_viscosity`` is the total
-    one, of solvent and polymer; ``rheology``: parameters of the fluid where it has a polymer, else None, and
+    one, of solvent and polymer; ``rheology``: parameters of the fluid where it is not Newtonian, else None, and
     ``initial_conformation_excess`` of the conformation tensors of its modes at x, y, None where it starts from rest.
     ``jump_times``: times at which the velocity of a wall, or its acceleration, jumps.
     """
@@ -35,8 +35,15 @@ class _Problem(Box):
 
     @property
     def solvent_viscosity(self):
-        """Kinematic viscosity without the part of the polymer."""
-        return self.kinematic_viscosity * (self.rheology.solvent_fraction if self.rheology else 1.0)
+        """Kinematic viscosity that is constant, without what the extra stress of the fluid has."""
+        if self.rheology is None:
+            return self.kinematic_viscosity
+        return self.kinematic_viscosity * self.rheology.solvent_fraction if self.carries_stress else 0.0
+
+    @property
+    def carries_stress(self):
+        """Whether the fluid has a polymer."""
+        return self.rheology is not None and self.rheology.carries_stress
 
 
 @dataclass(frozen=True, kw_only=True)

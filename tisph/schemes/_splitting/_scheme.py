@@ -13,6 +13,7 @@ from tisph.runtime import integer, real, ti, view
 from tisph.schemes._overflow import clustered
 from tisph.schemes._splitting import _step_limits as limits
 from tisph.schemes._splitting._bdf import PRESSURES, VELOCITIES, TimeWeights
+from tisph.schemes._splitting._generalised_newtonian_stress import GeneralisedNewtonianStress
 from tisph.schemes._splitting._output import levels_in_order, state
 from tisph.schemes._splitting._shift import TRAVEL, FickianShifting
 from tisph.schemes._splitting._splitting_step import SplittingStep
@@ -86,8 +87,11 @@ class Scheme:
             self.points.n_fluid = integer(problem.n_fluid)
             self.wall_boundary = WallBoundary(problem, self.levels, self.shift, self.grid, SUPPORT, SKIN)
         boundary = self.wall_boundary.pressure_boundary if bounded else None
-        self.polymer = ViscoelasticStress(self.levels, problem) if problem.rheology else None
-        self.splitting = SplittingStep(self.levels, self.grid, problem, boundary, self.polymer)
+        self.polymer = ViscoelasticStress(self.levels, problem) if problem.carries_stress else None
+        self.extra_stress = self.polymer
+        if problem.rheology and not self.polymer:
+            self.extra_stress = GeneralisedNewtonianStress(self.levels, problem)
+        self.splitting = SplittingStep(self.levels, self.grid, problem, boundary, self.extra_stress)
         self.control = limits.step_control(problem, targets, tolerance, courant)
         least = ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
         of_step = limits.TOLERANCE if tolerance is None else tolerance
@@ -121,11 +125,11 @@ class Scheme:
         if self.wall_boundary:
             self.require_solution(self.wall_boundary.begin(self.splitting, self.residuals[0]))
         self.levels.measure()
+        if self.extra_stress:
+            self.extra_stress.begin()
         self.require_solution(self.splitting.begin(self.problem.solvent_viscosity, self.residuals[0]))
-        if self.polymer:
-            self.polymer.begin()
         if self.wall_boundary:
-            self.wall_boundary.measure(self.time, self.polymer)
+            self.wall_boundary.measure(self.time, self.extra_stress)
             self.wall_boundary.find_fastest()
         self.begin_steps()
 
@@ -180,9 +184,9 @@ class Scheme:
         view(self.splitting.beta)[...] = times.extrapolation(VELOCITIES)
         view(self.splitting.beta_pressure)[...] = times.extrapolation(PRESSURES)
         nu, spacing = self.problem.solvent_viscosity, self.problem.spacing
-        if self.polymer:
-            self.polymer.prepare(times, dt, self.time + dt)
-            nu += self.polymer.viscosity
+        if self.extra_stress:
+            self.extra_stress.prepare(times, dt, self.time + dt)
+            nu += self.extra_stress.viscosity
         rate = DECAY[0] * nu / spacing**2 + DECAY[1] * self.speed / spacing
         retained = max(0.0, gamma0 - rate * dt)
         self.splitting.sum_history()
@@ -233,10 +237,10 @@ class Scheme:
         if self.wall_boundary:
             self.splitting.measured_normal_curls()
             self.wall_boundary.store_normal_curls()
-        if self.polymer:
-            self.log_jump = self.polymer.take_up(self.splitting.velocity.x, self.steps + 1)
+        if self.extra_stress:
+            self.log_jump = self.extra_stress.take_up(self.splitting.velocity.x, self.steps + 1)
         if self.wall_boundary:
-            self.wall_boundary.measure(self.time + dt, self.polymer)
+            self.wall_boundary.measure(self.time + dt, self.extra_stress)
         travelled = dt * self.speed / self.problem.spacing
         self.shift.shift(self.steps == 0 and not self.wall_boundary, min(1.0, travelled / TRAVEL))
         self.levels.remap()

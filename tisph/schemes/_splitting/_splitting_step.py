@@ -36,17 +36,18 @@ class SplittingStep:
 
     ``alpha``: of the backward differences; ``beta``, ``beta_pressure``: of the extrapolated values, from which solvers
     start and from which the error is estimated. ``boundary``: the ``PressureBoundaryCondition`` where there are walls.
+    ``extra_stress``: of a fluid that is not Newtonian; one whose viscosity is ``varying`` has operators of its own.
     """
 
-    def __init__(self, levels, grid, problem, boundary=None, polymer=None):
+    def __init__(self, levels, grid, problem, boundary=None, extra_stress=None):
         self.levels, self.operators, self.points = levels, levels.operators, levels.points
         vector = ti.types.vector(2, real())
         self.spacing, self.pressure_boundary, self.bounded = problem.spacing, boundary, boundary is not None
-        self.polymer = polymer
+        self.extra_stress, self.varying = extra_stress, extra_stress is not None and extra_stress.varying
         self.has_body_force = any(problem.acceleration)
         self.acceleration = holding(ti.field(vector, ()), problem.acceleration)
         self.pressure = BiCGStab(self.operators, pure_neumann=True)
-        self.velocity = BiCGStab(self.operators, width=2)
+        self.velocity = BiCGStab(extra_stress.operators if self.varying else self.operators, width=2)
         self.for_pressure = TwoLevel(self.pressure, grid, self.bounded)
         self.for_velocity = None if self.bounded else TwoLevel(self.velocity, grid)
         self.u_history, self.u_extrapolated = (ti.field(vector, self.points.slots + 1) for _ in range(2))
@@ -60,11 +61,11 @@ class SplittingStep:
         ``retained`` is k gamma_0, ``tolerances`` are those of the pressure and of the velocities.
         """
         solved, self.iterations = True, [0.0, 0.0]
-        outer_iterations = 2 if self.bounded or self.polymer else 1
+        outer_iterations = 2 if self.bounded or self.extra_stress else 1
         for outer in range(outer_iterations):
-            if self.polymer:
-                self.polymer.add_stress(self.velocity.x, self.u_history, dt)
-            if self.polymer or outer == 0:
+            if self.extra_stress:
+                self.extra_stress.add_stress(self.velocity.x, self.u_history, dt)
+            if self.extra_stress or outer == 0:
                 self.poisson_rhs(dt, retained)
             if self.bounded:
                 if outer == 1:
@@ -199,6 +200,8 @@ class SplittingStep:
             for k in range(self.points.count[i]):
                 difference = self.u_history[self.points.neighbours[i, k]] - own
                 divergence += self.operators.d_dx[i, k] * difference.x + self.operators.d_dy[i, k] * difference.y
+            if ti.static(self.varying):
+                divergence += self.extra_stress.implicit_divergence[i]
             self.pressure.b[i] = (retained * self.levels.divergence[i] - divergence) / dt
 
     @ti.kernel
@@ -207,7 +210,10 @@ class SplittingStep:
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None], self.points.particles[None]):
             acceleration = (self.u_history[i] - gamma0 * self.velocity.x[i]) / dt + self.acceleration[None]
-            self.pressure.b[i] = self.pressure_boundary.right_side(i, acceleration, viscosity)
+            local = viscosity
+            if ti.static(self.varying):
+                local = self.extra_stress.implicit_viscosity(i)
+            self.pressure.b[i] = self.pressure_boundary.right_side(i, acceleration, local)
 
     @ti.kernel
     def momentum_rhs(self, dt: float):

@@ -54,7 +54,7 @@ def step_control(case, targets, tolerance, courant):
 
 
 def viscous_step(case):
-    """Return the step at which ``MOST_VISCOUS`` is reached, infinite in a box without walls or polymer.
+    """Return the step at which ``MOST_VISCOUS`` is reached, infinite in a box without walls of a Newtonian fluid.
 
     Of a polymer as much of the viscosity counts as answers within the step h: h times the moduli per unit density and
     over g.
@@ -62,7 +62,7 @@ def viscous_step(case):
     if not (case.bodies or case.rheology):
         return math.inf
     most, viscosity = MOST_VISCOUS * case.spacing**2, case.kinematic_viscosity
-    if case.rheology is None:
+    if case.rheology is None or not case.rheology.carries_stress:
         return most / viscosity
     stiffness = sum(law.modulus for law in case.rheology.laws(viscosity)) / LEADING
     solvent = case.rheology.solvent_fraction * viscosity

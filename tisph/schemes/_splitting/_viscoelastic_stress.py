@@ -40,6 +40,8 @@ MAX_LOG_JUMP = 5.0
 class ViscoelasticStress:
     """``tensors`` (fluid): P of all modes at the ends of the last steps, newest first."""
 
+    varying = False
+
     def __init__(self, levels, problem):
         self.levels, self.operators, self.points = levels, levels.operators, levels.points
         self.walls, self.n_fluid = problem.walls, problem.n_fluid

@@ -144,15 +144,16 @@ class WallBoundary:
             setattr(self, name, [np.array(values) for values in state[name]])
         self.set_grid(state["grid_time"])
 
-    def measure(self, time, polymer=None):
+    def measure(self, time, extra_stress=None):
         """Take up the force and torque on each body, from the fields at the points at the end of a step at ``time``."""
         fields, normal = active(self.levels.fields)[self.slots].astype(float), self.normal
         d_dx, d_dy = (view(field)[self.slots, :2].astype(float) for field in (self.levels.d_dx, self.levels.d_dy))
         shear = d_dy[:, 0] + d_dx[:, 1]
         stress = self.problem.solvent_viscosity * np.stack([2.0 * d_dx[:, 0], shear, 2.0 * d_dy[:, 1]])
-        if polymer:
-            extra = polymer.wall_stress()
+        if extra_stress:
+            extra = extra_stress.wall_stress()
             stress += extra
+        if self.problem.carries_stress:
             normals = self.problem.density * self.walls.means(_first_normal_stress_difference(extra, normal))
             self.normal_stresses = [normals, *self.normal_stresses][:LOAD_LEVELS]
         viscous = np.stack([(stress[:2] * normal.T).sum(axis=0), (stress[1:] * normal.T).sum(axis=0)], axis=1)

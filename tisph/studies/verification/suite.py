@@ -10,6 +10,7 @@ from tisph.studies.verification import (
     rheologies,
     rheometry,
     two_dimensional,
+    two_dimensional_inelastic,
     two_dimensional_polymers,
     viscoelastic,
 )
@@ -28,6 +29,7 @@ PARTS = (
     circular_couette,
     cavity,
     bodies,
+    two_dimensional_inelastic,
     two_dimensional_polymers,
 )
 

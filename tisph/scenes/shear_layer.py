@@ -138,7 +138,7 @@ class Scene(AnyScene):
     def diagnostics(self, snapshot, series):
         """Numbers of a snapshot: means over the particles, and those of ``_two_dimensional.diagnostics``.
 
-        ``kinetic_energy`` and ``dissipation``, without that of a polymer, per mass; ``mean_u``, ``mean_v``: the velocity
+        ``kinetic_energy`` and ``dissipation``, without that of a polymer, per mass; ``mean_u``, ``mean_v``: velocity
         of all fluid, 0 at first.
         """
         square, others = _two_dimensional.diagnostics(self, snapshot)

@@ -99,7 +99,7 @@ class GeneralisedNewtonianStress:
 
     @ti.kernel
     def add_force(self, known: ti.template(), dt: float, viscosity: float):
-        """Divergence of the stress less that of the implicit part, in place of the one before; operators of that part."""
+        """Divergence of the stress less that of the implicit part, in place of the one before; and its operators."""
         ti.loop_config(serialize=self.unweighted.serial_light)
         for i in range(self.points.particles[None]):
             d_dx, d_dy = gradients(self.unweighted, self.derived, i)

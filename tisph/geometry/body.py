@@ -74,7 +74,7 @@ class Body:
     def nearest(self, points, time=0.0):
         """``ClosestPoint`` on the wall to each of ``points`` (n, 2), on the copy of the body that is nearest."""
         points, place = np.asarray(points, dtype=float), self.at(time)
-        copy = self._nearest_copy(points - place.centre)
+        copy = self.nearest_copy(points - place.centre)
         foot = self._foot(points, copy, place)
         for offset in self.periodic_offsets() if self.shape.fluid_side == "outside" else ():
             other = copy + offset
@@ -86,7 +86,7 @@ class Body:
     def images(self, points, cutoff, time=0.0):
         """Mirror images (k, 2) of those of ``points`` (n, 2) that are within ``cutoff``, and whose (k,) they are."""
         points, place = np.asarray(points, dtype=float), self.at(time)
-        copy = self._nearest_copy(points - place.centre)
+        copy = self.nearest_copy(points - place.centre)
         images, whose = self.shape.images(place.to_body_frame(points - copy), cutoff)
         return place.to_lab_frame(images) + copy[whose], whose
 
@@ -117,14 +117,14 @@ class Body:
 
     def _from_centre(self, points, time):
         away = np.asarray(points, dtype=float) - self.at(time).centre
-        return away - self._nearest_copy(away)
+        return away - self.nearest_copy(away)
 
-    def _nearest_copy(self, away):
-        """Return whole periods (n, 2) from the centre to its copy that is nearest to places ``away`` (n, 2) from it."""
+    def nearest_copy(self, away):
+        """Whole periods (..., 2) from the centre to its copy that is nearest to places ``away`` (..., 2) from it."""
         copy = np.zeros_like(away)
         for axis, period in enumerate(self.periods):
             if math.isfinite(period):
-                copy[:, axis] = period * np.round(away[:, axis] / period)
+                copy[..., axis] = period * np.round(away[..., axis] / period)
         return copy
 
     def periodic_offsets(self):

@@ -144,7 +144,8 @@ def forecast_of(rms=1e-3, **others):
         ({}, {"step": 6}, "FAIL"),
         ({"rms": None}, {"rms": 1.0}, "no estimate"),
         ({"rms": None}, {"step": 100}, "FAIL"),
-        ({"rms": None, "steps_reliable": False}, {"step": 100}, "no estimate"),
+        ({"rms": None, "steps_reliable": False}, {"step": 19}, "no estimate"),
+        ({"rms": None, "steps_reliable": False}, {"step": 21}, "FAIL"),
     ],
 )
 def test_verdicts(one, found, verdict):
@@ -162,8 +163,8 @@ def test_a_run_without_a_reference_has_no_error_to_compare():
     assert verdict == "no estimate"
     assert cells == ("rolls", "1", "-", "-", "-", "10", "10", "1", "no estimate")
     case = study.Case("lid", {}, (forecast_of(rms=None, steps_reliable=False),))
-    verdict, cells = study._line(case, {"status": "done", "samples": [sample(rms=None, step=100)]})
-    assert cells == ("lid", "1", "-", "-", "-", "-", "100", "-", "no estimate")
+    verdict, cells = study._line(case, {"status": "done", "samples": [sample(rms=None, step=19)]})
+    assert cells == ("lid", "1", "-", "-", "-", "~ 10", "19", "1.9", "no estimate")
 
 
 def test_the_table_names_the_worst_sample_and_fails_with_it(monkeypatch, tmp_path, capsys):

@@ -112,6 +112,7 @@ def test_a_channel_with_bodies_is_two_dimensional(tmp_path):
     (LATTICE, "bodies=[{centre: [0.5, 0.5], radius: 0.47}]", "its own periodic copy"),
     (LATTICE, "bodies=[{centre: [0.5, 0.5], radius: 0.0625}]", "a circle of radius 0.0625 has 2 spacings; it needs"),
     (LATTICE, "bodies=[{centre: [0.5, 0.5], radius: 0.0625}]", "at least 2.5: particles_across: 40"),
+    (CHANNEL, "bodies=[{centre: [0.5, 0.5], radius: 0.025}]", "has 0.6 spacings; it needs at least 2.5"),
     (LATTICE, f"bodies=[{SHARP}]", "bodies.0.corner_radius = 0.0: a corner of radius 0 has 0 spacings"),
     (LATTICE, f"bodies=[{SHARP}]", "it needs at least 2: corner_radius: 0.0625"),
     (LATTICE, "bodies=[{type: curve, centre: [0.5, 0.5], points: [[0.3, 0], [0, 0.05], [-0.3, 0], [0, -0.05]]}]",
@@ -245,6 +246,28 @@ def test_narrow_gaps_and_small_radii_are_not_resolved(tmp_path):
         label = renderer.render(snapshot)[renderer.layout.error_label.slices]
         assert (label < 128).any() == bool(words)
         assert not (label[:, :3] < 250).any()  # all of it has room
+
+
+@pytest.mark.parametrize(("across", "said"), [(40, "is 2 spacings; resolved from 3 on"), (60, None)])
+def test_corners_of_two_spacings_are_not_resolved(tmp_path, across, said):
+    """With 40 across drag was off by 6 %, and nothing said so."""
+    body = f"{SHARP[:-1]}, corner_radius: 0.05}}"
+    changes = f"bodies=[{body}]", f"discretisation.particles_across={across}"
+    resolved, reason = resolution(scene_of(loaded(tmp_path, CHANNEL, *changes)), 1.0)
+    assert (resolved, reason) == (said is None, said and f"the smallest radius of body {said}")
+
+
+def test_the_layer_in_front_of_a_body_stays_thin(tmp_path):
+    """Hiemenz: 99 % of the velocity at 2.4 sqrt(nu/a), a = 2 U/R; the smallest radius counts, the start comes first."""
+    scene = scene_of(loaded(tmp_path, CHANNEL, "fluid.kinematic_viscosity=0.005"))
+    nu = scene.kinematic_viscosity
+    front = 2.4 * math.sqrt(nu * 0.2 / 2.0)
+    assert scene.thinnest_layer(1e3) == (pytest.approx(front), "the layer in front of a body")
+    assert scene.thinnest_layer(0.01)[0] == pytest.approx(math.sqrt(0.01 * nu))
+    text = f"the layer in front of a body is {front * 24:.2g} spacings thin; resolved from 2 spacings on"
+    assert resolution(scene, 1e3) == (False, text)
+    turning = scene_of(loaded(tmp_path, REGION, "bodies=[]"))
+    assert turning.thinnest_layer(1.0)[1] == "the layer at bodies and walls"
 
 
 def test_gaps_of_bodies_that_move_are_those_of_the_time(tmp_path):

@@ -14,6 +14,10 @@ from tisph.scenes._cell.walls import largest_speed
 KOZENY = 5.0
 """Constant of Kozeny and Carman: permeability = porosity^3 / (5 wetted length per area^2)."""
 
+FRONT = 2.4
+"""Depth of the layer in front of a body, in sqrt(nu/a), a = 2 U/R being the strain rate there: the velocity is 99 % of
+that outside (stagnation flow, K. Hiemenz, Dinglers Polytech. J. 326 (1911) 321-324)."""
+
 FEW = 100
 """Points on each wall from which gaps are taken as bodies move: once a line of the history, good to 1e-3."""
 
@@ -107,8 +111,11 @@ class Cell(BodyScene):
         return (*loads, "superficial_velocity")
 
     def thinnest_layer(self, t):
-        """Depth of the layer at walls that started at t = 0, or oscillate, and where it is."""
+        """Depth of the layer at walls that started at t = 0, or oscillate, or that flow comes upon; and where it is."""
+        strain_rate = 2.0 * self.reference_velocity / self._smallest_radius[0]
+        front = FRONT * math.sqrt(self.kinematic_viscosity / strain_rate) if strain_rate else math.inf
         layers = [(math.sqrt(self.kinematic_viscosity * t), "the layer at bodies and walls")]
+        layers.append((front, "the layer in front of a body"))
         for body in self.bodies:
             for part in (body.motion.x, body.motion.y, body.motion.rotation):
                 if part.oscillates and part.largest_speed:

@@ -31,6 +31,9 @@ silent failure, that is a wrong result without a warning; that ``tisph check`` r
 REQUIRED = ("couette", "poiseuille", "taylor_green", "shear_layer", "annulus0.5", "annulus0.9")
 """Flows of which more than ``FLAGGED`` is required."""
 
+FINER_JITTER = 0.3
+"""Of runs with twice the particles."""
+
 RESOLVED = 10.0
 """Cell Reynolds number up to which a flow between curved walls has to be stable, 12 across or more."""
 
@@ -78,10 +81,10 @@ class Cell:
     def baseline(self):
         """The same cell from the lattice; of a two-dimensional flow, where a lattice is no calmer, the cell itself.
 
-        Around a body whose drag is compared it is that with twice the particles across.
+        Around a body whose drag is compared it is one with twice the particles across, the same for every jitter.
         """
         if self.measure == FINER and self.across <= BODY_ACROSS and not FLOWS[self.flow].refused:
-            return replace(self, across=2 * self.across)
+            return replace(self, across=2 * self.across, jitter=FINER_JITTER)
         return self if self.two_dimensional else replace(self, jitter=0.0)
 
     @property

@@ -3,6 +3,7 @@
 Every flow has a length, a density and a reference velocity of 1, so that the viscosity is 1/Re.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -36,6 +37,13 @@ RADIUS, ACROSS, ALONG = 3, 16, 24
 BODY_ACROSS = 24
 """Spacings across a channel in which the number behind the name of a body counts; twice as many for what it is
 compared with."""
+
+SETTINGS = {"": (18.0, 12.0), "_driven": (18.0, 12.0), "_lattice": (12.0, 12.0)}
+"""What bodies are in, as the ends of names: a channel that they move along, one whose fluid is driven past them, and a
+lattice; with the middle of each in spacings."""
+
+TOO_SMALL = ("circle2", "square0")
+"""Shapes that are refused."""
 
 FINER = "finer"
 """Measure of a flow without a reference: the drag, over that of a run with twice the particles across."""
@@ -153,25 +161,64 @@ def _cylinder(gap):
     return lambda nu: merged(_viscosity(nu), channel, {"walls": {"top": {"velocity": 1.0}}})
 
 
-def _body(shape, height=0.5):
-    """A body that moves along a channel between walls at rest, from rest, at a ``height``."""
-    body = {**shape, "centre": [0.5, digits(height)], "motion": {"velocity": [1.0, 0.0]}}
-    channel = {"scene": "channel", "geometry": {"gap": 1.0, "length": 2.0}, "bodies": [body]}
-    return lambda nu: merged(_viscosity(nu), channel)
+def _spacings(*numbers):
+    return [digits(number / BODY_ACROSS) for number in numbers]
+
+
+def _circle(radius):
+    return {"type": "circle", "radius": digits(radius / BODY_ACROSS)}
+
+
+def _polygon(radius, *corners):
+    corners = [_spacings(*corner) for corner in corners]
+    return {"type": "polygon", "angle": 0.3, "corners": corners, "corner_radius": digits(radius / BODY_ACROSS)}
+
+
+def _ellipse(radius):
+    """Half-axes of 6 and sqrt(6 radius) spacings: the smallest radius of curvature is the ``radius``."""
+    angles = [2.0 * math.pi * k / 72 for k in range(72)]
+    points = [_spacings(6.0 * math.cos(each), math.sqrt(6.0 * radius) * math.sin(each)) for each in angles]
+    return {"type": "curve", "points": points}
+
+
+def _past(setting, *placed):
+    """Flow from rest past pairs of a shape and its place in spacings: they move, or an acceleration moves the fluid.
+
+    By inertia or by friction its speed becomes about 1.
+    """
+    bodies = [
+        {**shape, "centre": _spacings(*place), "motion": "fixed" if setting else {"velocity": [1.0, 0.0]}}
+        for shape, place in placed
+    ]
+    scene = {"scene": "channel", "geometry": {"gap": 1.0, "length": 1.5}}
+    if setting == "_lattice":
+        scene = {"scene": "lattice", "geometry": {"length": 1.0, "height": 1.0}}
+    drive = lambda nu: {"drive": {"acceleration": digits(1.0 + 12.0 * nu)}} if setting else {}  # noqa: E731
+    return lambda nu: merged(_viscosity(nu), scene, {"bodies": bodies}, drive(nu))
+
+
+def _shapes():
+    """Circles by radius, polygons by that of their corners, ellipses by their smallest one, in spacings."""
+    yield from ((f"circle{radius:g}", _circle(radius)) for radius in (2.0, 2.5, 3.0, 4.0, 6.0, 8.0))
+    square, triangle = ((-5, -5), (5, -5), (5, 5), (-5, 5)), ((-7, -5), (7, -5), (0, 7))
+    yield from ((f"square{radius:g}", _polygon(radius, *square)) for radius in (0.0, 2.0, 2.5, 3.0, 4.0))
+    yield from ((f"triangle{radius:g}", _polygon(radius, *triangle)) for radius in (2.5, 3.0, 3.5))
+    yield from ((f"ellipse{radius:g}", _ellipse(radius)) for radius in (2.5, 3.0, 4.0))
 
 
 def _bodies():
-    """Circles by radius, squares by the radius of their corners, circles by their gap to the wall, in spacings."""
-    spacing = 1.0 / BODY_ACROSS
-    for radius in (2.0, 3.0):
-        yield f"circle{radius:g}", _body({"type": "circle", "radius": digits(radius * spacing)}), radius < 2.5
-    corners = [[digits(x * spacing), digits(y * spacing)] for x, y in ((-5, -5), (5, -5), (5, 5), (-5, 5))]
-    for radius in (0.0, 2.0, 3.0):
-        square = {"type": "polygon", "angle": 0.3, "corners": corners, "corner_radius": digits(radius * spacing)}
-        yield f"square{radius:g}", _body(square), radius < 2.0
-    for gap in (2.0, 3.0):
-        circle = {"type": "circle", "radius": digits(4.0 * spacing)}
-        yield f"gap{gap:g}", _body(circle, height=(4.0 + gap) * spacing), False
+    """Shapes in the middle of each setting; circles by their gap to a wall or a copy; pairs by their distance."""
+    four = _circle(4.0)
+    for setting, (x, y) in SETTINGS.items():
+        for name, shape in _shapes():
+            yield f"{name}{setting}", _past(setting, (shape, (x, y))), name in TOO_SMALL
+        for gap in (2.0, 3.0, 4.0, 5.0):
+            one, apart = (four, (x, 4.0 + gap)), 4.0 + 0.5 * gap
+            pair = (four, (x - apart, y)), (four, (x + apart, y))
+            if setting == "_lattice":
+                one, pair = (_circle(12.0 - 0.5 * gap), (x, y)), ((four, (x, y - apart)), (four, (x, y + apart)))
+            yield f"gap{gap:g}{setting}", _past(setting, one), False
+            yield f"pair{gap:g}{setting}", _past(setting, *pair), False
 
 
 def _viscosity(nu):
@@ -203,4 +250,4 @@ FLOWS = {
     },
 }
 """The number behind oldroyd, oldroyd_b and giesekus is Wi, that behind annulus the ratio of the radii, that behind
-cylinder the gap in spacings if there are ``ACROSS``; those of circle, square and gap are as ``_bodies`` says."""
+cylinder the gap in spacings if there are ``ACROSS``; those of bodies are as ``_shapes`` and ``_bodies`` say."""

@@ -6,7 +6,7 @@ warnings. A two-dimensional flow has no calmer run from the lattice: it is held 
 distribution of the particles, no gain of energy unless walls drive it, and a small error.
 """
 
-import math
+import re
 from dataclasses import dataclass
 
 from tisph.studies.stability.cells import FINISHED, FLAGGED, REFUSED, STABLE
@@ -37,7 +37,7 @@ PREDICTED_FACTOR = 3.0
 SILENT, WARNED, LARGEST = 2e-2, 0.1, 0.2
 """A finished run is a silent failure if its error is above the predicted one times ``PREDICTED_FACTOR`` and above the
 first, or the second where ``tisph check`` and ``tisph run`` warned; and above the third whatever was said. Where drag
-is compared it is one above the first whose last sample says that it is resolved."""
+is compared it is one above the first in a sample that says that it is resolved."""
 
 GROWTH = 2.0
 """Growth over the last quarter of a run from which on something grows: the error over that of the baseline, or a
@@ -114,7 +114,8 @@ def judge(plan, summary, message, baseline):
     found = [read(cell, sample, summary) for sample in samples]
     if cell.measure == FINER and baseline["status"] == "done":
         for each, sample, fine in zip(found, samples, baseline["samples"], strict=False):
-            each["error"] = abs(sample["drag"] / fine["drag"] - 1.0)
+            drags = [name for name in sample if re.fullmatch(r"drag(_\d+)?", name)]
+            each["error"] = max(abs(sample[name] / fine[name] - 1.0) for name in drags)
     compared = baseline["status"] == "done" and not cell.two_dimensional
     errors = [sample[cell.measure] for sample in baseline["samples"]] if compared else []
     verdict, reason = _verdict(plan, summary["status"], message, found, errors)
@@ -172,7 +173,7 @@ def _verdict(plan, status, message, found, baseline_errors):
     error = found[-1]["error"]
     largest = min(max(PREDICTED_FACTOR * _predicted(plan), WARNED if plan.warnings else SILENT), LARGEST)
     if plan.cell.measure == FINER:
-        largest = SILENT if found[-1]["resolved"] else math.inf
+        error, largest = max((each["error"] or 0.0 for each in found if each["resolved"]), default=0.0), SILENT
     if error is not None and not error <= largest:
         said = "none predicted" if plan.predicted is None else f"predicted {plan.predicted:.0e}"
         return SILENT_FAILURE, f"error {error:.1e}, {said}, {'warned' if plan.warnings else 'no warning'}"

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.studies.stability.cells import FINISHED, STABLE, Cell
+from tisph.studies.stability.flows import FINER
 from tisph.studies.store import config_text
 
 BUDGET = 6.0
@@ -67,5 +68,7 @@ def _seconds(cell, numbers):
 
 
 def _budget(cell):
+    if cell.measure == FINER:
+        return REQUIRED_BUDGET[STABLE]  # it has to end when the run that it is compared with does
     compared = (cell.across == 25 or cell.curved_walls) and (cell.precision == "f64" or cell.requirement == FINISHED)
     return REQUIRED_BUDGET.get(cell.requirement, BUDGET) if compared else BUDGET

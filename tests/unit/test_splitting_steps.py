@@ -1,6 +1,7 @@
 """Weights of steps of any length, and how long steps are."""
 
 import math
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -95,6 +96,13 @@ def test_steps_after_the_examined_ones_have_the_last_length(tmp_path, monkeypatc
     whole = estimates(config)["steps"]
     monkeypatch.setattr(_forecast, "MAX_STEPS", whole // 2)
     assert estimates(config)["steps"] == pytest.approx(whole, rel=0.02)
+
+
+def test_steps_of_a_shear_layer_are_told_within_a_factor_of_two():
+    """Of configs/shear_layer.yaml: measured 65, 125, 188 and 256."""
+    config = load(Path(__file__).parents[2] / "configs" / "shear_layer.yaml")
+    predicted = np.array([sample.steps for sample in estimates(config)["samples"]])
+    assert (np.array([65, 125, 188, 256]) < 2 * predicted).all()
 
 
 @pytest.mark.parametrize("flow", FLOWS, ids=lambda flow: flow.split()[1])

@@ -80,7 +80,7 @@ def estimates(config, scene):
     viscous = viscous_step(scene)
     ends = [*config.time.samples, config.time.end]
     known = "u" in scene.fields
-    if known:
+    if known or not scene.bodies:
         walk = Walk(scene, sorted(set(ends)), tolerance, courant)
         counts, longest, bounded = [walk.run_to(t) for t in ends], walk.longest, walk.bounded
     else:
@@ -102,16 +102,11 @@ def estimates(config, scene):
 
 
 def _longest_steps(scene, ends, courant, viscous):
-    """Steps up to each of the times ``ends``, and the longest of them, at the speed of the start or of reference."""
-    speed = scene.reference_velocity
-    if not scene.bodies:
-        initial = scene.initial(*scene.lattice())
-        speed = np.hypot(initial["u"], initial["v"]).max()
-    longest = min(courant * scene.spacing / courant_speed(speed, scene), viscous)
+    """Steps up to each of the times ``ends`` between walls, and the longest of them, at the speed of reference."""
+    longest = min(courant * scene.spacing / courant_speed(scene.reference_velocity, scene), viscous)
     # steps that grow, less their time
     begin = np.log(1 / FIRST) / np.log(LARGEST_MULTISTEP_FACTOR) - 1 / (1 - 1 / LARGEST_MULTISTEP_FACTOR)
-    started = STARTED if scene.bodies else 0
     begun = [1 + sum(change < t for change in scene.jump_times) for t in ends]
     return [
-        max(1, round(started + n * begin + (t - scene.start_time) / longest)) for n, t in zip(begun, ends, strict=True)
+        max(1, round(STARTED + n * begin + (t - scene.start_time) / longest)) for n, t in zip(begun, ends, strict=True)
     ], longest

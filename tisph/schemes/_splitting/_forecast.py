@@ -1,4 +1,4 @@
-"""Steps of a run before it runs: their control, with the velocities of the reference at some positions."""
+"""Steps of a run before it runs: their control, with velocities of the reference or of the start."""
 
 import math
 
@@ -15,7 +15,9 @@ MAX_STEPS = 1000
 
 
 class Walk:
-    """Takes the steps of a run of a ``scene`` with a reference; ``longest`` is the longest one.
+    """Takes the steps of a run of a ``scene``; ``longest`` is the longest one.
+
+    Without a reference particles move in the velocity field of the start.
 
     ``bounded``: whether it was as long as Courant or viscous number allow.
 
@@ -81,7 +83,10 @@ class Walk:
         return np.linalg.norm(newest - newest.mean(axis=0), axis=1).max()
 
     def _velocities(self, positions, time):
-        return np.stack([self.scene.exact(name, *positions.T, time) for name in ("u", "v")], axis=-1)
+        if "u" in self.scene.fields:
+            return np.stack([self.scene.exact(name, *positions.T, time) for name in ("u", "v")], axis=-1)
+        start = self.scene.initial(*positions.T)
+        return np.stack([start["u"], start["v"]], axis=-1)
 
     def _summed(self, weights):
         return sum(weight * each for weight, each in zip(weights, self.velocities, strict=False))

@@ -1,5 +1,6 @@
 """The command line: exit statuses, one message on standard error, and nothing written on bad input."""
 
+import json
 import re
 import subprocess
 import sys
@@ -28,6 +29,9 @@ scheme: {type: wcsph}
 time: {end: 2.7}
 """
 
+SAMPLE = {"t": 2.7, "l2": 1.234e-3, "rms": 4e-4, "wall_shear_top": 0.125, "resolved": True, "reason": None}
+COST = {"steps": 10, **{f"wall_{part}_s": 0.5 for part in ("total", "import", "compile", "loop", "output")}}
+
 
 @pytest.fixture
 def case(tmp_path, monkeypatch):
@@ -43,11 +47,13 @@ def simulation(monkeypatch):
     """Stand in for the simulation: record the calls, leave a summary, raise what ``error`` holds."""
     stand_in = types.ModuleType("tisph.simulation")
     stand_in.calls, stand_in.error, stand_in.drawn = [], None, []
+    stand_in.summary = {"status": "done", "samples": [SAMPLE], "cost": COST, "provenance": {}}
     stand_in.__path__ = [str(Path(tisph.__file__).parent / "simulation")]  # its other modules are the real ones
 
     def run(config, folder, *, pictures, video, resume):
         stand_in.calls.append((config.name, folder, pictures, video, resume))
-        (folder / "summary.json").write_text("{}")
+        (folder / "summary.json").write_text(json.dumps(stand_in.summary))
+        print("50%  t = 1.35", file=sys.stderr)
         if stand_in.error:
             raise stand_in.error
         return folder
@@ -96,6 +102,43 @@ def test_run_makes_its_folder_and_names_the_results(case, simulation):
     assert simulation.calls == [("case", folder, True, False, False)]
     assert str(folder / "summary.json") in result.stdout
     assert "movie" not in result.stdout  # names only what is there
+
+
+def test_a_run_ends_with_errors_forces_and_time_used(case, simulation):
+    thin = {**SAMPLE, "t": 0.5, "l2": None, "resolved": False, "reason": "the layer is too thin"}
+    simulation.summary["samples"] = [thin, SAMPLE]
+    simulation.summary["error_estimate"] = {"samples": [{"fields": {"velocity": {"error": 0.02}}}, {"fields": {}}]}
+    shown = tisph_command("run", "case.yaml").stdout
+    header, _, first, second, cost = [line.split("|") for line in shown.splitlines()[:5]]
+    assert [cell.strip() for cell in header[1:-1]] == ["sample", "t [s]", "L2 error", "wall shear top", "resolved"]
+    assert [cell.strip() for cell in first[2:-1]] == ["0.5", "2.0e-02 (estimate)", "0.125", "no: the layer is too thin"]
+    assert [cell.strip() for cell in second[2:-1]] == ["2.7", "1.23e-03", "0.125", "yes"]
+    assert cost == [
+        "10 steps, 0.5 s: 0.5 s in the steps, 0.5 s compiling, 0.5 s for samples and pictures, 0.5 s importing"
+    ]
+    assert shown.splitlines()[5].startswith("results in ")
+
+
+def test_where_the_flow_decays_the_error_is_over_its_reference_speed(case, simulation):
+    oscillating = ["--set", "walls.top={amplitude: 0.5, angular_frequency: 1}"]
+    shown = tisph_command("run", "case.yaml", *oscillating).stdout.splitlines()
+    assert "rms error / U" in shown[0]
+    assert "4.00e-04" in shown[2]
+
+
+def test_a_quiet_run_prints_errors_only(case, simulation):
+    warned = ["--set", "scheme.equation_of_state={sound_speed: 2.0}"]
+    assert "warning" in tisph_command("run", "case.yaml", *warned).stderr
+    assert tisph_command("run", "case.yaml", *warned, "--overwrite", "--quiet").output == ""
+    simulation.error = DivergedError("density of particle 7")
+    failed = tisph_command("run", "case.yaml", "--overwrite", "--quiet")
+    assert (failed.exit_code, failed.stdout) == (3, "")
+    assert failed.stderr.startswith("error: density of particle 7")
+
+
+def test_samples_and_cost_as_json_are_all_of_the_output(case, simulation):
+    printed = json.loads(tisph_command("run", "case.yaml", "--json").stdout)
+    assert printed == {"status": "done", "samples": [SAMPLE], "cost": COST}
 
 
 def test_run_passes_overrides_on(case, simulation):

@@ -1,7 +1,9 @@
 """``tisph run``: simulate, compare with the exact solution, leave numbers, pictures and a movie."""
 
+import json
+import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext, redirect_stderr
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -20,6 +22,9 @@ SHOWN = {
     "summary": "summary.json",
 }
 
+PRINTED = ("name", "status", "samples", "cost", "error_estimate")
+"""What ``--json`` prints of ``summary.json``."""
+
 
 def run(
     config: ConfigFile,
@@ -36,16 +41,23 @@ def run(
         bool,
         typer.Option("--estimate-error", help="Run two coarser runs, too, and state the error that they tell of."),
     ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print the samples and the cost of summary.json, and nothing else.")
+    ] = False,
 ) -> None:
     """Run a config and leave its results in DIR.
 
-    \b
-    Examples:
-      tisph run configs/couette.yaml
-      tisph run configs/couette.yaml --out runs/fine --set discretisation.particles_across=100
-      tisph run configs/couette.yaml --no-video --overwrite
-      tisph run configs/couette.yaml --resume
-      tisph run configs/shear_layer.yaml --estimate-error
+      It ends with a table of errors and forces at the samples, the time used, and the files.
+
+      \b
+      Examples:
+        tisph run configs/couette.yaml
+        tisph run configs/couette.yaml --out runs/fine --set discretisation.particles_across=100
+        tisph run configs/couette.yaml --no-video --overwrite
+        tisph run configs/couette.yaml --resume
+        tisph run configs/shear_layer.yaml --estimate-error
+    tisph run configs/couette.yaml --quiet --json > couette.json
     """
     with held_back():
         from tisph.config import load
@@ -54,15 +66,23 @@ def run(
         _, warnings = check.forecast(loaded)
     folder = out or Path("runs") / loaded.name
     coarser = _coarser(loaded, folder) if estimate_error else None
-    with claimed(folder, overwrite=overwrite, resume=resume):
+    with (
+        claimed(folder, overwrite=overwrite, resume=resume),
+        _partial_results_named(folder, coarser),
+        _silence() if quiet else nullcontext(),
+    ):
         for text in warnings:
             typer.echo(f"warning: {text}", err=True)
         drawn = {"pictures": not no_pictures, "video": not (no_video or no_pictures)}
         _simulate(loaded, folder, coarser, resume=resume, **drawn)
         estimate = coarser.report() if coarser else None
-    _show_results(folder)
-    if estimate:
-        typer.echo(f"\n{estimate}")
+    if as_json:
+        summary = Folder(folder).read_summary()
+        typer.echo(json.dumps({key: summary[key] for key in PRINTED if key in summary}, indent=2))
+    elif not quiet:
+        _show_results(loaded, folder)
+        if estimate:
+            typer.echo(f"\n{estimate}")
 
 
 def _simulate(config: Any, folder: Path, coarser: Any, *, pictures: bool, video: bool, resume: bool) -> None:
@@ -73,10 +93,16 @@ def _simulate(config: Any, folder: Path, coarser: Any, *, pictures: bool, video:
             drawing_process.shared()  # it imports matplotlib while this process imports Taichi
         from tisph import simulation
 
-    with _partial_results_named(folder, coarser):
-        if coarser:
-            coarser.run()
-        simulation.run(config, folder, pictures=pictures, video=video, resume=resume)
+    if coarser:
+        coarser.run()
+    simulation.run(config, folder, pictures=pictures, video=video, resume=resume)
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Drop progress and warnings; errors are raised, and printed when this is over."""
+    with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stderr(nowhere):
+        yield
 
 
 @contextmanager
@@ -99,7 +125,11 @@ def _coarser(config: Any, folder: Path) -> Any:
     return Coarser(config, folder)
 
 
-def _show_results(folder: Path) -> None:
+def _show_results(config: Any, folder: Path) -> None:
+    from tisph import scenes
+    from tisph.cli.result_table import result_text
+
+    typer.echo(result_text(config, scenes.of(config), Folder(folder).read_summary()))
     typer.echo(f"results in {folder}")
     for what, name in SHOWN.items():
         if (folder / name).is_file():

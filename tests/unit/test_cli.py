@@ -221,6 +221,27 @@ def test_a_part_of_the_matrix_that_there_is_not():
     assert "no sub-matrix has 'twists' in its title" in " ".join(done.stderr.split())
 
 
+@pytest.mark.parametrize(
+    ("met", "status", "verdict"),
+    [
+        ((True, True), 0, "2 of 2 cells meet their requirement"),
+        ((True, False), 1, "1 of 2 cells meet their requirement; FAIL: b"),
+    ],
+)
+def test_the_matrix_ends_with_a_verdict(case, monkeypatch, met, status, verdict):
+    from tisph.studies.stability import run
+
+    def leave_numbers(folder, *_):
+        cells = [{"name": name, "met": each} for name, each in zip("ab", met, strict=True)]
+        folder.mkdir()
+        (folder / "stress.json").write_text(json.dumps({"cells": cells}))
+        return all(met)
+
+    monkeypatch.setattr(run, "run", leave_numbers)
+    done = tisph_command("stability", "--quick", "--out", "matrix")
+    assert (done.exit_code, done.stdout.splitlines()[-1]) == (status, verdict)
+
+
 @pytest.mark.parametrize("command", [["run", "case.yaml"], ["bench"], ["stress"], ["verify", "--walls"]])
 @pytest.mark.parametrize("name", ["", " "])
 def test_an_empty_name_is_not_the_current_folder(case, simulation, command, name):

@@ -80,10 +80,12 @@ def test_the_page_needs_every_reading_to_finish(fake_process, page_configs, monk
     monkeypatch.setattr(page, "page_table", lambda summaries: f"table of {', '.join(summaries)}")
     assert verify.run(page=True) is True
     assert [config["name"] for config in seen] == ["re50", "developed"]
-    assert "table of re50, developed" in capsys.readouterr().out
+    assert capsys.readouterr().out.endswith("table of re50, developed\n\n2 of 2 readings reached their end\n")
     outcomes["developed"] = "diverged: velocity of particle 7"
     assert verify.run(page=True) is False
-    assert "developed did not finish: diverged" in capsys.readouterr().out
+    output = capsys.readouterr().out
+    assert "developed did not finish: diverged" in output
+    assert output.endswith("\n1 of 2 readings reached their end; FAIL: developed\n")
 
 
 def test_without_the_pages_configs_the_message_says_where_they_are(page_configs, monkeypatch):

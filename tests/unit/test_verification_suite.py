@@ -207,13 +207,17 @@ def test_each_case_runs_once_with_its_config(fake_process, small_suite, capsys):
     seen, _ = fake_process
     assert verify.run(quick=True) is True
     assert seen == [{"name": name, **config} for name, config in small_suite.items()]
-    assert capsys.readouterr().out.count("pass |") == 2
+    output = capsys.readouterr().out
+    assert output.count("pass |") == 2
+    assert output.endswith("\n\n2 of 2 rows passed\n")
 
 
 def test_a_failed_bound_fails_the_suite(fake_process, small_suite, capsys):
     fake_process[1]["jitter_0.2"] = 1.2e-3
     assert verify.run(quick=True) is False
-    assert "FAIL" in capsys.readouterr().out
+    output = capsys.readouterr().out
+    assert "FAIL |" in output
+    assert output.endswith("\n1 of 2 rows passed; FAIL: jitter_0.2 l2 off lattice at t* = 0.018\n")
 
 
 def test_a_diverged_run_fails_its_checks_and_says_why(fake_process, small_suite, capsys):

@@ -1,5 +1,6 @@
 """``tisph stability``, or ``stress``: the stability matrix, a requirement for every cell."""
 
+import json
 from pathlib import Path
 from typing import Annotated
 
@@ -38,11 +39,18 @@ def stability(
     from tisph import runtime
     from tisph.cli.check import forecast
     from tisph.studies.stability import matrix, run
+    from tisph.studies.stability.output import NUMBERS
 
     try:
         parts = matrix.sub_matrices(quick, only)
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="--only") from None
     default = FOLDER.with_name("stress-quick") if quick else FOLDER.with_name("stress-part") if only else FOLDER
-    if not run.run(out or default, forecast, processes or runtime.available_threads(), parts):
+    folder = out or default
+    passed = run.run(folder, forecast, processes or runtime.available_threads(), parts)
+    cells = json.loads((folder / NUMBERS).read_text(encoding="utf-8"))["cells"]
+    missed = [cell["name"] for cell in cells if not cell["met"]]
+    failed = f"; FAIL: {', '.join(missed)}" if missed else ""
+    typer.echo(f"\n{len(cells) - len(missed)} of {len(cells)} cells meet their requirement{failed}")
+    if not passed:
         raise typer.Exit(1)

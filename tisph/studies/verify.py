@@ -27,9 +27,17 @@ def run(quick=False, page=False):
     """
     with tempfile.TemporaryDirectory(prefix="tisph-verify-") as folder:
         if page:
-            return _verify_page(Path(folder))
-        passed = _verify_suite(Runner(suite.runs(quick), Path(folder)), suite.criteria(quick))
-        return passed if quick else _verify_estimates(Path(folder)) and passed
+            rows = _verify_page(Path(folder))
+            return _conclude(rows, "readings reached their end")
+        rows = _verify_suite(Runner(suite.runs(quick), Path(folder)), suite.criteria(quick))
+        return _conclude(rows if quick else rows + _verify_estimates(Path(folder)), "rows passed")
+
+
+def _conclude(rows, words):
+    """Print one line of verdict on ``rows``, pairs of a name and whether it passed; True if all did."""
+    failed = [name for name, passed in rows if not passed]
+    print(f"\n{len(rows) - len(failed)} of {len(rows)} {words}{'; FAIL: ' if failed else ''}{', '.join(failed)}")
+    return not failed
 
 
 class Runner:
@@ -61,26 +69,26 @@ class Runner:
 
 
 def _verify_suite(runner, criteria):
-    """Print a line as soon as its runs are done; True if all passed."""
+    """Print a line as soon as its runs are done; return the name of each row and whether it passed."""
     console = Console()
     labels = [(criterion.case, criterion.quantity, "1.23e-06", criterion.bound, "pass") for criterion in criteria]
     widths = [max(map(len, column)) for column in zip(HEADER, *labels, strict=True)]
     print(format_header(HEADER, widths))
-    all_passed = True
+    rows = []
     for criterion in criteria:
         with console.status(f"running {' and '.join(criterion.runs)}"):
             check = runner.judge(criterion)
         verdict = "pass" if check.passed else "FAIL"
         line = (check.case, check.quantity, f"{check.value:.3g}", check.bound, verdict)
         print(format_row(line, widths), flush=True)
-        all_passed &= check.passed
+        rows.append((f"{check.case} {check.quantity}", check.passed))
     for name, message in runner.failures.items():
         print(f"{name} did not finish: {message}")
-    return all_passed
+    return rows
 
 
 def _verify_estimates(folder):
-    """Print how good the errors are that runs state of themselves; True if all are within the bound."""
+    """Print how good the errors are that runs state of themselves; return rows as ``_verify_suite`` does."""
     print("\nErrors that runs state of themselves (tisph run --estimate-error), over the true ones:\n")
     with Console(stderr=True).status("running the cases and their coarser runs"):
         found = list(estimate_quality.checks(folder))
@@ -88,23 +96,22 @@ def _verify_estimates(folder):
         (each.case, each.quantity, f"{each.value:.2g}", each.bound, "pass" if each.passed else "FAIL") for each in found
     ]
     print(format_table(HEADER, lines))
-    return all(each.passed for each in found)
+    return [(f"{each.case} {each.quantity}", each.passed) for each in found]
 
 
 def _verify_page(folder):
-    """Run every reading of the page and print their table; True if all reached their end."""
-    summaries = {}
-    all_done = True
+    """Run every reading of the page and print their table; return the name of each and whether it reached its end."""
+    summaries, rows = {}, []
     for name, remark in page_case.READINGS.items():
         path = _page_config(name)
         print(f"running {path.name}: {remark}{page_case.COSTS.get(name, '')}", flush=True)
         result, message = run_config(path, folder / name)
         summaries[name] = result.summary
+        rows.append((name, not message))
         if message:
-            all_done = False
             print(f"{name} did not finish: {message}", flush=True)
     print(f"\n{page_case.page_table(summaries)}")
-    return all_done
+    return rows
 
 
 def _page_config(name):

@@ -7,14 +7,21 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import h5py
+import imageio_ffmpeg
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from tisph import cli, config, runtime, simulation
+from tisph import cli, config, runtime, scenes, simulation
+from tisph.config import yaml_text
+from tisph.observers._storage import write_snapshot
 from tisph.simulation import checkpoint
+from tisph.snapshot import Snapshot
+
+VORTEX = Path(__file__).parents[2] / "configs/taylor_green.yaml"
 
 CASE = """
 name: small
@@ -231,6 +238,52 @@ def test_render_draws_again_from_the_files(tisph, copied):
     tisph("render", copied)
     for name in names:
         assert (copied / name).stat().st_size > 0
+
+
+def test_render_makes_another_movie_of_the_same_frames(tisph, copied):
+    tisph("render", copied, "--set", "output.video.width=800", "--set", "output.video.height=400")
+    assert next(imageio_ffmpeg.read_frames(str(copied / "movie.mp4")))["size"] == (800, 400)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("time.end=3.0", "--set time.end=3.0: a finished run is drawn again with other output.video.KEY only"),
+        ("output.video.frames=9", "KEY: fps, width, height, renderer, color_by, overlay"),
+        ("output.video.overlay=arrow", "output.video.overlay = \"arrow\": must be 'none', 'vectors' or 'streamlines'"),
+    ],
+)
+def test_render_refuses_what_a_finished_run_cannot_show(tisph, copied, text, message):
+    before = (copied / "movie.mp4").read_bytes()
+    assert message in tisph("render", copied, "--set", text, status=2).stderr
+    assert (copied / "movie.mp4").read_bytes() == before
+
+
+def test_render_recolours_a_vortex_by_what_its_frames_have(tisph, tmp_path):
+    settings = config.load(VORTEX, ["discretisation.particles_across=10", "output.video={width: 640, height: 320}"])
+    (tmp_path / "config.resolved.yaml").write_text(yaml_text.dump(settings.resolved()))
+    scene = scenes.of(settings)
+    start = {**dict.fromkeys(("x", "y", "u", "v", "density", "pressure")), **scene.initial(*scene.lattice())}
+    start |= dict(zip("xy", scene.lattice(), strict=True)) | {"density": None, "pressure": None}
+    with h5py.File(tmp_path / "frames.h5", "w") as frames:
+        for number in range(3):
+            write_snapshot(frames.create_group(f"frame_{number:05d}"), Snapshot(t=0.1 * number, step=number, **start))
+    h5py.File(tmp_path / "samples.h5", "w").close()
+    (tmp_path / "history.csv").write_text("t\n")
+    movies = []
+    for colour in ("speed", "vorticity"):
+        tisph("render", tmp_path, "--set", f"output.video.color_by={colour}")
+        movies.append((tmp_path / "movie.mp4").read_bytes())
+    assert movies[0] != movies[1]
+    refused = tisph("render", tmp_path, "--set", "output.video.color_by=pressure", status=2)
+    assert f"output.video.color_by = pressure: {tmp_path / 'frames.h5'} has no pressure" in refused.stderr
+    assert (tmp_path / "movie.mp4").read_bytes() == movies[1]
+
+
+def test_render_needs_frames_for_another_movie(tisph, copied):
+    (copied / "frames.h5").unlink()
+    refused = tisph("render", copied, "--set", "output.video.fps=10", status=2)
+    assert "the run kept no frames (frames.h5)" in refused.stderr
 
 
 @pytest.mark.other_program

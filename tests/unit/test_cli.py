@@ -59,7 +59,7 @@ def simulation(monkeypatch):
         return folder
 
     stand_in.run = run
-    stand_in.render = lambda folder: stand_in.calls.append(folder) or stand_in.drawn
+    stand_in.render = lambda *asked: stand_in.calls.append(asked) or stand_in.drawn
     monkeypatch.setitem(sys.modules, "tisph.simulation", stand_in)
     monkeypatch.setattr(tisph, "simulation", stand_in, raising=False)
     return stand_in
@@ -352,9 +352,9 @@ def test_render(case, simulation):
     assert tisph_command("render", ".").exit_code == 2
     Path("config.resolved.yaml").write_text("")
     simulation.drawn = [Path("profiles.png")]
-    done = tisph_command("render", ".")
+    done = tisph_command("render", ".", "--set", "output.video.fps=10")
     assert (done.exit_code, done.output) == (0, "profiles.png\n")
-    assert simulation.calls == [Path(".")]
+    assert simulation.calls == [(Path("."), ["output.video.fps=10"])]
 
 
 def test_module_entry_point(case):

@@ -2,15 +2,23 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
+import numpy as np
+
 from tisph import config, scenes
+from tisph.config.schema import Video
+from tisph.errors import ConfigError
 from tisph.folder import Folder
 from tisph.observers._files import replaced
 from tisph.observers.frames import read_frames
 from tisph.observers.history import read_history
 from tisph.observers.samples import read_samples
 from tisph.report.drawing_process import RemoteMovie, described, shared
+
+VIDEO = "output.video."
+"""What the keys of the movie begin with."""
 
 
 @dataclass(frozen=True)
@@ -27,15 +35,19 @@ class Picture:
             new.write_bytes(image)
 
 
-def render(run_dir):
+def render(run_dir, overrides=()):
     """Draw what the files in ``run_dir`` allow and return the paths of the pictures.
 
-    Raises ConfigError where ``run_dir`` is no results folder or its files cannot be read, TisphError where the pictures
-    cannot be written.
+    ``overrides`` are texts ``output.video.KEY=VALUE``, for another movie of the same frames. Raises ConfigError where
+    ``run_dir`` is no results folder, its files cannot be read or do not have what is asked for, TisphError where the
+    pictures cannot be written.
     """
     folder = Folder(run_dir)
-    settings = config.load(folder.config)
+    _require_movie_keys(folder, overrides)
+    settings = config.load(folder.config, overrides)
     channel = scenes.of(settings)
+    if overrides:
+        _require_fields(folder, channel, settings.output.video.color_by)
     pictures = begin_pictures(folder, settings, channel)
     for picture in pictures:
         picture.write()
@@ -49,6 +61,28 @@ def render(run_dir):
             film.close()
         drawn.append(folder.movie)
     return drawn
+
+
+def _require_movie_keys(folder, overrides):
+    """Raise ConfigError for what is no key of the movie, or another number of frames, or where there are no frames."""
+    for text in overrides:
+        key = text.partition("=")[0].strip()
+        if not key.startswith(VIDEO) or key == f"{VIDEO}frames":
+            known = ", ".join(name for name in Video.model_fields if name != "frames")
+            raise ConfigError(f"--set {text}: a finished run is drawn again with other {VIDEO}KEY only; KEY: {known}")
+    if overrides and not folder.frames.exists():
+        raise ConfigError(f"{folder.root}: the run kept no frames ({folder.frames.name}), so there is no other movie")
+
+
+def _require_fields(folder, channel, color_by):
+    """Raise ConfigError where the stored frames lack a field that a movie coloured by ``color_by`` shows."""
+    for snapshot in islice(read_frames(folder.frames), 1):
+        lacking = [name for name in channel.movie_fields(color_by) if not np.size(getattr(snapshot, name))]
+        if lacking:
+            raise ConfigError(
+                f"{VIDEO}color_by = {color_by}: {folder.frames} has no {', '.join(lacking)}; "
+                f"run again with --set {VIDEO}color_by={color_by}"
+            )
 
 
 def movie(folder, settings, channel):

@@ -84,11 +84,14 @@ def test_null_unsets_one_of_an_exclusive_pair(tmp_path):
     assert config.kinematic_viscosity == 2e-6
 
 
-@pytest.mark.parametrize(("stem", "name"), [("my case", "my_case"), ("...", "run"), ("12", "12"), ("ü", "_")])
+@pytest.mark.parametrize(
+    ("stem", "name"),
+    [("my case", "my_case"), ("...", "run"), ("12", "12"), ("Strömung", "Strömung"), ("O\u0308l", "Öl")],
+)
 def test_default_name_is_a_folder_name(tmp_path, stem, name):
     path = tmp_path / f"{stem}.yaml"
     path.write_text(json.dumps(MINIMAL))
-    assert load(path).name == name
+    assert load(path).name == load(path, [f'name="{name}"']).name == name
 
 
 def test_configs_are_frozen(tmp_path):

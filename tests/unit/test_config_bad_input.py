@@ -91,6 +91,11 @@ TEXT_CASES = {
     "number_for_name": ("scene:", "name: 12\nscene:", ["case.yaml:1: name = 12: must be text"]),
     "control_in_key": ("density:", '"den\\nsity":', ["case.yaml:3: fluid.den\\nsity = 1000.0: unknown key"]),
     "long_key": ("density:", "d" * 500 + ":", ["case.yaml:3: fluid.ddd", "ddd... = 1000.0: unknown key"]),
+    "decimal_comma": (
+        "0.01",
+        "0,01",
+        ['case.yaml:6: geometry.gap = "0,01": must be a number, with a decimal point: 0.01'],
+    ),
     "nothing_moves": ("0.005", "0.0", ["case.yaml:8: walls: nothing moves"]),
 }
 
@@ -188,6 +193,8 @@ OVERRIDE_CASES = [
     ("runtime.threads=0", ["must be at least 1, or auto"]),
     ("runtime.threads=257", ["must be at most 256, or auto"]),
     ("units.length=$x$", ["units.length", "must be a unit label"]),
+    ("geometry={gap: 1,5, length: 2}", ["key '5': keys must be words; a decimal comma? write gap: 1.5"]),
+    ("geometry={1,5: 2}", ["key '1': keys must be words$"]),
     ("name=../up", ['name = "../up": must be a folder name']),
     ("name=.hidden", ["must be a folder name"]),
     ("name=" + "n" * 65, ["must be a folder name", "1 to 64"]),

@@ -1,6 +1,7 @@
 """From a YAML file and ``--set`` overrides to a checked Config, or to one message that says what is wrong."""
 
 import re
+import unicodedata
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -126,7 +127,8 @@ def _message(error: ValidationError, source: Source) -> str:
 
 
 def _default_name(path: str) -> str:
-    safe = re.sub(r"[^A-Za-z0-9._-]", "_", Path(path).stem)[:64].strip(".")
+    whole = unicodedata.normalize("NFC", Path(path).stem)  # macOS keeps an umlaut as a letter and a mark
+    safe = re.sub(r"[^\w.-]", "_", whole)[:64].strip(".")
     return safe or "run"
 
 

@@ -1,6 +1,7 @@
 """Validation errors as the lines that a user reads: key, value, what is allowed, nearest valid key."""
 
 import json
+import re
 from collections.abc import Callable, Iterator
 from functools import reduce
 from operator import getitem
@@ -80,7 +81,10 @@ def _text(details: Any, place: KeyPath, data: Any) -> str:
         return _unknown_key(place, data)
     if context.get("ge") == SMALLEST:
         return f"must be greater than 0 (at least {SMALLEST:g})"
-    return TEXTS[kind].format(**context) if kind in TEXTS else details["msg"]
+    text = TEXTS[kind].format(**context) if kind in TEXTS else details["msg"]
+    given = details["input"]
+    comma = kind == "float_type" and isinstance(given, str) and re.fullmatch(r"[-+]?\d+,\d+(e[-+]?\d+)?", given)
+    return f"{text}, with a decimal point: {given.replace(',', '.')}" if comma else text
 
 
 def _unknown_key(place: KeyPath, data: Any) -> str:

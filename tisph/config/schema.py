@@ -39,8 +39,8 @@ def _text(pattern: str, allowed: str) -> Any:
 
 
 FolderName = _text(
-    r"(?!\.)[A-Za-z0-9._-]{1,64}(?<!\.)",
-    "a folder name: 1 to 64 of the characters A-Z a-z 0-9 . _ - without a dot at either end",
+    r"(?!\.)[\w.-]{1,64}(?<!\.)",
+    "a folder name: 1 to 64 letters, digits or . _ - without a dot at either end",
 )
 Label = _text(r"[A-Za-z0-9µ%^*/. -]{1,16}", "a unit label: 1 to 16 letters, digits or . % ^ * / -")
 

@@ -95,6 +95,14 @@ def _plain_events(events: Iterable[Event]) -> Iterator[Event]:
         yield event
 
 
+def _decimal_comma(data: dict[str, Any], node: Node, key: Any) -> str:
+    """Return a remark where the number ``key`` of ``node`` stands after that of ``data``, as in {gap: 1,0}."""
+    name, before = next(reversed(data.items()), ("", None))
+    if not isinstance(key, int | float) or type(before) is not int:
+        return ""
+    return f"; a decimal comma? write {name}: {before}.{node.value}"
+
+
 class _Parsed:
     """A parser's events, once more, as ruamel's composer asks for them."""
 
@@ -134,7 +142,7 @@ class _Builder:
             key = self._scalar(key_node) if isinstance(key_node, ScalarNode) else None
             if not isinstance(key, str):
                 shown = repr(in_one_line(key_node.value)) if isinstance(key_node, ScalarNode) else "a map or list"
-                raise YamlTextError(f"key {shown}: keys must be words", line)
+                raise YamlTextError(f"key {shown}: keys must be words{_decimal_comma(data, key_node, key)}", line)
             if key in data:
                 dotted = in_one_line(".".join(map(str, (*path, key))))
                 raise YamlTextError(f"duplicate key {dotted}: already given in line {self.lines[(*path, key)]}", line)

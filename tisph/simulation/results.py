@@ -16,7 +16,7 @@ from tisph.version import __version__
 def write_summary(path, summary):
     """Write ``summary`` as JSON, whole or not at all."""
     with replaced(path) as new:
-        new.write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        new.write_text(json.dumps(summary, indent=2, allow_nan=False, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
 def fingerprint(resolved):

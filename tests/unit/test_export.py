@@ -35,6 +35,16 @@ def run(tmp_path, case):
     return tisph.open(tmp_path)
 
 
+@pytest.mark.parametrize("command", [["report"], ["export", "--to", "csv"]])
+@pytest.mark.parametrize("damage", ['{"status": "done"', "[]", "{}", '{"status": "done", "samples": [{"l2": 0.1}]}'])
+def test_a_damaged_summary_is_one_error(run, command, damage):
+    (run.folder / "summary.json").write_text(damage)
+    done = CliRunner().invoke(cli.app, [command[0], str(run.folder), *command[1:]])
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert done.stderr.startswith(f"error: {run.folder / 'summary.json'}: cannot be read (")
+    assert done.stderr.count("\n") == 1
+
+
 def test_vtk_reads_every_step_with_its_time_and_values(run):
     vtk = pytest.importorskip("vtk", reason="there is no vtk, which the test extra brings")
     from vtk.util.numpy_support import vtk_to_numpy

@@ -5,8 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from oracles.circular_couette import CircularCouette, Rotation
+from typer.testing import CliRunner
 
-from tisph import registry
+from tisph import cli, registry
 from tisph.errors import ConfigError
 from tisph.exact.circular_start_up import CircularStartUp
 from tisph.exact.linear_viscoelasticity import (
@@ -31,6 +32,13 @@ def plane(gap, wall):
     return SimpleNamespace(
         gap=gap, top=wall, apparent_viscosity=lambda eta, frequency: apparent_viscosity(eta, frequency, 1.0, gap)
     )
+
+
+def test_an_error_names_the_folder(case, tmp_path):
+    (tmp_path / "config.resolved.yaml").write_text(case().resolved_yaml())
+    done = CliRunner().invoke(cli.app, ["rheometry", str(tmp_path)])
+    assert done.exit_code == 2
+    assert done.stderr.startswith(f"error: {tmp_path}: its history has no wall stress")
 
 
 def test_a_slow_oscillation_shows_the_viscosity_and_a_fast_one_the_solvent():

@@ -23,7 +23,7 @@ def render(
       tisph render runs/taylor_green --set output.video.overlay=streamlines
     """
     if not (run_dir / "config.resolved.yaml").is_file():
-        raise ConfigError(f"RUN_DIR {run_dir}: is no folder of results, it has no config.resolved.yaml")
+        raise ConfigError(f"{run_dir}: is no folder of results, it has no config.resolved.yaml")
 
     from tisph import simulation
 

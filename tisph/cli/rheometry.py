@@ -32,9 +32,12 @@ def rheometry(
         run = open_run(run_dir)
         config, history = run.config, run.history
         if config.scene != "annulus" and (config.scene != "channel" or not config.parallel):
-            raise ConfigError(f"RUN_DIR {run_dir}: is no run in a channel without bodies, or between cylinders")
+            raise ConfigError(f"{run_dir}: is no run in a channel without bodies, or between cylinders")
         scene = scenes.of(config)
-        reading = read(config, scene, {name: history[name] for name in history.dtype.names})
+        try:
+            reading = read(config, scene, {name: history[name] for name in history.dtype.names})
+        except ConfigError as error:
+            raise ConfigError(f"{run_dir}: {error}") from None
         typer.echo(f"{config.name}: {reading.title}")
         for line in reading.lines:
             typer.echo(f"  {line}")

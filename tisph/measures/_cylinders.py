@@ -20,9 +20,9 @@ def as_plane(annulus, table):
     """
     moving = [name for name in ("inner", "outer") if getattr(annulus, name).largest_speed]
     if len(moving) != 1:
-        raise ConfigError("RUN_DIR: a rheometer has one moving cylinder and one at rest")
+        raise ConfigError("a rheometer has one moving cylinder and one at rest")
     if "torque_inner_exact" not in table:
-        raise ConfigError("RUN_DIR: its history has no torques beside the exact ones: it has not ended")
+        raise ConfigError("its history has no torques beside the exact ones: it has not ended")
     radii = annulus.inner_radius, annulus.outer_radius
     own, other = radii if moving == ["inner"] else radii[::-1]
     wall = getattr(annulus, moving[0]).scaled(2 * other**2 / abs(own**2 - other**2))

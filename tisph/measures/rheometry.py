@@ -51,13 +51,13 @@ def read(config, channel, table):
         plane, wall, table = as_plane(channel, table)
         return _by_velocity(config, plane, fluid, wall, table)
     if channel.extra_series is None or "strain" not in table:
-        raise ConfigError("RUN_DIR: its history has no wall stress: it is of a Newtonian fluid, or has not ended")
+        raise ConfigError("its history has no wall stress: it is of a Newtonian fluid, or has not ended")
     fluid = spectrum(config.fluid.rheology, channel)
     if channel.driven_side is not None:
         return _creep(channel, fluid, table)
     moving = [side for side, wall in (("bottom", channel.bottom), ("top", channel.top)) if wall.largest_speed]
     if len(moving) != 1 or channel.acceleration:
-        raise ConfigError("RUN_DIR: a rheometer has one moving wall, a wall at rest and no drive")
+        raise ConfigError("a rheometer has one moving wall, a wall at rest and no drive")
     wall = getattr(channel, moving[0])
     table = _as_if_upper(table, moving[0])
     return _by_velocity(config, channel, fluid, wall, table)
@@ -134,7 +134,7 @@ def _window(t, frequency, longest):
     period = 2.0 * np.pi / frequency
     whole = (t[-1] - t[0]) / period
     if whole < 2.0 * (1.0 - 1e-9):
-        raise ConfigError(f"RUN_DIR: the run has {whole:.3g} periods of the wall; an oscillation is read from two on")
+        raise ConfigError(f"the run has {whole:.3g} periods of the wall; an oscillation is read from two on")
     late = int((t[-1] - FADED * longest) / period)
     count = min(int(whole / 2 + 1e-9), late) if late >= 1 else int(whole / 2 + 1e-9)
     first = int(np.searchsorted(t, t[-1] - count * period * (1.0 + 1e-9)))
@@ -200,7 +200,7 @@ def _creep(channel, fluid, table):
     t, sign = table["t"], 1.0 if side == "top" else -1.0
     stress = float(plate.stress(t[1] * 0.5))
     if not stress or plate.oscillates:
-        raise ConfigError("RUN_DIR: creep is read from a stress that is constant from t = 0 on, for a while")
+        raise ConfigError("creep is read from a stress that is constant from t = 0 on, for a while")
     strain = sign * table["strain"]
     exact = integral(t, table[f"wall_velocity_{side}_exact"]) / channel.gap
     end = min(plate.jump_times, default=t[-1])

@@ -9,6 +9,7 @@ import numpy as np
 
 from tisph.errors import ConfigError
 from tisph.folder import Folder
+from tisph.observers._files import readable
 from tisph.results._history import History, read
 from tisph.results._samples import Samples
 from tisph.results._summary import Summary, typed
@@ -40,7 +41,8 @@ class Results:
     @cached_property
     def summary(self) -> Summary:
         """Status, errors at each sample, numbers of the run, balance of momentum, cost, provenance."""
-        return typed(self._files.read_summary(), self.folder.name)
+        with readable(self._files.summary):
+            return typed(self._files.read_summary(), self.folder.name)
 
     @cached_property
     def samples(self) -> Samples:

@@ -80,7 +80,12 @@ class Summary:
 
 
 def typed(data: Mapping[str, Any], name: str) -> Summary:
-    """Return the contents of a ``summary.json``, of the run ``name`` where it does not say so."""
+    """Return the contents of a ``summary.json``, of the run ``name`` where it does not say so.
+
+    ValueError where it is none.
+    """
+    if not isinstance(data, dict) or "status" not in data or any("t" not in each for each in data.get("samples", [{}])):
+        raise ValueError("it is no summary of a run")
     return Summary(
         name=data.get("name", name),
         status=data["status"],

@@ -109,14 +109,15 @@ def test_a_run_ends_with_errors_forces_and_time_used(case, simulation):
     simulation.summary["samples"] = [thin, SAMPLE]
     simulation.summary["error_estimate"] = {"samples": [{"fields": {"velocity": {"error": 0.02}}}, {"fields": {}}]}
     shown = tisph_command("run", "case.yaml").stdout
-    header, _, first, second, cost = [line.split("|") for line in shown.splitlines()[:5]]
+    header, _, first, second, reason, cost = [line.split("|") for line in shown.splitlines()[:6]]
     assert [cell.strip() for cell in header[1:-1]] == ["sample", "t [s]", "L2 error", "wall shear top", "resolved"]
-    assert [cell.strip() for cell in first[2:-1]] == ["0.5", "2.0e-02 (estimate)", "0.125", "no: the layer is too thin"]
+    assert [cell.strip() for cell in first[2:-1]] == ["0.5", "2.0e-02 (estimate)", "0.125", "no"]
     assert [cell.strip() for cell in second[2:-1]] == ["2.7", "1.23e-03", "0.125", "yes"]
+    assert reason == ["sample 0 is not resolved: the layer is too thin"]
     assert cost == [
         "10 steps, 0.5 s: 0.5 s in the steps, 0.5 s compiling, 0.5 s for samples and pictures, 0.5 s importing"
     ]
-    assert shown.splitlines()[5].startswith("results in ")
+    assert shown.splitlines()[6].startswith("results in ")
 
 
 def test_where_the_flow_decays_the_error_is_over_its_reference_speed(case, simulation):

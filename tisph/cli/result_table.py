@@ -38,6 +38,8 @@ def result_text(config, scene, summary):
         texts.append(format_table(header, rows[-MOST_SAMPLES:]))
         if len(rows) > MOST_SAMPLES:
             texts.append(f"{len(rows) - MOST_SAMPLES} earlier samples are in summary.json")
+        shown = list(enumerate(samples))[-MOST_SAMPLES:]
+        texts += [f"sample {index} is not resolved: {each['reason']}" for index, each in shown if not each["resolved"]]
     return "\n".join([*texts, _time_used(summary["cost"])])
 
 
@@ -51,7 +53,7 @@ def _error(scene, sample, estimate):
 
 def _cells(sample, numbers):
     yield from ("none" if sample[name] is None else f"{sample[name]:.5g}" for name in numbers)
-    yield "yes" if sample["resolved"] else f"no: {sample['reason']}"
+    yield "yes" if sample["resolved"] else "no"
 
 
 def _time_used(cost):

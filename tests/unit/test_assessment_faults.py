@@ -134,6 +134,31 @@ def test_a_start_with_a_uniform_velocity(scene):
     assert first.value == pytest.approx(0.1, abs=2e-3)
 
 
+@pytest.mark.parametrize(("factor", "unit"), [(1000.0, "mm/s"), (100.0, "cm/s"), (1e-3, "km/s")])
+def test_velocities_in_another_unit(scene, factor, unit):
+    flows = [(factor * (start_up(HEIGHTS, t) + 10 * noise()), t) for t in (2.7, 20.0)]
+    names, first = found(scene(), *flows)
+    assert names == {"unit"}
+    assert 10**first.value == pytest.approx(factor, rel=2e-3)  # scatter of 1e-3 U
+    assert f"--unit velocity={unit}" in first.words
+
+
+def test_velocities_of_the_wrong_sign(scene):
+    names, first = found(scene(), *[(-start_up(HEIGHTS, t) + noise(), t) for t in (2.7, 20.0)])
+    assert names == {"sign"}
+    assert first.words.startswith("the velocities have the wrong sign")
+
+
+def test_another_unit_of_a_fluid_whose_flows_do_not_superpose(scene):
+    thinning = scene(
+        "fluid.rheology={type: power_law, index: 0.5, reference_rate: 0.5, least_rate: 0.001}",
+        "initial.state=developed",
+    )
+    assert not thinning.superposes
+    names, _ = found(thinning, (1000.0 * U * HEIGHTS, 20.0))
+    assert names == {"unit"}
+
+
 def test_no_fault_is_made_up(scene):
     assert found(scene(), (start_up(HEIGHTS, 2.7) + noise(), 2.7))[0] == set()
     assert found(scene(), (start_up(HEIGHTS, 2.7), 2.7))[0] == set()

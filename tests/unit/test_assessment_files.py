@@ -10,7 +10,7 @@ from assessment_case import TIME, exact, loaded
 from typer.testing import CliRunner
 
 from tisph import cli, registry
-from tisph.assessment import judge, readers
+from tisph.assessment import judge, readers, report
 from tisph.config import load
 from tisph.errors import ConfigError
 
@@ -231,6 +231,35 @@ def test_order_of_several_resolutions_and_the_way_of_the_error_in_time(tmp_path,
     found = judge.judge(config, [tmp_path / "at_1.8.csv", tmp_path / "at_2.7.csv"], question)
     assert "grows" in found.trends[0]
     assert found.samples[1].location["words"].startswith("near the top wall")
+
+
+@pytest.mark.parametrize("factor", [1000.0, -1.0])
+def test_particles_with_another_unit_or_sign_are_said_to_have_it(tmp_path, config, particles, factor):
+    csv(tmp_path / "a.csv", {**particles, "u": factor * particles["u"]})
+    found = judge.judge(config, [tmp_path / "a.csv"], judge.Question(times=(TIME,)))
+    said = [each.words for each in found.diagnoses["20 across"].explaining] + list(found.samples[0].aligned.notes)
+    assert any(("mm/s" if factor > 0 else "wrong sign") in each for each in said)
+    assert len(said) == 1
+
+
+def test_decimal_commas_between_semicolons(tmp_path, config):
+    y = (np.arange(40) + 0.5) / 40
+    lines = [f"{height:.6f};{speed:.12e}".replace(".", ",") for height, speed in zip(y, exact(y), strict=True)]
+    (tmp_path / "german.csv").write_text("\n".join(["y;u", *lines]))
+    found = judge.judge(config, [tmp_path / "german.csv"], judge.Question(times=(TIME,)))
+    assert found.samples[0].numbers["l2"] < 1e-10  # twelve digits
+    assert "40 points" in report.text(found, "case")
+
+
+def test_an_error_of_round_off_has_no_place(tmp_path, config):
+    y = (np.arange(40) + 0.5) / 40
+    for t in (1.8, 2.7):
+        csv(tmp_path / f"{t}.csv", {"y": y, "u": exact(y, t) * (1 + 1e-9 * y)})
+    found = judge.judge(config, [tmp_path / "1.8.csv", tmp_path / "2.7.csv"], judge.Question(times=(1.8, 2.7)))
+    text = report.text(found, "case")
+    assert "t = 2.7, 40 across: error as small as that of the reference, or round-off" in text
+    assert "wall (y" not in text
+    assert "from t = 1.8" not in text
 
 
 @pytest.mark.parametrize(

@@ -35,11 +35,12 @@ GOLDEN = 0.6180339887498949
 
 @dataclass(frozen=True)
 class Aligned:
-    """Data in the scene: a ``Snapshot`` with its reference, the scene with the spacing of the data, and in words how
-    they were aligned."""
+    """Data in the scene: a ``Snapshot`` with its reference, the scene with the spacing of the data, how many ``points``
+    the data have, which may be repeated along the channel in the snapshot, and in words how they were aligned."""
 
     scene: object
     snapshot: Snapshot
+    points: int
     notes: tuple[str, ...] = ()
 
     def noted(self, text):
@@ -96,9 +97,9 @@ def _tried(columns, scene, t, axes, origin):
     spacing = _spacing(columns, scene)
     reoriented = _reoriented(columns, axes, origin or (0.0, 0.0))
     low, high = reoriented["y"].min(), reoriented["y"].max()
-    notes = (
-        () if axes == ORIENTATIONS[0] else (f"x and y of the scene point along {axes[0]} and {axes[1]} of the data",)
-    )
+    mirrored = ", or the velocities have the wrong sign" if axes == ("-x", "y") else ""
+    text = f"x and y of the scene point along {axes[0]} and {axes[1]} of the data{mirrored}"
+    notes = () if axes == ORIENTATIONS[0] else (text,)
     if low < -BEYOND * spacing or high > scene.gap + BEYOND * spacing:
         if origin or abs(high - low + spacing - scene.gap) > 2 * BEYOND * spacing:
             return None
@@ -125,8 +126,10 @@ def _reoriented(columns, axes, origin):
 
 
 def _error(aligned):
-    snapshot = aligned.snapshot
-    return root_mean_square(snapshot.u - snapshot.reference["u"])
+    """Root mean square error of the velocities, in whatever unit they are: with the best factor, which is no mirror."""
+    u, exact = aligned.snapshot.u, aligned.snapshot.reference["u"]
+    size = np.sum(u**2)
+    return root_mean_square((max(np.sum(u * exact) / size, 0.0) if size else 0.0) * u - exact)
 
 
 def _spacing(columns, scene):
@@ -153,7 +156,7 @@ def _is_profile(columns):
 
 
 def _aligned(columns, scene, t, notes):
-    spacing = _spacing(columns, scene)
+    spacing, points = _spacing(columns, scene), len(columns["y"])
     if scene.parallel:
         columns, scene = _in_channel(columns, scene, spacing)
     elif abs(spacing / scene.spacing - 1) > 1e-6:
@@ -170,7 +173,7 @@ def _aligned(columns, scene, t, notes):
     exact = {name: scene.exact(name, *places, t) for name in scene.fields}
     bodies = Bodies.at(t, scene.bodies) if scene.bodies else None  # of whose forces the data say nothing
     snapshot = Snapshot(t=t, step=0, x=places[0], y=y, **known, **stresses, reference=exact, bodies=bodies)
-    return Aligned(scene, snapshot, notes)
+    return Aligned(scene, snapshot, points, notes)
 
 
 def _in_channel(columns, scene, spacing):

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
+from tisph.assessment.error_location import TOO_SMALL
 from tisph.assessment.faults import Fault, faults
 from tisph.measures.metrics import root_mean_square, velocities
 
@@ -22,9 +23,6 @@ AT_AN_END = 1e-3
 
 MOST_POINTS = 300
 """Points of a sample that a fit looks at, evenly chosen."""
-
-TOO_SMALL = 1e-9
-"""Root mean square error over U below which there is nothing to explain."""
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,9 @@ from tisph.measures.metrics import root_mean_square, velocities
 STANDS_OUT = 2.0
 """A third of the channel has the error where its root mean square is that many times those of the others."""
 
+TOO_SMALL = 1e-8
+"""Root mean square error over U below which there is nothing to explain: numerical references are exact to that."""
+
 CHANGES = 1.1
 """An error grows or falls where it changes by that factor from the first time to the last."""
 
@@ -21,6 +24,8 @@ def error_location(scene, snapshot):
     size = np.sqrt(np.square(values - exact).sum(axis=0)) / scene.reference_velocity
     index = int(np.argmax(size))
     found = {"largest": [float(snapshot.x[index]), float(snapshot.y[index])], "largest_error": float(size[index])}
+    if root_mean_square(size) < TOO_SMALL:
+        return {**found, "words": "as small as that of the reference, or round-off"}
     if not scene.parallel:
         return {**found, "words": f"largest at ({snapshot.x[index]:.4g}, {snapshot.y[index]:.4g})"}
     thirds = _thirds(snapshot.y / scene.gap, size)
@@ -60,7 +65,7 @@ def trend(samples):
 
     ``samples`` are pairs (t, rms) in the order of time.
     """
-    if len(samples) < 2 or not samples[0][1]:
+    if len(samples) < 2 or min(rms or 0.0 for _, rms in samples) < TOO_SMALL:
         return ""
     (first, before), (last, after) = samples[0], samples[-1]
     change = after / before

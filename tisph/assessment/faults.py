@@ -9,10 +9,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tisph.assessment.units import SIZES
 from tisph.geometry.motion import WallMotion
 
 HALF = 0.1
 """Spacings within which a distance is called half a spacing."""
+
+SAME_UNIT = 0.1
+"""Relative difference of a factor from that of a unit, within which it is taken for it: the error of the data."""
 
 
 @dataclass(frozen=True)
@@ -34,12 +38,41 @@ class Fault:
 
 def faults(scene, times):
     """All faults that can be asked of a ``scene`` at ``times``."""
+    found = [_unit(scene.units), _sign()]
     if scene.parallel and not scene.superposes:
-        return []
-    found = [_viscosity(), _time(scene, times)]
+        return found
+    found += [_viscosity(), _time(scene, times)]
     if scene.parallel:
         found += [*_displaced_walls(scene), *_slip(scene), *_start(scene, times)]
     return found
+
+
+def _scaled(factor):
+    """The flow of velocities that are ``factor(value)`` times those of the config."""
+    return lambda scene, value: lambda field, x, y, t: factor(value) * scene.exact(field, x, y, t)
+
+
+def _unit(units):
+    """Velocities in another unit; the parameter is the logarithm of their factor, to the base 10."""
+    sizes = SIZES["length"]
+
+    def words(value):
+        factor = 10.0**value
+        own = sizes.get(units.length, np.nan)
+        names = [name for name, size in sizes.items() if abs(factor * size / own - 1) < SAME_UNIT]
+        hint = f": they are in {names[0]}/{units.time}, --unit velocity={names[0]}/{units.time}" if names else ""
+        return f"the velocities are {factor:.4g} times those of the config{hint}"
+
+    return Fault("unit", _scaled(lambda value: 10.0**value), words, -8.0, 8.0, 0.5, (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0))
+
+
+def _sign():
+    """Velocities of the wrong sign; 1 + the parameter is their factor."""
+
+    def words(value):
+        return f"the velocities have the wrong sign: they are {1 + value:.4g} times those of the config"
+
+    return Fault("sign", _scaled(lambda value: 1 + value), words, -2.5, -1.5, 1.5, (-2.0,))
 
 
 def _viscosity():

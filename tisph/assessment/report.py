@@ -30,7 +30,7 @@ def _heading(samples, name):
         own = [each for each in samples if each.path == path]
         scene = own[0].scene
         spacing = f"{scene.spacing:.4g} {scene.units.length}"
-        lines.append(f"  {path}: {len(own[0].aligned.snapshot.u)} points, spacing {spacing}")
+        lines.append(f"  {path}: {own[0].aligned.points} points, spacing {spacing}")
         lines += [f"    {note}" for note in dict.fromkeys(note for each in own for note in each.aligned.notes)]
     return "\n".join(lines)
 
@@ -111,7 +111,7 @@ def _as_data(judgement):
     samples = [
         {
             "file": str(each.path),
-            "points": len(each.aligned.snapshot.u),
+            "points": each.aligned.points,
             "spacing": float(each.scene.spacing),
             "placed": list(each.aligned.notes),
             **each.numbers,

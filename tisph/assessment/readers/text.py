@@ -1,4 +1,7 @@
-"""Tables as text: columns separated by commas, semicolons, tabs or blanks, with or without a header."""
+"""Tables as text: columns separated by commas, semicolons, tabs or blanks, with or without a header.
+
+Where semicolons separate the columns, a comma between two digits is a decimal point.
+"""
 
 import re
 
@@ -16,6 +19,8 @@ def read(path, select=None):
     Lines that begin with ``#`` or ``%`` are comments; the last one before the numbers may be the header.
     """
     lines = [line.strip() for line in path.read_text(encoding="utf-8-sig").splitlines() if line.strip()]
+    if any(";" in line for line in lines if not line.startswith(("#", "%"))):
+        lines = [re.sub(r"(?<=\d),(?=\d)", ".", line) for line in lines]
     first = next((index for index, line in enumerate(lines) if _numbers(line)), None)
     if first is None:
         raise ConfigError(f"{path}: has no line of numbers")

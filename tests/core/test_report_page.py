@@ -1,5 +1,7 @@
 """``tisph report``: what is on the page, and what a real browser makes of it."""
 
+import base64
+import io
 import json
 import re
 import shutil
@@ -7,13 +9,16 @@ from dataclasses import replace
 from html.parser import HTMLParser
 
 import browser
+import imageio_ffmpeg
+import numpy as np
 import pytest
+from PIL import Image
 from typer.testing import CliRunner
 
 import tisph
 from tisph import cli
 from tisph.report.labels import scientific
-from tisph.results.page import report
+from tisph.results.page import movie_element, report
 from tisph.results.page.tables import Row, config, errors, estimates, measures
 from tisph.results.page.view import View
 
@@ -116,6 +121,27 @@ def test_pictures_and_movies_say_in_words_what_they_show(page):
     alternatives = [has["alt"] for tag, has in found.tags if tag == "img"]
     assert len(alternatives) == 4
     assert all(len(text) > 50 for text in alternatives)
+
+
+def test_the_still_of_a_movie_is_its_last_frame(folder):
+    (has,) = (has for tag, has in Structure(report([tisph.open(folder)])).tags if tag == "video")
+    still = Image.open(io.BytesIO(base64.b64decode(has["poster"].removeprefix("data:image/jpeg;base64,"))))
+    _, *frames = imageio_ffmpeg.read_frames(str(folder / "movie.mp4"))
+    differences = [
+        np.abs(np.asarray(still, float) - np.frombuffer(each, np.uint8).reshape(320, 640, 3)) for each in frames
+    ]
+    assert int(np.argmin([each.mean() for each in differences])) == 9
+    assert differences[9].mean() < 3.0  # levels of 255, of JPEG
+
+
+def test_a_movie_that_cannot_be_read_has_no_still(tmp_path):
+    (tmp_path / "movie.mp4").write_bytes(b"nothing")
+    assert 'poster="' not in movie_element(tmp_path / "movie.mp4", "damaged")
+
+
+def test_the_page_says_which_scheme_ran(folder):
+    words = " ".join(Structure(report([tisph.open(folder)])).words.split())
+    assert "schemeimplicit, order 4: balanced accuracy" in words.replace("scheme ", "scheme")
 
 
 def test_hostile_text_is_text(page, other):

@@ -5,22 +5,25 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tisph import schemes
 from tisph.folder import Folder
 from tisph.report.labels import number
+from tisph.report.poster import poster
 
 if TYPE_CHECKING:
     from tisph.results import Results
 
-_TYPES = {".png": "image/png", ".mp4": "video/mp4"}
+_TYPES = {".png": "image/png", ".mp4": "video/mp4", ".jpg": "image/jpeg"}
 _TIMES_NAMED = 6
 
 
 @dataclass(frozen=True)
 class Element:
-    """A picture or a movie: all of its file as a ``data:`` address, and what is to be seen, in words."""
+    """A picture or a movie: all of its file as a ``data:`` address, what is to be seen, in words, and a still of it."""
 
     address: str
     words: str
+    poster: str | None = None
 
 
 @dataclass(frozen=True)
@@ -72,13 +75,18 @@ def element(path: Path, words: str) -> Element | None:
     """Return the picture or movie in ``path``, None where there is no such file."""
     if not path.is_file():
         return None
-    return Element(f"data:{_TYPES[path.suffix]};base64,{b64encode(path.read_bytes()).decode()}", words)
+    still = poster(path) if path.suffix == ".mp4" else None
+    return Element(_address(path.suffix, path.read_bytes()), words, _address(".jpg", still) if still else None)
+
+
+def _address(suffix: str, content: bytes) -> str:
+    return f"data:{_TYPES[suffix]};base64,{b64encode(content).decode()}"
 
 
 def _facts(run: "Results") -> list[tuple[str, str]]:
     """What the flow is, as ``tisph check`` says it, and what it was computed with."""
-    numbers, scheme = run.summary.numbers, run.config.scheme.model_dump()
-    facts = [*run._scene.parameters(), ("scene", run.config.scene), ("scheme", scheme["type"])]
+    numbers = run.summary.numbers
+    facts = [*run._scene.parameters(), ("scene", run.config.scene), ("scheme", schemes.resolve(run.config)[1])]
     if "particles_fluid" in numbers:
         facts.append(("particles", str(numbers["particles_fluid"])))
     units = run.config.units

@@ -114,9 +114,7 @@ def test_a_run_ends_with_errors_forces_and_time_used(case, simulation):
     assert [cell.strip() for cell in first[2:-1]] == ["0.5", "2.0e-02 (estimate)", "0.125", "no"]
     assert [cell.strip() for cell in second[2:-1]] == ["2.7", "1.23e-03", "0.125", "yes"]
     assert reason == ["sample 0 is not resolved: the layer is too thin"]
-    assert cost == [
-        "10 steps, 0.5 s: 0.5 s in the steps, 0.5 s compiling, 0.5 s for samples and pictures, 0.5 s importing"
-    ]
+    assert cost == ["10 steps, 0.5 s: 0.5 s in the steps, 0.5 s compiling, 0.5 s for output, 0.5 s getting ready"]
     assert shown.splitlines()[6].startswith("results in ")
 
 

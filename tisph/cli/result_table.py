@@ -8,8 +8,8 @@ FORCES = ("drag", "lift", "torque", "wall_shear")
 PARTS = {
     "loop": "in the steps",
     "compile": "compiling",
-    "output": "for samples and pictures",
-    "import": "importing",
+    "output": "for output",
+    "import": "getting ready",
 }
 """Parts of the cost in ``summary.json``, and what they are called."""
 

@@ -48,16 +48,16 @@ def run(
 ) -> None:
     """Run a config and leave its results in DIR.
 
-      It ends with a table of errors and forces at the samples, the time used, and the files.
+    It ends with a table of errors and forces at the samples, the time used, and the files.
 
-      \b
-      Examples:
-        tisph run configs/couette.yaml
-        tisph run configs/couette.yaml --out runs/fine --set discretisation.particles_across=100
-        tisph run configs/couette.yaml --no-video --overwrite
-        tisph run configs/couette.yaml --resume
-        tisph run configs/shear_layer.yaml --estimate-error
-    tisph run configs/couette.yaml --quiet --json > couette.json
+    \b
+    Examples:
+      tisph run configs/couette.yaml
+      tisph run configs/couette.yaml --out runs/fine --set discretisation.particles_across=100
+      tisph run configs/couette.yaml --no-video --overwrite
+      tisph run configs/couette.yaml --resume
+      tisph run configs/shear_layer.yaml --estimate-error
+      tisph run configs/couette.yaml --quiet --json > couette.json
     """
     with held_back():
         from tisph.config import load

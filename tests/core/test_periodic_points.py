@@ -40,6 +40,6 @@ def test_neighbours_are_those_of_brute_force(columns, rows):
 
 
 @pytest.mark.parametrize(("columns", "rows", "axis"), [(6, 20, "x"), (20, 6, "y")])
-def test_a_period_of_two_cells_is_refused(columns, rows, axis):
-    with pytest.raises(ValueError, match=f"2 cells along {axis}"):
+def test_a_period_of_too_few_cells_is_refused(columns, rows, axis):
+    with pytest.raises(ValueError, match=f"6 cells along {axis}"):
         box(columns, rows)

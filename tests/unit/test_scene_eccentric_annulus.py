@@ -29,7 +29,7 @@ discretisation: {particles_across: 16}
 time: {end: 0.5}
 """
 TIMES = np.linspace(0.0, 0.5, 101)
-STEADY = np.full((101, 1), 0.03)
+STEADY = np.full((101, 5), 0.03)
 SWINGING = "walls.outer={amplitude: 0.1, angular_frequency: 3.0}"
 
 

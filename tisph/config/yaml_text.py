@@ -98,7 +98,7 @@ def _plain_events(events: Iterable[Event]) -> Iterator[Event]:
 def _decimal_comma(data: dict[str, Any], node: Node, key: Any) -> str:
     """Return a remark where the number ``key`` of ``node`` stands after that of ``data``, as in {gap: 1,0}."""
     name, before = next(reversed(data.items()), ("", None))
-    if not isinstance(key, int | float) or type(before) is not int:
+    if not isinstance(key, int | float) or type(before) is not int or not name.isprintable():
         return ""
     return f"; a decimal comma? write {name}: {before}.{node.value}"
 

@@ -33,24 +33,26 @@ def steady_since(times, values, sizes):
     return float(times[first]) if quiet else None
 
 
-def steadiness(scene, t, series):
+def steadiness(scene, t, series, column=0, words="kinetic energy"):
     """Return ``energy_change``, ``steady`` and ``steady_reason`` (None where it is) at time ``t``, by name.
 
     The first is the relative change of the kinetic energy in a ``_moment``: the slope of a straight line through what
-    was followed in the last ``SPAN`` of them. ``series`` is that of ``Scene.diagnostics``.
+    was followed in the last ``SPAN`` of them. ``series`` is that of ``Scene.diagnostics``; another ``column`` of it
+    than the first, the last of the ``words``, has its own name, such as ``torque_change``.
     """
+    key = f"{words.split()[-1]}_change"
     step = _moment(scene)
-    times, energies = series[2] if len(series) > 2 else (np.empty(0), np.empty((0, 1)))
+    times, series_values = series[2] if len(series) > 2 else (np.empty(0), np.empty((0, 1)))
     if t < scene.start_time + SPAN * step:
-        return _unsteady(f"the flow has run for less than {SPAN * step:.3g}")
+        return _unsteady(key, f"the flow has run for less than {SPAN * step:.3g}")
     recent = (times >= t - SPAN * step) & (times <= t)
     if np.count_nonzero(recent) < 3:
-        return _unsteady("the history has too few times")
-    energy = energies[recent, 0]
-    change = float(abs(np.polyfit(times[recent] / step, energy, 1)[0]) / np.mean(energy))
-    if change > STEADY:
-        return _unsteady(f"the kinetic energy changes by {change:.1e} in a time of {step:.3g}", change)
-    return {"energy_change": change, "steady": True, "steady_reason": None}
+        return _unsteady(key, "the history has too few times")
+    values = series_values[recent, column]
+    change = float(abs(np.polyfit(times[recent] / step, values, 1)[0] / np.mean(values)))
+    if not change <= STEADY:
+        return _unsteady(key, f"the {words} changes by {change:.1e} in a time of {step:.3g}", change)
+    return {key: change, "steady": True, "steady_reason": None}
 
 
 def _moment(scene):
@@ -58,5 +60,5 @@ def _moment(scene):
     return min(scene.reference_length / scene.reference_velocity, 0.2 * scene.viscous_time)
 
 
-def _unsteady(reason, change=None):
-    return {"energy_change": change, "steady": False, "steady_reason": reason}
+def _unsteady(key, reason, change=None):
+    return {key: change, "steady": False, "steady_reason": reason}

@@ -104,7 +104,8 @@ class Scene(Cylinders):
         ``l2_pressure``: sqrt(sum (p-p_exact)^2 / sum p_exact^2), p - p_exact less its mean. Further
         ``kinetic_energy`` per mass, and ``_two_dimensional.diagnostics``.
         """
-        state = steadiness(self, snapshot.t, series)
+        # of the torque, since a mean over the particles scatters as they move on
+        state = steadiness(self, snapshot.t, series, 1, "inner torque")
         known = state["steady"] and self._creeps
         return {
             **dict(zip(LOADS, _loads(snapshot), strict=True)),

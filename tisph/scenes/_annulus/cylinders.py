@@ -101,9 +101,9 @@ class Cylinders(BodyScene):
                 depth = math.sqrt(spreading_viscosity(self, since) * since)
                 layers.append((depth, f"the layer at the {name} cylinder"))
             if wall.oscillates:
-                still = (
-                    self.kinematic_viscosity if self.polymer else spreading_viscosity(self, 1 / wall.angular_frequency)
-                )
+                still = self.kinematic_viscosity
+                if self.rheology and not self.polymer and wall.angular_frequency:
+                    still = spreading_viscosity(self, 1 / wall.angular_frequency)
                 depth = 0.5 * wall.penetration_depth(still)
                 layers.append((depth, f"the layer at the oscillating {name} cylinder"))
         return min(layers, default=(math.inf, ""))

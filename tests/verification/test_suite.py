@@ -36,7 +36,7 @@ LONG = (
 walls, and lattice bounds the error at 50 across of the wall that moves. The vortex of 50 across has the same bounds in
 tests/core/test_splitting.py, its order too, and taylor_green_25 is a row of it. What walls of any shape cost 12 and 25
 across is in tests/core/test_curved_walls.py and annulus_25, eccentric cylinders in
-tests/core/test_eccentric_annulus.py; the steady flow under a regular lid and the sharp lid are
+tests/core/test_eccentric_cylinders.py; the steady flow under a regular lid and the sharp lid are
 in tests/core/test_cavity.py; a coarser cylinder is held in shear in tests/core/test_bodies_in_flow.py, to the same
 stress of the walls; between the same cylinders a Giesekus fluid starts in
 tests/core/test_polymer_in_two_dimensions.py.

@@ -16,8 +16,12 @@ SPAN = 5.0
 """Times ``_moment`` that are looked back."""
 
 STEADY = 3e-4
-"""Relative change of the kinetic energy in such a time, below which a flow is called steady. The mean over particles
-scatters by 1e-3 at 25 x 25, its slope over ``SPAN`` by some 1e-4."""
+"""Relative change of the kinetic energy in such a time, below which a flow is called steady."""
+
+SCATTER = 6.0
+"""Standard errors of the slope, were its values independent, up to which it may be scatter: three, since those that
+follow one another are not. Means over particles scatter by 2e-3 in a cavity of 25 x 25, slopes over ``SPAN`` by 2.5e-4,
+and every fourth time was called unsteady."""
 
 
 def steady_since(times, values, sizes):
@@ -48,9 +52,11 @@ def steadiness(scene, t, series, column=0, words="kinetic energy"):
     recent = (times >= t - SPAN * step) & (times <= t)
     if np.count_nonzero(recent) < 3:
         return _unsteady(key, "the history has too few times")
-    values = series_values[recent, column]
-    change = float(abs(np.polyfit(times[recent] / step, values, 1)[0] / np.mean(values)))
-    if not change <= STEADY:
+    when, values = times[recent] / step, series_values[recent, column]
+    mean = np.mean(values)
+    change = float(abs(np.polyfit(when, values, 1)[0] / mean))
+    scatter = np.std(values - np.polyval(np.polyfit(when, values, 2), when)) / abs(mean)
+    if not change <= max(STEADY, SCATTER * scatter / (np.std(when) * np.sqrt(len(when)))):
         return _unsteady(key, f"the {words} changes by {change:.1e} in a time of {step:.3g}", change)
     return {key: change, "steady": True, "steady_reason": None}
 

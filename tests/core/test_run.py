@@ -249,8 +249,8 @@ def test_render_makes_another_movie_of_the_same_frames(tisph, copied):
     ("text", "message"),
     [
         ("time.end=3.0", "--set time.end=3.0: a finished run is drawn again with other output.video.KEY only"),
-        ("output.video.frames=9", "KEY: fps, width, height, renderer, color_by, overlay"),
-        ("output.video.overlay=arrow", "output.video.overlay = \"arrow\": must be 'none', 'vectors' or 'streamlines'"),
+        ("output.video.frames=9", "KEY: fps, width, height, renderer, color_by, limits"),
+        ("output.video.overlay=arrow", "must be 'none', 'vectors', 'streamlines' or 'tracks'"),
     ],
 )
 def test_render_refuses_what_a_finished_run_cannot_show(tisph, copied, text, message):

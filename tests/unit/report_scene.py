@@ -4,6 +4,9 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from tisph.config.video import Video
+from tisph.report.movie import Movie, _Ranges
+from tisph.report.quantities import quantity
 from tisph.scenes._motion import WallMotion
 from tisph.scenes.annulus import Annulus
 from tisph.scenes.channel import Channel
@@ -12,8 +15,45 @@ from tisph.snapshot import Snapshot
 END = 20.0
 
 
-def make_video(width=480, height=240, color_by="speed", overlay="none") -> SimpleNamespace:
-    return SimpleNamespace(fps=25, width=width, height=height, color_by=color_by, overlay=overlay)
+def make_video(width=480, height=240, color_by="speed", overlay="none", **more) -> SimpleNamespace:
+    changes = {"fps": 25, "width": width, "height": height, "color_by": color_by, "overlay": overlay, **more}
+    return SimpleNamespace(**vars(Video()) | changes)
+
+
+class Drawn:
+    """The frames of a movie, without its file."""
+
+    def __init__(self, scene, video, title="test", end=END):
+        self.scene, self.movie = scene, Movie("unused.mp4", scene, video, title, end)
+
+    @property
+    def renderer(self):
+        return self.movie._renderer
+
+    @property
+    def layout(self):
+        return self.renderer.layout
+
+    @property
+    def quantity(self):
+        return self.renderer.quantity
+
+    @property
+    def disc_radius(self):
+        return self.renderer._fluid.disc_radius
+
+    def render(self, snapshot):
+        """Where no reference tells the ranges, those of the first snapshot hold."""
+        if not self.renderer:
+            ranges = _Ranges()
+            ranges.add(self.movie._measured(snapshot))
+            self.movie._renderer = self.movie._new_renderer(ranges)
+        return self.movie.frame(snapshot)
+
+
+def shown(name, scene, end, limits="auto"):
+    """What a movie coloured by ``name`` shows."""
+    return quantity(scene.movie_view(name, end), scene, limits)
 
 
 VIDEO = make_video()

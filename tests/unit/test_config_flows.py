@@ -141,9 +141,9 @@ BAD = [
     (
         ["output.video={color_by: shear_stress}"],
         'output.video.color_by = "shear_stress"',
-        "such as oldroyd_b; newtonian has none",
+        "must be 'speed', 'u', 'error' or 'dye'",
     ),
-    (["output.video={color_by: pressure}"], 'output.video.color_by = "pressure"', "must be 'speed' or 'shear_stress'"),
+    (["output.video={color_by: pressure}"], 'output.video.color_by = "pressure"', "must be 'speed', 'u',"),
     (["fluid.rheology={type: oldroyd_b, solvent_fraction: 0.1}"], "fluid.rheology.relaxation_time", "is missing"),
     (["fluid.rheology={type: oldroyd_b, relaxation_time: 1}"], "fluid.rheology.solvent_fraction", "is missing"),
     ([POLYMER, "fluid.rheology.relaxation_time=0"], "fluid.rheology.relaxation_time = 0", "must be greater than 0"),

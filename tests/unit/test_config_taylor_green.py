@@ -69,8 +69,11 @@ BAD = [
     ("discretisation={spacing: 0.2}", ["at least 10 particles must fit across the period (spacing at most 0.1)"]),
     ("geometry.cells=[1000, 1000]", ["makes 4e+08 particles", "at most 20000000 particles are allowed"]),
     ("time.samples=[0.5, 2.5]", ["time.samples.1 = 2.5: must be inside the run, 0 to 2"]),
-    ("output.video.color_by=shear_stress", ["must be 'speed', 'vorticity' or 'pressure'"]),
-    ("output.video.color_by=vorticty", ["must be 'speed', 'vorticity' or 'pressure'; nearest: vorticity"]),
+    (
+        "output.video.color_by=conformation_trace",
+        ["must be 'speed', 'u', 'v', 'vorticity', 'pressure', 'shear_stress',"],
+    ),
+    ("output.video.color_by=vorticty", ["'error' or 'dye'; nearest: vorticity"]),
 ]
 
 

@@ -1,10 +1,9 @@
 import numpy as np
 import pytest
-from report_scene import END, make_channel, make_snapshot, make_video, particles
+from report_scene import END, Drawn, make_channel, make_snapshot, make_video, particles
 
 from tisph.report import style
 from tisph.report.drive_labels import DriveLabel, wall_labels
-from tisph.report.frame import FrameRenderer
 from tisph.scenes._motion import WallMotion
 
 VIDEO = make_video(960, 480)
@@ -13,7 +12,7 @@ DEVELOPED = {"initial_state": "developed"}
 
 
 def renderer_of(**changes):
-    return FrameRenderer(make_channel(**{"top": WallMotion(0.0), **changes}), VIDEO, "test", END)
+    return Drawn(make_channel(**{"top": WallMotion(0.0), **changes}), VIDEO, "test", END)
 
 
 def frame_at(renderer, t):
@@ -62,7 +61,8 @@ def test_only_a_wall_that_oscillates_changes_with_time():
     one, other = (renderer.render(make_snapshot(renderer.scene, t, slip=0.1 * t)).copy() for t in (0.5, 1.5))
     changed = np.any(one != other, axis=2)
     assert changed[layout.wall("bottom").slices].any()
-    for part in (layout.wall("bottom"), layout.box, layout.profile, layout.time_label, layout.error_label):
+    labels = layout.time_label, layout.error_label
+    for part in (layout.wall("bottom"), layout.box, layout.profile, layout.series, *labels):
         changed[part.slices] = False
     assert not changed.any()
 
@@ -76,7 +76,7 @@ def test_stopped_wall_is_light_without_arrows_and_says_what_it_did():
     behind = frame[label.box.slices]
     assert (behind[:, :, 0] < 90).any()  # words on the plain colour of the wall, without hatching
     corner = behind[:3, :3]
-    assert np.all(corner == style.rgb(style.WALL_RESTING).astype(np.uint8))
+    assert np.all(corner == style.rgb(style.LIGHT.wall_resting).astype(np.uint8))
 
 
 def test_words_beside_a_short_wall_stand_on_white():

@@ -3,12 +3,11 @@ import warnings
 import matplotlib
 import numpy as np
 import pytest
-from report_scene import END, make_channel, make_snapshot, make_video, particles
+from report_scene import END, Drawn, make_channel, make_snapshot, make_video, particles
 
 from tisph.measures.metrics import relative_error
 from tisph.report import style
 from tisph.report.error_label import error_label
-from tisph.report.frame import FrameRenderer
 from tisph.scenes._motion import WallMotion
 
 WIDTH, HEIGHT = 960, 480
@@ -18,7 +17,7 @@ LINEAR = {"initial_state": "developed"}
 
 @pytest.fixture(scope="module")
 def renderer():
-    return FrameRenderer(make_channel(**LINEAR), VIDEO, "test", END)
+    return Drawn(make_channel(**LINEAR), VIDEO, "test", END)
 
 
 def pixel(renderer, x, y):
@@ -59,7 +58,7 @@ def test_two_snapshots_differ_only_where_something_moves(renderer):
     channel, layout = renderer.scene, renderer.layout
     early, late = make_snapshot(channel, 1.0), make_snapshot(channel, 20.0, slip=0.1)
     changed = np.any(renderer.render(early).copy() != renderer.render(late), axis=2)
-    for part in (layout.box, layout.profile, layout.time_label, layout.error_label):
+    for part in (layout.box, layout.profile, layout.series, layout.time_label, layout.error_label):
         assert changed[part.slices].any()
         changed[part.slices] = False
     assert not changed.any()
@@ -94,7 +93,7 @@ def test_a_periodic_edge_shows_both_parts_of_a_disc(renderer):
     middle = panel.shape[0] // 2
     assert panel[middle, 0, 0] < 100
     assert panel[middle, -1, 0] < 100
-    long = FrameRenderer(make_channel(length=0.1), VIDEO, "test", END)
+    long = Drawn(make_channel(length=0.1), VIDEO, "test", END)
     panel = long.render(particles(long.scene, 1.0, [0.0], [0.005], [0.0]))[long.layout.box.slices]
     assert panel[panel.shape[0] // 2, 0, 0] < 100
     assert panel[panel.shape[0] // 2, -1, 0] == 255
@@ -102,7 +101,7 @@ def test_a_periodic_edge_shows_both_parts_of_a_disc(renderer):
 
 @pytest.mark.parametrize("velocity", [0.005, -0.005])
 def test_arrows_show_the_motion_of_walls(velocity):
-    renderer = FrameRenderer(make_channel(top=WallMotion(velocity)), VIDEO, "test", END)
+    renderer = Drawn(make_channel(top=WallMotion(velocity)), VIDEO, "test", END)
     frame = renderer.render(make_snapshot(renderer.scene, 1.0))
     layout, rect = renderer.layout, renderer.layout.box
     wall = frame[rect.top - layout.wall_thickness + 2 : rect.top - 2, rect.left : rect.left + rect.width // 3, 0]
@@ -126,7 +125,7 @@ def test_particles_gone_wrong_do_not_stop_the_picture(renderer):
 
 def test_user_settings_of_matplotlib_do_not_reach_the_picture(renderer):
     with matplotlib.rc_context({"font.size": 30, "axes.facecolor": "black", "figure.facecolor": "black"}):
-        other = FrameRenderer(renderer.scene, VIDEO, "test", END)
+        other = Drawn(renderer.scene, VIDEO, "test", END)
     snapshot = make_snapshot(renderer.scene, 1.0)
     assert np.array_equal(other.render(snapshot), renderer.render(snapshot))
 

@@ -4,15 +4,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from matplotlib.text import Text
-from report_scene import END, make_channel, make_polymer_channel, make_snapshot, make_video
+from report_scene import END, Drawn, make_channel, make_polymer_channel, make_snapshot, make_video, shown
 
 from tisph.report import style
 from tisph.report.background import build_figure
 from tisph.report.drive_labels import DriveLabel, wall_labels
-from tisph.report.frame import FrameRenderer
 from tisph.report.layout import arrange
-from tisph.report.quantities import quantity
 from tisph.report.text import text_width
+from tisph.report.time_panel import TimePanel
 from tisph.scenes._motion import WallMotion
 
 RATIOS = [0.3, 0.5, 1.0, 2.0, 4.0, 10.0, 20.0]
@@ -23,7 +22,7 @@ SIZES = [(1280, 640), (1920, 1080), (640, 480), (480, 960), (2000, 400)]
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_parts_lie_inside_the_frame_and_apart(ratio, size):
     layout = arrange(make_channel(gap=1.0, length=ratio), *size)
-    parts = [layout.box, layout.profile, layout.colour_bar, layout.time_label, layout.error_label]
+    parts = [layout.box, layout.profile, layout.series, layout.colour_bar, layout.time_label, layout.error_label]
     for part in parts:
         assert 0 <= part.left < part.right <= size[0]
         assert 0 <= part.top < part.bottom <= size[1]
@@ -76,8 +75,9 @@ FLOWS = {
 
 def boxes_of(channel, layout, color_by):
     """All texts of a frame with their places, from the lower left corner as in matplotlib."""
+    panel = TimePanel(channel, layout, channel.movie_series(), END)
     with style.plot_style():
-        figure = build_figure(channel, layout, quantity(color_by, channel, END), "a-name-of-64-characters" * 3)
+        figure = build_figure(channel, layout, "a-name-of-64-characters" * 3, shown(color_by, channel, END), panel)
         figure.draw_without_rendering()
         boxes = [(text.get_text(), text.get_window_extent()) for text in visible_texts(figure)]
     places = {"time": layout.time_label, "error": layout.error_label}
@@ -135,6 +135,6 @@ def test_words_on_walls_and_of_the_drive_fit_their_places(ratio, flow):
 @pytest.mark.parametrize("size", [(240, 240), (240, 1200), (1200, 240)])
 def test_small_and_odd_shaped_frames_can_be_drawn(size):
     channel = make_channel(rows=6)
-    frame = FrameRenderer(channel, make_video(*size), "extreme", END).render(make_snapshot(channel, 1.0))
+    frame = Drawn(channel, make_video(*size), "extreme", END).render(make_snapshot(channel, 1.0))
     assert frame.shape == (size[1], size[0], 3)
     assert np.all(frame[0, 0] == 255)

@@ -135,7 +135,7 @@ def shown(count, value):
     place = points([20.3] * count + [30.0], [15.6] * count + [20.0])
     total, full = Discs(6.0, SHAPE).sums(place, np.array([value] * count + [0.9]), periodic=(False, False))
     panel = np.zeros((*SHAPE, 4), dtype=np.uint8)
-    Shades(ramp).fill(panel, total, full)
+    Shades(ramp, np.ones(3)).fill(panel, total, full)
     return panel[:, :, :3].astype(float), total, full
 
 

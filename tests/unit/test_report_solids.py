@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from report_scene import make_annulus, make_video
+from report_scene import Drawn, make_annulus, make_video
 
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
@@ -13,7 +13,6 @@ from tisph.geometry.line import Line
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.polygon import Polygon
 from tisph.report import style
-from tisph.report.frame import FrameRenderer
 from tisph.report.layout import arrange
 from tisph.report.solids import Solids
 from tisph.simulation.start import start_snapshot, start_values
@@ -72,7 +71,7 @@ def test_a_cylinder_around_the_fluid_is_all_that_is_not_inside():
     layout, painted, panel = paint(make_scene(body, periodic=False))
     assert layout.low[0] < -1.0 < 1.0 < layout.high[0]  # a rim is in sight
     assert drawn_as(body, layout, painted, 0.0)
-    assert np.all(panel[0, 0] == style.rgb(style.SOLID))
+    assert np.all(panel[0, 0] == style.rgb(style.LIGHT.solid))
 
 
 def spoke_angle(body, time, nearest, farthest):
@@ -119,11 +118,11 @@ def test_frames_of_the_annulus_have_fluid_between_the_cylinders(annulus):
     initial = SimpleNamespace(seed=0, jitter=0.2)
     snapshot = start_snapshot(annulus, start_values(annulus, initial), "f64")
     for name in ("speed", "vorticity"):
-        renderer = FrameRenderer(annulus, make_video(640, 320, name), "annulus", 10.0)
+        renderer = Drawn(annulus, make_video(640, 320, name), "annulus", 10.0)
         box = renderer.render(snapshot)[renderer.layout.box.slices]
         x, y = positions(renderer.layout)
         radius = np.hypot(x - 3.0, y + 1.0)
-        solid = np.all(box == style.rgb(style.SOLID), axis=2)
+        solid = np.all(box == style.rgb(style.LIGHT.solid), axis=2)
         wide = 3 / renderer.layout.pixels_per_length
         assert not solid[(radius > 1.0 + wide) & (radius < 2.0 - wide)].any()
         assert solid[radius > 2.2].all()  # the corners, beyond any mark

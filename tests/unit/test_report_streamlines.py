@@ -5,9 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from report_scene import END, make_annulus, make_channel, make_snapshot, make_video
+from report_scene import END, Drawn, make_annulus, make_channel, make_snapshot, make_video
 
-from tisph.report.frame import FrameRenderer
 from tisph.report.layout import arrange
 from tisph.report.streamlines import Streamlines
 from tisph.simulation.start import start_snapshot, start_values
@@ -78,7 +77,7 @@ def test_lines_between_cylinders_are_circles_and_none_is_within_a_body(annulus):
 
 def test_streamlines_cover_the_fluid_and_not_the_bodies(annulus):
     scene, snapshot = annulus
-    plain, lined = (FrameRenderer(scene, make_video(overlay=each), "", END) for each in ("none", "streamlines"))
+    plain, lined = (Drawn(scene, make_video(overlay=each), "", END) for each in ("none", "streamlines"))
     changed = np.any(lined.render(snapshot) != plain.render(snapshot), axis=2)[plain.layout.box.slices]
     rows, columns = np.mgrid[: changed.shape[0], : changed.shape[1]] + 0.5
     radius = np.hypot(columns - changed.shape[1] / 2, rows - changed.shape[0] / 2) / plain.layout.pixels_per_length
@@ -89,7 +88,7 @@ def test_streamlines_cover_the_fluid_and_not_the_bodies(annulus):
 
 def test_fluid_at_rest_and_a_run_that_went_wrong_have_no_lines():
     channel = make_channel()
-    plain, lined = (FrameRenderer(channel, make_video(overlay=each), "", END) for each in ("none", "streamlines"))
+    plain, lined = (Drawn(channel, make_video(overlay=each), "", END) for each in ("none", "streamlines"))
     snapshot = make_snapshot(channel, 5.0)
     assert not np.array_equal(lined.render(snapshot), plain.render(snapshot))
     snapshot.u[3] = np.nan

@@ -5,11 +5,10 @@ from dataclasses import replace
 import matplotlib
 import numpy as np
 import pytest
-from report_scene import END, make_channel, make_polymer_channel, make_snapshot, make_video, particles
+from report_scene import END, Drawn, make_channel, make_polymer_channel, make_snapshot, make_video, particles
 
 from tisph.report import style
 from tisph.report.error_label import error_label
-from tisph.report.frame import FrameRenderer
 from tisph.scenes._motion import WallMotion
 
 VIDEO = make_video(960, 480, color_by="shear_stress")
@@ -20,7 +19,7 @@ DEVELOPED = {"initial_state": "developed"}
 
 @pytest.fixture(scope="module")
 def renderer():
-    return FrameRenderer(make_polymer_channel(), VIDEO, "test", END)
+    return Drawn(make_polymer_channel(), VIDEO, "test", END)
 
 
 def with_stress(channel, stress):

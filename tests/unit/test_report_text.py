@@ -45,7 +45,7 @@ def test_text_stands_at_its_side_of_the_box():
     centres = {}
     for side in ("left", "middle", "right"):
         frame = np.full((40, 200, 3), 255, dtype=np.uint8)
-        paint_text(frame, Rect(20, 5, 150, 30), "word", 14, side)
+        paint_text(frame, Rect(20, 5, 150, 30), "word", 14, side, "#000000")
         columns = np.flatnonzero(frame[:, :, 0].min(axis=0) < 128)
         assert 20 <= columns[0] <= columns[-1] < 170
         centres[side] = columns.mean()

@@ -4,9 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from report_scene import END, make_channel, make_snapshot, make_video
+from report_scene import END, Drawn, make_channel, make_snapshot, make_video
 
-from tisph.report.frame import FrameRenderer
 from tisph.report.layout import arrange
 from tisph.report.vectors import Vectors
 from tisph.snapshot import Snapshot
@@ -31,7 +30,7 @@ def paint(u, v, keep=lambda x, y: True):
 def arrow(u, v):
     """Return the ink of one arrow, of those on an even grid, around its middle."""
     ink = paint(u, v)
-    count = int(LAYOUT.box.width / (30 * LAYOUT.scale))
+    count = int(LAYOUT.box.width / (40 * LAYOUT.scale))
     middle, half = (np.array([4.5, 4.5]) / count * LAYOUT.box.width).astype(int), LAYOUT.box.width // count // 2
     return ink[middle[1] - half : middle[1] + half, middle[0] - half : middle[0] + half]
 
@@ -47,8 +46,8 @@ def test_arrows_point_where_the_fluid_goes(way):
 
 
 def test_arrow_lengths_are_proportional_to_velocity_and_limited():
-    pitch = 30 * LAYOUT.scale
-    for speed, expected in ((1.0, 0.5 * pitch), (1.6, 0.8 * pitch), (0.1, 0.0)):
+    pitch = 40 * LAYOUT.scale
+    for speed, expected in ((0.5, 0.375 * pitch), (1.0, 0.75 * pitch), (0.05, 0.0)):
         ink = arrow(speed, 0.0)
         assert np.count_nonzero(ink.max(axis=0) > 0.3) == pytest.approx(expected, abs=2)  # a pixel at either end
     assert np.array_equal(paint(3.0, 0.0), paint(30.0, 0.0))
@@ -58,14 +57,14 @@ def test_there_are_no_arrows_where_there_are_no_particles():
     ink = paint(0.0, 1.0, keep=lambda x, y: np.hypot(x - 0.5, y - 0.5) > 0.3)
     rows, columns = (np.mgrid[: ink.shape[0], : ink.shape[1]] + 0.5) / LAYOUT.pixels_per_length
     away = np.hypot(columns - 0.5, rows - 0.5)
-    reach = (1.2 + 0.5) / 40 + 0.5 * 0.5 * 30 * LAYOUT.scale / LAYOUT.pixels_per_length  # of one beside it
+    reach = (1.2 + 0.5) / 40 + 0.5 * 0.75 * 40 * LAYOUT.scale / LAYOUT.pixels_per_length  # of one beside it
     assert not ink[away < 0.3 - reach].any()
     assert ink[away > 0.35].any()
 
 
 def test_a_run_that_went_wrong_and_one_without_arrows_get_their_pictures():
     channel = make_channel()
-    plain, arrows = (FrameRenderer(channel, make_video(overlay=each), "", END) for each in ("none", "vectors"))
+    plain, arrows = (Drawn(channel, make_video(overlay=each), "", END) for each in ("none", "vectors"))
     snapshot = make_snapshot(channel, 5.0)
     before = plain.render(snapshot).copy()
     assert not np.array_equal(arrows.render(snapshot), before)

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from report_scene import make_video
+from report_scene import Drawn, make_video
 
 from tisph import scenes
 from tisph.config import load
@@ -18,7 +18,6 @@ from tisph.measures.resolution import resolution
 from tisph.measures.steady import steadiness, steady_since
 from tisph.observers.samples import Samples, read_samples
 from tisph.report.error_label import error_label
-from tisph.report.frame import FrameRenderer
 from tisph.report.profiles import profile_figure
 from tisph.scenes._cell.scene import Cell
 from tisph.scenes.channel import Channel
@@ -253,8 +252,9 @@ def test_narrow_gaps_and_small_radii_are_not_resolved(tmp_path):
         legend = profile_figure(scene, [snapshot]).legends[0]
         assert ("unresolved" in legend.texts[0].get_text()) == bool(words)
         video = make_video(640, 320)
-        renderer = FrameRenderer(scene, video, "gap", 10.0)
-        label = renderer.render(snapshot)[renderer.layout.error_label.slices]
+        renderer = Drawn(scene, video, "gap", 10.0)
+        picture = renderer.render(snapshot)
+        label = picture[renderer.layout.error_label.slices]
         assert (label < 128).any() == bool(words)
         assert not (label[:, :3] < 250).any()  # all of it has room
 

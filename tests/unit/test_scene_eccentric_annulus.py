@@ -6,13 +6,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from report_scene import Drawn, make_video
 
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.geometry.gaps import smallest_gap
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import resolution
-from tisph.report.frame import FrameRenderer
 from tisph.report.history import history_figure
 from tisph.report.profiles import profile_figure
 from tisph.scenes.eccentric_annulus import LOADS, Scene
@@ -164,8 +164,8 @@ def test_the_profile_crosses_both_gaps_and_the_inner_cylinder(case):
 def test_pictures_are_drawn(case, colour):
     scene = case()
     snapshot = stokes_snapshot(scene)
-    video = SimpleNamespace(fps=25, width=640, height=320, color_by=colour, overlay="streamlines")
-    frame = FrameRenderer(scene, video, "bearing", 0.5).render(snapshot)
+    video = make_video(640, 320, colour, "streamlines")
+    frame = Drawn(scene, video, "bearing", 0.5).render(snapshot)
     assert len(np.unique(frame.reshape(-1, 3), axis=0)) > 50
     series = scene.time_series()
     values = series.measure(snapshot)

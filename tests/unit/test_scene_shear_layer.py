@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from PIL import Image
-from report_scene import make_video
+from report_scene import Drawn, make_video
 
 from tisph.config import load
 from tisph.errors import ConfigError
@@ -13,7 +13,6 @@ from tisph.measures.metrics import sample_metrics
 from tisph.observers.history import History, read_history
 from tisph.observers.samples import Samples, read_samples
 from tisph.report.error_label import error_label
-from tisph.report.frame import FrameRenderer
 from tisph.report.history import history_figure
 from tisph.report.profiles import profile_figure
 from tisph.scenes.shear_layer import Scene
@@ -107,9 +106,9 @@ def test_files_and_pictures_do_without_a_reference(scene, start, tmp_path):
 @pytest.mark.parametrize("color_by", ["speed", "vorticity"])
 def test_the_movie_shows_the_layers(scene, start, color_by):
     video = make_video(640, 320, color_by)
-    renderer = FrameRenderer(scene, video, "layers", 4.0)
+    renderer = Drawn(scene, video, "layers", 4.0)
+    panel = renderer.render(start).astype(float)[renderer.layout.box.slices]
     assert error_label(renderer.scene, renderer.quantity.error)(start) == ""
-    panel = renderer.render(start)[renderer.layout.box.slices].astype(float)
     bands = np.array([band.mean(axis=(0, 1)) for band in np.array_split(panel, 20)])  # of three rows of particles
     layers, streams = bands[[4, 5, 14, 15]], bands[[0, 9, 10, 19]]
     # colours of the layers are other than those of the streams between them, which are alike
@@ -125,7 +124,7 @@ BAD = [
     ("geometry.cells=[2, 1]", "geometry.cells = [2, 1]: unknown key; allowed: length"),
     ("discretisation={spacing: 0.03}", "must divide the side 2"),
     ("time.samples=[5.0]", "must be inside the run, 0 to 4"),
-    ("output.video.color_by=pressure", "must be 'speed' or 'vorticity'"),
+    ("output.video.color_by=error", "must be 'speed', 'u', 'v', 'vorticity', 'pressure', 'shear_stress' or 'dye'"),
 ]
 
 

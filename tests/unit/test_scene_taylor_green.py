@@ -8,7 +8,7 @@ import matplotlib
 import numpy as np
 import pytest
 from PIL import Image
-from report_scene import make_video
+from report_scene import Drawn, make_video
 from vortices import make_scene, make_snapshot, scaled
 
 from tisph.errors import DivergedError
@@ -18,7 +18,6 @@ from tisph.observers.guard import Guard
 from tisph.observers.history import History, read_history
 from tisph.observers.samples import Samples
 from tisph.report.error_label import error_label
-from tisph.report.frame import FrameRenderer
 from tisph.report.history import history_figure
 from tisph.report.profiles import profile_figure
 from tisph.simulation.start import start_snapshot, start_values
@@ -181,8 +180,8 @@ def test_profiles_are_drawn(tmp_path):
 
 
 def make_renderer(color_by, **changes):
-    video = make_video(960, 480, color_by)
-    return FrameRenderer(make_scene(**changes), video, "vortices", 2.0)
+    video = make_video(960, 480, color_by, style="particles")
+    return Drawn(make_scene(**changes), video, "vortices", 2.0)
 
 
 EXACT = {

@@ -60,10 +60,25 @@ def _video(config: Any) -> Iterator[Problem]:
     if video and not 0.5 <= video.width / video.height <= 5:
         text = f"{video.width} x {video.height} leaves no room for words that can be read"
         yield "output.video", f"{text}: width must be 0.5 to 5 times the height"
-    if video and video.color_by not in config.colours:
-        *others, last = map(repr, config.colours)
-        choices = f"{', '.join(others)} or {last}" if others else last
-        yield "output.video.color_by", f"must be {choices}{nearest(video.color_by, config.colours)}"
+    names = colours(config)
+    if video and video.color_by not in names:
+        *others, last = map(repr, names)
+        yield "output.video.color_by", f"must be {', '.join(others)} or {last}{nearest(video.color_by, names)}"
+    if video and video.limits != "auto" and not video.limits[0] < video.limits[1]:
+        yield "output.video.limits", "must be auto, or the lower limit and then the higher one"
+
+
+def colours(config: Any) -> list[str]:
+    """What a movie of the validated ``config`` may be coloured by."""
+    rheology, names = config.fluid.rheology, ["speed", "u"]
+    if not config.parallel:
+        names += ["v", "vorticity", "pressure"]
+    if rheology.carries_stress:
+        names += ["shear_stress", "normal_stress_difference"]
+        names += ["conformation_trace"] if getattr(rheology, "linear_stress", False) else []
+    elif rheology.type == "newtonian" and not config.parallel:
+        names.append("shear_stress")
+    return [*names, *(["error"] if config.has_exact_velocity else []), "dye"]
 
 
 def _members(config: Any) -> Iterator[Problem]:

@@ -15,9 +15,8 @@ from tisph.config import checks, yaml_text
 from tisph.config.base import LARGEST, SMALLEST, Model, Positive, Problem, refusal
 from tisph.config.fields import Member, member_name, number_or
 from tisph.config.resolution import LEAST_PARTICLES_ACROSS
+from tisph.config.video import Video
 
-FrameWidth = Annotated[int, Field(ge=640, le=4096, multiple_of=2)]
-FrameHeight = Annotated[int, Field(ge=320, le=4096, multiple_of=2)]
 Count = Annotated[int, Field(ge=LEAST_PARTICLES_ACROSS, le=10**12)]
 
 FORMER_KEYS = {"tracers": "probes"}
@@ -111,21 +110,6 @@ class Time(Model):
         return data
 
 
-class Video(Model):
-    """Movie: frames a second, number of frames, size in pixels (even, as H.264 wants it), what colours show.
-
-    ``overlay`` of ``vectors`` are velocities as arrows on an even grid, ``streamlines`` lines of equal stream function.
-    """
-
-    fps: Annotated[int, Field(ge=1, le=120)] = 30
-    frames: Annotated[int, Field(ge=2, le=10_000)] = 120
-    width: FrameWidth = 1280
-    height: FrameHeight = 640
-    renderer: Literal["raster"] = "raster"
-    color_by: str = "speed"
-    overlay: Literal["none", "vectors", "streamlines"] = "none"
-
-
 class Output(Model):
     """Movie (null or false for none), simulated time between checkpoints [time] (null for none), and whether the
     samples are also written for ParaView while the run goes on."""
@@ -167,8 +151,8 @@ class Config(Model):
     """Whether the box is periodic in x and y."""
     across_name: ClassVar[str]
     """What ``across`` is, in words."""
-    colours: ClassVar[tuple[str, ...]]
-    """What the particles of a movie may be coloured by."""
+    has_exact_velocity: ClassVar[bool] = False
+    """Whether the exact velocity is known at all times and places."""
 
     @model_validator(mode="wrap")
     @classmethod

@@ -19,7 +19,8 @@ class Frames(StateObserver):
 
     The stored frames let ``tisph render`` draw the movie again and an interrupted run go on with it; those up
     to ``resumed_at``, as far as there are any, are drawn first. ``flush`` belongs before a checkpoint: a run that goes
-    on from there has no other way to them. ``more`` are fields beside ``FIELDS`` that this movie shows.
+    on from there has no other way to them. ``more`` are fields beside ``FIELDS`` that this or another movie of the
+    run may show.
     """
 
     def __init__(self, path, movie, times, resumed_at=None, more=()):

@@ -12,31 +12,38 @@ from tisph.report import style
 from tisph.report.labels import TIMES, axis_exponent, axis_label, number, unit_label
 from tisph.report.layout import Layout, Rect
 from tisph.report.quantities import Quantity
+from tisph.report.time_panel import TimePanel
 
 _PIXELS_PER_INCH = 72  # then matplotlib's points are pixels, and every size below is in pixels
 
 
-def draw_background(scene, layout: Layout, quantity: Quantity, title: str) -> np.ndarray:
-    """Return the frame without particles and without labels on walls, uint8 of shape (height, width, 4).
+def draw_background(scene, layout: Layout, title: str, *contents) -> np.ndarray:
+    """Return the frame without the fluid and without labels on walls, uint8 of shape (height, width, 4).
 
-    ``quantity`` is what colours the particles and fills the profile panel.
+    ``contents``: arguments of ``build_figure`` after those.
     """
-    with style.plot_style():
-        figure = build_figure(scene, layout, quantity, title)
+    with style.plot_style(layout.theme):
+        figure = build_figure(scene, layout, title, *contents)
         figure.canvas.draw()
         return np.asarray(figure.canvas.buffer_rgba()).copy()
 
 
-def build_figure(scene, layout: Layout, quantity: Quantity, title: str) -> Figure:
-    """Return the background as a matplotlib figure, not drawn yet; arguments as for ``draw_background``."""
+def build_figure(scene, layout: Layout, title: str, quantity: Quantity, time_panel: TimePanel, dyed=False) -> Figure:
+    """Return the background as a matplotlib figure, not drawn yet.
+
+    ``quantity`` is what colours the fluid, unless it is ``dyed``, and fills the profile panel.
+    """
     figure = Figure((layout.width / _PIXELS_PER_INCH, layout.height / _PIXELS_PER_INCH), dpi=_PIXELS_PER_INCH)
     FigureCanvasAgg(figure)
     stage = _Stage(figure, scene, layout)
     stage.box_axes()
     stage.walls()
-    stage.colour_bar(quantity)
+    if not dyed:
+        stage.colour_bar(quantity)
     stage.profile_axes(quantity)
+    stage.series_axes(time_panel)
     stage.legend(quantity)
+    stage.series_legend(time_panel)
     stage.titles(title)
     return figure
 
@@ -45,7 +52,7 @@ class _Stage:
     """The figure being drawn; ``overlay`` covers it all, in pixels from the top-left corner."""
 
     def __init__(self, figure: Figure, scene, layout: Layout):
-        self.figure, self.scene, self.layout = figure, scene, layout
+        self.figure, self.scene, self.layout, self.theme = figure, scene, layout, layout.theme
         self.overlay = figure.add_axes((0, 0, 1, 1), xlim=(0, layout.width), ylim=(layout.height, 0))
         self.overlay.set_axis_off()
         self.length_exponent = axis_exponent(float(np.abs((layout.low, layout.high)).max()))
@@ -61,7 +68,7 @@ class _Stage:
         ):
             for side in sides:
                 axes.spines[side].set_visible(periodic)
-                axes.spines[side].set(linestyle=(0, (4, 3)), color=style.MUTED)
+                axes.spines[side].set(linestyle=(0, (4, 3)), color=self.theme.muted)
                 axes.spines[side].set_position(("outward", beside if periodic else walls))
         self._ticks(axes, layout.box, self.length_exponent, self.length_exponent)
         label = axis_label("x", unit, self.length_exponent)
@@ -74,48 +81,76 @@ class _Stage:
         for side, motion in self.scene.walls:
             bar = self.layout.wall(side)
             if motion.cosine or motion.sine:
-                self._bar(bar, facecolor=style.WALL_MOVING, linewidth=0)
+                self._bar(bar, facecolor=self.theme.wall_moving, linewidth=0)
             else:
-                self._bar(bar, facecolor=style.WALL_RESTING, edgecolor=style.MUTED, hatch="///", linewidth=0)
+                self._bar(bar, facecolor=self.theme.wall_resting, edgecolor=self.theme.muted, hatch="///", linewidth=0)
 
     def colour_bar(self, quantity: Quantity) -> None:
-        """Horizontal bar over the range of colours, with its unit."""
-        exponent = axis_exponent(quantity.colour_range[1])
-        axes = self._axes(self.layout.colour_bar, quantity.colour_range, (0.0, 1.0))
-        colours = style.colours(256, colour_map=quantity.colour_map)[None, :, :]
-        axes.imshow(colours, extent=(*quantity.colour_range, 0.0, 1.0), aspect="auto", interpolation="nearest")
-        self._ticks(axes, self.layout.colour_bar, exponent, None)
-        self._label(axes, axis_label(quantity.colour_name, quantity.unit, exponent), None)
+        """Vertical bar over the range of colours, with its unit."""
+        low, high = quantity.colour_range
+        exponent = axis_exponent(max(abs(low), abs(high)))
+        axes = self._axes(self.layout.colour_bar, (0.0, 1.0), (low, high))
+        colours = style.colours(256, colour_map=quantity.colour_map)[::-1, None, :]
+        axes.imshow(colours, extent=(0.0, 1.0, low, high), aspect="auto", interpolation="nearest")
+        axes.yaxis.tick_right()
+        axes.yaxis.set_label_position("right")
+        self._ticks(axes, self.layout.colour_bar, None, exponent)
+        self._label(axes, None, axis_label(quantity.colour_name, quantity.unit, exponent))
 
     def profile_axes(self, quantity: Quantity) -> None:
         """Axes of the live profile: the quantity along, the coordinate of its line upwards."""
-        exponent, profile = axis_exponent(quantity.colour_range[1]), quantity.profile
+        profile, (low, high) = quantity.profile, quantity.profile_range
+        exponent = axis_exponent(max(abs(low), abs(high)))
         axes = self._axes(self.layout.profile, quantity.profile_range, profile.line.ends)
         axes.grid(True, linewidth=self.layout.pixels(1))
         self._ticks(axes, self.layout.profile, exponent, self.length_exponent)
+        unit = self.scene.units.length
+        place = "" if profile.line.half_width == np.inf else f" at {self._place(profile.line)} {unit}"
         self._label(
             axes,
-            axis_label(profile.name, quantity.unit, exponent),
-            axis_label(profile.line.along, self.scene.units.length, self.length_exponent),
+            axis_label(profile.name + place, quantity.unit, exponent),
+            axis_label(profile.line.along, unit, self.length_exponent),
         )
+
+    def _place(self, line) -> str:
+        return f"{'x' if line.along == 'y' else 'y'} = {number(line.place, 3)}"
+
+    def series_axes(self, panel: TimePanel) -> None:
+        """Axes of the numbers over time, with their exact values."""
+        rect, series = self.layout.series, panel.series
+        exponents = [axis_exponent(max(map(abs, ends))) for ends in (panel.times, panel.range)]
+        axes = self._axes(rect, panel.times, panel.range)
+        axes.grid(True, linewidth=self.layout.pixels(1))
+        if panel.exact is not None:
+            axes.plot(panel.exact_times, panel.exact, "-", color=self.theme.exact, linewidth=self.layout.pixels(1))
+        self._ticks(axes, rect, *exponents)
+        units = self.scene.units.time, unit_label(series.unit, self.scene.units)
+        self._label(axes, axis_label("t", units[0], exponents[0]), axis_label(series.name, units[1], exponents[1]))
+
+    def series_legend(self, panel: TimePanel) -> None:
+        """Names of the numbers in their colours, above their panel."""
+        px, rect = self.layout.pixels, self.layout.series
+        left, row = rect.left, rect.top - px(14)
+        for name, colour in zip(panel.labels, panel.colours, strict=True):
+            left = px(16) + self._right_end(self._text(left, row, name, size=14, va="center", color=colour))
 
     def legend(self, quantity: Quantity) -> None:
         """Key to the profile, above it: data can be anywhere inside."""
         px, label = self.layout.pixels, self.layout.error_label
         left, row = self.layout.profile.left, label.top + label.height / 2
-        self.overlay.plot([left + px(6)], [row], "o", color=style.PARTICLES, markersize=px(6))
-        particles = self._text(left + px(15), row, "particles", size=14, va="center")
+        self.overlay.plot([left + px(6)], [row], "o", color=self.theme.particles, markersize=px(6))
+        particles = self._text(left + px(15), row, "tisph", size=14, va="center")
         if quantity.profile.exact is None:
             return
         start = self._right_end(particles) + px(16)
-        self.overlay.plot([start, start + px(20)], [row, row], "-", color=style.EXACT, linewidth=px(2))
+        self.overlay.plot([start, start + px(20)], [row, row], "-", color=self.theme.exact, linewidth=px(2))
         self._text(start + px(26), row, quantity.profile.reference, size=14, va="center")
 
     def titles(self, title: str) -> None:
         """Name of the run at the left, what it is at the right."""
         px, layout = self.layout.pixels, self.layout
         facts = "     ".join(self._facts())
-        right = self._text(layout.width - px(26), px(36), facts, size=14, ha="right", color=style.MUTED)
+        right = self._text(layout.width - px(26), px(36), facts, size=14, ha="right", color=self.theme.muted)
         name = self._text(px(24), px(36), title, size=20, weight="bold")
         limit = right.get_window_extent().x0 - px(30)
         while self._right_end(name) > limit and len(title) > 1:
@@ -134,13 +169,13 @@ class _Stage:
     def _axes(self, rect: Rect, x_range: tuple[float, float], y_range: tuple[float, float]) -> Axes:
         width, height = self.layout.width, self.layout.height
         place = (rect.left / width, 1.0 - rect.bottom / height, rect.width / width, rect.height / height)
-        axes = self.figure.add_axes(place, xlim=x_range, ylim=y_range, facecolor="white")
+        axes = self.figure.add_axes(place, xlim=x_range, ylim=y_range)
         for spine in axes.spines.values():
             spine.set_linewidth(self.layout.pixels(1))
         return axes
 
-    def _ticks(self, axes: Axes, rect: Rect, x_exponent: int, y_exponent: int | None) -> None:
-        """Ticks no closer than their labels are long; with ``y_exponent`` None the y axis has none."""
+    def _ticks(self, axes: Axes, rect: Rect, x_exponent: int | None, y_exponent: int | None) -> None:
+        """Ticks no closer than their labels are long; an axis whose exponent is None has none."""
         px = self.layout.pixels
         axes.tick_params(labelsize=px(13), length=px(4), width=px(1), pad=px(3))
         for axis, count, exponent in (
@@ -153,15 +188,17 @@ class _Stage:
             axis.set_major_locator(MaxNLocator(nbins=int(np.clip(count, 1, 7)), steps=[1, 2, 2.5, 5, 10]))
             style.format_ticks(axis, exponent)
 
-    def _label(self, axes: Axes, x_text: str, y_text: str | None) -> None:
-        """Name the axes; a name along x that is longer than its axis and two margins is written smaller."""
-        size, pad = self.layout.pixels(14), self.layout.pixels(4)
-        label = axes.set_xlabel(x_text, fontsize=size, labelpad=pad, parse_math=False)
-        room = axes.get_window_extent().width + self.layout.pixels(40)
-        while label.get_window_extent().width > room:
-            label.set_fontsize(0.95 * label.get_fontsize())
-        if y_text is not None:
-            axes.set_ylabel(y_text, fontsize=size, labelpad=pad, parse_math=False)
+    def _label(self, axes: Axes, x_text: str | None, y_text: str | None) -> None:
+        """Name the axes; a name that is longer than its axis, and two margins at the side, is written smaller."""
+        size, pad, box = self.layout.pixels(14), self.layout.pixels(4), axes.get_window_extent()
+        for text, write, side, room in (
+            (x_text, axes.set_xlabel, "width", box.width + self.layout.pixels(40)),
+            (y_text, axes.set_ylabel, "height", box.height),
+        ):
+            if text is not None:
+                label = write(text, fontsize=size, labelpad=pad, parse_math=False)
+                while getattr(label.get_window_extent(), side) > room:
+                    label.set_fontsize(0.95 * label.get_fontsize())
 
     def _text(self, x: float, y: float, text: str, *, size: int, **settings) -> Text:
         return self.overlay.text(x, y, text, fontsize=self.layout.pixels(size), parse_math=False, **settings)

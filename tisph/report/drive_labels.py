@@ -32,10 +32,10 @@ class WallLabel:
         """Lay words and arrows of time ``t`` over ``frame``."""
         words = self.words(t)
         if self._speed == 0.0 and words and self._side == "middle":
-            frame[self.box.slices] = style.rgb(style.WALL_RESTING)  # no hatching behind the words
+            frame[self.box.slices] = style.rgb(self._layout.theme.wall_resting)  # no hatching behind the words
         paint_text(frame, self.box, words, self.font_size, self._side, self._colour)
         for arrow in self._arrows:
-            paint_arrow(frame, arrow, float(self._motion.velocity(t)) / self._speed, "#ffffff")
+            paint_arrow(frame, arrow, float(self._motion.velocity(t)) / self._speed, self._layout.theme.on_wall_moving)
 
     @property
     def boxes(self) -> list[Rect]:
@@ -69,13 +69,14 @@ class WallLabel:
             self.font_size = fitting_size(words, size, on_bar)
             half = math.ceil(text_width(words, self.font_size) / 2) + px(6)
             self.box = Rect(middle - half, bar.top, 2 * half, bar.height)
-            self._side, self._colour = "middle", "#ffffff" if self._speed else style.TEXT
+            theme = layout.theme
+            self._side, self._colour = "middle", theme.on_wall_moving if self._speed else theme.text
             first, last = half + px(8) + arrow // 2, bar.width // 2 - px(8) - arrow // 2
             centres = [middle + side * offset for offset in range(first, last + 1, px(_PITCH)) for side in (1, -1)]
         else:
             self.font_size = fitting_size(words, size, beside)
             self.box = Rect(bar.right + px(8), bar.top, beside, bar.height)
-            self._side, self._colour, centres = "left", style.TEXT, [middle]
+            self._side, self._colour, centres = "left", layout.theme.text, [middle]
         top = bar.top + (bar.height - px(_HEAD)) // 2
         self._arrows = [Rect(x - arrow // 2, top, arrow, px(_HEAD)) for x in centres] if self._speed else []
 
@@ -106,9 +107,10 @@ class DriveLabel:
             return
         box, px = self.box, self.layout.pixels
         words = Rect(box.left, box.top, box.width - px(10 + _ARROW), box.height)
-        paint_text(frame, words, self._words, fitting_size(self._words, px(14), words.width), "left")
+        size, colour = fitting_size(self._words, px(14), words.width), self.layout.theme.text
+        paint_text(frame, words, self._words, size, "left", colour)
         arrow = Rect(box.right - px(_ARROW), box.top + (box.height - px(_HEAD)) // 2, px(_ARROW), px(_HEAD))
-        paint_arrow(frame, arrow, math.copysign(1.0, self.scene.acceleration), style.TEXT)
+        paint_arrow(frame, arrow, math.copysign(1.0, self.scene.acceleration), colour)
 
     @property
     def _words(self) -> str:

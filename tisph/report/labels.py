@@ -75,7 +75,8 @@ def fixed_point(largest: float, digits: int, smallest_plain: float = 1e-3) -> Ca
 def unit_label(kind: str, units) -> str:
     """Return the label of the unit of a ``kind`` of quantity, from the config's unit labels; velocity: ``m/s``.
 
-    That of a stress is ``Pa`` where the units are m, kg and s, else mass/(length time²).
+    Forces and torques are per length across the plane. The unit of a stress is ``Pa`` where the units are m, kg and s,
+    else mass/(length time²).
     """
     length, mass, time = units.length, units.mass, units.time
     return {
@@ -85,6 +86,7 @@ def unit_label(kind: str, units) -> str:
         "stress": "Pa" if (length, mass, time) == ("m", "kg", "s") else f"{mass}/({length} {time}²)",
         "rate": f"1/{time}",
         "energy": f"{length}²/{time}²",
+        "force": f"{mass}/{time}²",
         "torque": f"{mass} {length}/{time}²",
     }[kind]
 
@@ -94,7 +96,7 @@ def time_label(time_scale: float, unit: str, formula: str) -> Callable[[float], 
 
     The steps of t and of t* = t / ``time_scale``, for which ``formula`` stands, are about a ten-thousandth of that.
     """
-    clock = fixed_point(time_scale, 5, smallest_plain=1.0)
+    clock = fixed_point(time_scale, 5)
 
     def label(t: float) -> str:
         return f"t = {clock(t)} {unit}     t* = {formula} = {t / time_scale:.4f}"

@@ -4,8 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tisph.report import style
+
 LONGEST_SHOWN = 4.0  # heights: of a longer box this much is shown, or its discs would be too small to see
 RIM = 0.04  # of the longer side of a box that bodies bound: so much of them is shown
+_LEAST_PANEL = 400, 170  # pixels in a frame of 1280 x 640: width and height of a panel beside the box
+_LEAST_BOX = 400  # pixels likewise: width of the box with what is written beside it
+_GAP = 90, 78  # pixels likewise: between panels, for tick labels and names
 
 
 @dataclass(frozen=True)
@@ -40,12 +45,13 @@ class Layout:
     ``scale`` is the size of text and lines relative to a frame of 1280 x 640; ``low`` is the lowest corner of the box
     and ``high`` the highest of what is drawn of it, ``shown_length`` (length) along x; ``pixels_per_length`` is the
     same along x and y.
-    ``box``, ``profile``, ``time_label``, ``error_label`` and the velocities on walls that oscillate are all that
-    changes from frame to frame. The columns left of ``split`` belong to the box, those right of it to the profile.
+    ``box``, ``profile``, ``series``, ``time_label``, ``error_label`` and the velocities on walls that oscillate are all
+    that changes from frame to frame. Left of the column ``split``, beside walls, there is room for their labels.
     """
 
     width: int
     height: int
+    theme: style.Theme
     scale: float
     split: int
     low: tuple[float, float]
@@ -54,6 +60,7 @@ class Layout:
     pixels_per_length: float
     box: Rect
     profile: Rect
+    series: Rect
     colour_bar: Rect
     time_label: Rect
     error_label: Rect
@@ -73,10 +80,11 @@ class Layout:
         return max(1, round(size * self.scale))
 
 
-def arrange(scene, width: int, height: int) -> Layout:
+def arrange(scene, width: int, height: int, theme: style.Theme = style.LIGHT) -> Layout:
     """Return the layout of a frame for the box of ``scene``, both axes to the same scale.
 
-    There is space for plane walls where it has some, and a rim around the box where bodies bound it.
+    There is space for plane walls where it has some, and a rim around the box where bodies bound it. The two panels are
+    beside the box or below it, as lets the box be larger.
     """
     rim = 0.0 if scene.walls or not scene.bodies else RIM * max(scene.extent)
     rims = np.where(scene.periodic, 0.0, rim)
@@ -86,26 +94,46 @@ def arrange(scene, width: int, height: int) -> Layout:
     def px(size: float) -> int:
         return max(1, round(size * scale))
 
-    split = round(0.62 * width)  # box to the left, profile to the right
-    wall = px(22) if scene.walls else 0
-    left, right, top, bottom = px(84), split - px(8), px(92) + wall, height - px(142) - wall
     shown = min(size_x, LONGEST_SHOWN * size_y)
-    pixels_per_length = min((right - left) / shown, (bottom - top) / size_y)
-    box = _centred(left, right, (top + bottom) // 2, shown * pixels_per_length, size_y * pixels_per_length)
-    profile_height = max(box.height, round(0.8 * (bottom - top)))
-    profile = _centred(split + px(88), width - px(26), (top + bottom) // 2, width, profile_height)
+    wall = px(22) if scene.walls else 0
+    left, top, bar, right = px(84), px(102) + wall, px(96), width - px(28)
+    under, panel_width, panel_height = wall + px(56), px(_LEAST_PANEL[0]), px(_LEAST_PANEL[1])
+    beside = right - panel_width - px(_GAP[0]) - bar - left, height - under - top
+    below = right - bar - left, height - under - px(30) - panel_height - px(56) - top
+    fits = [min(columns / shown, rows / size_y) for columns, rows in (beside, below)]
+    pixels_per_length = max(fits)
+    box_width, box_height = round(shown * pixels_per_length), round(size_y * pixels_per_length)
+    if fits[0] >= fits[1]:
+        box = Rect(left, top + (beside[1] - box_height) // 2, max(2, box_width), max(2, box_height))
+        split = max(box.right + bar, left + px(_LEAST_BOX))
+        region = Rect(split + px(_GAP[0]), top, 0, height - px(56) - top)
+    else:
+        box = Rect(left + (below[0] - box_width) // 2, top, max(2, box_width), max(2, box_height))
+        split = width - px(8)
+        region = Rect(left, box.bottom + under + px(30), 0, height - px(56) - box.bottom - under - px(30))
+    profile, series = _panels(Rect(region.left, region.top, right - region.left, region.height), px)
     half = profile.width // 2
     return Layout(
-        width, height, scale, split, tuple(low), (low[0] + shown, low[1] + size_y), shown, pixels_per_length,
-        box=box, profile=profile,
-        colour_bar=_centred(left, right, height - px(57), max(box.width, px(360)), px(12)),
-        time_label=Rect(px(24), px(47), split - px(24), px(26)),
-        error_label=Rect(profile.right - half, profile.top - px(31), half, px(24)),
+        width, height, theme, scale, split, tuple(low), (low[0] + shown, low[1] + size_y), shown,
+        pixels_per_length, box=box, profile=profile, series=series,
+        colour_bar=_colour_bar(box, px, px(10) if wall else 0),
+        time_label=Rect(px(24), px(47), width - px(48), px(26)),
+        error_label=Rect(profile.right - half, profile.top - px(27), half, px(24)),
         wall_thickness=wall,
     )  # fmt: skip
 
 
-def _centred(left: int, right: int, middle: int, width: float, height: float) -> Rect:
-    """Return a rectangle centred on row ``middle`` and from ``left`` to ``right``, no wider than that."""
-    columns, rows = max(2, min(right - left, round(width))), max(2, round(height))
-    return Rect(left + (right - left - columns) // 2, middle - rows // 2, columns, rows)
+def _panels(region: Rect, px) -> tuple[Rect, Rect]:
+    """Return the rectangles of profile and series in ``region``: side by side, or one above the other."""
+    across, down = px(_GAP[0]), px(_GAP[1])
+    if region.width > 1.6 * region.height:
+        wide = (region.width - across) // 2
+        return tuple(Rect(left, region.top, wide, region.height) for left in (region.left, region.right - wide))
+    high = (region.height - down) // 2
+    return tuple(Rect(region.left, top, region.width, high) for top in (region.top, region.bottom - high))
+
+
+def _colour_bar(box: Rect, px, shorter: int) -> Rect:
+    """Return the rectangle of the colour bar at the right of ``box``, ``shorter`` at both ends, but not very low."""
+    height = max(box.height - 2 * shorter, px(90))
+    return Rect(box.right + px(14), box.top + (box.height - height) // 2, px(12), height)

@@ -1,36 +1,56 @@
 """The MP4 of a run, and single frames of it as PNG."""
 
 import contextlib
+import pickle
+import tempfile
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
 from tisph.errors import TisphError
+from tisph.report import style
+from tisph.report.dye import Dye
 from tisph.report.encoder import Encoder
-from tisph.report.frame import FrameRenderer
+from tisph.report.frame import FrameRenderer, Measured
+from tisph.report.layout import arrange
+from tisph.report.quantities import Extremes, quantity
+from tisph.report.time_panel import TimePanel, exact_values, measured
 from tisph.snapshot import Snapshot
 
 
 class Movie:
     """A movie of ``scene`` at ``path``, drawn and encoded a frame at a time.
 
-    ``video`` is the config's ``output.video`` (fps, width, height, color_by, overlay), ``title`` the name of the run
-    and ``end`` the time at which it ends, to which axes and colours are fitted. The file is opened by the first
-    frame, so a Movie that only serves ``frame`` or ``save_frame`` writes none. As a context manager it closes the
-    file whatever happens: what was added by then can be played.
+    ``video`` is the config's ``output.video``, ``title`` the name of the run and ``end`` the time at which it ends.
+    Where exact values tell the ranges of axes and colours, a frame is drawn when it is added; else its snapshot waits
+    in a temporary file until the movie is closed and all ranges are known. The movie's own file is opened by the first
+    frame that is drawn, so a Movie that only serves ``save_frame`` writes none. As a context manager it closes the file
+    whatever happens: what was added by then can be played.
     Raises TisphError if ffmpeg cannot start or stops early.
     """
 
     def __init__(self, path: Path | str, scene, video, title: str, end: float):
         self.path = Path(path)
-        self._video = video
-        self._renderer = FrameRenderer(scene, video, title, end)
+        self._scene, self._video, self._title, self._end = scene, video, title, end
+        self._view, self._series = scene.movie_view(video.color_by, end), scene.movie_series()
+        self._dye = Dye(scene, video.dye)
+        self._waiting, self._ranges = None, None
+        self._renderer: FrameRenderer | None = None
         self._encoder: Encoder | None = None
+        if self._view.ends and exact_values(self._series, np.array([end])) is not None:
+            self._renderer = self._new_renderer(None)
 
     def frame(self, snapshot: Snapshot) -> np.ndarray:
-        """Return the picture of ``snapshot``, uint8 of shape (height, width, 3)."""
-        return self._renderer.render(snapshot).copy()
+        """Return the picture of ``snapshot``, uint8 (height, width, 3), with the ranges of the frames or its own."""
+        measured = self._measured(snapshot)
+        renderer = self._renderer
+        if renderer is None:
+            ranges = self._ranges or _Ranges()
+            if self._ranges is None:
+                ranges.add(measured)
+            renderer = self._new_renderer(ranges)
+        return renderer.render(measured).copy()
 
     def save_frame(self, path: Path | str, snapshot: Snapshot) -> None:
         """Write the picture of ``snapshot`` as PNG."""
@@ -38,15 +58,48 @@ class Movie:
 
     def add(self, snapshot: Snapshot) -> None:
         """Append the picture of ``snapshot`` to the movie."""
-        if self._encoder is None:
-            self._encoder = Encoder(self.path, self._video.width, self._video.height, self._video.fps)
-        self._renderer.render(snapshot)
-        self._encoder.write(self._renderer.frame)
+        measured = self._measured(snapshot)
+        if self._renderer:
+            self._draw(measured)
+            return
+        if self._waiting is None:
+            self._waiting, self._ranges = tempfile.TemporaryFile(), _Ranges()  # noqa: SIM115 (lives until ``close``)
+        self._ranges.add(measured)
+        pickle.dump(measured, self._waiting, pickle.HIGHEST_PROTOCOL)
 
     def close(self) -> None:
-        """Finish the file. May be called again, and does nothing then."""
-        if self._encoder is not None:
-            self._encoder.close()
+        """Draw what waits and finish the file. May be called again, and does nothing then."""
+        waiting, self._waiting = self._waiting, None
+        try:
+            if waiting:
+                self._renderer = self._new_renderer(self._ranges)
+                waiting.seek(0)
+                for _ in range(self._ranges.count):
+                    self._draw(pickle.load(waiting))
+        finally:
+            if waiting:
+                waiting.close()
+            if self._encoder is not None:
+                self._encoder.close()
+
+    def _measured(self, snapshot):
+        view, dyed = self._view, self._video.color_by == "dye"
+        colours = self._dye.of(snapshot) if dyed else view.of(snapshot)
+        profile = colours if view.profile.of is view.of and not dyed else view.profile.of(snapshot)
+        return Measured(snapshot, colours, profile, measured(self._series, snapshot))
+
+    def _new_renderer(self, ranges):
+        layout = arrange(self._scene, self._video.width, self._video.height, style.THEMES[self._video.theme])
+        ends = ranges and (ranges.colours.ends, ranges.profile.ends)
+        shown = quantity(self._view, self._scene, self._video.limits, ends)
+        panel = TimePanel(self._scene, layout, self._series, self._end, ranges and ranges.series.ends)
+        return FrameRenderer(self._scene, layout, self._video, self._title, shown, panel)
+
+    def _draw(self, measured):
+        if self._encoder is None:
+            self._encoder = Encoder(self.path, self._video.width, self._video.height, self._video.fps)
+        self._renderer.render(measured)
+        self._encoder.write(self._renderer.frame)
 
     def __enter__(self) -> "Movie":
         return self
@@ -55,3 +108,17 @@ class Movie:
         # An error on its way out is the message to show: a broken movie must not hide it.
         with contextlib.suppress(TisphError) if kind else contextlib.nullcontext():
             self.close()
+
+
+class _Ranges:
+    """Ranges of what frames show, and how many there are."""
+
+    def __init__(self):
+        self.colours, self.profile, self.series, self.count = Extremes(), Extremes(), Extremes(), 0
+
+    def add(self, measured):
+        """Take a frame."""
+        self.count += 1
+        self.colours.add(measured.colours)
+        self.profile.add(measured.profile)
+        self.series.add(measured.series)

@@ -1,4 +1,4 @@
-"""What colours the particles of a movie and fills its profile panel, with names, units and ranges over the run."""
+"""What colours the fluid of a movie and fills its profile panel, with names, units and ranges over the run."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -8,17 +8,20 @@ import numpy as np
 
 from tisph.report import style
 from tisph.report.labels import unit_label
-from tisph.scenes._views import Profile
+from tisph.scenes._views import MovieView, Profile
 from tisph.snapshot import Snapshot
 
-_MARGIN = 0.08  # of the range of the profile panel, at both ends: overshoot stays in sight
+_MARGIN = 0.08  # of the range of a panel, at both ends: overshoot stays in sight
+_SHARE, _FRAMES = 0.995, 0.9  # of the particles of a frame, and of the frames, that a range holds: corners do not count
+
+Ends = tuple[float, float]
 
 
 @dataclass(frozen=True)
 class Quantity:
     """A quantity with its names, its unit and its ranges over the run.
 
-    ``colour_name``, ``colour_map`` and ``colour_range`` are for the discs, whose values ``of_discs`` takes from a
+    ``colour_name``, ``colour_map`` and ``colour_range`` are for the field, whose values ``of_particles`` takes from a
     snapshot, array (particles,); ``profile`` and ``profile_range`` are for the profile panel. ``error`` names the field
     whose error is given, in words; None for the velocity.
     """
@@ -26,42 +29,68 @@ class Quantity:
     unit: str
     colour_name: str
     colour_map: str
-    colour_range: tuple[float, float]
-    of_discs: Callable[[Snapshot], np.ndarray]
+    colour_range: Ends
+    of_particles: Callable[[Snapshot], np.ndarray]
     profile: Profile
-    profile_range: tuple[float, float]
+    profile_range: Ends
     error: tuple[str, str] | None
 
 
-def quantity(name: str, scene, end: float) -> Quantity:
-    """Return the quantity that ``output.video.color_by`` calls ``name``, for a run of ``scene`` to time ``end``."""
-    view = scene.movie_view(name, end)
-    largest = _largest(view.ends, view.otherwise)
+def quantity(view: MovieView, scene, limits: str | Sequence[float], ends: tuple[Ends, Ends] | None = None) -> Quantity:
+    """Return what ``view`` of ``scene`` shows, in the colour ``limits`` of the config.
+
+    ``ends`` are the smallest and largest colour and value of the profile in the frames, where the view has none.
+    """
+    colours, along = ends or (view.ends, view.ends)
+    largest = _largest(colours)
+    automatic = (-largest if view.signed else 0.0, largest)
     return Quantity(
         unit=unit_label(view.profile.unit, scene.units),
         colour_name=view.name,
         colour_map=style.DIVERGING_MAP if view.signed else style.COLOUR_MAP,
-        colour_range=(-largest if view.signed else 0.0, largest),
-        of_discs=view.of,
+        colour_range=automatic if limits == "auto" else tuple(limits),
+        of_particles=view.of,
         profile=view.profile,
-        profile_range=_with_margin(view.ends, largest),
+        profile_range=with_margin((min(0.0, *along), max(0.0, *along)), largest),
         error=view.error,
     )
 
 
-def _largest(ends: Sequence[float], otherwise: float) -> float:
+class Extremes:
+    """The range of values that come frame by frame: without the few in a frame, and the few frames, that stand out."""
+
+    def __init__(self):
+        self._least, self._most = [], []
+
+    def add(self, values: np.ndarray) -> None:
+        """Take the ``values`` of one frame; those that are no finite numbers are left out."""
+        values = values[np.isfinite(values)]
+        if values.size:
+            least, most = np.quantile(values, (1.0 - _SHARE, _SHARE))
+            self._least.append(least)
+            self._most.append(most)
+
+    @property
+    def ends(self) -> Ends:
+        """The smallest and the largest value; (0, 0) where there were none."""
+        if not self._most:
+            return 0.0, 0.0
+        return float(np.quantile(self._least, 1.0 - _FRAMES)), float(np.quantile(self._most, _FRAMES))
+
+
+def _largest(ends: Sequence[float]) -> float:
     """Return the largest size of ``ends``, rounded up to three digits for a scale that ends at a tick."""
     largest = max(abs(value) for value in ends)
     if largest == 0.0:  # a run in which nothing moves
-        return otherwise
+        return 1.0
     digit = 10.0 ** (math.floor(math.log10(largest)) - 2)
     return float(f"{math.ceil(largest / digit * (1.0 - 1e-6)) * digit:.2e}")
 
 
-def _with_margin(ends: Sequence[float], largest: float) -> tuple[float, float]:
-    """Return the range from the smallest to the largest of ``ends`` and 0, and a margin."""
-    lowest, highest = min(0.0, *ends), max(0.0, *ends)
+def with_margin(ends: Ends, otherwise: float) -> Ends:
+    """Return the range of ``ends`` and a margin; ``otherwise`` is its length where both are the same."""
+    lowest, highest = ends
     if lowest == highest:
-        highest = largest
+        highest = lowest + otherwise
     margin = _MARGIN * (highest - lowest)
     return lowest - margin, highest + margin

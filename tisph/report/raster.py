@@ -110,10 +110,10 @@ class Discs:
 
 
 class Shades:
-    """What pixels with discs of ``colours``, RGB (values, 3) from 0 to 1, on white look like."""
+    """What pixels with discs of ``colours``, RGB (values, 3) from 0 to 1, on a ``ground`` (3,) look like."""
 
-    def __init__(self, colours: np.ndarray):
-        self._colours = np.asarray(colours)
+    def __init__(self, colours: np.ndarray, ground: np.ndarray):
+        self._colours, self._ground = np.asarray(colours), np.asarray(ground)
         self._table = lru_cache(maxsize=2)(self._of_sums)
 
     def fill(self, panel: np.ndarray, total: np.ndarray, full: int) -> None:
@@ -127,7 +127,7 @@ class Shades:
         """Return RGB and an idle byte for the highest bits of sums, all four as one number, (2^_SHADE_BITS,)."""
         cover = np.linspace(0.0, 1.0, full + 1)[:, None, None]
         mixed = np.full((full + 1, len(self._colours), 4), 255, dtype=np.uint8)
-        mixed[:, :, :3] = np.rint(255.0 * (1.0 - cover * (1.0 - self._colours)))
+        mixed[:, :, :3] = np.rint(255.0 * (self._ground + cover * (self._colours - self._ground)))
         bits = VALUE_BITS - (_SUM_BITS - _SHADE_BITS)
         coverage = np.arange(1 << _SHADE_BITS - bits)
         most = np.float32(len(self._colours) - 1)

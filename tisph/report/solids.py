@@ -1,7 +1,7 @@
 """The bodies of a scene in a movie frame: filled, with an outline, and with lines that show how they rotate and slide.
 
-A body in the fluid has a spoke from its centre to its rim. A wall around the fluid has short marks that move with it:
-a closed curve one, a straight wall some a period.
+A body in the fluid that rotates has a spoke from its centre to its rim. A wall around the fluid that moves has short
+marks that move with it: a closed curve one, a straight wall some a period.
 """
 
 import math
@@ -37,9 +37,10 @@ class Solids:
         if position != self._position:  # what stands still is drawn once
             self._position, self._covers = position, self._cover(bodies)
         within, rims, lines = self._covers
-        np.copyto(panel, style.rgb(style.SOLID).astype(np.uint8), where=within[:, :, None])  # most, ten times faster
-        blend(panel, rims, style.rgb(style.SOLID))
-        blend(panel, lines, style.rgb(style.SOLID_EDGE))
+        solid, edge = style.rgb(self._layout.theme.solid), style.rgb(self._layout.theme.solid_edge)
+        np.copyto(panel, solid.astype(np.uint8), where=within[:, :, None])  # most, ten times faster
+        blend(panel, rims, solid)
+        blend(panel, lines, edge)
 
     def _cover(self, bodies: Bodies) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return which pixels are all within areas, the coverage of the others by areas, and of all by lines."""
@@ -63,7 +64,9 @@ class _ImmersedBody:
         self.body, self._low = body, np.array(layout.low)
         boundary = body.shape.boundary_points(_PIECE / layout.pixels_per_length)
         self._edge = boundary.point
-        self._strokes = [np.concatenate([self._edge, self._edge[:1]]), self._mark(boundary, mark)]
+        self._strokes = [np.concatenate([self._edge, self._edge[:1]])]
+        if body.motion.rotation.largest_speed:
+            self._strokes.append(self._mark(boundary, mark))
 
     def _mark(self, boundary, mark):
         """Return the line (2, 2) that shows how the body rotates."""
@@ -105,7 +108,8 @@ class _StraightWall:
         edge = first + np.array([-10 * along, 10 * along, 10 * along + behind, behind - 10 * along])
         parts = ((np.arange(_MARKS) + 0.5) / _MARKS + slid) % 1.0
         strokes = [first + np.stack([0.0 * along, along])]
-        strokes += [first + part * along + np.stack([0.0 * along, self._mark]) for part in parts]
+        if self.body.motion.largest_speed(0.0):
+            strokes += [first + part * along + np.stack([0.0 * along, self._mark]) for part in parts]
         yield place.to_lab_frame(edge), [place.to_lab_frame(stroke) for stroke in strokes]
 
 

@@ -19,7 +19,7 @@ _LINES = 10  # between the least and the largest stream function
 _FINEST = 0.5  # spacings between nodes: pieces of lines that look smooth
 _MOST = 8000  # nodes: some 50 ms of factorising, once where bodies stand still
 _BEYOND = 1.5  # pitches of the grid: so far lines go on under the picture of a body
-_INKS = (1.5, "#ffffff"), (0.8, style.TEXT)  # half widths in a frame of 1280 x 640: seen on any colour
+_INKS = (1.7, "#ffffff"), (0.9, style.TEXT)  # half widths in a frame of 1280 x 640: seen on any colour
 _RESTING = 1e-4  # of reference velocity and shorter side: a range of psi that only errors make
 
 

@@ -2,6 +2,7 @@
 
 import io
 from contextlib import AbstractContextManager
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
@@ -18,35 +19,70 @@ from tisph.report.labels import tick_text
 
 COLOUR_MAP = "viridis"  # perceptually uniform, readable in grey and by colour-blind eyes
 DIVERGING_MAP = "coolwarm"  # blue to red through grey, readable by colour-blind eyes; its middle shows on white
-TEXT = "#22262e"
-MUTED = "#6b7280"
-GRID = "#e3e6ea"
-WALL_MOVING = "#3d4451"
-WALL_RESTING = "#eef0f3"
-SOLID = "#d3d7dd"
-SOLID_EDGE = WALL_MOVING
-PARTICLES = "#8fa3c4"
-EXACT = "#d1362f"
-
-_SETTINGS = {
-    "font.family": "DejaVu Sans",  # comes with matplotlib: the same text widths on every machine
-    "text.color": TEXT,
-    "axes.labelcolor": TEXT,
-    "axes.edgecolor": MUTED,
-    "axes.unicode_minus": True,
-    "axes.axisbelow": True,
-    "grid.color": GRID,
-    "hatch.linewidth": 0.8,
-    "xtick.color": MUTED,
-    "ytick.color": MUTED,
-    "xtick.labelcolor": TEXT,
-    "ytick.labelcolor": TEXT,
-}
+DYES = "#2166ac", "#fdb863"
+"""The two colours of a dye, apart in brightness and for colour-blind eyes."""
 
 
-def plot_style() -> AbstractContextManager:
+@dataclass(frozen=True)
+class Theme:
+    """Colours of a movie: ``series`` those of numbers over time, ``exact`` that of all references."""
+
+    background: str = "#ffffff"
+    text: str = "#22262e"
+    muted: str = "#6b7280"
+    grid: str = "#e3e6ea"
+    wall_moving: str = "#3d4451"
+    on_wall_moving: str = "#ffffff"
+    wall_resting: str = "#eef0f3"
+    solid: str = "#d3d7dd"
+    solid_edge: str = "#3d4451"
+    particles: str = "#8fa3c4"
+    exact: str = "#d1362f"
+    series: tuple[str, ...] = ("#0072b2", "#b35900", "#009e73")
+
+
+LIGHT = Theme()
+DARK = Theme(
+    background="#14171c",
+    text="#e8eaee",
+    muted="#9aa3b0",
+    grid="#2c323b",
+    wall_moving="#c3c9d4",
+    on_wall_moving="#14171c",
+    wall_resting="#2c323b",
+    solid="#3a414d",
+    solid_edge="#aab3c2",
+    particles="#7f93b8",
+    exact="#ff7a70",
+    series=("#56b4e9", "#e69f00", "#2fd6a8"),
+)
+THEMES = {"light": LIGHT, "dark": DARK}
+
+TEXT, MUTED, PARTICLES, EXACT = LIGHT.text, LIGHT.muted, LIGHT.particles, LIGHT.exact
+
+
+def _settings(theme: Theme) -> dict:
+    return {
+        "font.family": "DejaVu Sans",  # comes with matplotlib: the same text widths on every machine
+        "figure.facecolor": theme.background,
+        "axes.facecolor": theme.background,
+        "text.color": theme.text,
+        "axes.labelcolor": theme.text,
+        "axes.edgecolor": theme.muted,
+        "axes.unicode_minus": True,
+        "axes.axisbelow": True,
+        "grid.color": theme.grid,
+        "hatch.linewidth": 0.8,
+        "xtick.color": theme.muted,
+        "ytick.color": theme.muted,
+        "xtick.labelcolor": theme.text,
+        "ytick.labelcolor": theme.text,
+    }
+
+
+def plot_style(theme: Theme = LIGHT) -> AbstractContextManager:
     """Return a context in which matplotlib has this project's settings, whatever the user's own file says."""
-    return matplotlib.style.context(["default", _SETTINGS])
+    return matplotlib.style.context(["default", _settings(theme)])
 
 
 class PlotFigure(Figure):

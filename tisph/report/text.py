@@ -24,7 +24,7 @@ def fitting_size(text: str, size: int, width: float) -> int:
     return size
 
 
-def paint_text(frame: np.ndarray, box: Rect, text: str, size: int, side: str, colour: str = style.TEXT) -> None:
+def paint_text(frame: np.ndarray, box: Rect, text: str, size: int, side: str, colour: str) -> None:
     """Write one line into ``box``, at its ``left`` or ``right`` side or its ``middle``, over what is there."""
     image = Image.fromarray(frame[box.slices])
     place, anchor = {"left": (0, "lm"), "right": (box.width, "rm"), "middle": (box.width / 2, "mm")}[side]

@@ -5,24 +5,27 @@ import numpy as np
 from tisph.measures.fits import periodic_tree
 from tisph.report import style
 from tisph.report.layout import Layout
-from tisph.report.raster import blend, filled
+from tisph.report.raster import Discs, blend, dense_line, filled
 from tisph.snapshot import Snapshot
 
-_PITCH = 30.0  # pixels in a frame of 1280 x 640: distance of arrows, and length of one of the reference velocity
-_LONGEST = 1.5  # pitches
+_PITCH = 40.0  # pixels in a frame of 1280 x 640: distance of arrows
+_UNIT = 1.5  # pitches: length of an arrow of the reference velocity
+_LONGEST = 1.8  # pitches
 _SHORTEST = 0.1  # pitches: below it a head shows no direction
 _NEAR = 6  # particles whose velocities are averaged
 _BESIDE = 1.2  # spacings: where no particle is so near there is no fluid
-_SHAFT, _HEAD = 0.05, 0.17  # half widths of an arrow, in pitches
-_TIP = 0.4  # pitches: length of the head of a long arrow
+_SHAFT, _HEAD = 0.04, 0.14  # half widths of an arrow, in pitches
+_RIM = 1.4  # half width in a frame of 1280 x 640 of the light rim of an arrow: seen on any colour
+_TIP = 0.34  # pitches: length of the head of a long arrow
 
 
 class Vectors:
-    """Paints arrows into the box of ``scene``; the longest is one and a half distances of two long."""
+    """Paints arrows into the box of ``scene``; the longest is nearly twice as long as their distance."""
 
     def __init__(self, scene, layout: Layout):
         self._scene, self._layout = scene, layout
         self._pitch = max(1.0, _PITCH * layout.scale)
+        self._rim = Discs(max(0.5, _RIM * layout.scale), (layout.box.height, layout.box.width))
         sides = layout.box.width, layout.box.height
         counts = [max(1, int(side / self._pitch)) for side in sides]
         columns, rows = ((np.arange(count) + 0.5) / count * side for count, side in zip(counts, sides, strict=True))
@@ -38,12 +41,16 @@ class Vectors:
         if not (np.isfinite(velocity).all() and np.isfinite(places).all()):
             return  # a run that went wrong still gets its picture
         mean, nearest = mean_velocity(self._scene, places, velocity, self._places)
-        arrows = mean / self._scene.reference_velocity * [1.0, -1.0]  # rows count downwards
+        arrows = _UNIT * mean / self._scene.reference_velocity * [1.0, -1.0]  # rows count downwards
         size = np.linalg.norm(arrows, axis=1)
         shown = (nearest < _BESIDE * self._scene.spacing) & (size > _SHORTEST)
         arrows, size = arrows[shown], size[shown]
         arrows *= np.minimum(1.0, _LONGEST / size)[:, None]
         corners = self._feet[shown, None] + self._pitch * _outlines(arrows)
+        outlines = [dense_line(tuple(np.concatenate([arrow, arrow[:1]]).T)) for arrow in corners]
+        if outlines:
+            rim = tuple(np.concatenate(part) for part in zip(*outlines, strict=True))
+            blend(panel, self._rim.cover(rim), style.rgb("#ffffff"))
         blend(panel, filled((corners[:, :, 0], corners[:, :, 1]), panel.shape[:2]), style.rgb(style.TEXT))
 
 

@@ -38,6 +38,8 @@ class Mode(Model):
     """Relaxation time [time] of a polymer."""
 
     carries_stress: ClassVar[bool] = True
+    linear_stress: ClassVar[bool] = True
+    """Whether the stress is the modulus times C."""
 
     type: str
     relaxation_time: Positive

@@ -27,6 +27,8 @@ class Mode(_polymer.Mode):
     It is the square of the longest over the root mean square length along one axis at rest.
     """
 
+    linear_stress: ClassVar[bool] = False
+
     type: Literal["fene_p"] = "fene_p"
     maximum_extension: Annotated[float, Field(gt=3, le=LARGEST)]
 

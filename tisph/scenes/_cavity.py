@@ -217,16 +217,6 @@ class Cavity(BodyScene):
         """The kinetic energy."""
         return _two_dimensional.followed_energy(self)
 
-    def movie_view(self, name, end):
-        """Speed with the velocity along the vertical centre line, or vorticity or pressure along it."""
-        speed = self.reference_velocity
-        largest = {
-            "speed": speed,
-            "vorticity": 10.0 * speed / self.width,
-            "pressure": 0.5 * self.density * speed**2,
-        }
-        return _two_dimensional.movie_view(self, name, self._velocity("u", "y"), largest)
-
     def _velocity(self, field, along):
         flow, table = self._exact, self._table(field)
         reference = {}

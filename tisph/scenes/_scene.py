@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from tisph.scenes._colours import COLOURS, movie_view
 from tisph.scenes._motion import PolymerParameters
 from tisph.scenes._views import MovieView, Profile, TimeSeries
 
@@ -244,10 +245,23 @@ class Scene:
         """What ``history.csv`` and ``history.png`` show; ``settings`` are those of ``Config.time_series``."""
         raise NotImplementedError
 
+    def movie_profiles(self) -> dict[str, Profile]:
+        """Profiles of the quantities that a movie may be coloured by, by name; ``speed`` is one of the velocity."""
+        profiles = self.profiles()
+        return {profile.name: profile for profile in profiles if profile.unit == "velocity"} | {"speed": profiles[0]}
+
+    def movie_series(self) -> TimeSeries:
+        """What a movie shows in time."""
+        return self.time_series()
+
+    def movie_ends(self, name, end):
+        """Smallest and largest value to time ``end`` of one of ``movie_profiles`` with an exact solution."""
+        return self.movie_profiles()[name if name in self.movie_profiles() else "speed"].extremes(self.start_time, end)
+
     def movie_fields(self, name):
         """Fields of a snapshot that a movie coloured by ``name`` needs beside places, velocities and shear stress."""
-        return ("pressure",) if name == "pressure" else ()
+        return COLOURS[name].fields if name in COLOURS else ()
 
     def movie_view(self, name, end) -> MovieView:
-        """What a movie to time ``end`` shows whose particles are coloured by ``name``."""
-        raise NotImplementedError
+        """What a movie to time ``end`` shows whose fluid is coloured by ``name``."""
+        return movie_view(self, name, end)

@@ -4,7 +4,7 @@ import numpy as np
 
 from tisph.measures.distribution import max_void_radius, min_distance
 from tisph.measures.gradients import velocity_gradients
-from tisph.scenes._views import Line, MovieView, Profile, TimeSeries
+from tisph.scenes._views import Line, Profile, TimeSeries
 
 
 def centre_line(scene, along):
@@ -25,11 +25,6 @@ def vorticity(scene):
         return seen[1]
 
     return of
-
-
-def speed(snapshot):
-    """Return sqrt(u^2 + v^2) of each particle."""
-    return np.hypot(snapshot.u, snapshot.v)
 
 
 def kinetic_energy(snapshot):
@@ -79,21 +74,6 @@ def followed_energy(scene):
         measure=lambda snapshot: np.array([kinetic_energy(snapshot)]),
         exact=lambda times: None,
     )
-
-
-def movie_view(scene, name, velocity, largest):
-    """Return what a movie coloured by ``name`` shows of a flow without a reference: its size is ``largest``, by name.
-
-    The speed with the profile ``velocity``, vorticity or pressure along the vertical centre line.
-    """
-    if name == "speed":
-        of, profile = speed, velocity
-    else:
-        of = vorticity(scene) if name == "vorticity" else lambda snapshot: snapshot.pressure
-        words = ("vorticity", "rate") if name == "vorticity" else ("p", "stress")
-        profile = Profile(*words, line=centre_line(scene, "y"), of=of)
-    size = largest[name]
-    return MovieView(name=name, signed=name != "speed", of=of, profile=profile, ends=(-size, size), otherwise=size)
 
 
 def diagnostics(scene, snapshot):

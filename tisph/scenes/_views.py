@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -97,19 +97,18 @@ class Profile:
 
 @dataclass(frozen=True)
 class MovieView:
-    """What colours the particles of a movie, and the profile beside them.
+    """What colours the fluid in a movie, and the profile beside it.
 
     ``of`` takes the colours' quantity from a snapshot; with ``signed`` they go from minus to plus the largest size of
-    ``ends``, else from 0. ``ends`` are the smallest and largest value of the profile in the run, ``otherwise`` is its
-    size where both are 0. ``error`` names the field whose error is written beside it, in words; None for the velocity.
+    ``ends``, else from 0. ``ends`` are the smallest and largest value of the profile in the run, None where the frames
+    must tell. ``error`` names the field whose error is written beside it, in words; None for the velocity.
     """
 
     name: str
     signed: bool
     of: Callable
     profile: Profile
-    ends: Sequence[float]
-    otherwise: float
+    ends: Sequence[float] | None
     error: tuple[str, str] | None = None
 
 
@@ -139,6 +138,20 @@ class TimeSeries:
     angular_frequency: float = 0.0
     probes: Any = None
     sizes: Sequence[float] = ()
+
+    def only(self, kinds, name, unit):
+        """Those of the numbers whose columns begin with one of ``kinds``, as they are measured, without references."""
+        chosen = [index for index, column in enumerate(self.columns) if column.startswith(kinds)]
+        return replace(
+            self,
+            name=name,
+            unit=unit,
+            columns=[self.columns[index] for index in chosen],
+            labels=[self.labels[index] for index in chosen],
+            measure=lambda snapshot: self.measure(snapshot)[chosen],
+            exact=lambda times: None,
+            sizes=(),
+        )
 
 
 @dataclass(frozen=True)

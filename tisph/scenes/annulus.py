@@ -103,13 +103,8 @@ class Config(schema.Config):
     initial: Initial = Initial()
 
     periodic = (False, False)
+    has_exact_velocity = True
     across_name = "the gap between the cylinders"
-
-    @property
-    def colours(self) -> tuple[str, ...]:
-        """What the particles of a movie may be coloured by."""
-        stressed = self.fluid.rheology.carries_stress
-        return ("speed", "vorticity", "pressure", *(("shear_stress",) if stressed else ()))
 
     @property
     def across(self) -> float:

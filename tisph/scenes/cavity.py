@@ -50,7 +50,6 @@ class Config(schema.Config):
 
     periodic = (False, False)
     across_name = "the width"
-    colours = ("speed", "vorticity", "pressure")
 
     @property
     def across(self) -> float:

@@ -144,9 +144,9 @@ class Config(schema.Config):
         return not self.bodies
 
     @property
-    def colours(self) -> tuple[str, ...]:
-        """What the particles of a movie may be coloured by."""
-        return ("speed", "vorticity", "pressure") if self.bodies else ("speed", "shear_stress")
+    def has_exact_velocity(self) -> bool:
+        """Whether the exact velocity is known."""
+        return not self.bodies
 
     @property
     def across(self) -> float:
@@ -189,10 +189,6 @@ class Config(schema.Config):
         yield from _motion(self)
         yield from start_problems(self, ("bottom", "top"))
         yield from _polymer(self)
-        video, rheology = self.output.video, self.fluid.rheology
-        if video and video.color_by == "shear_stress" and not rheology.carries_stress:
-            text = f"needs a rheology with a stress of its own, such as oldroyd_b; {rheology.type} has none"
-            yield "output.video.color_by", f"{text}: take speed"
         if self.probes.x != "centre" and self.probes.x > self.geometry.length:
             yield "probes.x", f"must be inside the channel: centre, or 0 to {self.geometry.length:g}"
 

@@ -52,7 +52,6 @@ class Config(annulus.Config):
     geometry: Geometry
 
     across_name = "the mean gap between the cylinders"
-    colours = ("speed", "vorticity", "pressure")
 
     def problems(self) -> Iterator[Problem]:
         """What the scene has against the config."""
@@ -167,12 +166,9 @@ class Scene(Cylinders):
             sizes=[0.5 * speed**2, *2 * [force * self.inner_radius], force, force],
         )
 
-    def movie_view(self, name, end):
-        """Speed with the velocity across the line of centres; vorticity or pressure at right angles to that line."""
-        speed, narrow = self.reference_velocity, self.reference_length - self.offset
-        load = self.dynamic_viscosity * speed * self.inner_radius / narrow**2
-        largest = {"speed": speed, "vorticity": 2 * speed / narrow, "pressure": load}
-        return _two_dimensional.movie_view(self, name, *self.profiles(), largest)
+    def movie_series(self):
+        """Torques on the cylinders."""
+        return self.time_series().only("torque", "torque per length", "torque")
 
 
 def _loads(snapshot):

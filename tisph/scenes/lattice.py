@@ -39,7 +39,6 @@ class Config(schema.Config):
 
     periodic = (True, True)
     across_name = "the height"
-    colours = ("speed", "vorticity", "pressure")
 
     @property
     def across(self) -> float:

@@ -67,7 +67,6 @@ class Config(schema.Config):
 
     unset_keys = ("geometry", "bodies")
     across_name = "the region"
-    colours = ("speed", "vorticity", "pressure")
 
     @model_validator(mode="before")
     @classmethod

@@ -25,11 +25,11 @@ from tisph.scenes import _two_dimensional
 from tisph.scenes._scene import Scene as AnyScene
 from tisph.snapshot import STRESSES
 
+ROLLING_UP = 1.25
+"""What the vortices may add to the speed of the streams, as a factor."""
+
 THICKEST = 1 / 24
 """Thickness of a layer over the period above which the streams have a kink: tanh' = 1e-5 of the largest between."""
-
-ROLLING_UP = 1.25
-"""Room in axes and colours for what the vortices add to the speed of the streams, as a factor."""
 
 
 class Geometry(Model):
@@ -60,7 +60,6 @@ class Config(schema.Config):
 
     periodic = (True, True)
     across_name = "the side"
-    colours = ("speed", "vorticity")
 
     @property
     def across(self) -> float:
@@ -183,9 +182,3 @@ class Scene(AnyScene):
     def time_series(self):
         """The kinetic energy."""
         return _two_dimensional.followed_energy(self)
-
-    def movie_view(self, name, end):
-        """Speed with the velocity along the vertical centre line, or vorticity along it."""
-        largest = self.speed * ROLLING_UP
-        sizes = {"speed": largest, "vorticity": largest / self.thickness}
-        return _two_dimensional.movie_view(self, name, self.profiles()[0], sizes)

@@ -17,7 +17,7 @@ from tisph.exact import taylor_green
 from tisph.measures.metrics import field_error, velocities
 from tisph.scenes import _two_dimensional
 from tisph.scenes._scene import Scene as AnyScene
-from tisph.scenes._views import MovieView, Profile, TimeSeries
+from tisph.scenes._views import Profile, TimeSeries
 
 Cells = Annotated[int, Field(ge=1, le=1000)]
 
@@ -48,8 +48,8 @@ class Config(schema.Config):
     initial: Initial
 
     periodic = (True, True)
+    has_exact_velocity = True
     across_name = "the period"
-    colours = ("speed", "vorticity", "pressure")
 
     @property
     def across(self) -> float:
@@ -181,19 +181,9 @@ class Scene(AnyScene):
             exact=lambda times: taylor_green.kinetic_energy(times, **self._flow)[:, None],
         )
 
-    def movie_view(self, name, end):
-        """Speed with the velocity along the vertical centre line, or vorticity or pressure along it."""
-        shown = {"speed": self._velocity("u", "y"), "vorticity": self._vorticity(), "pressure": self._pressure()}
-        profile = shown[name]
-        return MovieView(
-            name=name,
-            signed=name != "speed",
-            of=_two_dimensional.speed if name == "speed" else profile.of,
-            profile=profile,
-            ends=profile.extremes(self.start_time, end),
-            otherwise=1.0,  # these vortices never rest
-            error=("pressure", "p") if name == "pressure" else None,
-        )
+    def movie_profiles(self):
+        """Also vorticity and pressure along the vertical centre line."""
+        return {**super().movie_profiles(), "vorticity": self._vorticity(), "pressure": self._pressure()}
 
     @property
     def _flow(self):

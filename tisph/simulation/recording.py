@@ -2,6 +2,7 @@
 
 from contextlib import ExitStack
 
+from tisph.config.checks import colours
 from tisph.errors import DivergedError, TisphError
 from tisph.folder import Folder, claimed
 from tisph.observers._files import replaced
@@ -73,7 +74,7 @@ class Recording:
             self.observers.append(Vtk(folder.vtk, self.samples, resumed_at, self.about))
         if self.movie:
             times = even_times(scene.start_time, end, output.video.frames)
-            more = scene.movie_fields(output.video.color_by)
+            more = {field for name in colours(settings) for field in scene.movie_fields(name)}
             self.observers.append(Frames(folder.frames, self.movie, times, resumed_at, more))
         self.simulation.observe(*self.observers)
         if output.checkpoint_every:

@@ -130,11 +130,12 @@ class Annulus(Cylinders):
             "normal_stress_l2": relative_difference(normal, around - along),
         }
 
-    movie_view = views.movie_view
+    movie_ends = views.movie_ends
+    movie_profiles = views.movie_profiles
     parameters = views.parameters
     profiles = views.profiles
     time_series = views.time_series
 
     def movie_fields(self, name):
-        """The pressure, or all of the stress, where it is shown."""
+        """Also all of the stress where its shear component around the axis is shown."""
         return ("stress_xx", "stress_yy") if name == "shear_stress" else super().movie_fields(name)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from tisph.scenes import _two_dimensional
-from tisph.scenes._views import ExtraSeries, MovieView, Profile, Radius, TimeSeries
+from tisph.scenes._views import ExtraSeries, Profile, Radius, TimeSeries
 
 MINUS = "\N{MINUS SIGN}"
 
@@ -67,31 +67,25 @@ def extra_series(annulus):
     )
 
 
-def movie_view(annulus, name, end):
-    """Speed with the velocity around the axis over the radius, or vorticity, pressure or shear stress over it.
+def movie_profiles(annulus):
+    """Velocity around the axis, vorticity and pressure over the radius, and the stresses of a polymer."""
+    pressure = _two_dimensional.pressure_profile(annulus, _radius(annulus))
+    flow = {"speed": _velocity(annulus), "vorticity": _vorticity(annulus), "pressure": pressure}
+    if not annulus.polymer:
+        return flow
+    return {**flow, "shear_stress": _shear_stress(annulus), "normal_stress_difference": _normal_stress(annulus)}
 
-    Where a wall starts, the vorticity is infinite at first: colours and axes are fitted to its values in a
-    layer a quarter of the gap deep, or half-way through the run.
+
+def movie_ends(annulus, name, end):
+    """Smallest and largest value of a profile to time ``end``.
+
+    Where a wall starts, the vorticity is infinite at first: its values are those in a layer a quarter of the gap deep,
+    or half-way through the run.
     """
-    profiles = {"speed": _velocity, "vorticity": _vorticity, "shear_stress": _shear_stress}
-    profile = (
-        profiles[name](annulus) if name in profiles else _two_dimensional.pressure_profile(annulus, _radius(annulus))
-    )
     first = annulus.start_time
     if name == "vorticity":
         first = max(first, min(annulus.viscous_time / 16, 0.5 * (first + end)))
-    stressed = name == "shear_stress"
-    return MovieView(
-        name=profile.name if stressed else name,
-        signed=name != "speed",
-        of=profile.of if name != "speed" else _two_dimensional.speed,
-        profile=profile,
-        ends=profile.extremes(first, end),
-        otherwise=annulus.dynamic_viscosity * annulus.reference_velocity / annulus.reference_length
-        if stressed
-        else 1.0,
-        error={"pressure": ("pressure", "p"), "shear_stress": ("stress_xy", "Sxy")}.get(name),
-    )
+    return movie_profiles(annulus)["speed" if name == "dye" else name].extremes(first, end)
 
 
 def _radius(annulus):

@@ -157,7 +157,7 @@ class Cell(BodyScene):
         return {**super().description(), "bodies": self.count}
 
     diagnostics = diagnostics.diagnostics
-    movie_view = views.movie_view
     parameters = views.parameters
     profiles = views.profiles
+    movie_series = views.movie_series
     time_series = views.time_series

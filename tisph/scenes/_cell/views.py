@@ -43,15 +43,9 @@ def time_series(cell):
     )
 
 
-def movie_view(cell, name, end):
-    """Speed with the velocity along the vertical centre line, vorticity along it, or pressure."""
-    speed = 2.0 * cell.reference_velocity
-    largest = {
-        "speed": speed,
-        "vorticity": 2.0 * speed / cell.reference_length,
-        "pressure": cell.force_scale / cell.reference_length,
-    }
-    return _two_dimensional.movie_view(cell, name, profiles(cell)[0], largest)
+def movie_series(cell):
+    """Forces on the bodies, or on the walls where there are none."""
+    return time_series(cell).only(("drag", "lift"), "force per length", "force")
 
 
 def parameters(cell):

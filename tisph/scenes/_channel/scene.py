@@ -227,7 +227,9 @@ class Channel(Scene):
 
     diagnostics = diagnostics.diagnostics
     extra_series = property(extra_series.extra_series)
-    movie_view = views.movie_view
+    movie_ends = views.movie_ends
+    movie_profiles = views.movie_profiles
+    movie_series = views.movie_series
     parameters = views.parameters
     profiles = views.profiles
     thinnest_layer = layers.thinnest_layer

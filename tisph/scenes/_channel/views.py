@@ -3,7 +3,7 @@
 import numpy as np
 
 from tisph.measures.interpolation import Probes
-from tisph.scenes._views import Line, MovieView, Profile, TimeSeries
+from tisph.scenes._views import Line, Profile, TimeSeries
 
 MINUS = "\N{MINUS SIGN}"
 _TIMES, _HEIGHTS = 40, 51  # at which it is looked for a flow that reverses
@@ -39,9 +39,22 @@ def probes(channel, count, x="centre"):
     )
 
 
-def movie_view(channel, name, end):
-    """Speed or polymer shear stress as colours, and its profile."""
-    return {"speed": _speed_shown, "shear_stress": _stress_shown}[name](channel, end)
+def movie_profiles(channel):
+    """The velocity, and the stresses of a polymer."""
+    names = "speed", "shear_stress", "normal_stress_difference"
+    return dict(zip(names, profiles(channel), strict=False))
+
+
+def movie_ends(channel, name, end):
+    """Smallest and largest value of a profile to time ``end``; of the velocity those of the walls are among them."""
+    profile = movie_profiles(channel)["speed" if name == "dye" else name]
+    walls = () if profile.unit == "stress" else _wall_extremes(channel, end)
+    return [*profile.extremes(channel.start_time, end), *walls]
+
+
+def movie_series(channel):
+    """Velocities at three heights."""
+    return probes(channel, 3)
 
 
 def vanishing_scale(channel):
@@ -120,31 +133,6 @@ def _normal_stress(channel):
         line=_line(channel),
         of=lambda snapshot: snapshot.stress_xx - snapshot.stress_yy,
         exact=lambda x, y, t: channel.exact_polymer_stress(y, t)[0] - channel.exact_transverse_stress(y, t),
-    )
-
-
-def _speed_shown(channel, end):
-    profile = _velocity(channel)
-    return MovieView(
-        name="speed",
-        signed=False,
-        of=lambda snapshot: np.hypot(snapshot.u, snapshot.v),
-        profile=profile,
-        ends=[*profile.extremes(channel.start_time, end), *_wall_extremes(channel, end)],
-        otherwise=channel.reference_velocity,
-    )
-
-
-def _stress_shown(channel, end):
-    profile = _shear_stress(channel)
-    return MovieView(
-        name=profile.name,
-        signed=True,
-        of=profile.of,
-        profile=profile,
-        ends=profile.extremes(channel.start_time, end),
-        otherwise=channel.dynamic_viscosity * channel.reference_velocity / channel.gap,
-        error=("stress_xy", "Sxy"),
     )
 
 

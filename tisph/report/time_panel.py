@@ -1,0 +1,79 @@
+"""The panel of a movie frame in which numbers of the run grow with time: velocities, forces, torques, energy."""
+
+import numpy as np
+
+from tisph.report import style
+from tisph.report.labels import number
+from tisph.report.layout import Layout
+from tisph.report.quantities import Ends, Extremes, with_margin
+from tisph.report.raster import Discs, blend, dense_line
+from tisph.scenes._views import TimeSeries
+
+_NUMBERS = 3  # that are drawn: as many as have colours
+_EXACT_TIMES = 200
+_BEFORE = 0.02  # of the run, in which a start from rest may be infinite
+
+
+class TimePanel:
+    """The first numbers of ``series`` over a run to time ``end``, as lines that end at the time of each frame.
+
+    ``ends`` is their range in the frames, None where the exact values give it.
+    """
+
+    def __init__(self, scene, layout: Layout, series: TimeSeries, end: float, ends: Ends | None = None):
+        self.series, self.times = series, (scene.start_time, end)
+        self.colours = layout.theme.series[: len(series.columns)]
+        self.exact_times = np.linspace(*self.times, _EXACT_TIMES)
+        exact = exact_values(series, self.exact_times)
+        self.exact = None if exact is None else exact[:, :_NUMBERS]
+        self.range = with_margin(ends or _ends(self.exact[self.exact_times > self._after(_BEFORE)]), 1.0)
+        self._layout, self._seen = layout, {}
+        inside = layout.series.height - 2, layout.series.width - 2  # the axes' lines are on the border
+        self._pen = Discs(max(0.6, 1.3 * layout.scale), inside)
+
+    @property
+    def labels(self) -> list[str]:
+        """Names of the numbers."""
+        pairs = self.series.labels[:_NUMBERS]
+        return [name if place is None else f"{name} = {number(place, 3)}" for name, place in pairs]
+
+    def paint(self, picture: np.ndarray, t: float, values: np.ndarray) -> None:
+        """Draw the lines up to time ``t``, at which the numbers are ``values``."""
+        self._seen[t] = values[:_NUMBERS]
+        times = np.array(sorted(time for time in self._seen if time <= t))
+        seen = np.array([self._seen[time] for time in times])
+        panel = picture[self._layout.series.slices][1:-1, 1:-1]
+        for values, colour in zip(seen.T, self.colours, strict=True):
+            known = np.isfinite(values)
+            if known.any():
+                line = dense_line(self._pixels(times[known], values[known]))
+                blend(panel, self._pen.cover(line), style.rgb(colour))
+
+    def _pixels(self, times, values):
+        (first, last), (low, high), rect = self.times, self.range, self._layout.series
+        row = (high - values) / (high - low) * rect.height - 1.0
+        return (times - first) / (last - first) * rect.width - 1.0, np.clip(row, -rect.height, 2 * rect.height)
+
+    def _after(self, share):
+        return self.times[0] + share * (self.times[1] - self.times[0])
+
+
+def exact_values(series: TimeSeries, times: np.ndarray) -> np.ndarray | None:
+    """Return the references (times, numbers) as they are drawn, None without any."""
+    exact = series.exact(times)
+    return None if exact is None else _scaled(series, exact)
+
+
+def measured(series: TimeSeries, snapshot) -> np.ndarray:
+    """Return the numbers of a snapshot as they are drawn."""
+    return _scaled(series, series.measure(snapshot))
+
+
+def _scaled(series, values):
+    return values / np.array(series.sizes) if series.sizes else values
+
+
+def _ends(values):
+    extremes = Extremes()
+    extremes.add(values)
+    return extremes.ends

@@ -1,0 +1,94 @@
+"""What a movie can be coloured by: each quantity in words, with its unit, and how it follows from a snapshot."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from tisph.measures.gradients import velocity_gradients
+from tisph.measures.reference import with_reference
+from tisph.scenes._views import MovieView, Profile
+
+
+@dataclass(frozen=True)
+class Colour:
+    """``of`` takes the quantity from a scene and a snapshot, array (particles,); ``unit`` is a kind of unit.
+
+    ``signed``: whether it takes both signs. ``fields`` are those of the snapshot that it needs beside places,
+    velocities and shear stress.
+    """
+
+    words: str
+    unit: str
+    of: Callable
+    signed: bool = True
+    fields: tuple[str, ...] = ()
+
+
+def _vorticity(scene, snapshot):
+    gradients = velocity_gradients(scene, snapshot, degree=2)
+    return gradients[2] - gradients[1]
+
+
+def _shear_stress(scene, snapshot):
+    """Return that of the polymer, or without one mu (du/dy + dv/dx)."""
+    if scene.polymer:
+        return snapshot.stress_xy
+    gradients = velocity_gradients(scene, snapshot, degree=2)
+    return scene.dynamic_viscosity * (gradients[1] + gradients[2])
+
+
+def _conformation_trace(scene, snapshot):
+    """Return tr A = 2 + (S_xx + S_yy)/G of a polymer whose stress is the modulus G times A - 1."""
+    viscosity = (1.0 - scene.polymer.solvent_fraction) * scene.dynamic_viscosity
+    return 2.0 + (snapshot.stress_xx + snapshot.stress_yy) * scene.polymer.relaxation_time / viscosity
+
+
+def _error(scene, snapshot):
+    """Return |u - u_exact|; a component of which no reference is known should be 0."""
+    exact = with_reference(scene, snapshot, [name for name in "uv" if name in scene.fields]).reference
+    return np.hypot(snapshot.u - exact.get("u", 0.0), snapshot.v - exact.get("v", 0.0))
+
+
+_NORMAL = ("stress_xx", "stress_yy")
+
+COLOURS = {
+    "speed": Colour("speed", "velocity", lambda _, snapshot: np.hypot(snapshot.u, snapshot.v), signed=False),
+    "u": Colour("u", "velocity", lambda _, snapshot: snapshot.u),
+    "v": Colour("v", "velocity", lambda _, snapshot: snapshot.v),
+    "vorticity": Colour("vorticity", "rate", _vorticity),
+    "pressure": Colour("pressure", "stress", lambda _, snapshot: snapshot.pressure, fields=("pressure",)),
+    "shear_stress": Colour("shear stress", "stress", _shear_stress),
+    "normal_stress_difference": Colour(
+        "N1", "stress", lambda _, snapshot: snapshot.stress_xx - snapshot.stress_yy, fields=_NORMAL
+    ),
+    "conformation_trace": Colour(
+        "trace of the conformation tensor", "number", _conformation_trace, signed=False, fields=_NORMAL
+    ),
+    "error": Colour("error of the velocity", "velocity", _error, signed=False),
+}
+"""By the names that ``output.video.color_by`` takes; ``dye`` is drawn without a quantity."""
+
+
+ERRORS = {"pressure": ("pressure", "p"), "shear_stress": ("stress_xy", "Sxy")}
+"""Fields, with a name in words, whose error is written beside a movie of them; of others it is that of the velocity."""
+
+
+def movie_view(scene, name, end):
+    """Return what a movie to time ``end`` coloured by ``name`` shows, with the scene's own profile where it has one.
+
+    The range is known before the run where that profile has an exact solution at all times.
+    """
+    colour = COLOURS["speed" if name == "dye" else name]
+    own = scene.movie_profiles()
+    profile = own["speed"] if name == "dye" else own.get(name)
+    of = profile.of if profile and colour.words != "speed" else lambda snapshot: colour.of(scene, snapshot)
+    words = profile.name if profile and colour.unit == "stress" and name != "pressure" else colour.words
+    return MovieView(
+        name=words,
+        signed=colour.signed,
+        of=of,
+        profile=profile or Profile(colour.words, colour.unit, own["speed"].line, of),
+        ends=scene.movie_ends(name, end) if profile and profile.exact and "u" in scene.fields else None,
+        error=ERRORS[name] if ERRORS.get(name, ("",))[0] in scene.fields else None,
+    )

@@ -26,10 +26,11 @@ def on_files(files, config):
     return files
 
 
-def on_page_markdown(markdown, **_):
+def on_page_markdown(markdown, page, **_):
     """Links as they are in the site, in which docs/ is the root, and formulas as drawings."""
+    up = "../" * page.file.src_uri.count("/")
     for folder in FOLDERS:
-        markdown = markdown.replace(f"](../{folder}/", f"]({folder}/")
+        markdown = markdown.replace(f"]({up}../{folder}/", f"]({up}{folder}/")
     return FORMULA.sub(lambda found: drawn(found.group(1).strip()), markdown)
 
 
@@ -38,6 +39,7 @@ def drawn(formula):
     stream = io.StringIO()
     with rc_context({"mathtext.fontset": "stix", "svg.fonttype": "path", "svg.hashsalt": "tisph"}):
         large = formula.replace(r"\frac", r"\dfrac")  # as in a line of its own
+        large = re.sub(r"\s*\\tag\{(\w+)\}", r"\\qquad (\1)", large)
         mathtext.math_to_image(f"${large}$", stream, prop=FontProperties(size=13), format="svg")
     picture = stream.getvalue()
     picture = re.sub(r"<metadata>.*?</metadata>", "", picture[picture.index("<svg") :], flags=re.DOTALL)

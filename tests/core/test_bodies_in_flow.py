@@ -55,7 +55,7 @@ def total_drag(scene, found):
 
 @pytest.mark.slow  # array_0.4 of tests/verification/test_suite.py is one
 def test_slow_flow_through_a_square_array(make):
-    # 12 spacings across a cylinder: 2e-3; with 20 spacings 3e-4 (docs/bodies.md)
+    # 12 spacings across a cylinder: 2e-3; with 20 spacings 3e-4 (docs/evidence/verification.md)
     scene, scheme = make()
     found = run(scene, scheme)
     assert total_drag(scene, found) == pytest.approx(DRAG, rel=3e-3)

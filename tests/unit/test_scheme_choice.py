@@ -41,7 +41,7 @@ def test_accuracy_tightens_the_steps(resolved):
 
 @pytest.mark.parametrize(
     ("liquid", "accuracy", "steps"),
-    [  # as docs/implicit.md says them
+    [  # as docs/theory/implicit.md says them
         ((), "fast", "tolerance 0.0003 and strain 1.5"),
         ((), "balanced", "tolerance 3e-05 and strain 0.7"),
         ((), "high", "tolerance 3e-07 and strain 0.5"),
@@ -56,7 +56,7 @@ def test_the_steps_are_those_of_the_documentation(resolved, liquid, accuracy, st
 
 @pytest.mark.parametrize(
     ("accuracy", "steps"),
-    [  # as docs/implicit.md says them
+    [  # as docs/theory/two-dimensional.md says them
         ("fast", "tolerance 9.6e-06 and Courant number 2"),
         ("balanced", "tolerance 9.6e-07 and Courant number 1"),
         ("high", "tolerance 3e-07 and Courant number 0.15"),

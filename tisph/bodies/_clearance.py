@@ -20,7 +20,7 @@ LEAST_RADIUS, LEAST_HOLLOW, LEAST_WIDTH = 2.0, 1.0, 5.0
 """Of corners and bends that bulge into the fluid, of those that it fills, and of whole bodies, in particle spacings.
 
 Circles of 2 spacings stop at the first step, corners of 1 soon after it, and sharp ones that the fluid fills, too
-(docs/bodies.md). The support of points on walls is 4.5 spacings: through a thinner body they see particles behind it.
+(docs/evidence/verification.md). The support of wall points is 4.5 spacings, and reaches through a thinner body.
 """
 
 BULGES = {"radius": ("radius", "a circle"), "corners": ("corner_radius", "a corner"), "points": ("points", "a bend")}

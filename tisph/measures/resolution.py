@@ -13,20 +13,20 @@ has its table.
 LEAST_RADIUS, LEAST_GAP = 3.0, 3.0
 """The same of the radius of curvature of a wall that bulges into the fluid, and of the gap between two walls.
 
-The error of drag and flow rate is then at most 1.5 %; with 2 to 2.5 spacings it is 0.1 to 7 % (docs/bodies.md).
+Errors of drag and flow rate are then at most 1.5 %; with 2 to 2.5 spacings 0.1 to 7 % (docs/evidence/verification.md).
 """
 
 LARGEST_DIVERGENCE = 0.01
 """Divergence of the velocities over their gradient, both as root mean squares, up to which a sample counts as resolved.
 
-The error of drag and flow rate around bodies is up to 2.6 times that (docs/bodies.md).
+The error of drag and flow rate around bodies is up to 2.6 times that (docs/evidence/verification.md).
 """
 
 STEEPEST = 2.0
 """Change of the logarithm of a conformation tensor within a spacing up to which a sample counts as resolved.
 
-The error of the drag of a confined cylinder is 0.4 % with 1.5 and 1 % with 2.6 (docs/bodies.md), that of flow between
-cylinders 1e-3 with 0.5.
+The error of the drag of a confined cylinder is 0.4 % with 1.5 and 1 % with 2.6, that of flow between cylinders 1e-3
+with 0.5 (docs/evidence/verification.md).
 """
 
 

@@ -25,7 +25,7 @@ def _share(value: float) -> float:
         raise refusal(
             "must be greater than 0 and at most 1: at 0 (upper-convected Maxwell) what starts at a wall is a front "
             "without thickness, and the momentum equation there divides by the solvent's viscosity; take 0.01 or less, "
-            "docs/rheologies.md says how such a fluid differs"
+            "docs/theory/fluids.md says how such a fluid differs"
         )
     return value
 

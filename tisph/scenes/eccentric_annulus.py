@@ -25,7 +25,7 @@ from tisph.scenes._views import TimeSeries
 
 CREEPING = 0.1
 """Reynolds number up to which Stokes flow is the reference. Inertia then changes velocities by at most 1.4e-4 (L2),
-torques by 2e-5 and the force by 1e-3 to 7e-3 (docs/eccentric_annulus.md)."""
+torques by 2e-5 and the force by 1e-3 to 7e-3 (docs/evidence/verification.md)."""
 
 LOADS = ("torque_inner", "torque_outer", "force_x", "force_y")
 """Of the fluid, per length of the axes: torques on the cylinders around their own axes, force on the inner one."""

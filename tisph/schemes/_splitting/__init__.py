@@ -21,7 +21,7 @@ NOT_NEWTONIAN = 1.7
 
 STARTED = 60
 """Steps that a start from rest between walls takes beside those of the longest length: 30 to 100 in resolved runs of
-docs/bodies.md, whose steps are then told within a factor of 2."""
+docs/evidence/verification.md, whose steps are then told within a factor of 2."""
 
 MARGIN = 0.2
 """Margin beyond walls over the larger side of the box, for the grid of the linear solvers, which is periodic."""

@@ -8,7 +8,7 @@ e = (P_xx - P_yy)/2 and f = P_xy are the components, and with s^2 = e^2 + f^2
 
 With L = grad u, D its symmetric part, of which d is the trace and D' the rest, and w half the vorticity,
 
-    dp/dt = d/2 + ...,    dE/dt = 2 w J E + 2 c D' + 2 (1 - c)/s^2 (E . D') E + ...,    c = s coth s,
+    dp/dt = d + ...,    dE/dt = 2 w J E + 2 c D' + 2 (1 - c)/s^2 (E . D') E + ...,    c = s coth s,
 
 J E = (-f, e), E . D' = e D'_xx + f D'_xy; relaxation R, which has the axes of A in every law, adds A^-1 R. All of these
 are functions of s^2 and as smooth as A. Sources: R. Fattal and R. Kupferman, J. Non-Newtonian Fluid Mech. 123 (2004)

@@ -13,8 +13,13 @@ MODULES = {path.relative_to(ROOT).as_posix() for folder in ("tisph", "tests") fo
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)
 def test_equations_are_numbered_in_order(path):
     equations = re.findall(r"^\$\$.*\$\$$", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
-    numbers = [re.search(r"\\tag\{(\d+)\}\$\$$", equation) for equation in equations]
-    assert [number and int(number[1]) for number in numbers] == list(range(1, len(equations) + 1))
+    tags = [re.search(r"\\tag\{(\d+)([a-z]?)\}\$\$$", equation) for equation in equations]
+    assert all(tags)
+    expected, number = [], 0
+    for letter in [tag[2] for tag in tags]:
+        number += letter in ("", "a")  # 3a, 3b are the parts of one
+        expected.append(f"{number}{letter}")
+    assert [tag[1] + tag[2] for tag in tags] == expected
 
 
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)

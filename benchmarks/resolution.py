@@ -2,10 +2,10 @@
 
     python benchmarks/resolution.py
 
-prints the table of docs/results.md: L2 error of the velocities, and error of the wall shear over its exact value (at an
-oscillating wall over its amplitude), in one run a line; a minute or two on two threads. An infinite plate that starts
-or oscillates has no other length than the depth of its layer, so that nothing else matters but the wall treatment,
-which obeys the momentum equation here.
+prints a table, part of which is in docs/reference/files.md: L2 error of the velocities, and error of the wall shear
+over its exact value (at an oscillating wall over its amplitude), in one run a line; a minute or two on two threads. An
+infinite plate that starts or oscillates has no other length than the depth of its layer, so that nothing else matters
+but the wall treatment, which obeys the momentum equation here.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""The examples of docs/extending.md work as they stand there, in files as many as it says."""
+"""The examples of docs/how-to/extending.md work as they stand there, in files as many as it says."""
 
 import json
 import os
@@ -13,7 +13,7 @@ import pytest
 import tisph
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "how-to" / "extending.md").read_text(encoding="utf-8")
 COUETTE = str(ROOT / "configs" / "couette_minimal.yaml")
 QUICK = ["--no-video", "--no-pictures", "--set", "runtime.threads=1"]
 FEW = ["--set", "discretisation.particles_across=20"]

@@ -6,8 +6,8 @@ LEAST_DEPTH = 2.0
 """Depth of a layer, in particle spacings, from which on a sample counts as resolved.
 
 The error of the velocities of the layer is then at most 1.5 % (L2) and that of the wall shear 1 %, with both schemes
-and every order; with polymer that of the wall shear is 5 %. ``benchmarks/resolution.py`` measures it, docs/results.md
-has its table.
+and every order; with polymer that of the wall shear is 5 %. ``benchmarks/resolution.py`` measures it, and prints
+the table of which docs/reference/files.md has a part.
 """
 
 LEAST_RADIUS, LEAST_GAP = 3.0, 3.0

@@ -1,4 +1,4 @@
-"""``summary.json`` with a type: what ``docs/results.md`` says of its keys holds here, too."""
+"""``summary.json`` with a type: what ``docs/reference/files.md`` says of its keys holds here, too."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields

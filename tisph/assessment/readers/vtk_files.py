@@ -41,7 +41,7 @@ def _reader(path):
         from vtkmodules.vtkIOLegacy import vtkGenericDataObjectReader
         from vtkmodules.vtkIOXML import vtkXMLGenericDataObjectReader, vtkXMLPUnstructuredGridReader
     except ImportError:
-        raise ConfigError(f"{path}: reading it needs VTK: pip install 'tisph[vtk]'") from None
+        raise ConfigError(f"{path}: reading it needs VTK: pip install '.[vtk]' in a clone") from None
     if path.suffix == ".pvtu":
         return vtkXMLPUnstructuredGridReader()
     return {".vtk": vtkGenericDataObjectReader, ".vtkhdf": vtkHDFReader}.get(

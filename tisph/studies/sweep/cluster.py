@@ -49,7 +49,7 @@ def _imported():
     try:
         import distributed
     except ImportError:
-        raise ConfigError("--scheduler: needs Dask: pip install 'tisph[dask]'") from None
+        raise ConfigError("--scheduler: needs Dask: pip install '.[dask]' in a clone") from None
     return distributed
 
 

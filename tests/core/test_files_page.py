@@ -1,0 +1,61 @@
+"""docs/reference/files.md names every key of ``summary.json``, column of ``history.csv``, dataset of ``samples.h5``."""
+
+import re
+from pathlib import Path
+
+import h5py
+import pytest
+
+import tisph
+
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "reference" / "files.md").read_text(encoding="utf-8")
+NAMED = {re.split(r"[/=(]", name)[0] for name in re.findall(r"`([^`\n]+)`", PAGE)}
+SHORT = {"time": {"end": 1e-3}, "output": {"video": None}, "runtime.threads": 1}
+RUNS = {
+    "creep_and_recovery": {"walls.top": {"shear_stress": 1.0}},
+    "circular_couette_oldroyd_b": {},
+    "cylinder_in_channel": {},
+    "taylor_green": {},
+    "shear_layer": {},
+    "cavity": {},
+    "eccentric_annulus": {"initial.state": "rest"},
+}
+
+
+@pytest.fixture(scope="module", params=RUNS)
+def results(request, tmp_path_factory):
+    """Return the results of a short, coarse run of a scene."""
+    folder = tmp_path_factory.mktemp(request.param) / "run"
+    changes = {"discretisation.particles_across": 18, **SHORT, **RUNS[request.param]}
+    return tisph.run(ROOT / "configs" / f"{request.param}.yaml", folder, **changes)
+
+
+def plain(name):
+    """A key without the number or the wall of a body, and without what marks the exact value."""
+    name = re.sub(r"_exact$", "", name)
+    return re.sub(r"_(\d+|around)$|^(drag|lift)(_pressure)?_(bottom|top)$", r"\2\3", name)
+
+
+def missing(names):
+    """Those of the names that the page does not have."""
+    return {name for name in names if not {name, plain(name)} & NAMED}
+
+
+def test_keys_of_the_summary_are_on_the_page(results):
+    summary = results.summary
+    keys = {*summary.samples[-1].measures, *summary.numbers, *summary.momentum, *vars(summary.cost)}
+    assert missing({*keys, *vars(summary.provenance)}) == set()
+
+
+def test_columns_of_the_history_are_on_the_page(results):
+    lines = (results.folder / "history.csv").read_text(encoding="utf-8").splitlines()
+    header = next(line for line in lines if not line.startswith("#"))
+    assert missing(re.split(r"[=(]", column)[0] for column in header.split(",")) == set()
+
+
+def test_datasets_and_attributes_are_on_the_page(results):
+    with h5py.File(results.folder / "samples.h5") as file:
+        sample = file["sample_000"]
+        names = {*sample, *sample.get("bodies", ()), *sample.attrs}
+    assert missing(names - {"bodies"}) == set()

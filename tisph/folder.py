@@ -35,6 +35,8 @@ class Folder:
         self.history = self.root / "history.csv"
         self.frames = self.root / "frames.h5"
         self.movie = self.root / "movie.mp4"
+        self.movie_gif = self.root / "movie.gif"
+        self.poster = self.root / "poster.jpg"
         self.profiles_picture = self.root / "profiles.png"
         self.history_picture = self.root / "history.png"
         self.log = self.root / "run.log"

@@ -13,6 +13,7 @@ import h5py
 import imageio_ffmpeg
 import numpy as np
 import pytest
+from PIL import Image
 from typer.testing import CliRunner
 
 from tisph import cli, config, runtime, scenes, simulation
@@ -275,9 +276,13 @@ def test_render_recolours_a_vortex_by_what_its_frames_have(tisph, tmp_path):
         tisph("render", tmp_path, "--set", f"output.video.color_by={colour}")
         movies.append((tmp_path / "movie.mp4").read_bytes())
     assert movies[0] != movies[1]
+    tisph("render", tmp_path, "--set", "output.video.color_by=dye", "--set", "output.video.fps=10", "--gif")
+    with Image.open(tmp_path / "movie.gif") as film, Image.open(tmp_path / "poster.jpg") as still:
+        assert (film.format, film.size, film.is_animated, still.size) == ("GIF", (640, 320), True, (640, 320))
+    movies.append((tmp_path / "movie.mp4").read_bytes())
     refused = tisph("render", tmp_path, "--set", "output.video.color_by=pressure", status=2)
     assert f"output.video.color_by = pressure: {tmp_path / 'frames.h5'} has no pressure" in refused.stderr
-    assert (tmp_path / "movie.mp4").read_bytes() == movies[1]
+    assert (tmp_path / "movie.mp4").read_bytes() == movies[2]
 
 
 def test_render_needs_frames_for_another_movie(tisph, copied):

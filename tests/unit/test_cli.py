@@ -353,7 +353,7 @@ def test_render(case, simulation):
     simulation.drawn = [Path("profiles.png")]
     done = tisph_command("render", ".", "--set", "output.video.fps=10")
     assert (done.exit_code, done.output) == (0, "profiles.png\n")
-    assert simulation.calls == [(Path("."), ["output.video.fps=10"])]
+    assert simulation.calls == [(Path("."), ["output.video.fps=10"], False)]
 
 
 def test_module_entry_point(case):

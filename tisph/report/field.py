@@ -16,7 +16,7 @@ _MOST = 40_000  # nodes
 _MARGIN = 4  # nodes beyond each side
 _BEYOND = 3.0  # of them in which particles count for what is seen
 _LEAST = 0.02  # sum of weights of a node, 1 where particles are everywhere: below it there is nothing to fit
-_EVEN = 2e-3  # added to the second moments, which are 1/3: a few particles on a line leave no slope undetermined
+_EVEN = 5e-4  # added to the second moments, which are 1/3: a few particles on a line leave no slope undetermined
 
 
 class FieldGrid:

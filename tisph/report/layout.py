@@ -8,7 +8,7 @@ from tisph.report import style
 
 LONGEST_SHOWN = 4.0  # heights: of a longer box this much is shown, or its discs would be too small to see
 RIM = 0.04  # of the longer side of a box that bodies bound: so much of them is shown
-_LEAST_PANEL = 400, 170  # pixels in a frame of 1280 x 640: width and height of a panel beside the box
+_LEAST_PANEL = 340, 170  # pixels in a frame of 1280 x 640: width and height of a panel beside the box
 _LEAST_BOX = 400  # pixels likewise: width of the box with what is written beside it
 _GAP = 90, 78  # pixels likewise: between panels, for tick labels and names
 

@@ -114,7 +114,7 @@ class _Ranges:
     """Ranges of what frames show, and how many there are."""
 
     def __init__(self):
-        self.colours, self.profile, self.series, self.count = Extremes(), Extremes(), Extremes(), 0
+        self.colours, self.profile, self.series, self.count = Extremes(), Extremes(), Extremes(over_time=True), 0
 
     def add(self, measured):
         """Take a frame."""

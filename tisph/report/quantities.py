@@ -13,6 +13,7 @@ from tisph.snapshot import Snapshot
 
 _MARGIN = 0.08  # of the range of a panel, at both ends: overshoot stays in sight
 _SHARE, _FRAMES = 0.995, 0.9  # of the particles of a frame, and of the frames, that a range holds: corners do not count
+_TIMES = 0.98  # of the times that the range of numbers over time holds: a start may be infinite
 
 Ends = tuple[float, float]
 
@@ -57,16 +58,20 @@ def quantity(view: MovieView, scene, limits: str | Sequence[float], ends: tuple[
 
 
 class Extremes:
-    """The range of values that come frame by frame: without the few in a frame, and the few frames, that stand out."""
+    """The range of values that come frame by frame: without the few in a frame, and the few frames, that stand out.
 
-    def __init__(self):
+    ``over_time``: of numbers, not of fields.
+    """
+
+    def __init__(self, over_time: bool = False):
         self._least, self._most = [], []
+        self._values, self._frames = (1.0, _TIMES) if over_time else (_SHARE, _FRAMES)
 
     def add(self, values: np.ndarray) -> None:
         """Take the ``values`` of one frame; those that are no finite numbers are left out."""
         values = values[np.isfinite(values)]
         if values.size:
-            least, most = np.quantile(values, (1.0 - _SHARE, _SHARE))
+            least, most = np.quantile(values, (1.0 - self._values, self._values))
             self._least.append(least)
             self._most.append(most)
 
@@ -75,7 +80,7 @@ class Extremes:
         """The smallest and the largest value; (0, 0) where there were none."""
         if not self._most:
             return 0.0, 0.0
-        return float(np.quantile(self._least, 1.0 - _FRAMES)), float(np.quantile(self._most, _FRAMES))
+        return float(np.quantile(self._least, 1.0 - self._frames)), float(np.quantile(self._most, self._frames))
 
 
 def _largest(ends: Sequence[float]) -> float:

@@ -38,7 +38,7 @@ class Theme:
     solid_edge: str = "#3d4451"
     particles: str = "#8fa3c4"
     exact: str = "#d1362f"
-    series: tuple[str, ...] = ("#0072b2", "#b35900", "#009e73")
+    series: tuple[str, ...] = ("#0072b2", "#b35900", "#4d4d4d")
 
 
 LIGHT = Theme()
@@ -54,7 +54,7 @@ DARK = Theme(
     solid_edge="#aab3c2",
     particles="#7f93b8",
     exact="#ff7a70",
-    series=("#56b4e9", "#e69f00", "#2fd6a8"),
+    series=("#56b4e9", "#e69f00", "#f0f0f0"),
 )
 THEMES = {"light": LIGHT, "dark": DARK}
 

@@ -11,7 +11,6 @@ from tisph.scenes._views import TimeSeries
 
 _NUMBERS = 3  # that are drawn: as many as have colours
 _EXACT_TIMES = 200
-_BEFORE = 0.02  # of the run, in which a start from rest may be infinite
 
 
 class TimePanel:
@@ -26,7 +25,7 @@ class TimePanel:
         self.exact_times = np.linspace(*self.times, _EXACT_TIMES)
         exact = exact_values(series, self.exact_times)
         self.exact = None if exact is None else exact[:, :_NUMBERS]
-        self.range = with_margin(ends or _ends(self.exact[self.exact_times > self._after(_BEFORE)]), 1.0)
+        self.range = with_margin(ends or self._exact_ends(), 1.0)
         self._layout, self._seen = layout, {}
         inside = layout.series.height - 2, layout.series.width - 2  # the axes' lines are on the border
         self._pen = Discs(max(0.6, 1.3 * layout.scale), inside)
@@ -54,8 +53,11 @@ class TimePanel:
         row = (high - values) / (high - low) * rect.height - 1.0
         return (times - first) / (last - first) * rect.width - 1.0, np.clip(row, -rect.height, 2 * rect.height)
 
-    def _after(self, share):
-        return self.times[0] + share * (self.times[1] - self.times[0])
+    def _exact_ends(self):
+        extremes = Extremes(over_time=True)
+        for values in self.exact:
+            extremes.add(values)
+        return extremes.ends
 
 
 def exact_values(series: TimeSeries, times: np.ndarray) -> np.ndarray | None:
@@ -71,9 +73,3 @@ def measured(series: TimeSeries, snapshot) -> np.ndarray:
 
 def _scaled(series, values):
     return values / np.array(series.sizes) if series.sizes else values
-
-
-def _ends(values):
-    extremes = Extremes()
-    extremes.add(values)
-    return extremes.ends

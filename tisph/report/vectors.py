@@ -11,7 +11,7 @@ from tisph.snapshot import Snapshot
 _PITCH = 40.0  # pixels in a frame of 1280 x 640: distance of arrows
 _UNIT = 1.5  # pitches: length of an arrow of the reference velocity
 _LONGEST = 1.8  # pitches
-_SHORTEST = 0.1  # pitches: below it a head shows no direction
+_SHORTEST = 0.25  # pitches: below it a head shows no direction
 _NEAR = 6  # particles whose velocities are averaged
 _BESIDE = 1.2  # spacings: where no particle is so near there is no fluid
 _SHAFT, _HEAD = 0.04, 0.14  # half widths of an arrow, in pitches

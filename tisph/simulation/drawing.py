@@ -16,6 +16,8 @@ from tisph.observers.frames import read_frames
 from tisph.observers.history import read_history
 from tisph.observers.samples import read_samples
 from tisph.report.drawing_process import RemoteMovie, described, shared
+from tisph.report.gif import write_gif
+from tisph.report.poster import poster
 
 VIDEO = "output.video."
 """What the keys of the movie begin with."""
@@ -35,10 +37,11 @@ class Picture:
             new.write_bytes(image)
 
 
-def render(run_dir, overrides=()):
+def render(run_dir, overrides=(), gif=False):
     """Draw what the files in ``run_dir`` allow and return the paths of the pictures.
 
-    ``overrides`` are texts ``output.video.KEY=VALUE``, for another movie of the same frames. Raises ConfigError where
+    ``overrides`` are texts ``output.video.KEY=VALUE``, for another movie of the same frames; with ``gif`` it is also
+    written as GIF, and its last frame as JPEG. Raises ConfigError where
     ``run_dir`` is no results folder, its files cannot be read or do not have what is asked for, TisphError where the
     pictures cannot be written.
     """
@@ -60,7 +63,16 @@ def render(run_dir, overrides=()):
         finally:
             film.close()
         drawn.append(folder.movie)
-    return drawn
+    return [*drawn, *_small(folder)] if gif else drawn
+
+
+def _small(folder):
+    """Write the movie as GIF and its last frame, and return their paths; ConfigError where there is no movie."""
+    if not folder.movie.is_file():
+        raise ConfigError(f"{folder.root}: there is no {folder.movie.name} to make a GIF of")
+    write_gif(folder.movie, folder.movie_gif)
+    folder.poster.write_bytes(poster(folder.movie))
+    return folder.movie_gif, folder.poster
 
 
 def _require_movie_keys(folder, overrides):

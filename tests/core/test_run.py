@@ -355,3 +355,13 @@ def test_compiled_kernels_are_kept_for_the_next_run(tmp_path):
     folders = {"HOME": str(home), "XDG_CACHE_HOME": str(home / ".cache")}
     in_a_process(tmp_path, "--no-video", "--set", "time={end: 0.01}", **folders)
     assert list((home / ".cache" / "tisph").rglob("*.tic"))
+
+
+def test_render_draws_what_the_files_of_the_folder_allow(tisph, copied):
+    (copied / "samples.h5").unlink()
+    drawn = tisph("render", copied).stdout
+    assert "history.png" in drawn
+    assert "profiles.png" not in drawn
+    for name in ("history.csv", "frames.h5"):
+        (copied / name).unlink()
+    assert "has nothing to draw" in tisph("render", copied, status=2).stderr

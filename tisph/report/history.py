@@ -7,50 +7,94 @@ from tisph.report import style
 from tisph.report.labels import axis_exponent, axis_label, number, unit_label
 from tisph.report.margins import set_margins
 
-_MARKERS = 40  # a number
+_MARKERS = 40  # a number, on its exact curve
+_FEW = 8  # on a line of its own, where there is no exact one
+_SHAPES = "osD^v"
 _MARKERS_A_PERIOD = 12  # at least, where a wall oscillates: with fewer the eye sees another oscillation
 _CURVE_POINTS = 300
 _CURVE_POINTS_A_PERIOD = 40
 _MOST_CURVE_POINTS = 4000
 _LEGEND_ENTRIES = 12
-_MARGIN = 0.1  # of the axis, beyond what is resolved of a history that begins at infinity
+UNRESOLVED = "not resolved"
+_MARGIN = 0.1  # of the axis, beyond what is resolved
+_SMALLEST = 1e-3  # half the height of the axes of a number, over its size: less than that is noise
 
 
 def history_figure(scene, settings: dict, times: np.ndarray, values: np.ndarray) -> style.PlotFigure:
-    """Return the numbers that ``scene`` follows in time, as markers on their exact history.
+    """Return the numbers that ``scene`` follows in time: markers on their exact history, or lines where it has none.
 
     ``settings`` are those of ``scene.time_series``; ``times`` (n,) and ``values`` (n, numbers) are in the units of the
-    scene. Of more than twelve numbers the legend names twelve, evenly chosen. Times at which the flow is not resolved
-    are shaded.
+    scene. Each kind of number has axes of its own. Of more than twelve numbers the legend names twelve, evenly chosen.
+    Times at which the flow is not resolved are shaded.
     """
     series = scene.time_series(**settings)
-    values = values / np.array(series.sizes) if series.sizes else values
+    panels = list(series.panels or [(series.name, series.unit)] * values.shape[1])
+    kinds = list(dict.fromkeys(panels))
+    columns = 2 if len(kinds) > 3 else 1
+    rows = -(-len(kinds) // columns)
     with style.plot_style():
-        figure = style.plot_figure()
-        axes = figure.subplots()
-        periods = series.angular_frequency * (times[-1] - times[0]) / (2.0 * np.pi)
-        shown = style.evenly_chosen(len(times), max(_MARKERS, round(_MARKERS_A_PERIOD * periods)))
-        count = values.shape[1]
-        named = style.evenly_chosen(count, _LEGEND_ENTRIES)
-        colours = style.colours(count, 0.9)
-        size = 5 if len(shown) <= 2 * _MARKERS else 3
-        exact_times = _curve_times(times[0], times[-1], periods)
-        exact = series.exact(exact_times)
-        for index in reversed(range(count)):  # the legend from top to bottom, as in a channel
-            markers = axes.plot(times[shown], values[shown, index], "o", color=colours[index], markersize=size)[0]
-            if exact is not None:
-                axes.plot(exact_times, exact[:, index], "-", color=style.TEXT, linewidth=0.9)
-            if index in named:
-                markers.set_label(_label(*series.labels[index]))
-        if exact is not None:
-            axes.plot([], [], "-", color=style.TEXT, linewidth=0.9, label="exact")
-            if not np.isfinite(exact).all():
-                _fit_to_what_is_resolved(axes, scene, times, values)
-        _mark_unresolved(axes, scene, times)
-        _label_axes(axes, scene, series, float(np.max(np.abs(times))))
-        legend = figure.legend(loc="center right", frameon=False, fontsize=10)
-        set_margins(figure, np.array([[axes]]), legend, below=False)
+        figure = style.plot_figure(min(rows, 2))
+        grid = figure.subplots(rows, columns, squeeze=False)
+        drawn = _exact_lines if series.exact(times[:1]) is not None else _lines
+        for kind, axes in zip(kinds, grid.flat, strict=False):
+            drawn(axes, scene, series, [index for index, panel in enumerate(panels) if panel == kind], times, values)
+            _mark_unresolved(axes, scene, times)
+            _label_axes(axes, scene, kind, float(np.max(np.abs(times))))
+        for axes in grid.flat[len(kinds) :]:
+            axes.remove()
+        parts = [axes.get_legend_handles_labels() for axes in figure.axes]
+        named = {text: artist for artists, texts in parts for artist, text in zip(artists, texts, strict=True)}
+        last = {UNRESOLVED: named.pop(UNRESOLVED)} if UNRESOLVED in named else {}
+        legend = figure.legend(
+            [*named.values(), *last.values()], [*named, *last], loc="center right", frameon=False, fontsize=10
+        )
+        set_margins(figure, grid, legend, below=False)
     return figure
+
+
+def _exact_lines(axes, scene, series, chosen, times, values):
+    """Draw the numbers ``chosen`` as markers on their exact curves, the legend from top to bottom, as in a channel."""
+    periods = series.angular_frequency * (times[-1] - times[0]) / (2.0 * np.pi)
+    shown = style.evenly_chosen(len(times), max(_MARKERS, round(_MARKERS_A_PERIOD * periods)))
+    named = style.evenly_chosen(len(chosen), _LEGEND_ENTRIES)
+    colours = style.colours(len(chosen), 0.9)
+    size = 5 if len(shown) <= 2 * _MARKERS else 3
+    exact_times = _curve_times(times[0], times[-1], periods)
+    exact = series.exact(exact_times)
+    for index in reversed(range(len(chosen))):
+        values_here, curve = values[shown, chosen[index]], exact[:, chosen[index]]
+        markers = axes.plot(times[shown], values_here, "o", color=colours[index], markersize=size)[0]
+        axes.plot(exact_times, curve, "-", color=style.TEXT, linewidth=0.9)
+        if index in named:
+            markers.set_label(_label(*series.labels[chosen[index]]))
+    axes.plot([], [], "-", color=style.TEXT, linewidth=0.9, label="exact")
+    if not np.isfinite(exact).all():
+        _fit_to_what_is_resolved(axes, scene, times, values[:, chosen])
+
+
+def _lines(axes, scene, series, chosen, times, values):
+    """Draw the numbers ``chosen`` as lines; those that lie on each other have their few markers at different times."""
+    texts = list(dict.fromkeys(_label(*label) for label in series.labels))
+    colours, step = style.colours(len(texts), 0.85), max(1, len(times) // _FEW)
+    named = style.evenly_chosen(len(texts), _LEGEND_ENTRIES)
+    for place, index in enumerate(chosen):
+        text = _label(*series.labels[index])
+        number = texts.index(text)
+        axes.plot(
+            times,
+            values[:, index],
+            color=colours[number],
+            linewidth=max(1.0, 2.5 - 0.5 * place),
+            marker=_SHAPES[number % len(_SHAPES)],
+            markersize=5,
+            markevery=(step * place // len(chosen), step),
+            label=text if number in named else None,
+        )
+    _fit_to_what_is_resolved(axes, scene, times, values[:, chosen])
+    if series.panels:  # of a force one wants to see how far it is from none
+        least = _SMALLEST * max(series.sizes[index] for index in chosen)
+        low, high = axes.get_ylim()
+        axes.set_ylim(min(low, -least), max(high, least))
 
 
 def _label(name: str, place: float | None) -> str:
@@ -61,7 +105,7 @@ def _mark_unresolved(axes, scene, times: np.ndarray) -> None:
     """Shade the times up to the last at which the flow has a layer that is too thin for the particles."""
     early = [t for t in times if not resolution(scene, t)[0]]
     if early and early[-1] > times[0]:
-        axes.axvspan(times[0], early[-1], color=style.MUTED, alpha=0.2, linewidth=0, label="not resolved")
+        axes.axvspan(times[0], early[-1], color=style.MUTED, alpha=0.2, linewidth=0, label=UNRESOLVED)
 
 
 def _fit_to_what_is_resolved(axes, scene, times: np.ndarray, values: np.ndarray) -> None:
@@ -81,10 +125,11 @@ def _curve_times(first: float, last: float, periods: float) -> np.ndarray:
     return np.union1d(early, even)
 
 
-def _label_axes(axes, scene, series, latest: float) -> None:
-    time_exponent, exponent = axis_exponent(latest), axis_exponent(series.scale)
+def _label_axes(axes, scene, kind: tuple[str, str], latest: float) -> None:
+    name, unit = kind
+    time_exponent, exponent = axis_exponent(latest), axis_exponent(max(map(abs, axes.get_ylim())))
     axes.set_xlabel(axis_label("t", scene.units.time, time_exponent), parse_math=False)
-    axes.set_ylabel(axis_label(series.name, unit_label(series.unit, scene.units), exponent), parse_math=False)
+    axes.set_ylabel(axis_label(name, unit_label(unit, scene.units), exponent), parse_math=False)
     style.format_ticks(axes.xaxis, time_exponent)
     style.format_ticks(axes.yaxis, exponent)
     axes.grid(True)

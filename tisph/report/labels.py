@@ -79,15 +79,20 @@ def unit_label(kind: str, units) -> str:
     else mass/(length time²).
     """
     length, mass, time = units.length, units.mass, units.time
+    pascal = (length, mass, time) == ("m", "kg", "s")
     return {
         "number": "",
         "velocity": f"{length}/{time}",
         "acceleration": f"{length}/{time}²",
-        "stress": "Pa" if (length, mass, time) == ("m", "kg", "s") else f"{mass}/({length} {time}²)",
+        "stress": "Pa" if pascal else f"{mass}/({length} {time}²)",
+        "compliance": "1/Pa" if pascal else f"{length} {time}²/{mass}",
+        "viscosity": "Pa s" if pascal else f"{mass}/({length} {time})",
+        "normal_stress_coefficient": "Pa s²" if pascal else f"{mass}/{length}",
+        "time": time,
         "rate": f"1/{time}",
+        "force": "N/m" if pascal else f"{mass}/{time}²",
         "energy": f"{length}²/{time}²",
-        "force": f"{mass}/{time}²",
-        "torque": f"{mass} {length}/{time}²",
+        "torque": "N" if pascal else f"{mass} {length}/{time}²",
     }[kind]
 
 

@@ -121,8 +121,9 @@ class TimeSeries:
     as an array (records, numbers), or None; ``labels`` are pairs for the legend: a name, and a value or None. ``name``
     and ``unit`` are for the axis of the plot, ``scale`` is the size of the values, ``angular_frequency`` that of their
     fastest oscillation, or 0. ``probes`` (``measures/interpolation.py``) read them from the particles around some
-    places, if they are velocities at places: a scheme need not give the others then. ``sizes``: what the plot divides
-    each of the numbers by, where they are of different kinds.
+    places, if they are velocities at places: a scheme need not give the others then. Where the numbers are of different
+    kinds, ``sizes`` are theirs, and ``panels`` a pair as ``name`` and ``unit`` for the axes that each of them is drawn
+    on: numbers of the same pair share axes.
     """
 
     content: str
@@ -138,6 +139,7 @@ class TimeSeries:
     angular_frequency: float = 0.0
     probes: Any = None
     sizes: Sequence[float] = ()
+    panels: Sequence[tuple[str, str]] = ()
 
     def only(self, kinds, name, unit):
         """Those of the numbers whose columns begin with one of ``kinds``, as they are measured, without references."""

@@ -46,6 +46,8 @@ def render(run_dir, overrides=(), gif=False):
     pictures cannot be written.
     """
     folder = Folder(run_dir)
+    if not any(path.exists() for path in (folder.samples, folder.history, folder.frames)):
+        raise ConfigError(f"{folder.root}: has nothing to draw: neither samples.h5 nor history.csv nor frames.h5")
     _require_movie_keys(folder, overrides)
     settings = config.load(folder.config, overrides)
     channel = scenes.of(settings)
@@ -105,10 +107,10 @@ def movie(folder, settings, channel):
 def begin_pictures(folder, settings, channel):
     """Let profiles.png and history.png be drawn from the stored samples and history; return those there will be."""
     wanted, paths = {}, {"profiles": folder.profiles_picture, "history": folder.history_picture}
-    snapshots = read_samples(folder.samples)
+    snapshots = read_samples(folder.samples) if folder.samples.exists() else []
     if snapshots:
         wanted["profiles"] = (snapshots,)
-    times, values = read_history(folder.history)
+    times, values = read_history(folder.history) if folder.history.exists() else ((), ())
     if len(times):
         wanted["history"] = settings.time_series, times, values
     drawn = shared().request("plots", described(channel)[0], wanted) if wanted else None

@@ -9,6 +9,11 @@ from tisph.scenes._cell import diagnostics
 from tisph.scenes._views import TimeSeries
 
 VELOCITY = "superficial_velocity"
+PANELS = {
+    "drag": ("drag per length", "force"),
+    "lift": ("lift per length", "force"),
+    "torque": ("torque per length", "torque"),
+}
 
 
 def profiles(cell):
@@ -20,9 +25,11 @@ def time_series(cell):
     """Forces and torques on the bodies in the fluid, or on its walls where there are none, and the mean velocity."""
     chosen = slice(cell.count or None)
     pairs = zip(cell.names[chosen], cell.bodies[chosen], strict=True)
-    columns = [f"{kind}{name}" for name, body in pairs for kind in diagnostics.kinds(body)]
+    followed = [(kind, name) for name, body in pairs for kind in diagnostics.kinds(body)]
+    columns = [f"{kind}{name}" for kind, name in followed]
     force, speed = cell.force_scale, cell.reference_velocity
     sizes = {"drag": force, "lift": force, "torque": force * cell.reference_length}
+    of = "body" if cell.count else "wall"
 
     def measure(snapshot):
         found = diagnostics.loads(cell, snapshot)
@@ -31,15 +38,16 @@ def time_series(cell):
 
     return TimeSeries(
         content="forces and torques of the fluid on bodies, and the mean velocity, over time t",
-        name="forces over F, torques over F d, velocity over U",
-        unit="number",
-        scale=1.0,
+        name="force per length",
+        unit="force",
+        scale=force,
         columns=[*columns, VELOCITY],
-        labels=[(column.replace("_", " "), None) for column in (*columns, VELOCITY)],
+        labels=[*((f"{of} {name.lstrip('_')}".rstrip(), None) for _, name in followed), ("mean over the cell", None)],
         exact_columns=[],
         measure=measure,
         exact=lambda times: None,
-        sizes=[*(sizes[column.partition("_")[0]] for column in columns), speed],
+        sizes=[*(sizes[kind] for kind, _ in followed), speed],
+        panels=[*(PANELS[kind] for kind, _ in followed), ("superficial velocity", "velocity")],
     )
 
 

@@ -15,7 +15,6 @@ _CURVE_POINTS = 300
 _CURVE_POINTS_A_PERIOD = 40
 _MOST_CURVE_POINTS = 4000
 _LEGEND_ENTRIES = 12
-UNRESOLVED = "not resolved"
 _MARGIN = 0.1  # of the axis, beyond what is resolved
 _SMALLEST = 1e-3  # half the height of the axes of a number, over its size: less than that is noise
 
@@ -35,19 +34,17 @@ def history_figure(scene, settings: dict, times: np.ndarray, values: np.ndarray)
     with style.plot_style():
         figure = style.plot_figure(min(rows, 2))
         grid = figure.subplots(rows, columns, squeeze=False)
-        drawn = _exact_lines if series.exact(times[:1]) is not None else _lines
+        drawn = _lines if series.exact(times[:1]) is None else _exact_lines
         for kind, axes in zip(kinds, grid.flat, strict=False):
             drawn(axes, scene, series, [index for index, panel in enumerate(panels) if panel == kind], times, values)
-            _mark_unresolved(axes, scene, times)
+            _mark_unresolved(axes, scene, times, "not resolved" if kind == kinds[-1] else None)
             _label_axes(axes, scene, kind, float(np.max(np.abs(times))))
         for axes in grid.flat[len(kinds) :]:
             axes.remove()
-        parts = [axes.get_legend_handles_labels() for axes in figure.axes]
-        named = {text: artist for artists, texts in parts for artist, text in zip(artists, texts, strict=True)}
-        last = {UNRESOLVED: named.pop(UNRESOLVED)} if UNRESOLVED in named else {}
-        legend = figure.legend(
-            [*named.values(), *last.values()], [*named, *last], loc="center right", frameon=False, fontsize=10
-        )
+        named: dict = {}
+        for axes in figure.axes:
+            named |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
+        legend = figure.legend(named.values(), named, loc="center right", frameon=False, fontsize=10)
         set_margins(figure, grid, legend, below=False)
     return figure
 
@@ -61,12 +58,11 @@ def _exact_lines(axes, scene, series, chosen, times, values):
     size = 5 if len(shown) <= 2 * _MARKERS else 3
     exact_times = _curve_times(times[0], times[-1], periods)
     exact = series.exact(exact_times)
-    for index in reversed(range(len(chosen))):
-        values_here, curve = values[shown, chosen[index]], exact[:, chosen[index]]
-        markers = axes.plot(times[shown], values_here, "o", color=colours[index], markersize=size)[0]
-        axes.plot(exact_times, curve, "-", color=style.TEXT, linewidth=0.9)
-        if index in named:
-            markers.set_label(_label(*series.labels[chosen[index]]))
+    for place, index in reversed(list(enumerate(chosen))):
+        markers = axes.plot(times[shown], values[shown, index], "o", color=colours[place], markersize=size)[0]
+        axes.plot(exact_times, exact[:, index], "-", color=style.TEXT, linewidth=0.9)
+        if place in named:
+            markers.set_label(_label(*series.labels[index]))
     axes.plot([], [], "-", color=style.TEXT, linewidth=0.9, label="exact")
     if not np.isfinite(exact).all():
         _fit_to_what_is_resolved(axes, scene, times, values[:, chosen])
@@ -76,20 +72,11 @@ def _lines(axes, scene, series, chosen, times, values):
     """Draw the numbers ``chosen`` as lines; those that lie on each other have their few markers at different times."""
     texts = list(dict.fromkeys(_label(*label) for label in series.labels))
     colours, step = style.colours(len(texts), 0.85), max(1, len(times) // _FEW)
-    named = style.evenly_chosen(len(texts), _LEGEND_ENTRIES)
     for place, index in enumerate(chosen):
         text = _label(*series.labels[index])
-        number = texts.index(text)
-        axes.plot(
-            times,
-            values[:, index],
-            color=colours[number],
-            linewidth=max(1.0, 2.5 - 0.5 * place),
-            marker=_SHAPES[number % len(_SHAPES)],
-            markersize=5,
-            markevery=(step * place // len(chosen), step),
-            label=text if number in named else None,
-        )
+        look = {"color": colours[texts.index(text)], "marker": _SHAPES[texts.index(text) % len(_SHAPES)], "ms": 5}
+        some = step * place // len(chosen), step
+        axes.plot(times, values[:, index], lw=max(1.0, 2.5 - 0.5 * place), markevery=some, label=text, **look)
     _fit_to_what_is_resolved(axes, scene, times, values[:, chosen])
     if series.panels:  # of a force one wants to see how far it is from none
         least = _SMALLEST * max(series.sizes[index] for index in chosen)
@@ -101,11 +88,11 @@ def _label(name: str, place: float | None) -> str:
     return name if place is None else f"{name} = {number(place, 3)}"
 
 
-def _mark_unresolved(axes, scene, times: np.ndarray) -> None:
+def _mark_unresolved(axes, scene, times: np.ndarray, label: str | None) -> None:
     """Shade the times up to the last at which the flow has a layer that is too thin for the particles."""
     early = [t for t in times if not resolution(scene, t)[0]]
     if early and early[-1] > times[0]:
-        axes.axvspan(times[0], early[-1], color=style.MUTED, alpha=0.2, linewidth=0, label=UNRESOLVED)
+        axes.axvspan(times[0], early[-1], color=style.MUTED, alpha=0.2, linewidth=0, label=label)
 
 
 def _fit_to_what_is_resolved(axes, scene, times: np.ndarray, values: np.ndarray) -> None:

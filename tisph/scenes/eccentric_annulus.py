@@ -30,14 +30,6 @@ torques by 2e-5 and the force by 1e-3 to 7e-3 (docs/evidence/verification.md).""
 LOADS = ("torque_inner", "torque_outer", "force_x", "force_y")
 """Of the fluid, per length of the axes: torques on the cylinders around their own axes, force on the inner one."""
 
-PANELS = (
-    ("kinetic energy per mass", "energy"),
-    *2 * [("torque per length", "torque")],
-    *2 * [("force per length", "force")],
-)
-LABELS = ("mean over the fluid", "inner cylinder", "outer cylinder", "inner, along x", "inner, along y")
-"""Of the kinetic energy and the loads in history.png."""
-
 EXACT_LOADS = tuple(f"{name}_exact" for name in LOADS)
 
 
@@ -159,6 +151,8 @@ class Scene(Cylinders):
     def time_series(self):
         """Kinetic energy, torques, and the force on the inner cylinder."""
         speed, columns = self.reference_velocity, ["kinetic_energy", *LOADS]
+        of = ("mean over the fluid", "inner cylinder", "outer cylinder", "inner, along x", "inner, along y")
+        loads = [*2 * [("torque per length", "torque")], *2 * [("force per length", "force")]]
         force = self.dynamic_viscosity * speed * self.inner_radius / self.reference_length
         return TimeSeries(
             content="mean kinetic energy per mass, torques of the fluid on the cylinders and force on the inner one",
@@ -166,13 +160,13 @@ class Scene(Cylinders):
             unit="energy",
             scale=0.5 * speed**2,
             columns=columns,
-            labels=[(name, None) for name in LABELS],
+            labels=[(name, None) for name in of],
             exact_columns=[],
             measure=lambda snapshot: np.array([_two_dimensional.kinetic_energy(snapshot), *_loads(snapshot)]),
             exact=lambda times: None,
             angular_frequency=max(self.inner.angular_frequency, self.outer.angular_frequency),
             sizes=[0.5 * speed**2, *2 * [force * self.inner_radius], force, force],
-            panels=PANELS,
+            panels=[("kinetic energy per mass", "energy"), *loads],
         )
 
     def movie_series(self):

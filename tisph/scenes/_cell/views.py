@@ -9,11 +9,7 @@ from tisph.scenes._cell import diagnostics
 from tisph.scenes._views import TimeSeries
 
 VELOCITY = "superficial_velocity"
-PANELS = {
-    "drag": ("drag per length", "force"),
-    "lift": ("lift per length", "force"),
-    "torque": ("torque per length", "torque"),
-}
+UNITS = {"drag": "force", "lift": "force", "torque": "torque"}
 
 
 def profiles(cell):
@@ -47,7 +43,7 @@ def time_series(cell):
         measure=measure,
         exact=lambda times: None,
         sizes=[*(sizes[kind] for kind, _ in followed), speed],
-        panels=[*(PANELS[kind] for kind, _ in followed), ("superficial velocity", "velocity")],
+        panels=[*((f"{kind} per length", UNITS[kind]) for kind, _ in followed), ("superficial velocity", "velocity")],
     )
 
 

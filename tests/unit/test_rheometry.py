@@ -7,7 +7,7 @@ import pytest
 from oracles.circular_couette import CircularCouette, Rotation
 from typer.testing import CliRunner
 
-from tisph import cli, registry
+from tisph import cli, registry, scenes
 from tisph.errors import ConfigError
 from tisph.exact.circular_start_up import CircularStartUp
 from tisph.exact.linear_viscoelasticity import (
@@ -19,7 +19,8 @@ from tisph.exact.linear_viscoelasticity import (
 from tisph.exact.start_up import ViscoelasticFluid, Wall
 from tisph.geometry.stress_controlled import StressControlledWall
 from tisph.measures._cylinders import as_plane
-from tisph.measures.rheometry import _amplitudes, _creep, _oscillation, _slowest_pair, _start_up, _window
+from tisph.measures.rheometry import _amplitudes, _creep, _oscillation, _slowest_pair, _start_up, _window, read
+from tisph.report import rheometry as report
 from tisph.scenes._motion import WallMotion
 
 LIQUID = Spectrum(0.1, ((0.6, 1.0), (0.3, 0.1)))
@@ -214,3 +215,28 @@ def test_the_reference_between_cylinders_comes_to_the_impedance():
     stress = (cylinder_apparent_viscosity(viscosity, 3.0, density, 1.0, 2.0) * 1e-3 * 8 / 3 * -1j * np.exp(3j * t)).real
     torque = flow.torque(t, density=density)[0]
     assert torque == pytest.approx(-2 * np.pi * stress, rel=1e-6)  # measured: 1e-7, what is left of the start
+
+
+def test_the_exact_normal_stress_of_a_channel_is_read_beside_the_found(case):
+    fluid = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4}"
+    config = case("discretisation.particles_across=12", "initial.state=developed", fluid)
+    t, channel = np.linspace(0.0, 1.0, 5), scenes.of(config)
+    table = {name: np.ones(5) for name in ("strain", "wall_shear_top", "wall_shear_top_exact", "n1_mean")} | {"t": t}
+    numbers = read(config, channel, table).numbers
+    known = 2.0 * 0.6 * channel.dynamic_viscosity * 0.5  # Psi_1 = 2 eta_p lambda
+    assert numbers["normal_stress_coefficient_at_the_end_reference"] == pytest.approx(known)
+
+
+def test_the_picture_has_units_and_logarithmic_axes_below_their_legends(tmp_path, monkeypatch):
+    wall, t, units = WallMotion(0.5), np.geomspace(0.01, 5.0, 50), SimpleNamespace(length="cm", mass="g", time="s")
+    table = {"t": t, "wall_shear": LIQUID.growth(t), "wall_shear_exact": LIQUID.growth(t), "n1": t, "n1_exact": t}
+    figures = []
+    monkeypatch.setattr(report.style.PlotFigure, "savefig", lambda self, *rest, **others: figures.append(self))
+    report.plot_reading(tmp_path / "a.png", "name", _start_up(plane(1.0, wall), LIQUID, wall, table), units)
+    viscosity, normal = figures[0].axes
+    assert (viscosity.get_xlabel(), viscosity.get_ylabel()) == ("time [s]", "viscosity growth eta+ [g/(cm s)]")
+    assert normal.get_ylabel() == "N1 over the square of the rate [g/cm]"
+    assert [line.get_label() for line in normal.lines[:2]] == ["run, at the wall that moves", "reference"]
+    for axes in (viscosity, normal):
+        assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+        assert axes.get_legend().get_window_extent().y0 >= axes.bbox.y1

@@ -96,7 +96,7 @@ def test_a_flow_curve_of_a_viscoelastic_fluid_shows_its_normal_stress():
     reading = _flow_curve(0.1, law, wall, table, (stress, normal))
     assert normal_curve(reading, "run, mean of the gap") == pytest.approx(1.01 * normal)
     assert normal_curve(reading) == pytest.approx(normal)
-    curve = np.linspace(0.0, 12.0, 41)
+    curve = np.linspace(0.0, 12.0, 101)
     assert normal_curve(reading, "steady shear") == pytest.approx(2.0 * 0.9 * 2.0 * curve**2)
     (steady,) = (drawn[3] for drawn in reading.curves if drawn[0][1].startswith("shear") and drawn[1] == "steady shear")
     assert steady == pytest.approx((0.1 + 0.9) * curve)

@@ -41,5 +41,5 @@ def rheometry(
         typer.echo(f"{config.name}: {reading.title}")
         for line in reading.lines:
             typer.echo(f"  {line}")
-        plot_reading(run_dir / PICTURE, config.name, reading)
+        plot_reading(run_dir / PICTURE, config.name, reading, config.units)
         typer.echo(f"  picture {run_dir / PICTURE}")

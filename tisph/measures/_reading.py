@@ -1,6 +1,7 @@
 """What every protocol of ``rheometry.py`` reads: a title, lines of text, numbers, curves."""
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -8,9 +9,18 @@ SHOWN = 9
 """Lines of a table over time."""
 
 
+class Axes(NamedTuple):
+    """Labels of both axes, kinds of their units as in ``report/labels.py``, and whether both are logarithmic."""
+
+    x: str
+    y: str
+    units: tuple[str, str]
+    logarithmic: bool = False
+
+
 @dataclass
 class Reading:
-    """``curves``: (axis, name, abscissae, ordinates, style) with axis a pair of labels and style a line's or a mark's.
+    """``curves``: (``Axes``, name, abscissae, ordinates, style); style is one of ``report/rheometry.py: STYLES``.
 
     ``numbers`` by name; ``lines`` of text.
     """

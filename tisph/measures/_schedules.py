@@ -8,7 +8,7 @@ the linear theory of a step, or from steady shear, is the strain, or a ramp too 
 import numpy as np
 
 from tisph.exact.uniform_shear import UniformShear
-from tisph.measures._reading import SHOWN, Reading, at_rows, normal_curves, normal_stress, over_time
+from tisph.measures._reading import SHOWN, Axes, Reading, at_rows, normal_curves, normal_stress, over_time
 
 SMALL = 0.01
 """What inertia may take off a modulus where it counts as gone."""
@@ -19,7 +19,10 @@ FASTEST = 0.1
 NOTHING = 1e-9
 """Of the way at the largest speed: what counts for no strain."""
 
-POINTS = 41
+TINY = 0.01
+"""Of the largest shear rate: below, the stress is that of what was before."""
+
+POINTS = 101
 """Of the steady flow curve."""
 
 
@@ -65,7 +68,7 @@ def _step_strain(gap, fluid, wall, table, alone):
         gone = float(t[wrong[-1] + 1] if len(wrong) else t[0])
         lines.append(f"  inertia makes less than {SMALL:.0%} from t = {gone:.4g} on")
         numbers["inertia_gone_at"] = gone
-    axis = "time from the middle of the step", "relaxation modulus"
+    axis = Axes("time from the middle of the step", "relaxation modulus G", ("time", "stress"), logarithmic=True)
     curves = [
         (axis, "run", t, found, "."),
         (axis, "reference", t, known, "-"),
@@ -76,9 +79,9 @@ def _step_strain(gap, fluid, wall, table, alone):
         ratio = normal[late] / table["wall_shear"][late]
         lines.append(f"  N1 over the shear stress at the end: {ratio[-1]:.6g} (Lodge and Meissner: the strain)")
         numbers["normal_over_shear_stress_at_the_end"] = float(ratio[-1])
-        axis = "time from the middle of the step", "N1 over the square of the strain"
+        axis = Axes(axis.x, "N1 over the square of the strain", axis.units, logarithmic=True)
         curves += normal_curves(table, axis, t, late, strain**2)
-        curves.append((axis, "without inertia", t, alone_normal / strain**2, "-"))
+        curves.append((axis, "without inertia", t, alone_normal / strain**2, "--"))
     return Reading("step strain", lines, numbers, curves)
 
 
@@ -118,16 +121,21 @@ def _flow_curve(gap, law, wall, table, alone):
     numbers = dict(zip(names, off.values(), strict=True)) | {"fastest_rate": fastest}
     curve = np.linspace(float(rate.min()), float(rate.max()), POINTS)
     settled = np.array([law.steady(one) for one in curve])
-    axis = "shear rate", "shear stress at the moving wall"
+    axis = Axes("shear rate", "shear stress at the moving wall", ("rate", "stress"))
+    over = Axes("shear rate", "viscosity", ("rate", "viscosity"), logarithmic=True)
+    shear, size = (np.where(np.abs(each) > TINY * fastest, each, np.nan) for each in (rate, curve))
     curves = [
+        (over, "run", np.abs(rate), found / shear, "."),
+        (over, "reference", np.abs(rate), known / shear, "-"),
+        (over, "steady shear", np.abs(curve), settled[:, 0] / size, "--"),
         (axis, "run", rate, found, "."),
         (axis, "reference", rate, known, "-"),
         (axis, "steady shear", curve, settled[:, 0], "--"),
     ]
     if normal_stress(table) is not None:
-        axis = "shear rate", "N1"
+        axis = Axes("shear rate", "N1", ("rate", "stress"))
         curves += normal_curves(table, axis, rate, slice(None))
-        curves.append((axis, "without inertia", rate, alone_normal, "-"))
+        curves.append((axis, "without inertia", rate, alone_normal, ":"))
         curves.append((axis, "steady shear", curve, settled[:, 1], "--"))
     return Reading("flow curve", lines, numbers, curves)
 

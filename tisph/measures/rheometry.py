@@ -12,7 +12,7 @@ from tisph.errors import ConfigError
 from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity
 from tisph.geometry.schedule import Schedule
 from tisph.measures._cylinders import as_plane
-from tisph.measures._reading import Reading, normal_curves, normal_stress, over_time
+from tisph.measures._reading import Axes, Reading, normal_curves, normal_stress, over_time
 from tisph.measures._schedules import read_schedule
 from tisph.measures.wall_shear import integral
 
@@ -21,11 +21,19 @@ LINEAR = 1e-2
 and moduli fall by as much."""
 
 HARMONICS = (1, 2, 3, 5)
+MARKS = (("apparent", "x", "+"), ("corrected for inertia", "o", "s"))
+"""Names of moduli, marks of G' and G'' in the picture."""
 SETTLED = 1e-6
 """What may be left of the start where an oscillation is read; else a polynomial is taken off with it."""
 
 DEGREE = 5
 """Of that polynomial."""
+
+HEIGHTS = 200
+"""At which the exact N1 is averaged over the gap."""
+
+DECADES = np.geomspace(0.1, 10.0, 41)
+"""Frequencies over that of the run at which linear theory is drawn."""
 
 FADED = 15.0
 """Longest relaxation times after which nothing is left of the start."""
@@ -53,6 +61,10 @@ def read(config, channel, table):
     if channel.extra_series is None or "strain" not in table:
         raise ConfigError("its history has no wall stress: it is of a Newtonian fluid, or has not ended")
     fluid = spectrum(config.fluid.rheology, channel)
+    if "n1_mean" in table:
+        y = (np.arange(HEIGHTS)[:, None] + 0.5) * channel.gap / HEIGHTS
+        normal = channel.exact_polymer_stress(y, table["t"])[0] - channel.exact_transverse_stress(y, table["t"])
+        table = {**table, "n1_exact": normal.mean(axis=0)}
     if channel.driven_side is not None:
         return _creep(channel, fluid, table)
     moving = [side for side, wall in (("bottom", channel.bottom), ("top", channel.top)) if wall.largest_speed]
@@ -106,8 +118,15 @@ def _oscillation(channel, fluid, wall, table):
         key = name.replace(",", "").replace(" ", "_")
         numbers |= {f"storage_modulus_{key}": float(value.real), f"loss_modulus_{key}": float(value.imag)}
     strain = table["strain"][first:] if wall is channel.top else -table["strain"][first:]
-    axis = "strain", "shear stress at the moving wall"
+    axis = Axes("strain", "shear stress at the moving wall", ("number", "stress"))
+    omega = frequency * DECADES
+    moduli = 1j * omega * fluid.complex_viscosity(1j * omega)
+    over = Axes("angular frequency", "G\N{PRIME}, G\N{DOUBLE PRIME}", ("rate", "stress"), logarithmic=True)
     curves = [
+        (over, "G\N{PRIME}, linear theory", omega, moduli.real, "--"),
+        (over, "G\N{DOUBLE PRIME}, linear theory", omega, moduli.imag, ":"),
+        *((over, f"G\N{PRIME}, {name}", [frequency], [modulus[name].real], mark) for name, mark, _ in MARKS),
+        *((over, f"G\N{DOUBLE PRIME}, {name}", [frequency], [modulus[name].imag], mark) for name, _, mark in MARKS),
         (axis, "run", strain, table["wall_shear"][first:], "."),
         (axis, "reference", strain, table["wall_shear_exact"][first:], "-"),
     ]
@@ -173,7 +192,7 @@ def _start_up(channel, fluid, wall, table):
     lines = [f"{what}; shear rate {rate:.6g}, before {before:.6g}"]
     lines += over_time(t, {"apparent": found, "reference": exact, "no inertia": theory})
     numbers = {"viscosity_at_the_end": float(found[-1]), "viscosity_at_the_end_reference": float(exact[-1])}
-    axis = "time", what
+    axis = Axes("time", what, ("time", "viscosity"), logarithmic=bool(rate))
     curves = [
         (axis, "run", t, found, "."),
         (axis, "reference", t, exact, "-"),
@@ -187,7 +206,8 @@ def _start_up(channel, fluid, wall, table):
         if "n1_exact" in table:
             numbers[f"{name}_reference"] = float(table["n1_exact"][-1] / steady**2)
             lines[-1] += f" (reference {numbers[f'{name}_reference']:.6g})"
-        axis = "time", "N1 over the square of the rate"
+        units = "time", "normal_stress_coefficient"
+        axis = Axes("time", "N1 over the square of the rate", units, logarithmic=bool(rate))
         curves += normal_curves(table, axis, t, slice(1, None), steady**2)
         if rate:
             curves.append((axis, "upper-convected modes, without inertia", t, fluid.normal_stress_growth(t), "--"))
@@ -208,7 +228,7 @@ def _creep(channel, fluid, table):
     found, known, theory = strain[during] / stress, exact[during] / stress, fluid.compliance(t[during])
     lines = [f"creep compliance J under the stress {stress:.6g}"]
     lines += over_time(t[during], {"run": found, "reference": known, "no inertia": theory})
-    axis = "time", "strain over stress"
+    axis = Axes("time", "strain over stress", ("time", "compliance"))
     curves = [
         (axis, "run", t, strain / stress, "."),
         (axis, "reference", t, exact / stress, "-"),

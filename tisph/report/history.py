@@ -76,7 +76,8 @@ def _lines(axes, scene, series, chosen, times, values):
         text = _label(*series.labels[index])
         look = {"color": colours[texts.index(text)], "marker": _SHAPES[texts.index(text) % len(_SHAPES)], "ms": 5}
         some = step * place // len(chosen), step
-        axes.plot(times, values[:, index], lw=max(1.0, 2.5 - 0.5 * place), markevery=some, label=text, **look)
+        label = text if texts.index(text) in style.evenly_chosen(len(texts), _LEGEND_ENTRIES) else None
+        axes.plot(times, values[:, index], lw=max(1.0, 2.5 - 0.5 * place), markevery=some, label=label, **look)
     _fit_to_what_is_resolved(axes, scene, times, values[:, chosen])
     if series.panels:  # of a force one wants to see how far it is from none
         least = _SMALLEST * max(series.sizes[index] for index in chosen)

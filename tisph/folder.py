@@ -9,7 +9,7 @@ from tisph.errors import ConfigError
 
 LOCK = ".lock"
 
-MADE = ("report.html", "samples.csv", "samples.npz", "samples.extxyz")
+MADE = ("report.html", "samples.csv", "samples.npz", "samples.extxyz", "frames.vtkhdf", "frames_bodies.vtkhdf")
 """What other commands make of a run, in its folder: out of date with the next one."""
 
 
@@ -32,6 +32,7 @@ class Folder:
         self.summary = self.root / "summary.json"
         self.samples = self.root / "samples.h5"
         self.vtk = self.root / "samples.vtkhdf"
+        self.vtk_bodies = self.root / "samples_bodies.vtkhdf"
         self.history = self.root / "history.csv"
         self.frames = self.root / "frames.h5"
         self.movie = self.root / "movie.mp4"
@@ -53,7 +54,7 @@ class Folder:
     def files(self):
         """Return the paths of all of them, and of what a killed run was writing."""
         paths = [path for name, path in vars(self).items() if name != "root"]
-        spares = map(spare, (self.samples, self.vtk, self.frames))
+        spares = map(spare, (self.samples, self.vtk, self.vtk_bodies, self.frames))
         return [*paths, *map(partial, paths), *spares, *map(self.root.joinpath, MADE)]
 
 

@@ -10,13 +10,16 @@ from report_scene import make_snapshot
 from typer.testing import CliRunner
 
 import tisph
-from tisph import cli
+from tisph import cli, scenes
+from tisph.config import load
 from tisph.errors import ConfigError
+from tisph.observers._storage import write_snapshot
 from tisph.observers.description import Description
 from tisph.observers.samples import Samples
 from tisph.observers.vtk import Vtk
 from tisph.results.export import FORMATS, export
 from tisph.scenes.channel import Channel
+from tisph.snapshot import Bodies, Snapshot
 
 POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4}"
 TIMES = [0.5, 2.0]
@@ -177,3 +180,79 @@ def test_a_file_that_cannot_be_written_or_has_nothing_in_it(run, tmp_path):
     (tmp_path / "samples.h5").unlink()
     with pytest.raises(ConfigError, match="no sample to export"):
         export(tisph.open(tmp_path), "npz")
+
+
+ROTATING = """
+scene: lattice
+fluid: {density: 1.0, kinematic_viscosity: 1.0}
+geometry: {length: 2.0, height: 1.0}
+bodies:
+  - {type: polygon, centre: [1.9, 0.5], corners: [[-0.2, -0.1], [0.2, -0.1], [0.2, 0.1], [-0.2, 0.1]],
+     corner_radius: 0.09, motion: {velocity: [0.5, 0.0], angular_velocity: 2.0}}
+discretisation: {particles_across: 30}
+time: {end: 1.0}
+"""
+
+
+@pytest.fixture
+def rotating(tmp_path):
+    """Results and snapshots of a fluid in rigid rotation around a body that leaves the cell and comes back."""
+    (tmp_path / "case.yaml").write_text(ROTATING)
+    config = load(tmp_path / "case.yaml")
+    (tmp_path / "config.resolved.yaml").write_text(config.resolved_yaml())
+    scene, about = scenes.of(config), Description(config, scenes.of(config))
+    x, y = scene.jittered(0, 0.2)
+    samples, snapshots = Samples(tmp_path / "samples.h5", scene, TIMES, about=about), []
+    live = Vtk(tmp_path / "live.vtkhdf", samples, None, about)
+    for step, t in enumerate(TIMES):
+        loads = np.full((2, len(scene.bodies), 3), 3.0)
+        one = {"density": 1.0 + 0 * x, "pressure": 0 * x, "bodies": Bodies.at(t, scene.bodies, loads)}
+        snapshots.append(Snapshot(t=t, step=step, x=x, y=y, u=-3.0 * (y - 0.5), v=3.0 * (x - 1.0), **one))
+        samples.observe(snapshots[-1])
+        live.observe(snapshots[-1])
+    live.close()
+    samples.close()
+    return tisph.open(tmp_path), snapshots
+
+
+def test_vtkhdf_has_bodies_where_they_are_and_the_vorticity(rotating):
+    run, snapshots = rotating
+    path = export(run, "vtkhdf")
+    for name in ("samples", "samples_bodies"):
+        assert content(run.folder / f"{name}.vtkhdf") == content(
+            run.folder / f"{name.replace('samples', 'live')}.vtkhdf"
+        )
+    with h5py.File(path) as file, h5py.File(run.folder / "samples_bodies.vtkhdf") as other:
+        particles, bodies = file["VTKHDF"], other["VTKHDF"]
+        inner = np.hypot(snapshots[0].x - 1.0, snapshots[0].y - 0.5) < 0.25  # the cell is periodic, the rotation not
+        assert particles["PointData/vorticity"][: len(inner)][inner] == pytest.approx(6.0)
+        assert "vorticity [1/s]" in particles["FieldData/units"][0].decode()
+        assert list(bodies["Types"]) == [7, 7]
+        assert bodies["CellData/force"][:].tolist() == [[3.0, 3.0, 0.0]] * 2
+        assert "torque [kg m/s^2]" in bodies["FieldData/units"][0].decode()
+        count = int(bodies["NumberOfPoints"][0])
+        for step, t in enumerate(TIMES):
+            outline = bodies["Points"][step * count : (step + 1) * count]
+            middle = np.array([(1.9 + 0.5 * t) % 2.0, 0.5])
+            away = outline[:, :2] - middle
+            turned = away @ np.array([[np.cos(2 * t), -np.sin(2 * t)], [np.sin(2 * t), np.cos(2 * t)]])
+            assert np.abs(turned).max(axis=0) == pytest.approx([0.2, 0.1], abs=1e-3)
+
+
+def test_vtk_reads_bodies_and_frames(rotating):
+    vtk = pytest.importorskip("vtk", reason="there is no vtk, which the test extra brings")
+    run, snapshots = rotating
+    with h5py.File(run.folder / "frames.h5", "w") as frames:
+        for number, snapshot in enumerate(snapshots):
+            write_snapshot(frames.create_group(f"frame_{number:05d}"), snapshot)
+    done = CliRunner().invoke(cli.app, ["export", str(run.folder), "--to", "vtkhdf", "--frames"])
+    assert (done.exit_code, done.stdout.strip()) == (0, str(run.folder / "frames.vtkhdf"))
+    for name, kind in (("frames", vtk.VTK_VERTEX), ("frames_bodies", vtk.VTK_POLYGON)):
+        reader = vtk.vtkHDFReader()
+        reader.SetFileName(str(run.folder / f"{name}.vtkhdf"))
+        reader.UpdateInformation()
+        for t in reader.GetOutputInformation(0).Get(vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS()):
+            reader.UpdateTimeStep(t)
+            assert reader.GetOutput().GetCellType(0) == kind
+    wrong = CliRunner().invoke(cli.app, ["export", str(run.folder), "--to", "csv", "--frames"])
+    assert (wrong.exit_code, wrong.stderr.count("vtkhdf only")) == (2, 1)

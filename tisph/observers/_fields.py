@@ -5,6 +5,9 @@ from typing import Protocol
 
 import numpy as np
 
+from tisph.measures.gradients import velocity_gradients
+from tisph.snapshot import STRESSES
+
 Field = tuple[str, np.ndarray, str]
 """Name, array (particles,) or (particles, components), unit."""
 
@@ -26,6 +29,23 @@ class Particles(Protocol):
     def __getitem__(self, name: str) -> np.ndarray: ...
 
 
+class Arrays(dict):
+    """Arrays of a snapshot named as in ``samples.h5``, and of two-dimensional flow ``vorticity``, with ``units``.
+
+    ``about`` is the ``Description`` of the run.
+    """
+
+    def __init__(self, about, snapshot):
+        found = {name: getattr(snapshot, name) for name in ("x", "y", "u", "v", "density", "pressure", *STRESSES)}
+        found |= {f"{name}_exact": values for name, values in (snapshot.reference or {}).items()}
+        super().__init__({name: values for name, values in found.items() if values is not None and len(values)})
+        self.t = snapshot.t
+        if not about.scene.parallel:
+            slopes = velocity_gradients(about.scene, snapshot)
+            self["vorticity"] = slopes[2] - slopes[1]
+        self.units = {name: about.units.get(name.removesuffix("_exact"), "") for name in self}
+
+
 def places(particles: Particles) -> np.ndarray:
     """Return the positions, an array (particles, 3), z being 0."""
     return _together(particles, ("x", "y", ""))
@@ -40,7 +60,7 @@ def fields(particles: Particles) -> Iterator[Field]:
             if parts[0] + suffix in units:
                 here = tuple(part and part + suffix for part in parts)
                 yield name + suffix, _together(particles, here), units[here[0]]
-        for name in ("pressure" + suffix, "density" + suffix):
+        for name in ("pressure" + suffix, "density" + suffix, "vorticity" + suffix):
             if name in units:
                 yield name, particles[name].astype(float), units[name]
 

@@ -148,6 +148,8 @@ def read_snapshots(path, fields=FIELDS):
             stored = {name: group[name][...] if name in fields or name in group else np.empty(0) for name in FIELDS}
             stored |= {name: group[name][...] for name in STRESSES if name in group}
             stored |= {name: group.attrs[name] for name in STATE if name in group.attrs}
+            exact = {name.removesuffix(EXACT): group[name][...] for name in group if name.endswith(EXACT)}
+            stored["reference"] = exact or None
             if BODIES in group:
                 bodies = group[BODIES]
                 stored[BODIES] = Bodies(**{name: values[...] for name, values in bodies.items()})

@@ -48,6 +48,7 @@ class Description:
         fields |= {"centre": length, "velocity": f"{length}/{time}", "angle": "rad", "angular_velocity": f"rad/{time}"}
         loads = {"force": f"{mass}/{time}^2", "torque": f"{mass} {length}/{time}^2"}  # per length across the plane
         fields |= {f"{part}{name}": unit for name, unit in loads.items() for part in ("", "pressure_")}
+        fields["vorticity"] = f"1/{time}"
         return {**fields, "density": f"{mass}/{length}^3", **dict.fromkeys(stresses, f"{mass}/({length} {time}^2)")}
 
     def comment(self, content):

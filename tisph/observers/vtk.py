@@ -1,7 +1,7 @@
-"""The samples as ParaView reads them, while the run goes on: ``samples.vtkhdf``."""
+"""The samples as ParaView reads them, while the run goes on: ``samples.vtkhdf``, and the bodies beside it."""
 
-from tisph.observers._storage import EXACT, FIELDS, STRESSES, Storage
-from tisph.observers._vtkhdf import append
+from tisph.observers._storage import Storage
+from tisph.observers._vtkhdf import append, append_bodies, beside, has_outlines
 from tisph.observers.protocol import StateObserver
 from tisph.observers.schedule import Times
 
@@ -18,25 +18,30 @@ class Vtk(StateObserver):
         self.schedule = Times(samples.schedule.times)
         if resumed_at is not None:
             self.schedule.mark(resumed_at)
-        self.storage = _Steps(path, about)
-        self.storage.start(samples.snapshots)
+        self.files = [_Steps(path, about, append)]
+        if has_outlines(about.scene):
+            self.files.append(_Steps(beside(path), about, append_bodies))
+        for file in self.files:
+            file.start(samples.snapshots)
 
     def observe(self, snapshot):
         """Append one sample."""
-        self.storage.add(next(kept for kept in reversed(self.samples.snapshots) if kept.t == snapshot.t))
+        snapshot = next(kept for kept in reversed(self.samples.snapshots) if kept.t == snapshot.t)
+        for file in self.files:
+            file.add(snapshot)
 
     def close(self):
-        """Leave nothing but the file."""
-        self.storage.close()
+        """Leave nothing but the files."""
+        for file in self.files:
+            file.close()
 
 
 class _Steps(Storage):
-    """A file of steps; there is none before the first."""
+    """A file of steps, which ``append`` adds to; there is none before the first."""
 
-    def __init__(self, path, about):
+    def __init__(self, path, about, append):
         super().__init__(path, "{}")
-        self.units, self.config = about.units, about.config
-        self.text = about.resolved
+        self.about, self.append = about, append
 
     def start(self, snapshots):
         """Make a file of ``snapshots``, if there are any; none is left of an earlier run."""
@@ -52,15 +57,4 @@ class _Steps(Storage):
 
     def put(self, file, name, snapshot):
         """Append a snapshot."""
-        append(file, _Arrays(snapshot, self.units), self.config.units, self.text)
-
-
-class _Arrays(dict):
-    """The arrays of a snapshot with their units, named as in ``samples.h5``."""
-
-    def __init__(self, snapshot, units):
-        found = {name: getattr(snapshot, name) for name in FIELDS + STRESSES}
-        found |= {name + EXACT: values for name, values in (snapshot.reference or {}).items()}
-        super().__init__({name: values for name, values in found.items() if values is not None})
-        self.t = snapshot.t
-        self.units = {name: units.get(name.removesuffix(EXACT), "") for name in self}
+        self.append(file, snapshot, self.about)

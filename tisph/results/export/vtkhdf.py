@@ -1,18 +1,33 @@
 """VTKHDF: all samples as one UnstructuredGrid over time, as a run writes it with ``output: {vtk: true}``."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tisph.observers._files import hdf5_file
-from tisph.observers._vtkhdf import append
+from tisph.observers._files import hdf5_file, replaced
+from tisph.observers._vtkhdf import append, append_bodies, beside, has_outlines
+from tisph.observers.description import Description
+from tisph.observers.frames import read_frames
+from tisph.observers.samples import read_samples
 
 if TYPE_CHECKING:
     from tisph.results import Results
 
 
-def write(path: Path, run: "Results") -> None:
-    """Write every sample, its field data being the units and the config."""
-    config = run.config.resolved_yaml()
+def write(path: Path, run: "Results", frames: bool = False) -> None:
+    """Write every sample, or every frame of the movie; field data are the units and the config."""
+    _write(path, run, frames, append)
+
+
+def write_bodies(path: Path, run: "Results", frames: bool = False) -> None:
+    """Write the bodies, if there are any, beside the file ``path`` of the particles."""
+    if has_outlines(run._scene):
+        with replaced(beside(path)) as new:
+            _write(new, run, frames, append_bodies)
+
+
+def _write(path: Path, run: "Results", frames: bool, add: Callable) -> None:
+    about = Description(run.config, run._scene)
     with hdf5_file(path) as file:
-        for sample in run.samples:
-            append(file, sample, run.config.units, config)
+        for snapshot in read_frames(run._files.frames) if frames else read_samples(run._files.samples):
+            add(file, snapshot, about)

@@ -1,7 +1,7 @@
 """What `tisph check` states of runs that were measured: the factors it is held to, and the table that prints them.
 
 ``data/measured.json`` is from ``estimates.json`` of ``benchmarks/estimates.py --quick``, ``data/cells.json`` what that
-of all cells has of those with a reference; ``data/matrix.json`` are the errors that docs/stability.md prints, to one
+of all cells has of those with a reference; ``data/matrix.json`` are the errors of docs/evidence/stability.md, to one
 digit, of cells at the end of their runs, with that end.
 """
 

@@ -21,7 +21,7 @@ SETTLING = 2.0
 
 Before, the layer at a wall that has started is thinner than a spacing. Layers of particles that shear there, and
 disorder, may stir up more than the limit and calm down again: by 1.4 such times in every run of the stability matrix
-that did (docs/stability.md).
+that did (docs/evidence/stability.md).
 """
 
 

@@ -1,7 +1,7 @@
 """The peers' points of the frontier: measured by the scripts in ``benchmarks/peers``, or quoted.
 
 Codes that the package index does not have are quoted from measurements of the same case on another machine of two
-cores, as multiples of what LAMMPS took there with two processes (``docs/performance.md``). pySPlisHSPlasH (2.19.0) is
+cores, as multiples of what LAMMPS took with two processes (docs/evidence/performance.md). pySPlisHSPlasH (2.19.0) is
 in the index, but knows no periodic boundary, so that it cannot run the case. Of the vortex there are quoted seconds for
 all peers, which stand where a code was not measured.
 """

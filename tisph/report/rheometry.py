@@ -1,9 +1,10 @@
 """The picture of what a rheologist reads: curves of a run beside theory and reference."""
 
 import numpy as np
+from matplotlib.ticker import FuncFormatter
 
 from tisph.report import style
-from tisph.report.labels import axis_label, unit_label
+from tisph.report.labels import axis_label, number, unit_label
 
 RUN = {"color": style.PARTICLES}
 STYLES = {
@@ -18,6 +19,11 @@ STYLES = {
 
 DEPTH = 1e-4
 """Of the largest value, the smallest that logarithmic axes show: where a stress changes its sign they have no end."""
+
+
+def _between(value):
+    """The text of a tick between powers of ten: of 2 and 5 times one."""
+    return number(value, 1) if f"{value:.0e}"[0] in "25" else ""
 
 
 def plot_reading(path, name, reading, units):
@@ -37,6 +43,9 @@ def plot_reading(path, name, reading, units):
                 axes.set(xscale="log", yscale="log")
                 largest = max(np.nanmax(y) for _, _, y, _ in own)
                 axes.set_ylim(bottom=max(axes.get_ylim()[0], DEPTH * largest))
+                for axis in (axes.xaxis, axes.yaxis):
+                    axis.set_major_formatter(FuncFormatter(lambda value, _: number(value, 1)))
+                    axis.set_minor_formatter(FuncFormatter(lambda value, _: _between(value)))
             x, y = (
                 axis_label(text, unit_label(kind, units)) for text, kind in zip(labels[:2], labels.units, strict=True)
             )

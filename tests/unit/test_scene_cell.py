@@ -323,6 +323,14 @@ def test_history_of_like_bodies_shows_each_on_axes_with_units(tmp_path):
     assert [text.get_text() for text in figure.legends[0].get_texts()[:3]] == ["body 0", "body 1", "mean over the cell"]
 
 
+def test_history_of_a_body_alone_has_the_drag_that_the_drive_asks_for(tmp_path):
+    scene, times = scene_of(loaded(tmp_path, LATTICE)), np.linspace(0.0, 1.0, 11)
+    figure = history_figure(scene, {}, times, np.zeros((11, 4)))
+    level = figure.axes[0].lines[1]
+    assert level.get_ydata() == pytest.approx(2.0 * (1.0 - np.pi * 0.25**2), rel=1e-9)  # density, acceleration 1, area
+    assert [len(axes.lines) for axes in figure.axes[1:]] == [1, 1, 1]
+
+
 def _marked(line):
     start, step = line.get_markevery()
     return start, None, step

@@ -172,3 +172,15 @@ def test_pictures_are_drawn(case, colour):
     assert values[1:] == pytest.approx([measured(scene, snapshot)[name] for name in LOADS])
     assert profile_figure(scene, [snapshot]).axes
     assert history_figure(scene, {}, np.array([0.4, 0.5]), np.array([values, values])).axes
+
+
+def test_history_has_the_torques_and_the_force_of_stokes_flow(case):
+    scene = case()
+    values = scene.time_series().measure(stokes_snapshot(scene))
+    axes = history_figure(scene, {}, np.array([0.4, 0.5]), np.array([values, values])).axes
+    levels = [line.get_ydata()[0] for panel in axes for line in panel.lines if line.get_label().startswith("exact")]
+    flow = scene.stokes(scene.inner.velocity(0.0), scene.outer.velocity(0.0))
+    viscosity = {"dynamic_viscosity": scene.dynamic_viscosity}
+    assert levels == pytest.approx([*flow.torque(**viscosity), *flow.force(**viscosity)])
+    fast = case("fluid.kinematic_viscosity=0.3").time_series()
+    assert not fast.levels

@@ -78,11 +78,15 @@ def _lines(axes, scene, series, chosen, times, values):
         some = step * place // len(chosen), step
         label = text if texts.index(text) in style.evenly_chosen(len(texts), _LEGEND_ENTRIES) else None
         axes.plot(times, values[:, index], lw=max(1.0, 2.5 - 0.5 * place), markevery=some, label=label, **look)
+    known = [series.levels[index] for index in chosen if series.levels and np.isfinite(series.levels[index])]
+    for level in known:
+        axes.axhline(level, color=style.EXACT, linestyle="--", linewidth=1.0, label="exact, when steady")
     _fit_to_what_is_resolved(axes, scene, times, values[:, chosen])
     if series.panels:  # of a force one wants to see how far it is from none
         least = _SMALLEST * max(series.sizes[index] for index in chosen)
         low, high = axes.get_ylim()
-        axes.set_ylim(min(low, -least), max(high, least))
+        ends = [-least, least, *(1.05 * level for level in known)]
+        axes.set_ylim(min(low, *ends), max(high, *ends))
 
 
 def _label(name: str, place: float | None) -> str:

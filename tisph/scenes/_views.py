@@ -123,7 +123,7 @@ class TimeSeries:
     fastest oscillation, or 0. ``probes`` (``measures/interpolation.py``) read them from the particles around some
     places, if they are velocities at places: a scheme need not give the others then. Where the numbers are of different
     kinds, ``sizes`` are theirs, and ``panels`` a pair as ``name`` and ``unit`` for the axes that each of them is drawn
-    on: numbers of the same pair share axes.
+    on: numbers of the same pair share axes. ``levels``: what they come to in the steady state, NaN where it is unknown.
     """
 
     content: str
@@ -140,6 +140,7 @@ class TimeSeries:
     probes: Any = None
     sizes: Sequence[float] = ()
     panels: Sequence[tuple[str, str]] = ()
+    levels: Sequence[float] = ()
 
     def only(self, kinds, name, unit):
         """Those of the numbers whose columns begin with one of ``kinds``, as they are measured, without references."""

@@ -167,7 +167,17 @@ class Scene(Cylinders):
             angular_frequency=max(self.inner.angular_frequency, self.outer.angular_frequency),
             sizes=[0.5 * speed**2, *2 * [force * self.inner_radius], force, force],
             panels=[("kinetic energy per mass", "energy"), *loads],
+            levels=self._stokes_levels,
         )
+
+    @property
+    def _stokes_levels(self):
+        """What ``time_series`` comes to; empty where no Stokes flow is its end."""
+        if not self._creeps or self.jump_times or self.inner.oscillates or self.outer.oscillates:
+            return ()
+        flow = self.stokes(self.inner.velocity(0.0), self.outer.velocity(0.0))
+        viscosity = {"dynamic_viscosity": self.dynamic_viscosity}
+        return np.nan, *flow.torque(**viscosity), *flow.force(**viscosity)
 
     def movie_series(self):
         """Torques on the cylinders."""

@@ -26,6 +26,8 @@ def time_series(cell):
     force, speed = cell.force_scale, cell.reference_velocity
     sizes = {"drag": force, "lift": force, "torque": force * cell.reference_length}
     of = "body" if cell.count else "wall"
+    alone = len(cell.bodies) == cell.count == 1 and not cell.fastest_body  # it carries all that drives the fluid
+    drive = cell.density * cell.acceleration * cell.region.area
 
     def measure(snapshot):
         found = diagnostics.loads(cell, snapshot)
@@ -43,6 +45,7 @@ def time_series(cell):
         measure=measure,
         exact=lambda times: None,
         sizes=[*(sizes[kind] for kind, _ in followed), speed],
+        levels=[drive, *[np.nan] * len(columns)] if alone else (),
         panels=[*((f"{kind} per length", UNITS[kind]) for kind, _ in followed), ("superficial velocity", "velocity")],
     )
 

@@ -150,10 +150,12 @@ class TimeSeries:
             name=name,
             unit=unit,
             columns=[self.columns[index] for index in chosen],
-            labels=[self.labels[index] for index in chosen],
+            labels=[(self.columns[index].replace("_", " "), None) for index in chosen],
             measure=lambda snapshot: self.measure(snapshot)[chosen],
             exact=lambda times: None,
             sizes=(),
+            panels=(),
+            levels=(),
         )
 
 

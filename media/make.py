@@ -20,17 +20,16 @@ from tisph.report.gif import write_gif
 ROOT = Path(__file__).resolve().parents[1]
 MEDIA = ROOT / "media"
 
+DYED = ["output.video.overlay=none", "output.video.color_by=dye"]
+
 MOVIES = {
     "couette": (0.06, []),  # the profile is then curved across the whole gap
-    "oldroyd_b_couette": (0.7, []),  # the shear wave has just crossed the gap
+    "oldroyd_b_couette": (0.7, ["output.video.style=field"]),  # the shear wave has just crossed the gap
     "taylor_green": (0.5, []),
     "circular_couette": (0.1, []),  # the outer cylinder begins to feel it
     "cylinder_in_channel": (9.0, ["output.video.overlay=streamlines"]),
-    "eccentric_annulus": (25.0, ["output.video.overlay=none", "output.video.color_by=dye"]),
-    "cavity": (
-        12.0,
-        ["output.video.overlay=none", "output.video.color_by=dye", "discretisation.particles_across=64"],
-    ),
+    "eccentric_annulus": (25.0, DYED),
+    "cavity": (3.5, [*DYED, "discretisation.particles_across=64", "time.end=6.0"]),
 }
 """Configs, the t* of each preview (the first frame after it), and what is set."""
 

@@ -48,6 +48,6 @@ def test_links_lead_somewhere(path):
 
 def test_the_first_screen_has_what_a_visitor_needs():
     first = (ROOT / "README.md").read_text(encoding="utf-8").splitlines()[:25]
-    assert any("](media/couette.png)" in line for line in first)
+    assert any("](media/cavity.gif)" in line for line in first)
     assert sum(line.startswith("* **") for line in first) == 3
     assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) < 130

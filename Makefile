@@ -40,9 +40,10 @@ test-quadrants: .venv-quadrants/ready
 media: .venv/run-ready
 	$(BIN)/python media/make.py
 
-# Make the documentation as a site in site/; a dead link is an error.
+# Make the documentation as a site in site/; a dead link is an error, and so is a page that a browser shows badly.
 docs: .venv/docs-ready
 	$(BIN)/python -m mkdocs build --strict
+	$(BIN)/python docs/_look.py
 
 .venv/run-ready: pyproject.toml
 	$(PYTHON) -m venv .venv

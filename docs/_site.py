@@ -1,21 +1,17 @@
-"""What the site needs besides the pages: the pictures and configs to which they link, and their formulas as drawings.
+"""What the site needs besides the pages: pictures and configs to which they link, drawn formulas, generated pages."""
 
-Formulas are drawn by matplotlib when the site is made: a reader needs no script and no network.
-"""
-
-import html
-import io
 import re
+import sys
 from pathlib import Path
 
-from matplotlib import mathtext, rc_context
-from matplotlib.font_manager import FontProperties
 from mkdocs.structure.files import File
 
-ROOT = Path(__file__).resolve().parents[1]
-FOLDERS = {"media": ("*.png", "*.mp4"), "configs": ("*.yaml",)}
+sys.path.insert(0, str(Path(__file__).parent))
 
-FORMULA = re.compile(r"^\$\$(.+?)\$\$$", flags=re.MULTILINE | re.DOTALL)
+import _formulas
+
+ROOT = Path(__file__).resolve().parents[1]
+FOLDERS = {"media": ("*.png", "*.mp4", "*.gif"), "configs": ("*.yaml",)}
 
 
 def on_files(files, config):
@@ -31,20 +27,10 @@ def on_page_markdown(markdown, page, **_):
     up = "../" * page.file.src_uri.count("/")
     for folder in FOLDERS:
         markdown = markdown.replace(f"]({up}../{folder}/", f"]({up}{folder}/")
-    return FORMULA.sub(lambda found: drawn(found.group(1).strip()), markdown)
+    return _formulas.with_drawings(markdown)
 
 
-def drawn(formula):
-    """A formula as SVG in the colour of the text around it; ValueError for one that mathtext does not know."""
-    stream = io.StringIO()
-    with rc_context({"mathtext.fontset": "stix", "svg.fonttype": "path", "svg.hashsalt": "tisph"}):
-        large = formula.replace(r"\frac", r"\dfrac")  # as in a line of its own
-        large = re.sub(r"\s*\\tag\{(\w+)\}", r"\\qquad (\1)", large)
-        mathtext.math_to_image(f"${large}$", stream, prop=FontProperties(size=13), format="svg")
-    picture = stream.getvalue()
-    picture = re.sub(r"<metadata>.*?</metadata>", "", picture[picture.index("<svg") :], flags=re.DOTALL)
-    picture = re.sub(r'<g id="patch_1">.*?</g>', "", picture, count=1, flags=re.DOTALL)  # the white behind it
-    label = (
-        f'<svg role="img" aria-label="{html.escape(formula, quote=True)}" style="fill: currentColor; max-width: 100%" '
-    )
-    return f"<p>{' '.join(picture.split()).replace('<svg ', label, 1)}</p>"
+def on_post_page(output, page, **_):
+    """The worker that the search needs without a server, from this site instead of the network."""
+    up = "../" * page.file.src_uri.count("/")
+    return re.sub(r'src="https?://[^"]*/iframe-worker/shim"', f'src="{up}assets/iframe-worker.js"', output)

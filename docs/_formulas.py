@@ -45,7 +45,7 @@ def drawn(formula):
     stream, text, font = io.StringIO(), f"${formula}$", FontProperties(size=SIZE)
     with rc_context(STYLE):
         mathtext.math_to_image(text, stream, prop=font, format="svg")
-        width, height, depth, *_ = mathtext.MathTextParser("path").parse(text, dpi=72, prop=font)
+        width, _, depth, *_ = mathtext.MathTextParser("path").parse(text, dpi=72, prop=font)
     picture = re.sub(r"<!--.*?-->|<metadata>.*?</metadata>", "", stream.getvalue(), flags=re.DOTALL)
     picture = picture[picture.index("<svg") :]
     picture = re.sub(r'<g id="patch_1">.*?</g>', "", picture, count=1, flags=re.DOTALL)  # the white behind it

@@ -1,4 +1,4 @@
-"""Look at the finished site as readers do: from disk, in Chromium, on a phone and on a screen. Without Chromium: nothing.
+"""Look at the finished site as readers do: from disk, in Chromium, on a phone and on a screen; nothing without it.
 
 No page may be wider than its window, no picture missing, and the search must find "no-slip".
 """
@@ -7,11 +7,11 @@ import sys
 import tempfile
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tests" / "core"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "core"))
 
 import browser
 
+ROOT = Path(__file__).resolve().parents[1]
 WIDTHS = 400, 1400
 WITHIN = "document.documentElement.scrollWidth <= innerWidth"
 PICTURES = "[...document.images].filter(one => one.complete && !one.naturalWidth).map(one => one.src)"

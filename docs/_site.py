@@ -9,6 +9,7 @@ from mkdocs.structure.files import File
 sys.path.insert(0, str(Path(__file__).parent))
 
 import _formulas
+import _reference
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = {"media": ("*.png", "*.mp4", "*.gif"), "configs": ("*.yaml",)}
@@ -19,6 +20,8 @@ def on_files(files, config):
     for folder, patterns in FOLDERS.items():
         for path in sorted(path for pattern in patterns for path in (ROOT / folder).glob(pattern)):
             files.append(File.generated(config, f"{folder}/{path.name}", abs_src_path=str(path)))
+    for name, page in _reference.PAGES.items():
+        files.append(File.generated(config, name, content=page()))
     return files
 
 

@@ -139,7 +139,8 @@ def commands_page():
     parts = [
         "# Command line\n\nThis page is generated from the program: it is what `tisph COMMAND --help` says.\n",
     ]
-    for name, command in sorted(typer.main.get_command(cli.app).commands.items()):
+    shown = [(name, one) for name, one in typer.main.get_command(cli.app).commands.items() if not one.hidden]
+    for name, command in sorted(shown):
         about, _, examples = (command.help or "").partition("\b")
         parts.append(f"\n## `tisph {name}`\n\n{' '.join(about.split())}\n\n")
         if examples:

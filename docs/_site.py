@@ -9,7 +9,9 @@ from mkdocs.structure.files import File
 sys.path.insert(0, str(Path(__file__).parent))
 
 import _formulas
+import _gallery
 import _reference
+import _tutorials
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = {"media": ("*.png", "*.mp4", "*.gif"), "configs": ("*.yaml",)}
@@ -22,7 +24,7 @@ def on_files(files, config):
             files.append(File.generated(config, f"{folder}/{path.name}", abs_src_path=str(path)))
     for name, page in _reference.PAGES.items():
         files.append(File.generated(config, name, content=page()))
-    return files
+    return _tutorials.add(_gallery.add(files, config), config)
 
 
 def on_page_markdown(markdown, page, **_):

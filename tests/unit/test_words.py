@@ -9,6 +9,7 @@ ROOT = Path(__file__).parents[2]
 TEXTS = [
     *sorted((ROOT / "tisph").rglob("*.py")),
     *sorted((ROOT / "docs").rglob("*.md")),
+    *sorted((ROOT / "docs" / "_gallery").glob("*.yaml")),
     *sorted((ROOT / "configs").glob("*.yaml")),
     ROOT / "README.md",
     ROOT / "CONTRIBUTING.md",

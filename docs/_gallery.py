@@ -1,0 +1,257 @@
+"""The gallery: one page a flow, made from docs/_gallery/NAME.yaml and from runs that are made for it.
+
+``make docs`` calls ``add``. Each file says which config is run, with what settings, the text of its page, and the
+numbers in it. A number that is not within its bound ends the build, with the names of the page and of the number. Runs
+are kept in runs/gallery/ and used again as long as config, settings and package are the same.
+``python docs/_gallery.py NAME...`` makes the runs of some pages, or of all, and prints their numbers.
+
+In a text, <<name>> stands for the number of that name; a key may be a sum, ``samples.1.drag + samples.1.drag_top``.
+"""
+
+import hashlib
+import json
+import os
+import re
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from ruamel.yaml import YAML
+
+ROOT = Path(__file__).resolve().parents[1]
+TEXTS = ROOT / "docs" / "_gallery"
+RUNS = ROOT / "runs" / "gallery"
+MOVIE = ["output.video.width=960", "output.video.height=480", "output.video.frames=60", "output.video.fps=15"]
+NO_MOVIE = ["output.video.frames=2"]
+AT_ONCE = 2
+
+
+class OutOfBoundsError(Exception):
+    """Numbers of the gallery that are not what their page says."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A run of the gallery: its folder below runs/gallery, its config, and what is set."""
+
+    name: str
+    config: Path
+    settings: tuple[str, ...]
+
+    @property
+    def folder(self):
+        """Return where the results are."""
+        return RUNS / self.name
+
+    def stamp(self):
+        """Return a hash of all on which the results depend."""
+        text = json.dumps([self.config.read_text(encoding="utf-8"), self.settings, package()])
+        return hashlib.sha256(text.encode()).hexdigest()
+
+    def command(self):
+        """Return the arguments of tisph, as a reader types them."""
+        sets = [word for text in self.settings for word in ("--set", text)]
+        return ["run", self.config.relative_to(ROOT).as_posix(), *sets]
+
+    def make(self):
+        """Run it, unless its results are there; RuntimeError with the last lines of what it printed if that fails."""
+        stamp = self.folder / "gallery.stamp"
+        if stamp.is_file() and stamp.read_text() == self.stamp():
+            return
+        stamp.unlink(missing_ok=True)
+        extra = ["--set", "runtime.threads=1", "--out", str(self.folder), "--overwrite"]
+        environment = dict(os.environ, OMP_NUM_THREADS="1", PYTHONPATH=str(ROOT))
+        done = subprocess.run(
+            [sys.executable, "-m", "tisph", *self.command(), *extra],
+            cwd=ROOT,
+            env=environment,
+            capture_output=True,
+            text=True,
+        )
+        if done.returncode:
+            raise RuntimeError(f"gallery: the run {self.name} failed:\n{(done.stdout + done.stderr)[-2000:]}")
+        stamp.write_text(self.stamp())
+
+    def summary(self):
+        """Return what summary.json says."""
+        return json.loads((self.folder / "summary.json").read_text(encoding="utf-8"))
+
+
+@cache
+def package():
+    """Return a hash of the package's source."""
+    paths = sorted(path for path in (ROOT / "tisph").rglob("*") if path.suffix in (".py", ".html", ".css", ".yaml"))
+    return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()
+
+
+def flows():
+    """Return what docs/_gallery/ says of each page, by name, in the order of their numbers."""
+    found = {path.stem: YAML(typ="safe").load(path.read_text(encoding="utf-8")) for path in TEXTS.glob("*.yaml")}
+    return dict(sorted(found.items(), key=lambda item: (item[1]["order"], item[0])))
+
+
+def jobs(name, flow):
+    """Return the run of a page, and those of its exercises."""
+    config = ROOT / "configs" / f"{flow['config']}.yaml"
+    settings = flow.get("settings", [])
+    own = Job(name, config, (*settings, *MOVIE))
+    exercises = (
+        Job(f"{name}-{number}", config, (*settings, *exercise["settings"], *NO_MOVIE))
+        for number, exercise in enumerate(flow["try"], 1)
+    )
+    return [own, *exercises]
+
+
+def value(summary, key):
+    """Return the number of a dotted key, in which a number counts list entries, ``samples.-1.l2``, or of a sum."""
+    return sum(_entry(summary, term) for term in key.split(" + "))
+
+
+def _entry(summary, key):
+    for part in key.split("."):
+        summary = summary[int(part)] if isinstance(summary, list) else summary[part]
+    return float(summary)
+
+
+def bound(summary, check):
+    """Return the reference of a check, by which it is bounded, and whether the number keeps within its bound."""
+    number = value(summary, check["key"])
+    if "below" in check:
+        return float(check["below"]), abs(number) < check["below"]
+    reference = check["equals"]
+    reference = value(summary, reference) if isinstance(reference, str) else float(reference)
+    return reference, abs(number - reference) <= check["within"] * abs(reference)
+
+
+def failures(name, summary, checks):
+    """Return a line for each number that is out of its bound."""
+    lines = []
+    for check in checks:
+        reference, kept = bound(summary, check)
+        if not kept:
+            wanted = f"below {reference:g}" if "below" in check else f"{reference:g} within {check['within']:g}"
+            found = value(summary, check["key"])
+            lines.append(f"gallery page {name}: {check['name']} ({check['key']}) is {found:g}, not {wanted}")
+    return lines
+
+
+def shown(number):
+    """Return a number in four digits, or in two with a power of ten if it is small."""
+    if 0 < abs(number) < 1e-3:
+        return f"{number:.1e}".replace("e-0", "e-")
+    return f"{number:.4g}"
+
+
+def filled(text, summary, checks):
+    """Return the text with the numbers in the places of their names; KeyError for a name that no check has."""
+    numbers = {check["name"]: shown(value(summary, check["key"])) for check in checks}
+    return re.sub(r"<<(\w+)>>", lambda found: numbers[found.group(1)], text).strip()
+
+
+def table(summary, checks):
+    """Return the numbers of a page beside their references, as a table."""
+    lines = ["| | run | reference |", "|:--|--:|--:|"]
+    for check in checks:
+        reference, _ = bound(summary, check)
+        wanted = f"below {shown(reference)}" if "below" in check else shown(reference)
+        lines.append(f"| {check['says']} | {shown(value(summary, check['key']))} | {wanted} |")
+    return "\n".join(lines)
+
+
+def page(name, flow, up):
+    """Return a page as Markdown; ``up`` leads from the page to the folder of its movie."""
+    own, *exercises = jobs(name, flow)
+    summary = own.summary()
+    settings = " ".join(f"--set {text}" for text in own.settings if text not in MOVIE)
+    parts = [
+        f"# {flow['title']}",
+        filled(flow["question"], summary, flow["numbers"]),
+        video(name, flow["alt"], up),
+        filled(flow["story"], summary, flow["numbers"]),
+        f"## Numbers\n\n{table(summary, flow['numbers'])}",
+        filled(flow.get("remark", ""), summary, flow["numbers"]),
+        f"![{flow['plot_alt']}]({name}-{flow.get('plot', 'profiles')}.png)",
+        f"## Try this\n\n{exercise_texts(flow, exercises)}",
+        f"## Config\n\n```\ntisph run configs/{flow['config']}.yaml {settings}".rstrip() + "\n```",
+        f"The movie on this page is smaller (`{'`, `'.join(MOVIE)}`).",
+        f"```yaml\n{own.config.read_text(encoding='utf-8').strip()}\n```",
+    ]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def video(name, alt, up):
+    """Return the movie, with a still of it for where it does not play."""
+    attributes = f'controls loop muted playsinline preload="metadata" poster="{up}{name}.jpg" aria-label="{alt}"'
+    source = f'<source src="{up}{name}.mp4" type="video/mp4">'
+    return f'<video {attributes} style="width: 100%; height: auto">{source}{alt}</video>'
+
+
+def exercise_texts(flow, exercises):
+    """Return the exercises, each with its answer, which is folded away."""
+    texts = []
+    for number, (exercise, job) in enumerate(zip(flow["try"], exercises, strict=True), 1):
+        answer = filled(exercise["answer"], job.summary(), exercise["numbers"])
+        sets = " ".join(f"--set {text}" for text in exercise["settings"])
+        hidden = f"<details markdown><summary>Answer</summary>\n\n`{sets}`\n\n{answer}\n\n</details>"
+        texts.append(f"**{number}.** {exercise['question'].strip()}\n\n{hidden}")
+    return "\n\n".join(texts)
+
+
+def index(chosen):
+    """Return the first page of the gallery: a picture of each flow, with its title."""
+    head = "# Gallery\n\nOne page a flow: why one looks at it, a movie, numbers beside the reference, two exercises."
+    tail = "All runs are made with this site, and the site is not made if a number leaves its bound."
+    rows = [
+        f"[![{flow['alt']}]({name}.jpg)]({name}.md)\n\n[{flow['title']}]({name}.md)" for name, flow in chosen.items()
+    ]
+    return "\n\n".join([head, tail, *rows]) + "\n"
+
+
+def make(names=()):
+    """Make the runs of some pages, or of all, and check their numbers; OutOfBoundsError lists those out of bounds."""
+    chosen = {name: flow for name, flow in flows().items() if not names or name in names}
+    with ThreadPoolExecutor(AT_ONCE) as pool:
+        list(pool.map(Job.make, [job for name, flow in chosen.items() for job in jobs(name, flow)]))
+    lines = []
+    for name, flow in chosen.items():
+        wanted = [flow["numbers"], *(exercise["numbers"] for exercise in flow["try"])]
+        for job, checks in zip(jobs(name, flow), wanted, strict=True):
+            lines += failures(job.name, job.summary(), checks)
+    if lines:
+        raise OutOfBoundsError("\n".join(lines))
+    return chosen
+
+
+def add(files, config):
+    """Add the pages of the gallery, their movies and pictures to the files of the site."""
+    from mkdocs.exceptions import PluginError
+    from mkdocs.structure.files import File
+
+    from tisph.report.poster import poster
+
+    for file in [file for file in files if file.src_uri.startswith("_gallery/")]:
+        files.remove(file)
+    try:
+        chosen = make()
+    except (OutOfBoundsError, RuntimeError) as error:
+        raise PluginError(str(error)) from error
+    up = "../" if config["use_directory_urls"] else ""
+    pages = {"index": index(chosen), **{name: page(name, flow, up) for name, flow in chosen.items()}}
+    for name, text in pages.items():
+        files.append(File.generated(config, f"gallery/{name}.md", content=text))
+    for name, flow in chosen.items():
+        folder, plot = RUNS / name, flow.get("plot", "profiles")
+        for target, source in {f"{name}.mp4": "movie.mp4", f"{name}-{plot}.png": f"{plot}.png"}.items():
+            files.append(File.generated(config, f"gallery/{target}", abs_src_path=str(folder / source)))
+        files.append(File.generated(config, f"gallery/{name}.jpg", content=poster(folder / "movie.mp4")))
+    if config["nav"] and not any("Gallery" in entry for entry in config["nav"]):
+        config["nav"].insert(2, {"Gallery": [f"gallery/{name}.md" for name in pages]})
+    return files
+
+
+if __name__ == "__main__":
+    for page_name, what in make(sys.argv[1:]).items():
+        print(f"{page_name}\n{table(jobs(page_name, what)[0].summary(), what['numbers'])}\n")

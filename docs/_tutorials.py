@@ -1,0 +1,81 @@
+"""Tutorials: the notebooks of docs/tutorials/, executed when the site is made, as pages.
+
+``make docs`` calls ``add``. A notebook whose code fails ends the build. Executed notebooks are kept in runs/tutorials/
+and used again as long as notebook and package are the same. They become Markdown here, since the site draws formulas of
+Markdown without a script; nbconvert and mkdocs-jupyter bring a page, styles and a script of their own.
+"""
+
+import base64
+import hashlib
+import os
+
+import nbformat
+from _gallery import ROOT, package
+
+NOTEBOOKS = ROOT / "docs" / "tutorials"
+RUNS = ROOT / "runs" / "tutorials"
+
+
+def executed(path):
+    """Return the notebook with its outputs; nbclient.exceptions.CellExecutionError where its code fails."""
+    import nbclient
+
+    folder = RUNS / path.stem
+    done, stamp = folder / "executed.ipynb", folder / "stamp"
+    key = hashlib.sha256(path.read_bytes() + package().encode()).hexdigest()
+    if not (stamp.is_file() and stamp.read_text() == key):
+        folder.mkdir(parents=True, exist_ok=True)
+        os.environ["PYTHONPATH"] = str(ROOT)  # the kernel is a process of its own
+        notebook = nbformat.read(path, as_version=4)
+        nbclient.NotebookClient(notebook, timeout=600, resources={"metadata": {"path": str(folder)}}).execute()
+        nbformat.write(notebook, done)
+        stamp.write_text(key)
+    return nbformat.read(done, as_version=4)
+
+
+def markdown(notebook, name):
+    """Return a page, and the pictures in it by file name."""
+    parts, pictures = [], {}
+    for cell in notebook.cells:
+        if cell.cell_type == "markdown":
+            parts.append(cell.source)
+            continue
+        parts.append(f"```python\n{cell.source}\n```")
+        for output in cell.outputs:
+            parts.append(_shown(output, name, pictures))
+    parts.append(f"[This page as a notebook]({name}.ipynb)")
+    return "\n\n".join(part for part in parts if part) + "\n", pictures
+
+
+def _shown(output, name, pictures):
+    if output.output_type == "stream":
+        return f"```text\n{output.text.rstrip()}\n```" if output.name == "stdout" else ""
+    data = output.get("data", {})
+    if "image/png" in data:
+        picture = f"{name}-{len(pictures)}.png"
+        pictures[picture] = base64.b64decode(data["image/png"])
+        return f"![Plot made by the code above]({picture})"
+    if "text/html" in data:
+        return f"<div>\n{' '.join(data['text/html'].split())}\n</div>"
+    return f"```text\n{data['text/plain']}\n```" if "text/plain" in data else ""
+
+
+def add(files, config):
+    """Add a page for each notebook, with its pictures, to the files of the site."""
+    from mkdocs.exceptions import PluginError
+    from mkdocs.structure.files import File
+    from nbclient.exceptions import CellExecutionError
+
+    names = []
+    for path in sorted(NOTEBOOKS.glob("*.ipynb")):
+        try:
+            text, pictures = markdown(executed(path), path.stem)
+        except CellExecutionError as error:
+            raise PluginError(f"tutorial {path.name}: {error}") from error
+        names.append(f"tutorials/{path.stem}.md")
+        files.append(File.generated(config, names[-1], content=text))
+        for name, content in pictures.items():
+            files.append(File.generated(config, f"tutorials/{name}", content=content))
+    if config["nav"] and not any("Tutorials" in entry for entry in config["nav"]):
+        config["nav"].insert(2, {"Tutorials": names})
+    return files

@@ -8,12 +8,15 @@ Markdown without a script; nbconvert and mkdocs-jupyter bring a page, styles and
 import base64
 import hashlib
 import os
+import re
 
 import nbformat
 from _gallery import ROOT, package
 
 NOTEBOOKS = ROOT / "docs" / "tutorials"
 RUNS = ROOT / "runs" / "tutorials"
+NOTICE = re.compile(r"\[I .*shell\.py")
+"""A line that Taichi prints in notebooks."""
 
 
 def executed(path):
@@ -41,15 +44,15 @@ def markdown(notebook, name):
             parts.append(cell.source)
             continue
         parts.append(f"```python\n{cell.source}\n```")
-        for output in cell.outputs:
-            parts.append(_shown(output, name, pictures))
+        printed = "".join(output.text for output in cell.outputs if output.get("name") == "stdout")
+        lines = [line for line in printed.splitlines() if line and not NOTICE.match(line)]
+        parts.append("```text\n" + "\n".join(lines) + "\n```" if lines else "")
+        parts += [_shown(output, name, pictures) for output in cell.outputs if output.output_type != "stream"]
     parts.append(f"[This page as a notebook]({name}.ipynb)")
     return "\n\n".join(part for part in parts if part) + "\n", pictures
 
 
 def _shown(output, name, pictures):
-    if output.output_type == "stream":
-        return f"```text\n{output.text.rstrip()}\n```" if output.name == "stdout" else ""
     data = output.get("data", {})
     if "image/png" in data:
         picture = f"{name}-{len(pictures)}.png"

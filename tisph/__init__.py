@@ -12,7 +12,7 @@
             state.t, state.x, state.u, state.error
 
 In a notebook ``results`` on a line of its own shows movie, plots and errors. What goes wrong is an exception of
-``tisph.errors``. docs/tutorial.ipynb is the tour, docs/reference/files.md says what each number is.
+``tisph.errors``. docs/tutorials/ are the tour, docs/reference/files.md says what each number is.
 """
 
 from typing import TYPE_CHECKING, Any

@@ -3,17 +3,21 @@
 Range and default come from the models; ``_keys.yaml`` has meaning and unit. A key without a line there is a KeyError.
 """
 
+import inspect
 import re
 import typing
 from pathlib import Path
+from types import SimpleNamespace
 
 import typer
 import yaml
 from pydantic_core import PydanticUndefined
 
 from tisph import cli, registry
+from tisph.config import checks
 from tisph.config.base import LARGEST, SMALLEST, Model
 from tisph.config.fields import Member
+from tisph.studies.sweep import plan
 
 MEANINGS = yaml.safe_load((Path(__file__).parent / "_keys.yaml").read_text(encoding="utf-8"))
 FAMILIES = {
@@ -21,6 +25,10 @@ FAMILIES = {
     "rheology": "Fluid laws: `fluid: {rheology: {type: NAME, ...}}`",
     "walls": "Wall treatments: `walls: {treatment: {type: NAME, ...}}`",
     "bodies": "Shapes: `bodies: [{type: NAME, ...}]`",
+}
+WITHOUT_KEYS = {
+    "kernels": "Kernels: `discretisation: {kernel: NAME}`",
+    "operators": "Operators of scheme wcsph: `scheme: {type: wcsph, operators: NAME}`",
 }
 SIDES = re.compile(r"^walls\.(top|bottom|inner|outer)\b")
 HEAD = "| key | meaning | unit | allowed | default |\n|---|---|---|---|---|\n"
@@ -37,14 +45,67 @@ def keys_page():
     shared = [key for key in shared if not key.startswith(("geometry", "walls", "initial"))]
     parts.append(table({key: scenes["channel"][key] for key in shared}))
     for name, own in scenes.items():
-        parts.append(f"\n## Scene `{name}`\n\n{summary('scenes', name)}\n\n")
+        parts.append(f"\n## Scene `{name}`\n\n{summary('scenes', name)} {about(name)}\n\n")
         parts.append(table({key: field for key, field in own.items() if key not in shared}))
     for family, title in FAMILIES.items():
         parts.append(f"\n## {title}\n\n")
         for name in registry.names(family):
             parts.append(f"\n### `{name}`\n\n{summary(family, name)}\n\n")
             parts.append(table(dict(fields(registry.load(family, name).Parameters)), f"{family}/"))
-    return "".join(parts)
+    for family, title in WITHOUT_KEYS.items():
+        lines = [f"- `{name}`: {registry.summary(family, name)}\n" for name in registry.names(family)]
+        parts.append(f"\n## {title}\n\n{''.join(lines)}")
+    return "".join([*parts, study_table()])
+
+
+def study_keys():
+    """Keys of the file of a sweep, as they stand in ``_keys.yaml``."""
+    ranged = [f"study/vary.KEY.{key}" for key in sorted(plan.RANGE)]
+    return [name for key in plan.KEYS for name in (f"study/{key}", *(ranged if key == "vary" else []))]
+
+
+def study_table():
+    """The part on the file of a sweep, which no model describes."""
+    head = "\n## File of a sweep: `tisph sweep STUDY.yaml`\n\n| key | meaning | default |\n|---|---|---|\n"
+    lines = [(key.partition("/")[2], MEANINGS[key]) for key in study_keys()]
+    return head + "".join(f"| `{key}` | {meaning} | {' '.join(said)} |\n" for key, (meaning, _, *said) in lines)
+
+
+def about(scene):
+    """What the resolution counts in a scene, and what its movie may be coloured by, in sentences."""
+    model = registry.load("scenes", scene).Config
+    texts = [f"`discretisation.particles_across` counts the particles across {model.across_name}."]
+    optional = "bodies" in model.model_fields and not model.model_fields["bodies"].is_required()
+    plain = {name: colours(scene, name) for name in registry.names("rheology")}
+    with_bodies = {name: colours(scene, name, bodies=(None,)) for name in plain}
+    if optional and plain != with_bodies:
+        cases = (("without bodies ", plain), ("with bodies ", with_bodies))
+    else:
+        cases = (("", with_bodies),)
+    return " ".join([*texts, *(colour_text(words, by_law) for words, by_law in cases)])
+
+
+def colours(scene, law, bodies=()):
+    """What ``output.video.color_by`` takes in a scene with that fluid law."""
+    fluid = SimpleNamespace(rheology=registry.load("rheology", law).Parameters.model_construct())
+    given = {"bodies": bodies} if "bodies" in registry.load("scenes", scene).Config.model_fields else {}
+    return checks.colours(registry.load("scenes", scene).Config.model_construct(fluid=fluid, **given))
+
+
+def colour_text(words, by_law):
+    """The colours of all laws, and those that some laws add, in one or two sentences."""
+    shared = [name for name in by_law["oldroyd_b"] if all(name in names for names in by_law.values())]
+    added = {}
+    for law, names in by_law.items():
+        added.setdefault(tuple(name for name in names if name not in shared), []).append(law)
+    more = "; ".join(f"with {code(laws)} also {code(names)}" for names, laws in added.items() if names)
+    text = f"A movie {words}can show (`output.video.color_by`) {code(shared)}"
+    return f"{text}; {more}." if more else f"{text}."
+
+
+def code(names):
+    """Names in a row, each as code."""
+    return ", ".join(f"`{name}`" for name in names)
 
 
 def summary(family, name):
@@ -57,8 +118,9 @@ def table(entries, above=""):
     """Lines of a table of keys with their fields; ``above`` is what stands before them in ``_keys.yaml``."""
     lines = []
     for key, field in entries.items():
-        meaning, unit = MEANINGS[above + SIDES.sub("walls.SIDE", key)]
-        cells = (f"`{key}`", meaning, unit, allowed(field.annotation, field.metadata), default(field))
+        meaning, unit, *said = MEANINGS[above + SIDES.sub("walls.SIDE", key)]
+        given = said[0] if said else default(field)
+        cells = (f"`{key}`", meaning, unit, allowed(field.annotation, field.metadata), given)
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n")
     return HEAD + "".join(lines)
 
@@ -69,6 +131,25 @@ def fields(model, above=""):
         yield f"{above}{name}", field
         for below in models(field.annotation):
             yield from fields(below, f"{above}{name}.")
+        for key, added in added_keys(field.annotation).items():
+            yield f"{above}{name}.{key}", added
+
+
+def added_keys(annotation):
+    """Keys that the items of a list of members have beside those of the members themselves."""
+    found = {}
+    for each in typing.get_args(annotation):
+        for member in (one for one in getattr(each, "__metadata__", ()) if isinstance(one, Member)):
+            for name in choices(member):
+                own = registry.load(member.family, name).Parameters.model_fields
+                fields_there = member.model({"type": name}).model_fields
+                found |= {key: field for key, field in fields_there.items() if key not in own}
+    return found
+
+
+def choices(member):
+    """Names of a family that a map of this kind takes."""
+    return [name for name in registry.names(member.family) if member.model({"type": name})]
 
 
 def models(annotation):
@@ -81,22 +162,35 @@ def models(annotation):
 
 def allowed(annotation, metadata=()):
     """What values a field may have, in words."""
-    family = next((one.family for one in metadata if isinstance(one, Member)), None)
-    if family:
-        return "a map with `type`: " + ", ".join(f"`{name}`" for name in registry.names(family))
+    member = next((one for one in metadata if isinstance(one, Member)), None)
+    if member:
+        return "a map with `type`: " + code(choices(member))
     origin, inner = typing.get_origin(annotation), typing.get_args(annotation)
     if origin is typing.Annotated:
         return allowed(inner[0], [*metadata, *constraints(inner[1:])])
     if origin is typing.Literal:
-        return ", ".join(f"`{value}`" for value in inner)
+        return code(inner)
     if origin is tuple:
         return ("list, each: " if inner[-1] is ... else f"{len(inner)} values, each: ") + allowed(inner[0])
     if origin is not None:
         return " or ".join(dict.fromkeys(allowed(each, metadata) for each in inner if each is not type(None)))
     if isinstance(annotation, type) and issubclass(annotation, Model):
         return "a map"
-    kind = {float: "number", int: "whole number", bool: "`true`, `false`", str: "text"}[annotation]
+    if annotation is str:
+        return text_allowed(metadata)
+    kind = {float: "number", int: "whole number", bool: "`true`, `false`"}[annotation]
     return f"{kind}{limits(metadata)}"
+
+
+def text_allowed(metadata):
+    """What a text may be: a name of a family, or what its own check says of it."""
+    for one in metadata:
+        known = inspect.getclosurevars(one.func).nonlocals if hasattr(one, "func") else {}
+        if "family" in known:
+            return code(registry.names(known["family"]))
+        if "allowed" in known:
+            return known["allowed"]
+    return "text"
 
 
 def constraints(metadata):

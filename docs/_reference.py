@@ -1,4 +1,4 @@
-"""The reference of keys and commands, generated from the models of the config and from the command line itself.
+"""The reference of keys, generated from the models of the config.
 
 Range and default come from the models; ``_keys.yaml`` has meaning and unit. A key without a line there is a KeyError.
 """
@@ -9,11 +9,10 @@ import typing
 from pathlib import Path
 from types import SimpleNamespace
 
-import typer
 import yaml
 from pydantic_core import PydanticUndefined
 
-from tisph import cli, registry
+from tisph import registry
 from tisph.config import checks
 from tisph.config.base import LARGEST, SMALLEST, Model
 from tisph.config.fields import Member
@@ -228,32 +227,5 @@ def default(field):
     return f"`{list(value) if isinstance(value, tuple) else value}`"
 
 
-def commands_page():
-    """The page of the command line, as Markdown."""
-    parts = [
-        "# Command line\n\nThis page is generated from the program: it is what `tisph COMMAND --help` says.\n",
-    ]
-    shown = [(name, one) for name, one in typer.main.get_command(cli.app).commands.items() if not one.hidden]
-    for name, command in sorted(shown):
-        about, _, examples = (command.help or "").partition("\b")
-        parts.append(f"\n## `tisph {name}`\n\n{' '.join(about.split())}\n\n")
-        if examples:
-            lines = [line.strip() for line in examples.strip().splitlines() if line.strip().startswith("tisph")]
-            parts.append("```\n" + "\n".join(lines) + "\n```\n\n")
-        rows = [option_row(one) for one in command.params if not getattr(one, "hidden", False)]
-        parts.append("| argument or option | meaning | default |\n|---|---|---|\n" + "".join(rows))
-    return "".join(parts)
-
-
-def option_row(parameter):
-    """Line of the table of a command."""
-    names = ", ".join(f"`{name}`" for name in parameter.opts) if parameter.opts[0].startswith("-") else ""
-    names = names or f"`{parameter.metavar or parameter.name.upper()}`"
-    given = parameter.default
-    said = "" if given is None or given is False or callable(given) or given == () else f"`{given}`"
-    meaning = " ".join((getattr(parameter, "help", "") or "").split())
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in (names, meaning, said)) + " |\n"
-
-
-PAGES = {"reference/keys.md": keys_page, "reference/command-line.md": commands_page}
+PAGES = {"reference/keys.md": keys_page}
 """Generated pages of the site, by their names."""

@@ -1,5 +1,6 @@
 """The generated pages of the reference: each key of a config and each command is there, with what it means."""
 
+import importlib
 import re
 import sys
 from pathlib import Path
@@ -15,14 +16,18 @@ DOCS = Path(tisph.__file__).parents[1] / "docs"
 CONFIGS = DOCS.parent / "configs"
 
 
-@pytest.fixture(scope="module")
-def reference():
+def generator(name):
+    """A module of docs/, which is no package."""
     sys.path.insert(0, str(DOCS))
     try:
-        import _reference
+        return importlib.import_module(name)
     finally:
         sys.path.remove(str(DOCS))
-    return _reference
+
+
+@pytest.fixture(scope="module")
+def reference():
+    return generator("_reference")
 
 
 def keys(reference):
@@ -113,8 +118,8 @@ def test_keys_that_take_a_name_list_all_names(reference):
         assert all(f"- `{name}`: " in reference.keys_page() for name in registry.names(family))
 
 
-def test_every_command_and_option_has_a_line(reference):
-    page = reference.commands_page()
+def test_every_command_and_option_has_a_line():
+    page = generator("_command_line").commands_page()
     shown = [(name, one) for name, one in typer.main.get_command(cli.app).commands.items() if not one.hidden]
     for name, command in shown:
         part = page.partition(f"## `tisph {name}`\n")[2].partition("\n## ")[0]

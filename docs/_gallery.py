@@ -97,7 +97,7 @@ def jobs(name, flow):
     """Return the run of a page, and those of its exercises."""
     config = ROOT / "configs" / f"{flow['config']}.yaml"
     settings = flow.get("settings", [])
-    own = Job(name, config, (*settings, *MOVIE))
+    own = Job(name, config, (*settings, *flow.get("movie", []), *MOVIE))
     exercises = (
         Job(f"{name}-{number}", config, (*settings, *exercise["settings"], *NO_MOVIE))
         for number, exercise in enumerate(flow["try"], 1)

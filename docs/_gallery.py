@@ -173,6 +173,7 @@ def page(name, flow, up):
         filled(flow["story"], summary, flow["numbers"]),
         f"## Numbers\n\n{table(summary, flow['numbers'])}",
         filled(flow.get("remark", ""), summary, flow["numbers"]),
+        unresolved(summary),
         f"![{flow['plot_alt']}]({name}-{flow.get('plot', 'profiles')}.png)",
         f"## Try this\n\n{exercise_texts(flow, exercises)}",
         f"## Config\n\n```\ntisph run configs/{flow['config']}.yaml {settings}".rstrip() + "\n```",
@@ -180,6 +181,12 @@ def page(name, flow, up):
         f"```yaml\n{own.config.read_text(encoding='utf-8').strip()}\n```",
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def unresolved(summary):
+    """Return which samples the run itself calls unresolved, and why; empty where it does not."""
+    reasons = [f"t = {sample['t']:g}: {sample['reason']}" for sample in summary["samples"] if not sample["resolved"]]
+    return "Not resolved, as the run says: " + "; ".join(reasons) + "." if reasons else ""
 
 
 def video(name, alt, up):

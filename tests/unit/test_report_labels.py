@@ -64,13 +64,14 @@ def test_axis_labels_name_power_and_unit():
 @pytest.mark.parametrize(
     ("viscous_time", "t", "text"),
     [
-        (100.0, 2.7, "t = 2.70 s"),
-        (100.0, 0.0, "t = 0.00 s"),
-        (4e-6, 1e-6, f"t = 1.0000{TIMES}10⁻⁶ s"),
-        (40000.0, 1000.0, f"t = 1.000{TIMES}10³ s"),
+        (100.0, 2.7, "t = 2.7 s"),
+        (100.0, 0.0, "t = 0.0 s"),
+        (0.4, 0.1234, "t = 0.1234 s"),
+        (4e-6, 1e-6, f"t = 1.000{TIMES}10⁻⁶ s"),
+        (40000.0, 1000.0, f"t = 1.00{TIMES}10³ s"),
     ],
 )
-def test_time_label_resolves_a_ten_thousandth_of_the_viscous_time(viscous_time, t, text):
+def test_time_label_resolves_a_thousandth_of_the_viscous_time(viscous_time, t, text):
     label = time_label(viscous_time, "s", "νt/H²")(t)
     assert label == f"{text}     t* = {NU}t/H² = {t / viscous_time:.4f}"
 

@@ -99,9 +99,10 @@ def unit_label(kind: str, units) -> str:
 def time_label(time_scale: float, unit: str, formula: str) -> Callable[[float], str]:
     """Return a function t -> ``t = 1.80 s   t* = νt/H² = 0.0180`` with a fixed number of decimals.
 
-    The steps of t and of t* = t / ``time_scale``, for which ``formula`` stands, are about a ten-thousandth of that.
+    The steps of t are about a thousandth of that, those of t* = t / ``time_scale``, for which ``formula`` stands, a
+    ten-thousandth.
     """
-    clock = fixed_point(time_scale, 5)
+    clock = fixed_point(time_scale, 4)
 
     def label(t: float) -> str:
         return f"t = {clock(t)} {unit}     t* = {formula} = {t / time_scale:.4f}"

@@ -53,11 +53,8 @@ class ProfilePanel:
 
     def _curve(self, values, coordinates, t):
         """Return points in the panel close to each other along a curve, which has gaps where bodies are."""
-        line, known = self._quantity.profile.line, np.isfinite(values)
-        places = np.stack(np.broadcast_arrays(*line.points(coordinates)), axis=1)
-        for body in self._scene.bodies:
-            known &= body.nearest(places, t).distance > -1e-9 * self._scene.spacing
-        index = np.flatnonzero(known)
+        wet = self._quantity.profile.line.in_fluid(self._scene, coordinates, t)
+        index = np.flatnonzero(wet & np.isfinite(values))
         pieces = np.split(index, np.flatnonzero(np.diff(index) > 1) + 1)
         lines = [dense_line(self._pixels(values[piece], coordinates[piece])) for piece in pieces if len(piece)]
         return tuple(np.concatenate(part) for part in zip(*lines, strict=True)) if lines else (np.empty(0), np.empty(0))

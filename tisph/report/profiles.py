@@ -40,7 +40,7 @@ def profile_figure(scene, snapshots: Sequence[Snapshot]) -> style.PlotFigure:
         error_words = error_label(scene)
         looks = _looks(len(snapshots))
         for index, snapshot in enumerate(snapshots):
-            drawn = [_plot(one, panel, snapshot, looks[index]) for one, panel in zip(axes, panels, strict=False)]
+            drawn = [_plot(one, scene, panel, snapshot, looks[index]) for one, panel in zip(axes, panels, strict=False)]
             if index in named:
                 t_star = number(snapshot.t / scene.time_scale, 3)
                 time = f"t = {number(snapshot.t)} {scene.units.time},  t* = {t_star}"
@@ -63,7 +63,7 @@ def _looks(count: int) -> list[dict]:
     ]
 
 
-def _plot(axes: Axes, panel: Panel, snapshot: Snapshot, look: dict) -> Line2D:
+def _plot(axes: Axes, scene, panel: Panel, snapshot: Snapshot, look: dict) -> Line2D:
     """Draw one sample into one panel; return its dots."""
     profile, error = panel
     chosen = profile.line.particles(snapshot)
@@ -77,6 +77,7 @@ def _plot(axes: Axes, panel: Panel, snapshot: Snapshot, look: dict) -> Line2D:
     if profile.exact:
         coordinates = profile.line.coordinates(_CURVE_POINTS)
         exact = profile.exact(*profile.line.points(coordinates), snapshot.t)
+        exact = np.where(profile.line.in_fluid(scene, coordinates, snapshot.t), exact, np.nan)
         axes.plot(exact, coordinates, "-", color=style.TEXT, linewidth=0.9)
     return dots
 

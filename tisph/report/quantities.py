@@ -12,7 +12,7 @@ from tisph.scenes._views import MovieView, Profile
 from tisph.snapshot import Snapshot
 
 _MARGIN = 0.08  # of the range of a panel, at both ends: overshoot stays in sight
-_SHARE, _FRAMES = 0.995, 0.9  # of the particles of a frame, and of the frames, that a range holds: corners do not count
+_SHARE, _FRAMES = 0.98, 0.9  # of the particles of a frame, and of the frames, that a range holds: corners do not count
 _TIMES = 0.98  # of the times that the range of numbers over time holds: a start may be infinite
 
 Ends = tuple[float, float]
@@ -43,12 +43,13 @@ def quantity(view: MovieView, scene, limits: str | Sequence[float], ends: tuple[
     ``ends`` are the smallest and largest colour and value of the profile in the frames, where the view has none.
     """
     colours, along = ends or (view.ends, view.ends)
-    largest = _largest(colours)
-    automatic = (-largest if view.signed else 0.0, largest)
+    largest, signed = _largest(colours), view.signed and min(colours) < 0.0
+    diverging = signed and max(colours) > 0.0
+    automatic = (-largest if signed else 0.0, largest if diverging or not signed else 0.0)
     return Quantity(
         unit=unit_label(view.profile.unit, scene.units),
         colour_name=view.name,
-        colour_map=style.DIVERGING_MAP if view.signed else style.COLOUR_MAP,
+        colour_map=style.DIVERGING_MAP if diverging else style.COLOUR_MAP,
         colour_range=automatic if limits == "auto" else tuple(limits),
         of_particles=view.of,
         profile=view.profile,

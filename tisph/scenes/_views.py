@@ -47,6 +47,14 @@ class Line:
         """Places (x, y) at ``coordinates`` along the line; they broadcast."""
         return (coordinates, self.place) if self.along == "x" else (self.place, coordinates)
 
+    def in_fluid(self, scene, coordinates, t) -> np.ndarray:
+        """Whether the points at ``coordinates`` (n,) are in none of the bodies of ``scene`` at time ``t``."""
+        places = np.stack(np.broadcast_arrays(*self.points(coordinates)), axis=1)
+        wet = np.ones(len(places), dtype=bool)
+        for body in scene.bodies:
+            wet &= body.nearest(places, t).distance > -1e-9 * scene.spacing
+        return wet
+
 
 @dataclass(frozen=True)
 class Radius(Line):
@@ -100,8 +108,9 @@ class MovieView:
     """What colours the fluid in a movie, and the profile beside it.
 
     ``of`` takes the colours' quantity from a snapshot; with ``signed`` they go from minus to plus the largest size of
-    ``ends``, else from 0. ``ends`` are the smallest and largest value of the profile in the run, None where the frames
-    must tell. ``error`` names the field whose error is written beside it, in words; None for the velocity.
+    ``ends`` if those have both signs, else from 0. ``ends`` are the smallest and largest value of the profile in the
+    run, None where the frames must tell. ``error`` names the field whose error is written beside it, in words; None for
+    the velocity.
     """
 
     name: str

@@ -52,6 +52,7 @@ class Config(annulus.Config):
     geometry: Geometry
 
     across_name = "the mean gap between the cylinders"
+    has_exact_velocity = False  # only of the steady flow
 
     def problems(self) -> Iterator[Problem]:
         """What the scene has against the config."""

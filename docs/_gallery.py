@@ -24,7 +24,13 @@ from ruamel.yaml import YAML
 ROOT = Path(__file__).resolve().parents[1]
 TEXTS = ROOT / "docs" / "_gallery"
 RUNS = ROOT / "runs" / "gallery"
-MOVIE = ["output.video.width=960", "output.video.height=480", "output.video.frames=60", "output.video.fps=15"]
+MOVIE = [
+    "output.video.style=field",
+    "output.video.width=960",
+    "output.video.height=480",
+    "output.video.frames=60",
+    "output.video.fps=15",
+]
 NO_MOVIE = ["output.video.frames=2"]
 AT_ONCE = 2
 

@@ -1,15 +1,11 @@
 """The scripts in benchmarks/: what they run is valid, and what they compare are errors of the same quantity."""
 
 import json
-import sys
-from pathlib import Path
 
+import compare_commits
 import pytest
 
 from tisph.config import load
-
-sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
-import compare_commits
 
 
 @pytest.mark.parametrize("parts", [False, True])

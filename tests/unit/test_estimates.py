@@ -7,9 +7,9 @@ digit, of cells at the end of their runs, with that end.
 
 import functools
 import json
-import sys
 from pathlib import Path
 
+import estimates as study
 import pytest
 from fake_runs import FakeRuns, make_result
 
@@ -21,9 +21,6 @@ from tisph.studies import processes
 from tisph.studies.stability import matrix
 from tisph.studies.stability.cells import FLOWS, Cell
 from tisph.studies.store import config_text
-
-sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
-import estimates as study
 
 DATA = Path(__file__).parent / "data"
 CONFIGS = Path(__file__).resolve().parents[2] / "configs"

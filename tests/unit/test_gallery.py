@@ -1,16 +1,9 @@
 """Pages of the gallery: their files are whole, their configs load, and a number out of its bound is named."""
 
-import importlib.util
-from pathlib import Path
-
+import _gallery as gallery
 import pytest
 
 from tisph import config
-
-ROOT = Path(__file__).parents[2]
-SPEC = importlib.util.spec_from_file_location("_gallery", ROOT / "docs" / "_gallery.py")
-gallery = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(gallery)
 
 FLOWS = gallery.flows()
 JOBS = {job.name: job for name, flow in FLOWS.items() for job in gallery.jobs(name, flow)}

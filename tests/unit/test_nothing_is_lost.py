@@ -5,14 +5,13 @@
 
 import json
 import re
-import typing
 from pathlib import Path
 
 import pytest
 import typer
+from _reference import fields
 
 from tisph import cli, registry
-from tisph.config.base import Model
 from tisph.config.schema import FORMER_KEYS
 
 DATA = Path(__file__).parent / "data"
@@ -30,28 +29,12 @@ def commands():
     return found
 
 
-def models(annotation):
-    """Parameter models in the type of a field, but for those that a family stands for."""
-    if isinstance(annotation, type) and issubclass(annotation, Model) and annotation is not Model:
-        yield annotation
-    for each in typing.get_args(annotation):
-        yield from models(each)
-
-
-def keys(model, above=""):
-    """Dotted keys of a parameter model; what a family is for stands with its members."""
-    for name, field in model.model_fields.items():
-        yield f"{above}{name}"
-        for below in models(field.annotation):
-            yield from keys(below, f"{above}{name}.")
-
-
 def all_keys():
     """Keys of the config of every scene, and of all parameters of every member of a family, by ``family/name``."""
     found = {}
     for family, model in {"scenes": "Config", **dict.fromkeys(FAMILIES, "Parameters")}.items():
         for name in registry.names(family):
-            found[f"{family}/{name}"] = sorted(set(keys(getattr(registry.load(family, name), model))))
+            found[f"{family}/{name}"] = sorted(dict(fields(getattr(registry.load(family, name), model))))
     return found
 
 

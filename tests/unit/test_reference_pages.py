@@ -1,11 +1,10 @@
 """The generated pages of the reference: each key of a config and each command is there, with what it means."""
 
-import importlib
 import re
-import sys
 from pathlib import Path
 
-import pytest
+import _command_line
+import _reference as reference
 import typer
 
 import tisph
@@ -16,21 +15,7 @@ DOCS = Path(tisph.__file__).parents[1] / "docs"
 CONFIGS = DOCS.parent / "configs"
 
 
-def generator(name):
-    """A module of docs/, which is no package."""
-    sys.path.insert(0, str(DOCS))
-    try:
-        return importlib.import_module(name)
-    finally:
-        sys.path.remove(str(DOCS))
-
-
-@pytest.fixture(scope="module")
-def reference():
-    return generator("_reference")
-
-
-def keys(reference):
+def keys():
     """Names in ``_keys.yaml`` of all keys that the models have."""
     for family, model in {"scenes": "Config", **dict.fromkeys(reference.FAMILIES, "Parameters")}.items():
         for name in registry.names(family):
@@ -39,12 +24,12 @@ def keys(reference):
     yield from reference.study_keys()
 
 
-def test_every_key_has_a_meaning_and_no_other_has(reference):
-    assert set(keys(reference)) == set(reference.MEANINGS)
+def test_every_key_has_a_meaning_and_no_other_has():
+    assert set(keys()) == set(reference.MEANINGS)
     assert all(re.fullmatch(r".*[a-zA-Z)\d²]\.|.*[.]", meaning) for meaning, *_ in reference.MEANINGS.values())
 
 
-def test_every_key_of_every_scene_has_a_line(reference):
+def test_every_key_of_every_scene_has_a_line():
     page = reference.keys_page()
     shared, *scenes = re.split(r"^## Scene `(\w+)`$", page, flags=re.MULTILINE)
     parts = dict(zip(scenes[::2], scenes[1::2], strict=True))
@@ -54,7 +39,7 @@ def test_every_key_of_every_scene_has_a_line(reference):
             assert f"| `{key}` |" in shared + part.partition("\n## ")[0], (name, key)
 
 
-def test_ranges_and_defaults_are_those_of_the_models(reference):
+def test_ranges_and_defaults_are_those_of_the_models():
     lines = {line.split(" | ")[0]: line for line in reference.keys_page().splitlines() if line.startswith("| `")}
     assert "number at least 0.8 and at most 3 | `1.0` |" in lines["| `discretisation.smoothing_ratio`"]
     assert "number above 0 and at most 1 or `auto` | `auto` |" in lines["| `time.cfl`"]
@@ -67,7 +52,7 @@ def lines_of(text):
     return {line.split("`")[1]: line for line in text.splitlines() if line.startswith("| `")}
 
 
-def test_defaults_in_words_are_what_the_program_fills_in(reference):
+def test_defaults_in_words_are_what_the_program_fills_in():
     lines = lines_of(reference.keys_page().partition("\n## Scene `cavity`")[0])
     plain = config.load(CONFIGS / "couette_minimal.yaml", ["scheme.type=wcsph"])
     across = plain.discretisation.particles_across
@@ -83,7 +68,7 @@ def test_defaults_in_words_are_what_the_program_fills_in(reference):
     assert f"| `{swinging.walls.top.phase}`, with an amplitude |" in lines["walls.inner.phase"]
 
 
-def test_colours_are_those_that_configs_may_have(reference):
+def test_colours_are_those_that_configs_may_have():
     seen = {}
     for path in sorted(CONFIGS.glob("*.yaml")):
         one = config.load(path)
@@ -94,14 +79,14 @@ def test_colours_are_those_that_configs_may_have(reference):
         assert reference.colours(scene, law, bodies) == checks.colours(one), (scene, law)
 
 
-def test_page_names_the_colours_of_each_scene(reference):
+def test_page_names_the_colours_of_each_scene():
     for scene in registry.names("scenes"):
         text, laws = reference.about(scene), registry.names("rheology")
         for name in {name for law in laws for name in reference.colours(scene, law, bodies=(None,))}:
             assert f"`{name}`" in text, (scene, name)
 
 
-def test_modes_are_polymers_with_a_fraction(reference):
+def test_modes_are_polymers_with_a_fraction():
     page = reference.keys_page().partition("### `multi_mode`")[2].partition("\n### ")[0]
     lines = lines_of(page)
     assert re.findall(r"`(\w+)`", lines["modes"].partition("`type`:")[2]) == [
@@ -110,7 +95,7 @@ def test_modes_are_polymers_with_a_fraction(reference):
     assert "number above 0 and at most 1" in lines["modes.fraction"]
 
 
-def test_keys_that_take_a_name_list_all_names(reference):
+def test_keys_that_take_a_name_list_all_names():
     lines = lines_of(reference.keys_page())
     for key, family in {"scene": "scenes", "discretisation.kernel": "kernels"}.items():
         assert f"| {reference.code(registry.names(family))} |" in lines[key]
@@ -119,7 +104,7 @@ def test_keys_that_take_a_name_list_all_names(reference):
 
 
 def test_every_command_and_option_has_a_line():
-    page = generator("_command_line").commands_page()
+    page = _command_line.commands_page()
     shown = [(name, one) for name, one in typer.main.get_command(cli.app).commands.items() if not one.hidden]
     for name, command in shown:
         part = page.partition(f"## `tisph {name}`\n")[2].partition("\n## ")[0]

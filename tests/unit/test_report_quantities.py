@@ -79,9 +79,9 @@ def test_quantities_take_discs_and_profile_from_the_snapshot():
     snapshot = make_snapshot(channel, 1.0)
     object.__setattr__(snapshot, "v", snapshot.u * 0.75)
     speed, stress = (shown(name, channel, 1.0) for name in ("speed", "shear_stress"))
-    assert np.allclose(speed.of_particles(snapshot), 1.25 * np.abs(snapshot.u), rtol=1e-14)
+    assert np.allclose(channel.movie_view("speed", 1.0).of(snapshot), 1.25 * np.abs(snapshot.u), rtol=1e-14)
     assert np.array_equal(speed.profile.of(snapshot), snapshot.u)
-    assert np.array_equal(stress.of_particles(snapshot), snapshot.stress_xy)
+    assert np.array_equal(channel.movie_view("shear_stress", 1.0).of(snapshot), snapshot.stress_xy)
     assert np.array_equal(stress.profile.of(snapshot), snapshot.stress_xy)
     y = np.array([0.0, 0.01])
     assert stress.profile.exact(None, y, 1.0).tolist() == [4e-4, -4e-4]

@@ -2,20 +2,16 @@
 
 import json
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+import reference_loop as reference
 
 from tisph import registry, runtime, scenes
 from tisph.config import load
 from tisph.exact import couette
 from tisph.kernels import wendland_c2
 from tisph.simulation.start import start_values
-
-sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
-import reference_loop as reference
 
 CASE = {
     "scene": "channel",

@@ -26,6 +26,12 @@ def velocity_gradients(scene, snapshot, degree=4):
     return np.concatenate([_gradients(tree, part, velocity, degree) for part in parts(positions)], axis=1)
 
 
+def vorticity(scene, snapshot, degree=4):
+    """Return dv/dx - du/dy at the particles, array (particles,); ``degree`` and NaN as of ``velocity_gradients``."""
+    gradients = velocity_gradients(scene, snapshot, degree)
+    return gradients[2] - gradients[1]
+
+
 def _gradients(tree, points, velocity, degree):
     coefficients, radius = local_fits(tree, points, velocity, degree, NEIGHBOURS[degree])
     slopes = coefficients[:, 1:3] / radius[:, :, None]  # (particles, along x or y, u or v)

@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from tisph.measures.gradients import velocity_gradients
+from tisph.measures.gradients import vorticity
 from tisph.snapshot import STRESSES
 
 Field = tuple[str, np.ndarray, str]
@@ -41,8 +41,7 @@ class Arrays(dict):
         super().__init__({name: values for name, values in found.items() if values is not None and len(values)})
         self.t = snapshot.t
         if not about.scene.parallel:
-            slopes = velocity_gradients(about.scene, snapshot)
-            self["vorticity"] = slopes[2] - slopes[1]
+            self["vorticity"] = vorticity(about.scene, snapshot)
         self.units = {name: about.units.get(name.removesuffix("_exact"), "") for name in self}
 
 

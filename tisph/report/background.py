@@ -28,17 +28,17 @@ def draw_background(scene, layout: Layout, title: str, *contents) -> np.ndarray:
         return np.asarray(figure.canvas.buffer_rgba()).copy()
 
 
-def build_figure(scene, layout: Layout, title: str, quantity: Quantity, time_panel: TimePanel, dyed=False) -> Figure:
+def build_figure(scene, layout: Layout, title: str, quantity: Quantity, time_panel: TimePanel) -> Figure:
     """Return the background as a matplotlib figure, not drawn yet.
 
-    ``quantity`` is what colours the fluid, unless it is ``dyed``, and fills the profile panel.
+    ``quantity`` is what colours the fluid and fills the profile panel.
     """
     figure = Figure((layout.width / _PIXELS_PER_INCH, layout.height / _PIXELS_PER_INCH), dpi=_PIXELS_PER_INCH)
     FigureCanvasAgg(figure)
     stage = _Stage(figure, scene, layout)
     stage.box_axes()
     stage.walls()
-    if not dyed:
+    if quantity.colour_name:
         stage.colour_bar(quantity)
     stage.profile_axes(quantity)
     stage.series_axes(time_panel)

@@ -20,7 +20,7 @@ _EVEN = 5e-4  # added to the second moments, which are 1/3: a few particles on a
 
 
 class FieldGrid:
-    """The grid of one picture: ``fit`` takes values, then ``image`` and ``at`` have the field.
+    """The grid of one picture: ``fit`` takes values, then ``image`` has the field of the first, ``at`` of the last.
 
     ``low`` and ``high`` are corners of what is shown, ``shape`` (rows, columns) its pixels, the first row at the top.
     Along ``periodic`` axes, all of whose period is shown, particles near one side count at the other, too.
@@ -48,9 +48,9 @@ class FieldGrid:
                 ]
             )
 
-    def fit(self, x, y, values):
-        """Fit to ``values`` (particles,) at ``x`` and ``y``; those that are no numbers are left out."""
-        x, y, values = self._copied(x, y, values)
+    def fit(self, x, y, *values):
+        """Fit to each of ``values`` (particles,) at ``x`` and ``y``; particles with what is no number are left out."""
+        x, y, *values = self._copied(x, y, *values)
         (first_x, near_x, away_x), (first_y, near_y, away_y) = (
             _splines(self._nodes(place, axis)) for axis, place in enumerate((x, y))
         )
@@ -62,23 +62,27 @@ class FieldGrid:
         def total(terms):
             return np.bincount(index, terms.ravel(), minlength=int(np.prod(self._count)))
 
-        wx, wy, wv = weight * along, weight * across, weight * values[:, None]
-        sums = [weight, wx, wy, wx * along, wx * across, wy * across, wv, wv * along, wv * across]
-        m, mx, my, mxx, mxy, myy, v, vx, vy = map(total, sums)
+        wx, wy = weight * along, weight * across
+        m, mx, my, mxx, mxy, myy = map(total, (weight, wx, wy, wx * along, wx * across, wy * across))
         self._known = m > _LEAST
         m = np.where(self._known, m, 1.0)
-        mx, my, mxx, mxy, myy, v, vx, vy = (one / m for one in (mx, my, mxx, mxy, myy, v, vx, vy))
+        mx, my, mxx, mxy, myy = (one / m for one in (mx, my, mxx, mxy, myy))
         xx, xy, yy = mxx - mx * mx + _EVEN, mxy - mx * my, myy - my * my + _EVEN
-        vx, vy = vx - mx * v, vy - my * v
-        slope_x, slope_y = (vx * yy - vy * xy) / (xx * yy - xy * xy), (vy * xx - vx * xy) / (xx * yy - xy * xy)
-        fits = v - slope_x * mx - slope_y * my, slope_x, slope_y, np.ones_like(v)
-        shape = self._count[::-1]
-        self._fits = [np.where(self._known, one, 0.0).reshape(shape).astype(np.float32) for one in fits]
+        self._fits = []
+        for one in values:
+            v, vx, vy = (total(each * one[:, None]) / m for each in (weight, wx, wy))
+            vx, vy = vx - mx * v, vy - my * v
+            slopes = (vx * yy - vy * xy) / (xx * yy - xy * xy), (vy * xx - vx * xy) / (xx * yy - xy * xy)
+            fit = v - slopes[0] * mx - slopes[1] * my, *slopes, np.ones_like(v)
+            self._fits.append([self._on_grid(terms) for terms in fit])
+
+    def _on_grid(self, terms):
+        return np.where(self._known, terms, 0.0).reshape(self._count[::-1]).astype(np.float32)
 
     def image(self):
         """Return the field at the middles of the pixels, float32 (rows, columns); NaN where there are no particles."""
         (x, x_away), (y, y_away) = self._spread
-        constant, slope_x, slope_y, known = self._fits
+        constant, slope_x, slope_y, known = self._fits[0]
         value = (y @ constant + y_away @ slope_y) @ x.T + (y @ slope_x) @ x_away.T
         with np.errstate(invalid="ignore", divide="ignore"):
             return value / ((y @ known) @ x.T)
@@ -89,7 +93,7 @@ class FieldGrid:
             _blend(self._nodes(place, axis)) for axis, place in ((1, y), (0, x))
         )
         index = row[:, None, None] + np.arange(3)[:, None], column[:, None, None] + np.arange(3)
-        constant, slope_x, slope_y, known = (one[index] for one in self._fits)
+        constant, slope_x, slope_y, known = (one[index] for one in self._fits[-1])
         weight = weight_y[:, :, None] * weight_x[:, None, :]
         value = weight * (constant + slope_x * away_x[:, None, :] + slope_y * away_y[:, :, None])
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -99,9 +103,9 @@ class FieldGrid:
         """Return places along an axis in steps from node to node."""
         return (place - self._low[axis]) / self._pitch[axis] + _MARGIN
 
-    def _copied(self, x, y, values):
+    def _copied(self, *fields):
         """Return those particles that are seen, and copies of those near periodic sides, as arrays of floats."""
-        fields = np.array([x, y, values], dtype=float)
+        fields = np.array(fields, dtype=float)
         fields = fields[:, np.isfinite(fields).all(axis=0)]
         for axis, periodic in enumerate(self._periodic):
             low, size, beyond = self._low[axis], self._size[axis], _BEYOND * self._pitch[axis]

@@ -1,8 +1,6 @@
 """The fluid of a movie frame: a continuous field, particles as discs, or both, and where the profile is taken."""
 
-import matplotlib
 import numpy as np
-from matplotlib.colors import LinearSegmentedColormap
 
 from tisph.report import style
 from tisph.report.field import FieldGrid
@@ -21,13 +19,10 @@ class FluidPainter:
 
     def __init__(self, scene, layout: Layout, quantity: Quantity, video):
         self.style = ("particles" if scene.parallel else "field") if video.style == "auto" else video.style
-        self._layout, self._range = layout, (0.0, 1.0) if video.color_by == "dye" else quantity.colour_range
-        shape = layout.box.height, layout.box.width
+        self._layout, self._range, shape = layout, quantity.colour_range, layout.box.shape
         whole = layout.shown_length == scene.extent[0] and scene.periodic[0]
         self._periodic = whole, scene.periodic[1]
-        dye = LinearSegmentedColormap.from_list("dye", style.DYES)
-        colours = dye if video.color_by == "dye" else matplotlib.colormaps[quantity.colour_map]
-        colours = colours(np.linspace(0.0, 1.0, _SHADES))[:, :3]
+        colours = style.colours(_SHADES, colour_map=quantity.colour_map)
         ground = style.rgb(layout.theme.background) / 255.0
         self.disc_radius = max(_SMALLEST_DIAMETER, scene.spacing * layout.pixels_per_length) / 2.0
         self.grid = None
@@ -40,14 +35,17 @@ class FluidPainter:
         self._palette = palette.view(np.uint32).ravel()
         self._dots = Discs(max(0.5, _DOT * layout.scale), shape)
 
-    def paint(self, panel: np.ndarray, snapshot: Snapshot, values: np.ndarray) -> None:
-        """Fill the ``panel`` of the box, RGB and an idle byte (rows, columns, 4), with ``values`` (particles,)."""
+    def paint(self, panel: np.ndarray, snapshot: Snapshot, values: np.ndarray, profile: np.ndarray) -> None:
+        """Fill the ``panel`` of the box, RGB and an idle byte (rows, columns, 4), with ``values`` (particles,).
+
+        The grid is left with ``profile``, what the profile panel shows.
+        """
         if self.style == "particles":
             share = np.clip(np.nan_to_num(self._share(values), nan=1.0), 0.0, 1.0)  # a run that went wrong, too
             points = self._layout.pixel_positions(snapshot.x, snapshot.y)
             self._shades.fill(panel, *self._discs.sums(points, share, periodic=self._periodic))
             return
-        self.grid.fit(snapshot.x, snapshot.y, values)
+        self.grid.fit(snapshot.x, snapshot.y, values, *([] if profile is values else [profile]))
         shade = self._share(self.grid.image()) * np.float32(_SHADES - 1) + np.float32(0.5)
         shade = np.clip(shade, 0.0, _SHADES - 1)
         shade[np.isnan(shade)] = _SHADES  # no particles: the ground

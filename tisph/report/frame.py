@@ -48,8 +48,7 @@ class FrameRenderer:
     def __init__(self, scene, layout: Layout, video, title: str, quantity: Quantity, time_panel: TimePanel):
         self.scene, self.layout, self.quantity, self._time_panel = scene, layout, quantity, time_panel
         labels = wall_labels(scene, layout)
-        dyed = video.color_by == "dye"
-        self._background = draw_background(scene, layout, title, quantity, time_panel, dyed)
+        self._background = draw_background(scene, layout, title, quantity, time_panel)
         picture = self._background[:, :, :3]
         DriveLabel(scene, layout).paint(picture)
         for label in labels:
@@ -73,7 +72,7 @@ class FrameRenderer:
         for box in self._changing_boxes:
             frame[box.slices] = self._background[box.slices]
         box = self.layout.box
-        self._fluid.paint(frame[box.slices], snapshot, measured.colours)
+        self._fluid.paint(frame[box.slices], snapshot, measured.colours, measured.profile)
         for overlay in self._overlays:
             overlay.paint(picture[box.slices], snapshot)
         self._profile_panel.paint(picture, snapshot, measured.profile)

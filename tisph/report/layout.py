@@ -37,6 +37,16 @@ class Rect:
         """Index of the rectangle in a frame (rows, columns, 3)."""
         return slice(self.top, self.bottom), slice(self.left, self.right)
 
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        return self.height, self.width
+
+    @property
+    def inner(self) -> "Rect":
+        """What the lines of axes, which are on its border, leave of it."""
+        return Rect(self.left + 1, self.top + 1, self.width - 2, self.height - 2)
+
 
 @dataclass(frozen=True)
 class Layout:

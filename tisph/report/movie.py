@@ -3,6 +3,7 @@
 import contextlib
 import pickle
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -33,8 +34,13 @@ class Movie:
     def __init__(self, path: Path | str, scene, video, title: str, end: float):
         self.path = Path(path)
         self._scene, self._video, self._title, self._end = scene, video, title, end
-        self._view, self._series = scene.movie_view(video.color_by, end), scene.movie_series()
-        self._dye = Dye(scene, video.dye)
+        self._dyed = video.color_by == "dye"
+        self._view, self._series = (
+            scene.movie_view("speed" if self._dyed else video.color_by, end),
+            scene.movie_series(),
+        )
+        if self._dyed:
+            self._view = replace(self._view, name="", of=Dye(scene, video.dye).of)
         self._waiting, self._ranges = None, None
         self._renderer: FrameRenderer | None = None
         self._encoder: Encoder | None = None
@@ -83,15 +89,16 @@ class Movie:
                 self._encoder.close()
 
     def _measured(self, snapshot):
-        view, dyed = self._view, self._video.color_by == "dye"
-        colours = self._dye.of(snapshot) if dyed else view.of(snapshot)
-        profile = colours if view.profile.of is view.of and not dyed else view.profile.of(snapshot)
+        view = self._view
+        colours = view.of(snapshot)
+        profile = colours if view.profile.of is view.of else view.profile.of(snapshot)
         return Measured(snapshot, colours, profile, measured(self._series, snapshot))
 
     def _new_renderer(self, ranges):
         layout = arrange(self._scene, self._video.width, self._video.height, style.THEMES[self._video.theme])
         ends = ranges and (ranges.colours.ends, ranges.profile.ends)
-        shown = quantity(self._view, self._scene, self._video.limits, ends)
+        shown = quantity(self._view, self._scene, (0.0, 1.0) if self._dyed else self._video.limits, ends)
+        shown = replace(shown, colour_map=style.DYE_MAP) if self._dyed else shown
         panel = TimePanel(self._scene, layout, self._series, self._end, ranges and ranges.series.ends)
         return FrameRenderer(self._scene, layout, self._video, self._title, shown, panel)
 

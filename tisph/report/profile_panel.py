@@ -6,7 +6,8 @@ from tisph.report import style
 from tisph.report.field import FieldGrid
 from tisph.report.layout import Layout
 from tisph.report.quantities import Quantity
-from tisph.report.raster import Discs, blend, dense_line
+from tisph.report.raster import Discs, blend, dense_line, dense_lines
+from tisph.report.strokes import Strokes
 from tisph.snapshot import Snapshot
 
 _CURVE_POINTS = 600  # about two a pixel row at the usual size
@@ -15,26 +16,27 @@ _DASH = 7.0  # pixels in a frame of 1280 x 640, and as long a gap
 
 
 class ProfilePanel:
-    """The profile of ``quantity``: particles as dots or, on the ``grid`` of a field, a line; and the exact curve."""
+    """The profile of ``quantity``: particles as dots or, on the ``grid`` of a field, a line; and the exact curve.
+
+    The grid is fitted to the values of the profile (``report/fluid.py``).
+    """
 
     def __init__(self, scene, layout: Layout, quantity: Quantity, grid: FieldGrid | None):
         self._scene, self._layout, self._quantity, self._grid = scene, layout, quantity, grid
-        line, scale, rect = quantity.profile.line, layout.scale, layout.profile
-        inside = rect.height - 2, rect.width - 2  # the axes' lines are on the border
+        line, scale, inside = quantity.profile.line, layout.scale, layout.profile.inner.shape
         self._dots, self._line = Discs(3.0 * scale, inside), Discs(max(0.5, 0.9 * scale), inside)
         self._thick = Discs(max(1.0, 2.2 * scale), inside)
         self._coordinates = line.coordinates(_CURVE_POINTS)
         self._places = [np.broadcast_to(place, _FIELD_POINTS) for place in line.points(line.coordinates(_FIELD_POINTS))]
-        self._mark = self._mark_of(line) if grid else None
+        self._strokes, self._mark = Strokes(scale, layout.box.shape), self._mark_of(line)
 
     def paint(self, picture: np.ndarray, snapshot: Snapshot, values: np.ndarray) -> None:
         """Draw the profile of ``values`` (particles,) and, in the fluid, its place."""
-        panel, profile = picture[self._layout.profile.slices][1:-1, 1:-1], self._quantity.profile
+        panel, profile = picture[self._layout.profile.inner.slices], self._quantity.profile
         theme = self._layout.theme
         if self._grid:
-            blend(panel, self._thick.cover(self._field_line(snapshot, values)), style.rgb(theme.particles))
-            for cover, ink in self._mark:
-                blend(picture[self._layout.box.slices], cover, style.rgb(ink))
+            blend(panel, self._thick.cover(self._field_line(snapshot)), style.rgb(theme.particles))
+            self._strokes.paint(picture[self._layout.box.slices], self._mark)
         else:
             near = profile.line.near(snapshot)
             dots = self._pixels(values[near], profile.line.of(snapshot)[near])
@@ -44,9 +46,8 @@ class ProfilePanel:
             curve = self._curve(exact, self._coordinates, snapshot.t)
             blend(panel, self._line.cover(curve), style.rgb(theme.exact))
 
-    def _field_line(self, snapshot, values):
+    def _field_line(self, snapshot):
         """Return points of the line of the field."""
-        self._grid.fit(snapshot.x, snapshot.y, values)
         return self._curve(
             self._grid.at(*self._places), self._quantity.profile.line.coordinates(_FIELD_POINTS), snapshot.t
         )
@@ -56,8 +57,7 @@ class ProfilePanel:
         wet = self._quantity.profile.line.in_fluid(self._scene, coordinates, t)
         index = np.flatnonzero(wet & np.isfinite(values))
         pieces = np.split(index, np.flatnonzero(np.diff(index) > 1) + 1)
-        lines = [dense_line(self._pixels(values[piece], coordinates[piece])) for piece in pieces if len(piece)]
-        return tuple(np.concatenate(part) for part in zip(*lines, strict=True)) if lines else (np.empty(0), np.empty(0))
+        return dense_lines(self._pixels(values[piece], coordinates[piece]) for piece in pieces if len(piece))
 
     def _pixels(self, values: np.ndarray, along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return columns and rows inside the panel, whose first pixel is on the axes' lines."""
@@ -68,11 +68,9 @@ class ProfilePanel:
         return column, (1.0 - (along - first) / (last - first)) * rect.height - 1.0
 
     def _mark_of(self, line):
-        """Return coverages and colours of a dashed line where the profile is taken."""
-        shape, scale = (self._layout.box.height, self._layout.box.width), self._layout.scale
+        """Return points of a dashed line where the profile is taken."""
         ends = [np.broadcast_to(place, 2) for place in line.points(np.array(line.ends))]
         column, row = dense_line(self._layout.pixel_positions(*ends))
-        along = 0.5 * np.arange(len(column))
-        dashes = along % (2 * _DASH * scale) < _DASH * scale
-        inks = (1.8, "#ffffff"), (0.9, style.TEXT)
-        return [(Discs(wide * scale, shape).cover((column[dashes], row[dashes])), ink) for wide, ink in inks]
+        dash = _DASH * self._layout.scale
+        dashes = 0.5 * np.arange(len(column)) % (2 * dash) < dash
+        return column[dashes], row[dashes]

@@ -1,15 +1,15 @@
 """What colours the fluid of a movie and fills its profile panel, with names, units and ranges over the run."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.colors import Colormap
 
 from tisph.report import style
 from tisph.report.labels import unit_label
 from tisph.scenes._views import MovieView, Profile
-from tisph.snapshot import Snapshot
 
 _MARGIN = 0.08  # of the range of a panel, at both ends: overshoot stays in sight
 _SHARE, _FRAMES = 0.98, 0.9  # of the particles of a frame, and of the frames, that a range holds: corners do not count
@@ -22,16 +22,15 @@ Ends = tuple[float, float]
 class Quantity:
     """A quantity with its names, its unit and its ranges over the run.
 
-    ``colour_name``, ``colour_map`` and ``colour_range`` are for the field, whose values ``of_particles`` takes from a
-    snapshot, array (particles,); ``profile`` and ``profile_range`` are for the profile panel. ``error`` names the field
-    whose error is given, in words; None for the velocity.
+    ``colour_name``, empty for a field that needs no colour bar, ``colour_map`` and ``colour_range`` are for the field;
+    ``profile`` and ``profile_range`` are for the profile panel. ``error`` names the field whose error is given, in
+    words; None for the velocity.
     """
 
     unit: str
     colour_name: str
-    colour_map: str
+    colour_map: str | Colormap
     colour_range: Ends
-    of_particles: Callable[[Snapshot], np.ndarray]
     profile: Profile
     profile_range: Ends
     error: tuple[str, str] | None
@@ -51,7 +50,6 @@ def quantity(view: MovieView, scene, limits: str | Sequence[float], ends: tuple[
         colour_name=view.name,
         colour_map=style.DIVERGING_MAP if diverging else style.COLOUR_MAP,
         colour_range=automatic if limits == "auto" else tuple(limits),
-        of_particles=view.of,
         profile=view.profile,
         profile_range=with_margin((min(0.0, *along), max(0.0, *along)), largest),
         error=view.error,

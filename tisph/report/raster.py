@@ -7,7 +7,7 @@ A disc is drawn at the nearest of 16 x 16 places in its pixel, and coverages are
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
 
 import numpy as np
@@ -150,6 +150,12 @@ def dense_line(points: Points, step: float = 0.5) -> Points:
     along = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(column), np.diff(row)))])
     places = np.linspace(0.0, along[-1], max(2, math.ceil(along[-1] / step) + 1))
     return np.interp(places, along, column), np.interp(places, along, row)
+
+
+def dense_lines(lines: Iterable[Points]) -> Points:
+    """Return the points of ``dense_line`` along several polylines; none without any."""
+    dense = [dense_line(line) for line in lines]
+    return tuple(map(np.concatenate, zip(*dense, strict=True))) if dense else (np.empty(0), np.empty(0))
 
 
 def filled(points: Points, shape: tuple[int, int]) -> np.ndarray:

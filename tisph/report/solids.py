@@ -12,7 +12,7 @@ import numpy as np
 from tisph.geometry.body import Body, Placement
 from tisph.report import style
 from tisph.report.layout import RIM, Layout
-from tisph.report.raster import LEVELS, Discs, blend, dense_line, filled
+from tisph.report.raster import LEVELS, Discs, blend, dense_lines, filled
 from tisph.snapshot import Bodies, Snapshot
 
 _PIECE = 0.5  # pixels: length of the straight pieces of an outline
@@ -25,7 +25,7 @@ class Solids:
 
     def __init__(self, scene, layout: Layout):
         self._layout = layout
-        self._shape = layout.box.height, layout.box.width
+        self._shape = layout.box.shape
         self._pen = Discs(max(0.5, 0.9 * layout.scale), self._shape)
         self._solids = [_kind(body)(body, layout, _MARK * max(scene.extent)) for body in scene.bodies]
         self._position = self._covers = None
@@ -49,9 +49,9 @@ class Solids:
             for edge, strokes in solid.drawn(centre, float(angle)):
                 area = filled(self._layout.pixel_positions(*edge.T), self._shape)
                 areas = np.maximum(areas, area if solid.encloses else LEVELS - area)
-                lines += [dense_line(self._layout.pixel_positions(*stroke.T)) for stroke in strokes]
+                lines += [self._layout.pixel_positions(*stroke.T) for stroke in strokes]
         within = areas >= LEVELS
-        strokes = self._pen.cover(tuple(np.concatenate(part) for part in zip(*lines, strict=True)))
+        strokes = self._pen.cover(dense_lines(lines))
         return within, np.where(within, 0, areas), strokes
 
 

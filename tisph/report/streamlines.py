@@ -9,9 +9,9 @@ so psi may grow from one side of a periodic box to the other, as it does where f
 import numpy as np
 
 from tisph.measures.fits import with_walls
-from tisph.report import style
 from tisph.report.layout import Layout
-from tisph.report.raster import Discs, blend, dense_line
+from tisph.report.raster import dense_lines
+from tisph.report.strokes import Strokes
 from tisph.report.vectors import mean_velocity
 from tisph.snapshot import Snapshot
 
@@ -19,7 +19,6 @@ _LINES = 10  # between the least and the largest stream function
 _FINEST = 0.5  # spacings between nodes: pieces of lines that look smooth
 _MOST = 8000  # nodes: some 50 ms of factorising, once where bodies stand still
 _BEYOND = 1.5  # pitches of the grid: so far lines go on under the picture of a body
-_INKS = (1.7, "#ffffff"), (0.9, style.TEXT)  # half widths in a frame of 1280 x 640: seen on any colour
 _RESTING = 1e-4  # of reference velocity and shorter side: a range of psi that only errors make
 
 
@@ -28,8 +27,7 @@ class Streamlines:
 
     def __init__(self, scene, layout: Layout):
         self._scene, self._layout = scene, layout
-        shape = layout.box.height, layout.box.width
-        self._pens = [(Discs(max(0.5, wide * layout.scale), shape), style.rgb(ink)) for wide, ink in _INKS]
+        self._strokes = Strokes(layout.scale, layout.box.shape)
         low, high = np.array(layout.low), np.array(layout.high)
         pitch = max(_FINEST * scene.spacing, np.sqrt(np.prod(high - low) / _MOST))
         self._axes = [np.linspace(*ends, 2 + int(np.diff(ends)[0] / pitch)) for ends in zip(low, high, strict=True)]
@@ -39,12 +37,8 @@ class Streamlines:
 
     def paint(self, panel: np.ndarray, snapshot: Snapshot) -> None:
         """Lay the lines of ``snapshot`` over the ``panel`` of the box, RGB of uint8 (rows, columns, 3)."""
-        lines = self.lines(snapshot)
-        if lines:
-            dense = [dense_line(self._layout.pixel_positions(*line.T)) for line in lines]
-            points = tuple(np.concatenate(part) for part in zip(*dense, strict=True))
-            for pen, ink in self._pens:
-                blend(panel, pen.cover(points), ink)
+        lines = [self._layout.pixel_positions(*line.T) for line in self.lines(snapshot)]
+        self._strokes.paint(panel, dense_lines(lines))
 
     def lines(self, snapshot: Snapshot) -> list[np.ndarray]:
         """Return the lines, places (n, 2) each; none where the fluid rests, or where a run went wrong."""

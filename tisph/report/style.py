@@ -11,6 +11,7 @@ import matplotlib.style
 import numpy as np
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 from PIL import ImageFont
@@ -21,6 +22,7 @@ COLOUR_MAP = "viridis"  # perceptually uniform, readable in grey and by colour-b
 DIVERGING_MAP = "coolwarm"  # blue to red through grey, readable by colour-blind eyes; its middle shows on white
 DYES = "#2166ac", "#fdb863"
 """The two colours of a dye, apart in brightness and for colour-blind eyes."""
+DYE_MAP = LinearSegmentedColormap.from_list("dye", DYES)
 
 
 @dataclass(frozen=True)
@@ -122,12 +124,12 @@ def rgb(colour: str) -> np.ndarray:
     return np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)], dtype=np.float32)
 
 
-def colours(count: int, brightest: float = 1.0, colour_map: str = COLOUR_MAP) -> np.ndarray:
+def colours(count: int, brightest: float = 1.0, colour_map: str | Colormap = COLOUR_MAP) -> np.ndarray:
     """Return ``count`` RGB colours along a colour map of matplotlib, shape (count, 3), from 0 to 1.
 
     ``brightest`` below 1 leaves out the pale end, which a thin line on white would lose.
     """
-    return matplotlib.colormaps[colour_map](np.linspace(0.0, brightest, count))[:, :3]
+    return matplotlib.colormaps.get_cmap(colour_map)(np.linspace(0.0, brightest, count))[:, :3]
 
 
 def evenly_chosen(count: int, most: int) -> np.ndarray:

@@ -27,8 +27,7 @@ class TimePanel:
         self.exact = None if exact is None else exact[:, :_NUMBERS]
         self.range = with_margin(ends or self._exact_ends(), 1.0)
         self._layout, self._seen = layout, {}
-        inside = layout.series.height - 2, layout.series.width - 2  # the axes' lines are on the border
-        self._pen = Discs(max(0.6, 1.3 * layout.scale), inside)
+        self._pen = Discs(max(0.6, 1.3 * layout.scale), layout.series.inner.shape)
 
     @property
     def labels(self) -> list[str]:
@@ -41,7 +40,7 @@ class TimePanel:
         self._seen[t] = values[:_NUMBERS]
         times = np.array(sorted(time for time in self._seen if time <= t))
         seen = np.array([self._seen[time] for time in times])
-        panel = picture[self._layout.series.slices][1:-1, 1:-1]
+        panel = picture[self._layout.series.inner.slices]
         for values, colour in zip(seen.T, self.colours, strict=True):
             known = np.isfinite(values)
             if known.any():

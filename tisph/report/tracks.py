@@ -4,13 +4,13 @@ import numpy as np
 
 from tisph.report import style
 from tisph.report.layout import Layout
-from tisph.report.raster import Discs, blend, dense_line
+from tisph.report.raster import Discs, blend, dense_lines
+from tisph.report.strokes import INK, Strokes
 from tisph.snapshot import Snapshot
 
 _PARTICLES = 48
 _FRAMES = 40
-_INKS = (1.9, "#ffffff"), (1.1, style.TEXT)  # half widths in a frame of 1280 x 640: seen on any colour
-_HEAD = 3.2  # radius of the dot where the particle is, likewise
+_HEAD = 3.2  # radius in a frame of 1280 x 640 of the dot where the particle is
 
 
 class Tracks:
@@ -18,9 +18,8 @@ class Tracks:
 
     def __init__(self, scene, layout: Layout):
         self._scene, self._layout, self._seen = scene, layout, {}
-        shape = layout.box.height, layout.box.width
-        self._pens = [(Discs(max(0.5, wide * layout.scale), shape), style.rgb(ink)) for wide, ink in _INKS]
-        self._head = Discs(_HEAD * layout.scale, shape)
+        self._strokes = Strokes(layout.scale, layout.box.shape)
+        self._head = Discs(_HEAD * layout.scale, layout.box.shape)
 
     def paint(self, panel: np.ndarray, snapshot: Snapshot) -> None:
         """Lay the paths up to ``snapshot`` over the ``panel`` of the box, RGB of uint8 (rows, columns, 3)."""
@@ -29,12 +28,8 @@ class Tracks:
         times = sorted(time for time in self._seen if time <= snapshot.t)[-_FRAMES:]
         paths = np.array([self._seen[time] for time in times])
         pieces = [piece for path in paths.transpose(1, 0, 2) for piece in self._pieces(path) if len(piece) > 1]
-        if pieces:
-            dense = [dense_line(self._layout.pixel_positions(*piece.T)) for piece in pieces]
-            points = tuple(np.concatenate(part) for part in zip(*dense, strict=True))
-            for pen, ink in self._pens:
-                blend(panel, pen.cover(points), ink)
-        blend(panel, self._head.cover(self._layout.pixel_positions(*paths[-1].T)), style.rgb(style.TEXT))
+        self._strokes.paint(panel, dense_lines(self._layout.pixel_positions(*piece.T) for piece in pieces))
+        blend(panel, self._head.cover(self._layout.pixel_positions(*paths[-1].T)), style.rgb(INK))
 
     def _pieces(self, path):
         """Return a path (frames, 2) in pieces between the sides through which the particle has left the box."""

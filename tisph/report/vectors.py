@@ -5,7 +5,8 @@ import numpy as np
 from tisph.measures.fits import periodic_tree
 from tisph.report import style
 from tisph.report.layout import Layout
-from tisph.report.raster import Discs, blend, dense_line, filled
+from tisph.report.raster import Discs, blend, dense_lines, filled
+from tisph.report.strokes import INK, RIM
 from tisph.snapshot import Snapshot
 
 _PITCH = 40.0  # pixels in a frame of 1280 x 640: distance of arrows
@@ -25,7 +26,7 @@ class Vectors:
     def __init__(self, scene, layout: Layout):
         self._scene, self._layout = scene, layout
         self._pitch = max(1.0, _PITCH * layout.scale)
-        self._rim = Discs(max(0.5, _RIM * layout.scale), (layout.box.height, layout.box.width))
+        self._rim = Discs(max(0.5, _RIM * layout.scale), layout.box.shape)
         sides = layout.box.width, layout.box.height
         counts = [max(1, int(side / self._pitch)) for side in sides]
         columns, rows = ((np.arange(count) + 0.5) / count * side for count, side in zip(counts, sides, strict=True))
@@ -47,11 +48,9 @@ class Vectors:
         arrows, size = arrows[shown], size[shown]
         arrows *= np.minimum(1.0, _LONGEST / size)[:, None]
         corners = self._feet[shown, None] + self._pitch * _outlines(arrows)
-        outlines = [dense_line(tuple(np.concatenate([arrow, arrow[:1]]).T)) for arrow in corners]
-        if outlines:
-            rim = tuple(np.concatenate(part) for part in zip(*outlines, strict=True))
-            blend(panel, self._rim.cover(rim), style.rgb("#ffffff"))
-        blend(panel, filled((corners[:, :, 0], corners[:, :, 1]), panel.shape[:2]), style.rgb(style.TEXT))
+        rim = dense_lines(tuple(np.concatenate([arrow, arrow[:1]]).T) for arrow in corners)
+        blend(panel, self._rim.cover(rim), style.rgb(RIM))
+        blend(panel, filled((corners[:, :, 0], corners[:, :, 1]), panel.shape[:2]), style.rgb(INK))
 
 
 def mean_velocity(scene, places, velocity, points):

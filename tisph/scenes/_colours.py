@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tisph.measures.gradients import velocity_gradients
+from tisph.measures.gradients import velocity_gradients, vorticity
 from tisph.measures.reference import with_reference
 from tisph.scenes._views import MovieView, Profile
 
@@ -23,11 +23,6 @@ class Colour:
     of: Callable
     signed: bool = True
     fields: tuple[str, ...] = ()
-
-
-def _vorticity(scene, snapshot):
-    gradients = velocity_gradients(scene, snapshot, degree=2)
-    return gradients[2] - gradients[1]
 
 
 def _shear_stress(scene, snapshot):
@@ -56,7 +51,7 @@ COLOURS = {
     "speed": Colour("speed", "velocity", lambda _, snapshot: np.hypot(snapshot.u, snapshot.v), signed=False),
     "u": Colour("u", "velocity", lambda _, snapshot: snapshot.u),
     "v": Colour("v", "velocity", lambda _, snapshot: snapshot.v),
-    "vorticity": Colour("vorticity", "rate", _vorticity),
+    "vorticity": Colour("vorticity", "rate", lambda scene, snapshot: vorticity(scene, snapshot, degree=2)),
     "pressure": Colour("pressure", "stress", lambda _, snapshot: snapshot.pressure, fields=("pressure",)),
     "shear_stress": Colour("shear stress", "stress", _shear_stress),
     "normal_stress_difference": Colour(
@@ -67,7 +62,7 @@ COLOURS = {
     ),
     "error": Colour("error of the velocity", "velocity", _error, signed=False),
 }
-"""By the names that ``output.video.color_by`` takes; ``dye`` is drawn without a quantity."""
+"""By the names that ``output.video.color_by`` takes; dye is no quantity of the flow (``report/dye.py``)."""
 
 
 ERRORS = {"pressure": ("pressure", "p"), "shear_stress": ("stress_xy", "Sxy")}
@@ -79,9 +74,8 @@ def movie_view(scene, name, end):
 
     The range is known before the run where that profile has an exact solution at all times.
     """
-    colour = COLOURS["speed" if name == "dye" else name]
-    own = scene.movie_profiles()
-    profile = own["speed"] if name == "dye" else own.get(name)
+    colour, own = COLOURS[name], scene.movie_profiles()
+    profile = own.get(name)
     of = profile.of if profile and colour.words != "speed" else lambda snapshot: colour.of(scene, snapshot)
     words = profile.name if profile and colour.unit == "stress" and name != "pressure" else colour.words
     return MovieView(
@@ -89,6 +83,6 @@ def movie_view(scene, name, end):
         signed=colour.signed,
         of=of,
         profile=profile or Profile(colour.words, colour.unit, own["speed"].line, of),
-        ends=scene.movie_ends(name, end) if profile and profile.exact and "u" in scene.fields else None,
+        ends=scene.movie_ends(name, profile, end) if profile and profile.exact and "u" in scene.fields else None,
         error=ERRORS[name] if ERRORS.get(name, ("",))[0] in scene.fields else None,
     )

@@ -254,9 +254,9 @@ class Scene:
         """What a movie shows in time."""
         return self.time_series()
 
-    def movie_ends(self, name, end):
-        """Smallest and largest value to time ``end`` of one of ``movie_profiles`` with an exact solution."""
-        return self.movie_profiles()[name if name in self.movie_profiles() else "speed"].extremes(self.start_time, end)
+    def movie_ends(self, name, profile, end):
+        """Smallest and largest value to time ``end`` of ``profile``, the one ``name`` of ``movie_profiles``."""
+        return profile.extremes(self.start_time, end)
 
     def movie_fields(self, name):
         """Fields of a snapshot that a movie coloured by ``name`` needs beside places, velocities and shear stress."""

@@ -14,19 +14,6 @@ def centre_line(scene, along):
     return Line(along, ends[axis], 0.5 * sum(ends[1 - axis]), half_width=0.5 * scene.spacing)
 
 
-def vorticity(scene):
-    """Return a function snapshot -> dv/dx - du/dy (1/time); it keeps the last one, which is asked for twice."""
-    seen = [None, None]
-
-    def of(snapshot):
-        if seen[0] is not snapshot:
-            slopes = velocity_gradients(scene, snapshot, degree=2)
-            seen[:] = snapshot, slopes[2] - slopes[1]
-        return seen[1]
-
-    return of
-
-
 def kinetic_energy(snapshot):
     """Return the mean over the particles of (u^2 + v^2)/2."""
     return 0.5 * np.mean(np.square(snapshot.u) + np.square(snapshot.v))

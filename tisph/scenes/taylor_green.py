@@ -14,6 +14,7 @@ from pydantic import Field
 from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem
 from tisph.exact import taylor_green
+from tisph.measures.gradients import vorticity
 from tisph.measures.metrics import field_error, velocities
 from tisph.scenes import _two_dimensional
 from tisph.scenes._scene import Scene as AnyScene
@@ -205,6 +206,6 @@ class Scene(AnyScene):
             name="vorticity",
             unit="rate",
             line=_two_dimensional.centre_line(self, "y"),
-            of=_two_dimensional.vorticity(self),
+            of=lambda snapshot: vorticity(self, snapshot, degree=2),
             exact=lambda x, y, t: self.exact_vorticity(x, y, t),
         )

@@ -16,8 +16,6 @@ from tisph.observers.frames import read_frames
 from tisph.observers.history import read_history
 from tisph.observers.samples import read_samples
 from tisph.report.drawing_process import RemoteMovie, described, shared
-from tisph.report.gif import write_gif
-from tisph.report.poster import poster
 
 VIDEO = "output.video."
 """What the keys of the movie begin with."""
@@ -41,9 +39,8 @@ def render(run_dir, overrides=(), gif=False):
     """Draw what the files in ``run_dir`` allow and return the paths of the pictures.
 
     ``overrides`` are texts ``output.video.KEY=VALUE``, for another movie of the same frames; with ``gif`` it is also
-    written as GIF, and its last frame as JPEG. Raises ConfigError where
-    ``run_dir`` is no results folder, its files cannot be read or do not have what is asked for, TisphError where the
-    pictures cannot be written.
+    written as GIF, and its last frame as JPEG. Raises ConfigError where ``run_dir`` is no results folder, its files
+    cannot be read or do not have what is asked for, TisphError where the pictures cannot be written.
     """
     folder = Folder(run_dir)
     if not any(path.exists() for path in (folder.samples, folder.history, folder.frames)):
@@ -70,6 +67,9 @@ def render(run_dir, overrides=(), gif=False):
 
 def _small(folder):
     """Write the movie as GIF and its last frame, and return their paths; ConfigError where there is no movie."""
+    from tisph.report.gif import write_gif  # a run, which needs neither, does not pay for imageio-ffmpeg and Pillow
+    from tisph.report.poster import poster
+
     if not folder.movie.is_file():
         raise ConfigError(f"{folder.root}: there is no {folder.movie.name} to make a GIF of")
     write_gif(folder.movie, folder.movie_gif)

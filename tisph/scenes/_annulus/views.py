@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from tisph.measures.gradients import vorticity
 from tisph.scenes import _two_dimensional
 from tisph.scenes._views import ExtraSeries, Profile, Radius, TimeSeries
 
@@ -76,8 +77,8 @@ def movie_profiles(annulus):
     return {**flow, "shear_stress": _shear_stress(annulus), "normal_stress_difference": _normal_stress(annulus)}
 
 
-def movie_ends(annulus, name, end):
-    """Smallest and largest value of a profile to time ``end``.
+def movie_ends(annulus, name, profile, end):
+    """Smallest and largest value of a ``profile`` to time ``end``.
 
     Where a wall starts, the vorticity is infinite at first: its values are those in a layer a quarter of the gap deep,
     or half-way through the run.
@@ -85,7 +86,7 @@ def movie_ends(annulus, name, end):
     first = annulus.start_time
     if name == "vorticity":
         first = max(first, min(annulus.viscous_time / 16, 0.5 * (first + end)))
-    return movie_profiles(annulus)["speed" if name == "dye" else name].extremes(first, end)
+    return profile.extremes(first, end)
 
 
 def _radius(annulus):
@@ -98,8 +99,13 @@ def _velocity(annulus):
 
 
 def _vorticity(annulus):
-    of = _two_dimensional.vorticity(annulus)
-    return Profile("vorticity", "rate", _radius(annulus), of=of, exact=annulus.exact_vorticity)
+    return Profile(
+        name="vorticity",
+        unit="rate",
+        line=_radius(annulus),
+        of=lambda snapshot: vorticity(annulus, snapshot, degree=2),
+        exact=annulus.exact_vorticity,
+    )
 
 
 def _shear_stress(annulus):

@@ -45,9 +45,8 @@ def movie_profiles(channel):
     return dict(zip(names, profiles(channel), strict=False))
 
 
-def movie_ends(channel, name, end):
-    """Smallest and largest value of a profile to time ``end``; of the velocity those of the walls are among them."""
-    profile = movie_profiles(channel)["speed" if name == "dye" else name]
+def movie_ends(channel, name, profile, end):
+    """Smallest and largest value of a ``profile`` to time ``end``, those of the walls among velocities."""
     walls = () if profile.unit == "stress" else _wall_extremes(channel, end)
     return [*profile.extremes(channel.start_time, end), *walls]
 

@@ -69,6 +69,9 @@ def test_limits_leave_out_what_stands_out_and_are_reached():
         values[500] = 1e3
         extremes.add(values)
     assert extremes.ends == pytest.approx((-0.96, 0.96), rel=0.01)  # 98 % of a line from -1 to 1
+    extremes = Extremes(whole=True)
+    extremes.add(np.array([-3.0, 0.0, 2.0]))
+    assert extremes.ends == (-3.0, 2.0)
     extremes = Extremes()
     extremes.add(np.array([np.nan]))
     assert extremes.ends == (0.0, 0.0)

@@ -35,10 +35,8 @@ class Movie:
         self.path = Path(path)
         self._scene, self._video, self._title, self._end = scene, video, title, end
         self._dyed = video.color_by == "dye"
-        self._view, self._series = (
-            scene.movie_view("speed" if self._dyed else video.color_by, end),
-            scene.movie_series(),
-        )
+        self._series = scene.movie_series()
+        self._view = scene.movie_view("speed" if self._dyed else video.color_by, end)
         if self._dyed:
             self._view = replace(self._view, name="", of=Dye(scene, video.dye).of)
         self._waiting, self._ranges = None, None
@@ -52,7 +50,7 @@ class Movie:
         measured = self._measured(snapshot)
         renderer = self._renderer
         if renderer is None:
-            ranges = self._ranges or _Ranges()
+            ranges = self._ranges or _Ranges(self._view.profile.line)
             if self._ranges is None:
                 ranges.add(measured)
             renderer = self._new_renderer(ranges)
@@ -69,7 +67,8 @@ class Movie:
             self._draw(measured)
             return
         if self._waiting is None:
-            self._waiting, self._ranges = tempfile.TemporaryFile(), _Ranges()  # noqa: SIM115 (lives until ``close``)
+            line = self._view.profile.line
+            self._waiting, self._ranges = tempfile.TemporaryFile(), _Ranges(line)  # noqa: SIM115 (lives until ``close``)
         self._ranges.add(measured)
         pickle.dump(measured, self._waiting, pickle.HIGHEST_PROTOCOL)
 
@@ -118,14 +117,15 @@ class Movie:
 
 
 class _Ranges:
-    """Ranges of what frames show, and how many there are."""
+    """Ranges of what frames show, the profile along ``line``, and how many frames there are."""
 
-    def __init__(self):
-        self.colours, self.profile, self.series, self.count = Extremes(), Extremes(), Extremes(over_time=True), 0
+    def __init__(self, line):
+        self.colours, self.profile, self.series = Extremes(), Extremes(whole=True), Extremes(whole=True)
+        self._line, self.count = line, 0
 
     def add(self, measured):
         """Take a frame."""
         self.count += 1
         self.colours.add(measured.colours)
-        self.profile.add(measured.profile)
+        self.profile.add(measured.profile[self._line.near(measured.snapshot)])
         self.series.add(measured.series)

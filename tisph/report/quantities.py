@@ -13,7 +13,7 @@ from tisph.scenes._views import MovieView, Profile
 
 _MARGIN = 0.08  # of the range of a panel, at both ends: overshoot stays in sight
 _SHARE, _FRAMES = 0.98, 0.9  # of the particles of a frame, and of the frames, that a range holds: corners do not count
-_TIMES = 0.98  # of the times that the range of numbers over time holds: a start may be infinite
+_WHOLE = 0.98  # of the frames, where all values of a frame count: a start may be infinite
 
 Ends = tuple[float, float]
 
@@ -59,12 +59,12 @@ def quantity(view: MovieView, scene, limits: str | Sequence[float], ends: tuple[
 class Extremes:
     """The range of values that come frame by frame: without the few in a frame, and the few frames, that stand out.
 
-    ``over_time``: of numbers, not of fields.
+    With ``whole`` all values of a frame count: those of a curve, not of a field.
     """
 
-    def __init__(self, over_time: bool = False):
+    def __init__(self, whole: bool = False):
         self._least, self._most = [], []
-        self._values, self._frames = (1.0, _TIMES) if over_time else (_SHARE, _FRAMES)
+        self._values, self._frames = (1.0, _WHOLE) if whole else (_SHARE, _FRAMES)
 
     def add(self, values: np.ndarray) -> None:
         """Take the ``values`` of one frame; those that are no finite numbers are left out."""

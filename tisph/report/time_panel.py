@@ -53,7 +53,7 @@ class TimePanel:
         return (times - first) / (last - first) * rect.width - 1.0, np.clip(row, -rect.height, 2 * rect.height)
 
     def _exact_ends(self):
-        extremes = Extremes(over_time=True)
+        extremes = Extremes(whole=True)
         for values in self.exact:
             extremes.add(values)
         return extremes.ends

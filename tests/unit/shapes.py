@@ -3,6 +3,7 @@
 import numpy as np
 
 from tisph.geometry.circle import Circle
+from tisph.geometry.ellipse import Ellipse
 from tisph.geometry.polygon import Polygon
 from tisph.geometry.spline import Spline
 
@@ -24,6 +25,7 @@ def wavy(count):
 
 CLOSED = {
     "circle": Circle(0.7),
+    "ellipse": Ellipse((1.2, 0.5)),
     "triangle": Polygon(((0.0, 0.0), (2.0, 0.5), (0.5, 1.5))),
     "ell": Polygon(ELL),
     "rounded ell": Polygon(ELL, 0.3),

@@ -11,6 +11,7 @@ from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
+from tisph.geometry.ellipse import Ellipse
 from tisph.geometry.line import Line
 from tisph.geometry.motion import REST, RigidMotion, WallMotion
 
@@ -58,13 +59,15 @@ def bodies(tmp_path, monkeypatch):
 
 
 def test_every_shape_makes_its_body(bodies):
-    circle, square, curve = bodies(
+    circle, ellipse, square, curve = bodies(
         "{type: circle, centre: [0.2, 0.3], radius: 0.1}",
+        "{type: ellipse, centre: [0.2, 0.7], angle: 0.3, half_axes: [0.1, 0.05]}",
         "{type: polygon, centre: [0.7, 0.3], angle: 0.5, corners: [[0, 0], [0.1, 0], [0.1, 0.1]], corner_radius: 0.01}",
         "{type: curve, points: [[0.5, 0.4], [0.6, 0.5], [0.5, 0.6], [0.4, 0.5]]}",
     )
     assert circle.body() == Body(Circle(0.1), (0.2, 0.3))
     assert circle.body().motion is REST
+    assert ellipse.body() == Body(Ellipse((0.1, 0.05)), (0.2, 0.7), 0.3)
     assert square.body((1.0, math.inf)).periods == (1.0, math.inf)
     assert (square.body().angle, square.shape().corner_radius) == (0.5, 0.01)
     assert np.abs(curve.body().nearest(np.array([[0.6, 0.5]])).distance).max() < 1e-12
@@ -96,6 +99,8 @@ BAD = {
     ),
     "missing": ("{centre: [0, 0]}", "bodies.0.radius: is missing"),
     "radius": ("{centre: [0, 0], radius: -1}", "bodies.0.radius = -1: must be greater than 0"),
+    "one half axis": ("{type: ellipse, centre: [0, 0], half_axes: [1]}", "bodies.0.half_axes.1: is missing"),
+    "half axis": ("{type: ellipse, centre: [0, 0], half_axes: [1, 0]}", "bodies.0.half_axes.1 = 0"),
     "centre": ("{centre: [0, 0, 0], radius: 1}", "bodies.0.centre = [0, 0, 0]: must have at most 2 items"),
     "word": ("{centre: [0, 0], radius: 1, motion: free}", "bodies.0.motion", "or fixed"),
     "no motion": ("{centre: [0, 0], radius: 1, motion: {}}", "bodies.0.motion: give velocity or angular_velocity"),

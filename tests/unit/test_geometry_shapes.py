@@ -18,7 +18,7 @@ PLACES = RANDOM.uniform(-1.5, 3.5, (400, 2))
 ROUNDING = 1e-12  # some thousand roundings of numbers of size 1
 
 closed_shapes = pytest.mark.parametrize("shape", CLOSED.values(), ids=CLOSED)
-smooth_shapes = pytest.mark.parametrize("name", ["circle", "rounded ell", "rounded triangle", "curve"])
+smooth_shapes = pytest.mark.parametrize("name", ["circle", "ellipse", "rounded ell", "rounded triangle", "curve"])
 
 
 @closed_shapes

@@ -23,7 +23,12 @@ Circles of 2 spacings stop at the first step, corners of 1 soon after it, and sh
 (docs/evidence/verification.md). The support of wall points is 4.5 spacings, and reaches through a thinner body.
 """
 
-BULGES = {"radius": ("radius", "a circle"), "corners": ("corner_radius", "a corner"), "points": ("points", "a bend")}
+BULGES = {
+    "radius": ("radius", "a circle"),
+    "half_axes": ("half_axes", "an end"),
+    "corners": ("corner_radius", "a corner"),
+    "points": ("points", "a bend"),
+}
 """By the key that shapes a body, the key of the smallest radius and what has it."""
 
 Walls = dict[str, Body]

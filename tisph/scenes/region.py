@@ -1,10 +1,10 @@
 """Walls, bodies and a drive put together at will: fluid inside a closed wall, or between two planes, around bodies.
 
-With ``walls: {around: SHAPE}`` the fluid is inside a circle, a polygon or a closed curve, which may turn about its
-centre. Otherwise it is in the cell 0 <= x <= length, 0 <= y <= height of the ``geometry``, which is periodic along x
-between the walls ``bottom`` and ``top``. Bodies of any number and shape are in the fluid, which is at rest at first.
-An acceleration along x drives it where it is periodic. No solution is known: ``tisph run --estimate-error`` tells the
-errors.
+With ``walls: {around: SHAPE}`` the fluid is inside a circle, an ellipse, a polygon or a closed curve, which may turn
+about its centre. Otherwise it is in the cell 0 <= x <= length, 0 <= y <= height of the ``geometry``, which is periodic
+along x between the walls ``bottom`` and ``top``. Bodies of any number and shape are in the fluid, which is at rest at
+first. An acceleration along x drives it where it is periodic. No solution is known: ``tisph run --estimate-error``
+tells the errors.
 """
 
 from collections.abc import Iterator

@@ -3,15 +3,23 @@
 import math
 from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field, model_validator
 
-from tisph.config.base import Model, Positive, Signed, refusals
+from tisph.config.base import LARGEST, Model, Positive, Signed, refusals
 from tisph.config.fields import number_or
 from tisph.geometry.body import Body
+from tisph.geometry.free_motion import FREEDOMS, FreeMotion, Inertia
+from tisph.geometry.inertia import centroid, polar_moment
 from tisph.geometry.motion import REST, RigidMotion, WallMotion
 
 Point = Annotated[tuple[Signed, Signed], Field(strict=False)]
 """A place or a vector [x, y]."""
+
+Share = Annotated[float, Field(ge=0, le=LARGEST)]
+"""A mass, or a density, that may be 0."""
+
+Holds = Annotated[tuple[Literal["x", "y", "angle"], ...], Field(strict=False, max_length=3)]
 
 Points = Annotated[tuple[Point, ...], Field(strict=False, max_length=1000)]
 
@@ -62,31 +70,96 @@ class Motion(Model):
         return RigidMotion(*(WallMotion(*size, self.angular_frequency) for size in sizes))
 
 
+OFF_CENTRE = 1e-4
+"""Of the square root of its area, by which a free body's centre of mass may be off the centre that it turns about."""
+
+FREE_KEYS = ("density", "mass", "moment_of_inertia", "velocity", "angular_velocity", "hold", "force", "torque")
+
+
 class Placed(Model):
     """``centre`` [length], which a body turns about, ``angle`` [radians] of it at t = 0, and its motion.
+
+    A body whose motion is ``free`` is carried by the fluid. It has a ``density`` [mass/length^3], that of the fluid
+    where left out, or a ``mass`` [mass/length] and a ``moment_of_inertia`` [mass length] around the centre, which is
+    its centre of mass; a ``velocity`` [u, v] and an ``angular_velocity`` just before t = 0; a ``force`` [fx, fy]
+    [mass/time^2] and a ``torque`` from outside, per length across the plane; and ``hold``, those of x, y and angle
+    that stay as they are.
 
     Parameters of a shape add what it is, in the frame of its centre, and say of which key they make it.
     """
 
     shaped_by: ClassVar[str]
+    unset_keys = FREE_KEYS
 
     centre: Point = (0.0, 0.0)
     angle: Signed = 0.0
-    motion: number_or(Motion, "fixed") = "fixed"
+    motion: Literal["free"] | number_or(Motion, "fixed") = "fixed"
+    density: Share | None = None
+    mass: Share | None = None
+    moment_of_inertia: Share | None = None
+    velocity: Point | None = None
+    angular_velocity: Signed | None = None
+    hold: Holds = ()
+    force: Point | None = None
+    torque: Signed | None = None
+
+    @model_validator(mode="after")
+    def _check_free(self) -> "Placed":
+        given = [key for key in FREE_KEYS if getattr(self, key) not in (None, ())]
+        found = []
+        if self.motion != "free":
+            text = "is only for a body that the flow moves, with motion: free"
+            found += [((key,), text, getattr(self, key)) for key in given]
+        if self.density is not None and self.mass is not None:
+            found.append((("mass",), "give density or mass, not both", self.mass))
+        if found:
+            raise refusals(found)
+        return self
 
     @model_validator(mode="after")
     def _check_shape(self) -> "Placed":
         try:
-            self.shape()
+            shape = self.shape()
         except ValueError as error:
             raise refusals([((self.shaped_by,), str(error), getattr(self, self.shaped_by))]) from None
+        if self.motion == "free":
+            x, y = centroid(shape)
+            if math.hypot(x, y) > OFF_CENTRE * math.sqrt(shape.area):
+                text = f"of a free body must be around its centre of mass: here that is at [{x:.6g}, {y:.6g}]"
+                raise refusals([((self.shaped_by,), text, getattr(self, self.shaped_by))])
         return self
 
     def shape(self):
         """The shape, with the fluid outside; ValueError where it is impossible."""
         raise NotImplementedError
 
-    def body(self, periods: tuple[float, float] = (math.inf, math.inf)) -> Body:
-        """The body, in a cell of these periods (infinite where it is not periodic)."""
-        motion = REST if self.motion == "fixed" else self.motion.rigid()
+    def body(self, periods: tuple[float, float] = (math.inf, math.inf), surroundings: Any = None) -> Body:
+        """The body, in a cell of these periods (infinite where it is not periodic).
+
+        A free one is moved by ``surroundings``, which have the ``density`` of the fluid and the ``acceleration`` and
+        ``gravity`` (2,) that drive it.
+        """
+        if self.motion == "free":
+            motion = FreeMotion(self._inertia(surroundings))
+        else:
+            motion = REST if self.motion == "fixed" else self.motion.rigid()
         return Body(self.shape(), self.centre, self.angle, motion, periods)
+
+    def _inertia(self, surroundings: Any) -> Inertia:
+        """What resists and what moves a free body.
+
+        The fluid's pressure has neither the part that falls by density * acceleration along x, nor that of the
+        fluid's weight: what these do to a body is put in with its load.
+        """
+        shape, fluid = self.shape(), surroundings.density
+        density = fluid if self.density is None else self.density
+        mass = density * shape.area if self.mass is None else self.mass
+        moment = self.moment_of_inertia
+        if moment is None:
+            moment = polar_moment(shape) * mass / shape.area
+        force = np.array(self.force or (0.0, 0.0)) + fluid * shape.area * np.array([surroundings.acceleration, 0.0])
+        force += (mass - fluid * shape.area) * np.array(surroundings.gravity)
+        velocity = (*(self.velocity or (0.0, 0.0)), self.angular_velocity or 0.0)
+        load = (*force.tolist(), self.torque or 0.0)
+        held = tuple(name in self.hold for name in FREEDOMS)
+        return Inertia((mass, mass, moment), load, velocity, held)

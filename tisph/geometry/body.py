@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tisph.geometry._shape import Boundary, ClosestPoint, Shape
+from tisph.geometry.free_motion import FreeMotion
 from tisph.geometry.motion import REST, RigidMotion
 
 
@@ -50,7 +51,7 @@ class Body:
     shape: Shape
     centre: tuple[float, float] = (0.0, 0.0)
     angle: float = 0.0
-    motion: RigidMotion = REST
+    motion: RigidMotion | FreeMotion = REST
     periods: tuple[float, float] = (math.inf, math.inf)
 
     def __post_init__(self):
@@ -58,6 +59,11 @@ class Body:
             raise ValueError("a straight wall without ends cannot turn: give it no angular velocity")
         if not all(period > 0 for period in self.periods):
             raise ValueError(f"periods are above 0, infinite where there is none, not {self.periods}")
+
+    @property
+    def free(self):
+        """Whether the flow moves it: ``motion`` is a ``FreeMotion`` then."""
+        return self.motion.free
 
     @property
     def bounding_radius(self):

@@ -107,6 +107,8 @@ class RigidMotion:
     Angles are counterclockwise.
     """
 
+    free: ClassVar[bool] = False
+
     x: WallMotion = WallMotion(0.0)
     y: WallMotion = WallMotion(0.0)
     rotation: WallMotion = WallMotion(0.0)

@@ -33,7 +33,7 @@ def max_void_radius(scene, snapshot):
             positions = positions[near]
     cells = Voronoi(positions)
     within = cells.vertices[((cells.vertices >= low) & (cells.vertices <= low + sizes)).all(axis=1)]
-    centres = within[scene.contains(within, snapshot.t)] if scene.bodies else within
+    centres = within[scene.seen(snapshot).contains(within, snapshot.t)] if scene.bodies else within
     tree, _ = periodic_tree(scene, _positions(snapshot))
     return tree.query(np.where(scene.periodic, centres % periods, centres))[0].max() / scene.spacing
 

@@ -23,6 +23,7 @@ ACROSS = 4, 9
 
 def with_walls(scene, snapshot):
     """Return positions and velocities (n, 2) of the particles, and after them of points on walls a spacing apart."""
+    scene = scene.seen(snapshot)
     points = [body.boundary_points(scene.spacing, snapshot.t).point for body in scene.bodies]
     walls = [body.velocity(positions, snapshot.t) for body, positions in zip(scene.bodies, points, strict=True)]
     positions = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)

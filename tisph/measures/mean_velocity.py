@@ -23,6 +23,7 @@ def cell_mean(scene, snapshot):
     Over nodes a particle spacing or more apart: those of Gauss and Legendre between walls, where the velocity has a
     slope at the ends, else of a lattice. NaN where a number of the snapshot is none.
     """
+    scene = scene.seen(snapshot)
     positions, velocity = with_walls(scene, snapshot)
     if not (np.isfinite(velocity).all() and np.isfinite(positions).all()):
         return np.full(2, np.nan)

@@ -41,6 +41,7 @@ def unresolved(scene, t, snapshot=None):
 
     ``snapshot``: the state then, once there is one; some of it is known before the run.
     """
+    scene = scene if snapshot is None else scene.seen(snapshot)
     depth, layer = scene.thinnest_layer(t)
     spacings = depth / scene.spacing
     if spacings < LEAST_DEPTH:

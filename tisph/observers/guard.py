@@ -52,7 +52,7 @@ class Guard(StateObserver):
             self._refuse(snapshot, "v", across, limit)
         if self.scene.bodies:
             points = np.stack([snapshot.x, snapshot.y], axis=1)
-            self._refuse(snapshot, "x", ~self.scene.contains(points, snapshot.t), "lies beyond a wall")
+            self._refuse(snapshot, "x", ~self.scene.seen(snapshot).contains(points, snapshot.t), "lies beyond a wall")
         else:
             self._keep_in_box(snapshot)
         self.last_good = snapshot

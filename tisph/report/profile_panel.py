@@ -43,18 +43,18 @@ class ProfilePanel:
             blend(panel, self._dots.cover(dots), style.rgb(theme.particles))
         if profile.exact:
             exact = profile.exact(*profile.line.points(self._coordinates), snapshot.t)
-            curve = self._curve(exact, self._coordinates, snapshot.t)
+            curve = self._curve(exact, self._coordinates, snapshot)
             blend(panel, self._line.cover(curve), style.rgb(theme.exact))
 
     def _field_line(self, snapshot):
         """Return points of the line of the field."""
         return self._curve(
-            self._grid.at(*self._places), self._quantity.profile.line.coordinates(_FIELD_POINTS), snapshot.t
+            self._grid.at(*self._places), self._quantity.profile.line.coordinates(_FIELD_POINTS), snapshot
         )
 
-    def _curve(self, values, coordinates, t):
+    def _curve(self, values, coordinates, snapshot):
         """Return points in the panel close to each other along a curve, which has gaps where bodies are."""
-        wet = self._quantity.profile.line.in_fluid(self._scene, coordinates, t)
+        wet = self._quantity.profile.line.in_fluid(self._scene.seen(snapshot), coordinates, snapshot.t)
         index = np.flatnonzero(wet & np.isfinite(values))
         pieces = np.split(index, np.flatnonzero(np.diff(index) > 1) + 1)
         return dense_lines(self._pixels(values[piece], coordinates[piece]) for piece in pieces if len(piece))

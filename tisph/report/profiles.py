@@ -77,7 +77,7 @@ def _plot(axes: Axes, scene, panel: Panel, snapshot: Snapshot, look: dict) -> Li
     if profile.exact:
         coordinates = profile.line.coordinates(_CURVE_POINTS)
         exact = profile.exact(*profile.line.points(coordinates), snapshot.t)
-        exact = np.where(profile.line.in_fluid(scene, coordinates, snapshot.t), exact, np.nan)
+        exact = np.where(profile.line.in_fluid(scene.seen(snapshot), coordinates, snapshot.t), exact, np.nan)
         axes.plot(exact, coordinates, "-", color=style.TEXT, linewidth=0.9)
     return dots
 

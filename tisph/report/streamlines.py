@@ -47,7 +47,7 @@ class Streamlines:
         places, velocity = with_walls(self._scene, snapshot)
         if not (np.isfinite(velocity).all() and np.isfinite(places).all()):
             return []
-        depth = self._depth(snapshot.t)
+        depth = self._depth(snapshot)
         self._prepare(depth > -_BEYOND * self._pitch.max())
         flow = np.zeros(self._nodes.shape)
         flow[self._wet] = mean_velocity(self._scene, places, velocity, self._nodes[self._wet])[0]
@@ -59,11 +59,11 @@ class Streamlines:
         levels = least + (np.arange(_LINES) + 0.5) / _LINES * (most - least)
         return [line for level in levels for line in contours.lines(level)]
 
-    def _depth(self, time):
+    def _depth(self, snapshot):
         """Return how far each node is in the fluid, (rows, columns), below 0 within bodies."""
         depth = np.full(self._nodes.shape[:2], np.inf)
-        for body in self._scene.bodies:
-            distance = body.nearest(self._nodes.reshape(-1, 2), time).distance
+        for body in self._scene.seen(snapshot).bodies:
+            distance = body.nearest(self._nodes.reshape(-1, 2), snapshot.t).distance
             depth = np.minimum(depth, distance.reshape(depth.shape))
         return depth
 

@@ -5,13 +5,31 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from tisph.config.base import LARGEST, Model, Problem, Signed
+from tisph.config.base import LARGEST, Model, Positive, Problem, Signed
 
 
 class Drive(Model):
-    """Body acceleration along x [length/time^2], of either sign: -(dp/dx) / density of a pressure gradient."""
+    """What drives fluid and bodies.
+
+    ``acceleration`` [length/time^2] along x, of either sign: -(dp/dx) / density of a pressure gradient, which acts on a
+    free body as it does on the fluid that the body takes the place of. ``gravity`` [gx, gy] [length/time^2]: the weight
+    of the fluid is held by a pressure of its own, which is no part of ``pressure`` in results, and a free body has its
+    weight less that of the fluid it displaces: (density - that of the fluid) * area * gravity.
+    """
+
+    unset_keys = ("gravity",)
 
     acceleration: Signed = 0.0
+    gravity: Annotated[tuple[Signed, Signed], Field(strict=False)] | None = None
+
+
+class Contact(Model):
+    """Near contact of free bodies: nearer than ``distance`` [length] they push each other off, and walls.
+
+    No fluid is resolved between them there; one particle spacing where left out.
+    """
+
+    distance: Positive
 
 
 class RestInitial(Model):

@@ -54,6 +54,12 @@ class Scene:
     body_force = None
     """Function of places x, y and a time, with the accelerations along x and y there; None without one."""
 
+    initial_velocity = None
+    """Function of x, y with the velocities (2, ...) of the fluid before bodies start; None where it is at rest."""
+
+    contact = None
+    """Distance [length] and pressure [mass/(length time^2)] at which free bodies push each other off."""
+
     origin = (0.0, 0.0)
     """Lowest corner of the box."""
 
@@ -184,6 +190,10 @@ class Scene:
         Pairs of a size [length], infinite without one, and what it is, in words.
         """
         return (math.inf, ""), (math.inf, "")
+
+    def seen(self, snapshot):
+        """The same scene with free bodies where they are in ``snapshot``, moving on as they do there."""
+        return self
 
     def in_flow_frame(self):
         """The same scene as it is seen from a frame that moves with ``frame_velocity``."""

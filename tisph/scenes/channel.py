@@ -19,7 +19,7 @@ from tisph.config.base import LARGEST, Model, Positive, Problem, Signed, refusal
 from tisph.config.fields import Bodies, Member, number_or
 from tisph.config.motion import Amplitude, Times, Values, WallMotion, check_as_many, check_schedule
 from tisph.scenes._channel.scene import Channel
-from tisph.scenes._initial import Drive, Initial, start_problems
+from tisph.scenes._initial import Contact, Drive, Initial, start_problems
 
 __all__ = ["Channel", "Config", "Scene"]
 
@@ -130,11 +130,12 @@ class Config(schema.Config):
     geometry: Geometry
     walls: Walls = Walls()
     drive: Drive = Drive()
+    contact: Contact | None = None
     bodies: Bodies = ()
     initial: Initial = Initial()
     probes: Probes = Probes()
 
-    unset_keys = ("bodies",)
+    unset_keys = ("bodies", "contact")
     periodic = (True, False)
     across_name = "the gap"
 
@@ -185,6 +186,8 @@ class Config(schema.Config):
 
             yield from problems(self)
             return
+        if self.drive.gravity:
+            yield "drive.gravity", "moves free bodies, and there are none: along the channel an acceleration drives it"
         yield from _driven(self)
         yield from _motion(self)
         yield from start_problems(self, ("bottom", "top"))

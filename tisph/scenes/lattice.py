@@ -19,7 +19,7 @@ from tisph.config.base import Model, Positive, Problem
 from tisph.config.fields import Bodies
 from tisph.scenes._cell.scene import Cell
 from tisph.scenes._cell.sections import bodies_of, cell_problems, incommensurate_periods
-from tisph.scenes._initial import Drive, RestInitial
+from tisph.scenes._initial import Contact, Drive, RestInitial
 
 
 class Geometry(Model):
@@ -35,8 +35,10 @@ class Config(schema.Config):
     geometry: Geometry
     bodies: Annotated[Bodies, Field(min_length=1)]
     drive: Drive = Drive()
+    contact: Contact | None = None
     initial: RestInitial = RestInitial()
 
+    unset_keys = ("contact",)
     periodic = (True, True)
     across_name = "the height"
 

@@ -20,7 +20,7 @@ from tisph.config.fields import Bodies, Member
 from tisph.scenes._cell.scene import Cell
 from tisph.scenes._cell.sections import bodies_of, cell_problems, incommensurate_periods
 from tisph.scenes._cell.walls import farthest, plane_walls, planes
-from tisph.scenes._initial import Drive, RestInitial
+from tisph.scenes._initial import Contact, Drive, RestInitial
 from tisph.scenes.channel import Wall
 
 
@@ -63,9 +63,10 @@ class Config(schema.Config):
     walls: Walls = Walls.model_validate({})
     bodies: Bodies = ()
     drive: Drive = Drive()
+    contact: Contact | None = None
     initial: RestInitial = RestInitial()
 
-    unset_keys = ("geometry", "bodies")
+    unset_keys = ("geometry", "bodies", "contact")
     across_name = "the region"
 
     @model_validator(mode="before")

@@ -47,15 +47,16 @@ class BiCGStab:
         self.size, self.norm = scalar(0.0), scalar(0.0)
         self.iterations = 0.0
 
-    def solve(self, coefficient, tolerance, sigma=1.0, preconditioner=None, max_iterations=MAX_ITERATIONS):
+    def solve(self, coefficient, tolerance, sigma=1.0, preconditioner=None, max_iterations=MAX_ITERATIONS, least=0.0):
         """Solve (``sigma`` - ``coefficient`` A) x = b to a residual of ``tolerance`` |b|; return whether it did.
 
+        ``least``: residual below which there is only rounding, whatever |b|.
         ``preconditioner``: something with an ``apply()``, None for the diagonal.
         """
         view(self.sigma)[()], view(self.coefficient)[()] = sigma, coefficient
         precondition = preconditioner.apply if preconditioner else self.apply_jacobi
         self.start()
-        norm, limit, self.iterations = view(self.norm), tolerance * float(view(self.size)), 0.0
+        norm, limit, self.iterations = view(self.norm), max(least, tolerance * float(view(self.size))), 0.0
         while norm > limit and self.iterations < max_iterations:
             precondition()
             self.step_half()

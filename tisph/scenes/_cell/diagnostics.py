@@ -42,7 +42,8 @@ def velocities(cell, snapshot):
     ``flow_rate``: the superficial velocity times the height of the cell, per length across the plane.
     """
     superficial = cell_mean(cell, snapshot)[0]
-    solid = sum(body.shape.area * body.motion.x.velocity(snapshot.t) for body in cell.bodies[: cell.count])
+    seen = cell.seen(snapshot).bodies[: cell.count]
+    solid = sum(body.shape.area * body.motion.x.velocity(snapshot.t) for body in seen)
     area = float(np.prod(cell.size))
     return {
         "superficial_velocity": superficial,

@@ -9,7 +9,7 @@ import numpy as np
 from tisph.geometry.gaps import POINTS, smallest_gap
 from tisph.scenes._body_scene import BodyScene
 from tisph.scenes._cell import diagnostics, views
-from tisph.scenes._cell.walls import largest_speed
+from tisph.scenes._cell.walls import farthest, largest_speed
 
 KOZENY = 5.0
 """Constant of Kozeny and Carman: permeability = porosity^3 / (5 wetted length per area^2)."""
@@ -17,6 +17,9 @@ KOZENY = 5.0
 FRONT = 2.4
 """Depth of the layer in front of a body, in sqrt(nu/a), a = 2 U/R being the strain rate there: the velocity is 99 % of
 that outside (stagnation flow, K. Hiemenz, Dinglers Polytech. J. 326 (1911) 321-324)."""
+
+CONTACT = 1.0
+"""Distance, in particle spacings, from which on bodies push each other off, if a config does not give another."""
 
 FEW = 100
 """Points on each wall from which gaps are taken as bodies move: once a line of the history, good to 1e-3."""
@@ -27,7 +30,8 @@ class Cell(BodyScene):
     """``bodies`` in a cell of ``size`` (width, height) that is ``periodic`` or has walls, which are bodies, too.
 
     ``names`` are those of the bodies as they are put after those of their numbers, such as ``_0`` in ``drag_0``. The
-    first ``count`` are in the fluid, the others around it. ``planes``: pairs as in ``Scene.walls``.
+    first ``count`` are in the fluid, the others around it. ``planes``: pairs as in ``Scene.walls``. ``start``: function
+    of x, y with the velocities (2, ...) of the fluid before the start, None where it is at rest.
     """
 
     size: tuple[float, float]
@@ -37,7 +41,10 @@ class Cell(BodyScene):
     periodic: tuple[bool, bool] = (True, True)
     origin: tuple[float, float] = (0.0, 0.0)
     acceleration: float = 0.0
+    gravity: tuple[float, float] = (0.0, 0.0)
+    contact_distance: float = 0.0
     planes: tuple = ()
+    start: object = None
 
     @classmethod
     def around(cls, config, bodies, walls, **others):
@@ -51,6 +58,8 @@ class Cell(BodyScene):
             bodies=(*bodies, *walls.values()),
             periodic=config.periodic,
             acceleration=config.drive.acceleration,
+            gravity=config.drive.gravity or (0.0, 0.0),
+            contact_distance=config.contact.distance if config.contact else CONTACT * config.spacing,
             **others,
         )
 
@@ -72,8 +81,21 @@ class Cell(BodyScene):
 
     @cached_property
     def fastest_body(self):
-        """Speed of the fastest body or wall."""
-        return max(largest_speed(body) for body in self.bodies)
+        """Speed of the fastest body or wall, roughly of those that a load moves."""
+        return max(max(largest_speed(body), self._pulled_speed(body)) for body in self.bodies)
+
+    def _pulled_speed(self, body):
+        """Rough speed to which its load brings a free ``body``.
+
+        In slow flow F = 4 pi mu U and T = 4 pi mu R U, at most that at which F = rho R U^2.
+        """
+        if not body.free:
+            return 0.0
+        *force, torque = body.motion.inertia.load
+        radius = farthest(body.shape)
+        pull = math.hypot(*force) + abs(torque) / radius
+        slow = pull / (4.0 * math.pi * self.dynamic_viscosity)
+        return min(slow, math.sqrt(pull / (self.density * radius)))
 
     @cached_property
     def driven_velocity(self):
@@ -91,7 +113,9 @@ class Cell(BodyScene):
     @property
     def reference_velocity(self):
         """The larger of ``fastest_body`` and ``driven_velocity``."""
-        return max(self.fastest_body, self.driven_velocity)
+        known = max(self.fastest_body, self.driven_velocity)
+        # where nothing is driven, as a body that is as heavy as the fluid: any speed serves, 0 does not
+        return known or math.sqrt(math.hypot(*self.gravity) * self.reference_length)
 
     @property
     def peak_velocity(self):
@@ -123,6 +147,24 @@ class Cell(BodyScene):
                     layers.append((depth, "the layer at what oscillates"))
         return min(layers)
 
+    def initial(self, x, y):
+        """As of ``BodyScene``, or the flow of ``start``."""
+        fields = super().initial(x, y)
+        return fields | dict(zip("uv", self.start(x, y), strict=True)) if self.start else fields
+
+    @property
+    def contact(self):
+        """See ``Scene.contact``."""
+        if not any(body.free for body in self.bodies):
+            return None
+        speed = self.reference_velocity
+        return self.contact_distance, self.density * speed * (speed + self.kinematic_viscosity / self.reference_length)
+
+    @property
+    def initial_velocity(self):
+        """``start``."""
+        return self.start
+
     def narrowest(self, t):
         """See ``Scene.narrowest``."""
         return self._smallest_radius, self._first_gap if self._gaps_stay else self._gap(t, FEW)
@@ -135,7 +177,7 @@ class Cell(BodyScene):
 
     @cached_property
     def _gaps_stay(self):
-        return not any(largest_speed(body) for body in self.bodies if body.shape.area)
+        return not any(body.free or largest_speed(body) for body in self.bodies if body.shape.area)
 
     @cached_property
     def _first_gap(self):

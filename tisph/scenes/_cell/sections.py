@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -22,8 +23,12 @@ def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -
     if config.scheme.type == "wcsph":
         yield "scheme.type", "wcsph cannot serve bodies yet; take auto or implicit"
     moving = any(largest_speed(body) for body in (*bodies, *walls.values()))
-    if not moving and not config.drive.acceleration:
+    free = [body for body in bodies if body.free]
+    pulled = any(any(body.motion.inertia.load) for body in free) or (free and config.drive.gravity)
+    if not moving and not pulled and not config.drive.acceleration:
         yield "drive.acceleration", "nothing moves: give an acceleration, or let a body or a wall move"
+    if config.drive.gravity and not free:
+        yield "drive.gravity", "moves free bodies alone: give one the motion free, or leave it out"
     shapes = [(f"bodies.{index}", config.bodies[index], body) for index, body in enumerate(bodies)]
     shapes += [(key, config.walls.around, wall) for key, wall in walls.items() if wall.shape.area]
     yield from size_problems(shapes, config.spacing, config.across)
@@ -31,8 +36,8 @@ def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -
 
 
 def _times(config: Any, bodies: Sequence[Body]) -> Sequence[float]:
-    """Times at which bodies are looked at: the first alone where none of them goes anywhere."""
-    if not any(largest_speed(body) for body in bodies):
+    """Times at which bodies are looked at: the first alone where none of them goes anywhere, or where is not known."""
+    if any(body.free for body in bodies) or not any(largest_speed(body) for body in bodies):
         return (0.0,)
     return np.linspace(0.0, config.time.end, MOMENTS).tolist()
 
@@ -49,4 +54,18 @@ def bodies_of(config: Any) -> list[Body]:
     """The bodies in the fluid, in a cell whose periods are infinite where there are walls."""
     sizes = zip(config.extent, config.periodic, strict=True)
     periods = tuple(size if periodic else math.inf for size, periodic in sizes)
-    return [body.body(periods) for body in config.bodies]
+    return [body.body(periods, surroundings(config)) for body in config.bodies]
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What moves free bodies: ``density`` of the fluid, its ``acceleration`` along x, and ``gravity`` (2,)."""
+
+    density: float
+    acceleration: float
+    gravity: tuple[float, float]
+
+
+def surroundings(config: Any) -> Surroundings:
+    """Those of a ``config``."""
+    return Surroundings(config.fluid.density, config.drive.acceleration, config.drive.gravity or (0.0, 0.0))

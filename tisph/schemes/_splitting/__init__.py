@@ -59,6 +59,7 @@ def _problem(scene):
     box = box_around(corners, scene.spacing, scene.periodic, margin)
     walls = WallPoints(scene.bodies, scene.spacing, box.origin)
     driven = {"acceleration": (scene.acceleration, 0.0), "corners": scene.corners}
+    driven |= {"initial_velocity": scene.initial_velocity, "contact": scene.contact}
     return BoundedProblem(n_fluid=scene.particles, walls=walls, **driven, **vars(box), **fluid)
 
 

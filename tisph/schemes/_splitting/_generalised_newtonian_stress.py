@@ -85,6 +85,11 @@ class GeneralisedNewtonianStress:
         """Return the stress (3, count) at the points on walls."""
         return view(self.derived)[self.n_fluid : self.points.fluid, :3].T.astype(float)
 
+    def implicit_wall_stress(self, strain):
+        """Return the stress (3, count) at the points on walls in a step in which 2 D is ``strain`` there."""
+        derived = view(self.derived)[self.n_fluid : self.points.fluid].T.astype(float)
+        return derived[:3] + derived[7] * (strain - derived[3:6])
+
     @ti.func
     def implicit_viscosity(self, i):
         """Return nu* at a point."""

@@ -18,9 +18,13 @@ class PressureBoundaryCondition:
 
     ``normal`` into the fluid and ``weight`` of a point, the length of its part of the wall over the area of a
     particle: with it a constant pressure is left by the equations of particles and points alike.
+
+    ``closing``: bodies may come so close that between them there is no particle, but points on both, whose equations
+    are one and the same: what the pressure is there they leave open. ``continued`` is the part, 0 to 1, of the equation
+    L p = 0 in place of theirs, which continues the pressure from around the gap.
     """
 
-    def __init__(self, operators, walls, spacing):
+    def __init__(self, operators, walls, spacing, closing=False):
         self.operators, self.points = operators, operators.points
         vector, capacity = ti.types.vector(2, real()), self.points.capacity
         self.normal = ti.field(vector, capacity)
@@ -28,6 +32,9 @@ class PressureBoundaryCondition:
         weight, self.slots = np.zeros(capacity), slice(self.points.fluid - walls.count, self.points.fluid)
         weight[self.slots] = walls.length / spacing**2
         self.weight = holding(ti.field(real(), capacity), weight)
+        self.closing = closing
+        if closing:
+            self.continued = ti.field(real(), capacity)
 
     def set_normals(self, normal):
         """Take up the normals of the points, and set their equations."""
@@ -42,6 +49,8 @@ class PressureBoundaryCondition:
             normal, total = self.weight[i] * self.normal[i], 0.0
             for k in range(self.points.count[i]):
                 weight = normal.x * self.operators.d_dx[i, k] + normal.y * self.operators.d_dy[i, k]
+                if ti.static(self.closing):
+                    weight += self.continued[i] * (self.operators.laplacian[i, k] - weight)
                 self.operators.laplacian[i, k] = weight
                 total += weight
             self.operators.diagonal[i] = -total
@@ -70,4 +79,7 @@ class PressureBoundaryCondition:
     @ti.func
     def right_side(self, i, acceleration, viscosity):
         """Return the right side at a point where all but pressure and viscosity give an ``acceleration``."""
-        return -self.weight[i] * (acceleration.dot(self.normal[i]) - viscosity * self.normal_curl[i])
+        result = -self.weight[i] * (acceleration.dot(self.normal[i]) - viscosity * self.normal_curl[i])
+        if ti.static(self.closing):
+            result *= 1.0 - self.continued[i]
+        return result

@@ -14,6 +14,8 @@ class _Problem(Box):
     those (``exact/sliding_corner.py``) where the velocities of two of them differ. ``kinematic_viscosity`` is the total
     one, of solvent and polymer; ``rheology``: parameters of the fluid where it is not Newtonian, else None, and
     ``initial_conformation_excess`` of the conformation tensors of its modes at x, y, None where it starts from rest.
+    ``initial_velocity``: function of x, y with the velocities (2, ...) before bodies start; None where it is at rest.
+    ``contact``: distance and pressure of ``Contact``, where there are free bodies.
     ``jump_times``: times at which the velocity of a wall, or its acceleration, jumps.
     """
 
@@ -26,6 +28,8 @@ class _Problem(Box):
     corners: tuple = ()
     rheology: object = None
     initial_conformation_excess: object = None
+    initial_velocity: object = None
+    contact: tuple[float, float] | None = None
     jump_times: tuple[float, ...] = ()
 
     @property

@@ -13,6 +13,8 @@ from tisph.runtime import integer, real, ti, view
 from tisph.schemes._overflow import clustered
 from tisph.schemes._splitting import _step_limits as limits
 from tisph.schemes._splitting._bdf import PRESSURES, VELOCITIES, TimeWeights
+from tisph.schemes._splitting._coupling import Coupling
+from tisph.schemes._splitting._free_bodies import RESIDUAL
 from tisph.schemes._splitting._generalised_newtonian_stress import GeneralisedNewtonianStress
 from tisph.schemes._splitting._output import levels_in_order, state
 from tisph.schemes._splitting._shift import TRAVEL, FickianShifting
@@ -80,7 +82,9 @@ class Scheme:
             self.points, SUPPORT * problem.spacing, 4, SMALLEST_PIVOT, bounded, curved
         )
         self.grid = WalledGrid(self.points, problem) if bounded else PeriodicGrid(self.points, problem, problem.height)
-        self.shift = FickianShifting(self.points, problem.spacing, MAX_WALLS if bounded else 0)
+        self.shift = FickianShifting(
+            self.points, problem.spacing, MAX_WALLS if bounded else 0, bounded and problem.contact is not None
+        )
         self.levels = TimeLevels(self.operators, self.shift)
         self.wall_boundary = None
         if bounded:
@@ -94,8 +98,12 @@ class Scheme:
         self.splitting = SplittingStep(self.levels, self.grid, problem, boundary, self.extra_stress)
         self.control = limits.step_control(problem, targets, tolerance, courant)
         least = ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
-        of_step = limits.TOLERANCE if tolerance is None else tolerance
-        self.residuals = [max(part * of_step, lowest, least) for part, lowest in (PRESSURE_RESIDUAL, VELOCITY_RESIDUAL)]
+        self.tolerance = limits.TOLERANCE if tolerance is None else tolerance
+        if bounded and self.wall_boundary.free:
+            self.splitting.coupling = Coupling(self.wall_boundary, self.splitting, least)
+        self.residuals = [
+            max(part * self.tolerance, lowest, least) for part, lowest in (PRESSURE_RESIDUAL, VELOCITY_RESIDUAL)
+        ]
         self.reset()
 
     def reset(self):
@@ -106,7 +114,7 @@ class Scheme:
         self.dts, self.iterations = [], [0.0, 0.0]
         self.output_cache = self.log_jump = None
         if self.wall_boundary:
-            self.wall_boundary.grid_time = None
+            self.wall_boundary.reset()
 
     def start(self, position, velocity, stress=None):
         """Place the particles, (particles, 2) arrays, and find the pressure of their velocities.
@@ -160,9 +168,14 @@ class Scheme:
         for _ in range(limits.MAX_ATTEMPTS):
             dt = self.control.choose_dt(self.time)
             error, order = self.attempt(dt)
-            if self.control.accepts(error / self.error_speed, order, dt, unresolved):
+            if math.isinf(error):
+                self.control.dt_next = 0.5 * dt
+            elif self.control.accepts(error / self.error_speed, order, dt, unresolved):
                 break
             self.rejected += 1
+        else:
+            if math.isinf(error):
+                raise DivergedError(f"bodies overlap at step {self.steps + 1}, t = {self.time:.6g}, whatever the step")
         self.accept_step(dt)
 
     def restart_steps(self):
@@ -178,6 +191,12 @@ class Scheme:
         self.levels.predict()
         if self.wall_boundary:
             self.wall_boundary.predict(times, dt)
+        coupling = self.splitting.coupling
+        if coupling:
+            coupling.prepare(times, dt, self.time + dt)
+            coupling.least = RESIDUAL * self.tolerance * self.error_speed
+            if coupling.bodies.overlap:
+                return math.inf, 1
         self.assemble(self.time + dt)
         gamma0, alpha = times.bdf()
         view(self.splitting.alpha)[...] = alpha
@@ -190,13 +209,15 @@ class Scheme:
         rate = DECAY[0] * nu / spacing**2 + DECAY[1] * self.speed / spacing
         retained = max(0.0, gamma0 - rate * dt)
         self.splitting.sum_history()
+        if not self.dts:  # what is carried along as a whole is right from the first guess on, but for rounding errors
+            view(self.splitting.velocity.x)[: self.problem.n_fluid] += dt * np.array(self.problem.acceleration)
         if self.body_force:
             self.add_body_force(dt)
         if self.wall_boundary:
             self.wall_boundary.set_wall_velocities(self.splitting, times)
             self.wall_boundary.add_corner_force(self.splitting, times, dt)
         self.require_solution(self.splitting.solve(gamma0, dt, nu, retained, self.residuals))
-        error = self.splitting.error()
+        error = max(self.splitting.error(), coupling.bodies.difference() if coupling else 0.0)
         if not math.isfinite(error):
             self.require_solution(False)
         return times.step_error(error, gamma0, self.error_speed)
@@ -241,6 +262,8 @@ class Scheme:
             self.log_jump = self.extra_stress.take_up(self.splitting.velocity.x, self.steps + 1)
         if self.wall_boundary:
             self.wall_boundary.measure(self.time + dt, self.extra_stress)
+        if self.wall_boundary and self.wall_boundary.free:
+            self.wall_boundary.free.accept(self.control.end(self.time, dt))
         travelled = dt * self.speed / self.problem.spacing
         self.shift.shift(self.steps == 0 and not self.wall_boundary, min(1.0, travelled / TRAVEL))
         self.levels.remap()

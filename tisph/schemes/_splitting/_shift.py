@@ -32,6 +32,10 @@ BEYOND = 0.4
 """Distance beyond the support, in particle spacings, up to which neighbours are listed for the sweeps of a step: more
 than two particles approach in them."""
 
+CLOSEST = 0.15
+"""Distance from a wall, in particle spacings, to which a particle is moved that has come nearer, between bodies that
+close a gap."""
+
 SCATTER = 0.05
 """Largest displacement along each axis that breaks a lattice up, in particle spacings."""
 
@@ -42,11 +46,12 @@ class FickianShifting:
 
     ``walls``: how many walls near a particle count, with their tangents in ``planes`` (fluid, walls) as in
     ``WallPoints.nearest_walls``. There the mirror images of its neighbours, and its own, count as well: with points on
-    the wall in their place particles would move to it.
+    the wall in their place particles would move to it. With ``off_walls`` none stays nearer than ``CLOSEST`` to one.
     """
 
-    def __init__(self, points, spacing, walls=0):
-        self.points, self.scatter, self.walls = points, SCATTER * spacing, walls
+    def __init__(self, points, spacing, walls=0, off_walls=False):
+        self.points, self.scatter, self.walls, self.off_walls = points, SCATTER * spacing, walls, off_walls
+        self.closest = scalar(CLOSEST * spacing)
         if walls:
             self.planes = ti.field(ti.types.vector(3, real()), (points.capacity, walls))
             self.near = scalar(SUPPORT * spacing)
@@ -105,6 +110,8 @@ class FickianShifting:
                 for k in range(self.count[i]):
                     displacement += self.displacement(self.points.separation(i, self.listed[i, k]))
             displacement *= self.strength[None]
+            if ti.static(self.off_walls):
+                displacement += self.displacement_off_walls(i)
             size = ti.sqrt(displacement.dot(displacement))
             self.move[i] = displacement * ti.min(1.0, self.largest[None] / ti.max(size, self.largest[None]))
         ti.loop_config(serialize=self.points.serial)
@@ -133,6 +140,15 @@ class FickianShifting:
             displacement += self.displacement(self.points.separation(i, j))
             if near:
                 displacement += self.displacement_by_images(i, j)
+        return displacement
+
+    @ti.func
+    def displacement_off_walls(self, i):
+        """Return the displacement of particle ``i`` to the ``closest`` that it may be to a wall."""
+        displacement = ti.Vector([0.0, 0.0])
+        for wall in ti.static(range(self.walls)):
+            plane = self.planes[i, wall]
+            displacement += ti.max(0.0, self.closest[None] - self.distance(i, wall)) * ti.Vector([plane.x, plane.y])
         return displacement
 
     @ti.func

@@ -18,6 +18,8 @@ import numpy as np
 
 from tisph.runtime import holding, real, scalar, ti, view
 from tisph.schemes._splitting._bdf import PRESSURES, VELOCITIES
+from tisph.schemes._splitting._free_bodies import MOST_ITERATIONS
+from tisph.schemes._splitting._time_levels import gradients
 from tisph.solvers.bicgstab import BiCGStab
 from tisph.solvers.two_level import TwoLevel
 
@@ -27,7 +29,7 @@ ROUGH = 1.0
 
 FIRST_OUTER = 1e-3, 1e-6
 """Residuals of the first of two outer iterations, of which only the curl at walls is used: with 1e-4 and 1e-8 errors
-between cylinders are the same to four digits."""
+between cylinders are the same to four digits. With free bodies, whose loads are used as well, none are less exact."""
 
 
 @ti.data_oriented
@@ -36,6 +38,7 @@ class SplittingStep:
 
     ``alpha``: of the backward differences; ``beta``, ``beta_pressure``: of the extrapolated values, from which solvers
     start and from which the error is estimated. ``boundary``: the ``PressureBoundaryCondition`` where there are walls.
+    ``coupling``: with bodies that the flow carries, None without.
     ``extra_stress``: of a fluid that is not Newtonian; one whose viscosity is ``varying`` has operators of its own.
     """
 
@@ -43,6 +46,7 @@ class SplittingStep:
         self.levels, self.operators, self.points = levels, levels.operators, levels.points
         vector = ti.types.vector(2, real())
         self.spacing, self.pressure_boundary, self.bounded = problem.spacing, boundary, boundary is not None
+        self.coupling, self.rounding = None, 0.0
         self.extra_stress, self.varying = extra_stress, extra_stress is not None and extra_stress.varying
         self.has_body_force = any(problem.acceleration)
         self.acceleration = holding(ti.field(vector, ()), problem.acceleration)
@@ -61,17 +65,17 @@ class SplittingStep:
         ``retained`` is k gamma_0, ``tolerances`` are those of the pressure and of the velocities.
         """
         solved, self.iterations = True, [0.0, 0.0]
-        outer_iterations = 2 if self.bounded or self.extra_stress else 1
-        for outer in range(outer_iterations):
+        least = 2 if self.bounded or self.extra_stress else 1
+        for outer in range(MOST_ITERATIONS if self.coupling else least):
             if self.extra_stress:
                 self.extra_stress.add_stress(self.velocity.x, self.u_history, dt)
             if self.extra_stress or outer == 0:
                 self.poisson_rhs(dt, retained)
             if self.bounded:
-                if outer == 1:
+                if outer > 0 and not self.coupling:
                     self.find_normal_curls()
                 self.wall_rhs(dt, gamma0, viscosity)
-            wanted = tolerances if outer == outer_iterations - 1 else np.maximum(tolerances, FIRST_OUTER)
+            wanted = tolerances if self.coupling or outer >= least - 1 else np.maximum(tolerances, FIRST_OUTER)
             solved = self.solve_pressure(wanted[0]) and solved
             self.momentum_rhs(dt)
             diffusion = dt * viscosity
@@ -79,12 +83,14 @@ class SplittingStep:
             solved = self.velocity.solve(diffusion, wanted[1], gamma0, preconditioner) and solved
             self.iterations[0] += self.pressure.iterations
             self.iterations[1] += self.velocity.iterations
+            if self.coupling and self.coupling.correct() and outer >= least - 1:
+                break
         self.sum_difference()
         return solved
 
     def solve_pressure(self, tolerance):
-        """Solve -L p = b; return whether it could be."""
-        return self.pressure.solve(1.0, tolerance, sigma=0.0, preconditioner=self.for_pressure)
+        """Solve -L p = b; return whether it could be; residuals of ``rounding`` are none."""
+        return self.pressure.solve(1.0, tolerance, 0.0, self.for_pressure, least=self.rounding)
 
     def error(self):
         """Return the root mean square of the difference of the new from the extrapolated velocities."""
@@ -93,21 +99,32 @@ class SplittingStep:
     def begin(self, viscosity, tolerance):
         """Solve L p = - grad u : grad u for the pressure of the present velocities; return whether it could be."""
         self.initial_pressure_rhs()
-        if self.bounded:
-            self.wall_rhs(1.0, 0.0, viscosity)
-        solved = self.solve_pressure(tolerance)
+        for _ in range(MOST_ITERATIONS if self.coupling else 1):
+            if self.bounded:
+                self.wall_rhs(1.0, 0.0, viscosity)
+            solved = self.solve_pressure(tolerance)
+            if self.coupling and self.coupling.correct_start():
+                break
         self.store_pressure()
         return solved
 
-    def impulsive_start(self, tolerance):
-        """Impulsive start of walls that move into fluid at rest; return whether it could be solved for.
+    def find_impulse(self, tolerance):
+        """Solve for the impulse of walls that start to move at ``velocity`` U against the fluid; return whether it is.
 
-        u - grad phi, with L phi = 0 and n . grad phi = -n . U: the impulse of a pressure, per unit density.
+        It is that of a pressure, phi per unit density: u - grad phi, with L phi = 0 and n . grad phi = -n . U.
         """
         self.impulse_rhs()
-        solved = self.solve_pressure(tolerance)
-        self.apply_impulse()
-        return solved
+        return self.solve_pressure(tolerance)
+
+    @ti.kernel
+    def wall_gradients(self):
+        """Take the gradients at walls of the velocities that were solved for, where ``levels`` has those."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None], self.points.particles[None]):
+            d_dx, d_dy = gradients(self.operators, self.velocity.x, i)
+            for component in ti.static(range(2)):
+                self.levels.d_dx[i][component] = d_dx[component]
+                self.levels.d_dy[i][component] = d_dy[component]
 
     @ti.kernel
     def find_normal_curls(self):

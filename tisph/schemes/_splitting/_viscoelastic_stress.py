@@ -157,6 +157,15 @@ class ViscoelasticStress:
         """Return the stress (3, count) at the points on walls."""
         return self.modes.stress(self.states[0][:, self.n_fluid :].astype(float))
 
+    def implicit_wall_stress(self, strain):
+        """Return the stress (3, count) at the points on walls in a step in which 2 D is ``strain`` there.
+
+        As the momentum equation has it: S, with the change of the strain since then times nu*.
+        """
+        points = slice(self.n_fluid, self.points.fluid)
+        stress = self.modes.stress(self.state[:, points]) - view(self.implicit_stress)[points].T.astype(float)
+        return stress + self.viscosity * strain
+
     def at(self, times, offset, tensors):
         """Return the stresses (3, n) a time ``offset`` before the end of the last step, of ``tensors``."""
         levels = tensors.reshape(len(tensors), ORDER, self.size)

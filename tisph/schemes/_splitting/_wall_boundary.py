@@ -9,6 +9,7 @@ from tisph.neighbours.point_cloud import active
 from tisph.runtime import view
 from tisph.schemes._splitting._bdf import VELOCITIES
 from tisph.schemes._splitting._corner_singularities import CornerSingularities
+from tisph.schemes._splitting._free_bodies import FreeBodies
 from tisph.schemes._splitting._pressure_boundary import PressureBoundaryCondition
 from tisph.schemes._splitting._wall_points import POINT_SUPPORT
 from tisph.snapshot import Bodies
@@ -20,6 +21,10 @@ STRAIGHT = 1e-12
 """Part of its speed below which a wall does not move into the fluid."""
 
 LEVEL_LISTS = ("normal_curls", "loads", "normal_stresses")
+
+CONTINUED = 1.0, 0.5
+"""Distances from a wall to the other one, in particle spacings, between which the pressure becomes one that is
+continued from around the gap, as bodies approach."""
 
 LOAD_LEVELS = 3
 """Levels of forces, torques and normal stresses, for values within a step."""
@@ -35,11 +40,22 @@ class WallBoundary:
     def __init__(self, problem, levels, shift, grid, support, skin):
         self.problem, self.walls, self.support, self.skin = problem, problem.walls, support, skin * problem.spacing
         self.levels, self.points, self.shift, self.grid = levels, levels.points, shift, grid
-        self.pressure_boundary = PressureBoundaryCondition(levels.operators, problem.walls, problem.spacing)
+        self.pressure_boundary = PressureBoundaryCondition(
+            levels.operators, problem.walls, problem.spacing, problem.contact is not None
+        )
         self.slots = slice(problem.n_fluid, problem.particles)
         self.corners = CornerSingularities(problem.corners, problem.origin, levels) if problem.corners else None
         self.normal_curls, self.loads, self.normal_stresses = [], [], []
         self.normal = self.velocity = self.grid_time = None
+        self.free = None
+        if any(body.free for body in self.walls.bodies):
+            self.free = FreeBodies(problem)
+
+    def reset(self):
+        """Go back to before the first step."""
+        self.grid_time = None
+        if self.free:
+            self.free.reset(self.problem.start_time)
 
     def update_positions(self, time):
         """Set the positions of the points at ``time``, and the nearest walls of the particles."""
@@ -58,7 +74,10 @@ class WallBoundary:
         view(self.levels.operators.support_factor)[: self.problem.particles] = factor
         view(self.points.radius)[: self.problem.particles] = self.support * factor * spacing + self.skin
 
-        inwards = np.abs(np.sum(self.normal * self.velocity, axis=1)).max()
+        if self.free:
+            nearness = (CONTINUED[0] - distances[self.slots, 1] / spacing) / (CONTINUED[0] - CONTINUED[1])
+            view(self.pressure_boundary.continued)[self.slots] = np.clip(nearness, 0.0, 1.0)
+        inwards = np.abs(self.inwards).max()
         if self.grid_time is None or inwards * abs(time - self.grid_time) > spacing:
             self.set_grid(time)
 
@@ -105,6 +124,8 @@ class WallBoundary:
 
     def jump(self, time):
         """Let the points have the velocities of the walls after ``time``, at which these jump."""
+        if self.free:
+            self.free.restart()
         self.velocity = self.walls.at(math.nextafter(time, math.inf))[2]  # at the very time they have the old ones
         self.regular_velocities[self.slots, 0] = self.velocity
 
@@ -118,51 +139,81 @@ class WallBoundary:
 
         Return whether the impulse could be solved for where walls move into the fluid.
         """
-        regular = self.regular_velocities
+        regular, started = self.regular_velocities, True
+        if splitting.coupling:
+            started = splitting.coupling.begin(tolerance)
+        elif np.abs(self.inwards).max() > STRAIGHT * np.abs(self.velocity).max():
+            started = self.find_impulse(splitting, tolerance)
+            splitting.apply_impulse()
         regular[self.slots, 0] = self.velocity
-        view(splitting.velocity.x)[self.slots] = self.velocity
-        inwards = np.abs(np.sum(self.normal * self.velocity, axis=1)).max()
-        started = inwards <= STRAIGHT * np.abs(self.velocity).max() or splitting.impulsive_start(tolerance)
-        acceleration = -self.walls.acceleration(self.problem.start_time)
         if self.corners:
             regular[:, 0] -= self.corners.velocity(self.positions)
-            acceleration -= self.corners.force(0.0, (1.0, 0.0))[self.slots]
         view(splitting.velocity.x)[: self.problem.particles] = regular[:, 0]
-        view(splitting.u_history)[self.slots] = acceleration
+        self.set_acceleration(splitting)
         splitting.find_normal_curls()
         self.store_normal_curls()
         return started
 
+    @property
+    def fluid_velocity(self):
+        """Velocities (count, 2) at the points of the fluid before the start."""
+        start = self.problem.initial_velocity
+        return start(*(self.positions[self.slots] + self.problem.origin).T).T if start else np.zeros_like(self.velocity)
+
+    @property
+    def inwards(self):
+        """Velocities (count,) of the points into the fluid."""
+        return np.sum(self.normal * self.velocity, axis=1)
+
+    def find_impulse(self, splitting, tolerance):
+        """Find the impulse of a pressure with which the fluid starts as the walls do; return whether there is one."""
+        view(splitting.velocity.x)[self.slots] = self.velocity - self.fluid_velocity
+        return splitting.find_impulse(tolerance)
+
+    def set_acceleration(self, splitting):
+        """Give the accelerations of the walls at the start to the solver of the pressure."""
+        acceleration = -self.walls.acceleration(self.problem.start_time)
+        if self.corners:
+            acceleration -= self.corners.force(0.0, (1.0, 0.0))[self.slots]
+        view(splitting.u_history)[self.slots] = acceleration
+
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
         lists = {name: [array.tolist() for array in getattr(self, name)] for name in LEVEL_LISTS}
-        return {**lists, "grid_time": self.grid_time}
+        return {**lists, "grid_time": self.grid_time, "free": self.free.state() if self.free else None}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
         for name in LEVEL_LISTS:
             setattr(self, name, [np.array(values) for values in state[name]])
+        if self.free:
+            self.free.restore(state["free"])
         self.set_grid(state["grid_time"])
 
     def measure(self, time, extra_stress=None):
         """Take up the force and torque on each body, from the fields at the points at the end of a step at ``time``."""
-        fields, normal = active(self.levels.fields)[self.slots].astype(float), self.normal
-        d_dx, d_dy = (view(field)[self.slots, :2].astype(float) for field in (self.levels.d_dx, self.levels.d_dy))
-        shear = d_dy[:, 0] + d_dx[:, 1]
-        stress = self.problem.solvent_viscosity * np.stack([2.0 * d_dx[:, 0], shear, 2.0 * d_dy[:, 1]])
-        if extra_stress:
-            extra = extra_stress.wall_stress()
-            stress += extra
+        extra = extra_stress.wall_stress() if extra_stress else 0.0
         if self.problem.carries_stress:
-            normals = self.problem.density * self.walls.means(_first_normal_stress_difference(extra, normal))
+            normals = self.problem.density * self.walls.means(_first_normal_stress_difference(extra, self.normal))
             self.normal_stresses = [normals, *self.normal_stresses][:LOAD_LEVELS]
+        pressure = active(self.levels.fields)[self.slots, 2 * VELOCITIES].astype(float)
+        loads = self.problem.density * self.walls.sums(self.tractions(pressure, self.strain(), extra), time)
+        self.loads = [loads, *self.loads][:LOAD_LEVELS]
+
+    def strain(self):
+        """Return 2 D (3, count), xx, xy and yy, at the points, of the velocities whose gradients are measured."""
+        d_dx, d_dy = (view(field)[self.slots, :2].astype(float) for field in (self.levels.d_dx, self.levels.d_dy))
+        return np.stack([2.0 * d_dx[:, 0], d_dy[:, 0] + d_dx[:, 1], 2.0 * d_dy[:, 1]])
+
+    def tractions(self, pressure, strain, extra):
+        """Return the tractions (2, count, 2) of all and of the pressure, per unit density."""
+        stress, normal = self.problem.solvent_viscosity * strain + extra, self.normal
         viscous = np.stack([(stress[:2] * normal.T).sum(axis=0), (stress[1:] * normal.T).sum(axis=0)], axis=1)
-        tractions = np.stack([viscous, -fields[:, 2 * VELOCITIES, None] * normal])
+        tractions = np.stack([viscous, -pressure[:, None] * normal])
         if self.corners:
             tractions += self.corner_traction
         viscous, pressure = tractions
-        loads = self.walls.sums(self.problem.density * np.stack([viscous + pressure, pressure]), time)
-        self.loads = [loads, *self.loads][:LOAD_LEVELS]
+        return np.stack([viscous + pressure, pressure])
 
     def bodies(self, time, times, offset):
         """Return the ``Bodies`` at ``time``, ``offset`` before the end of the last step, from which ``times`` count."""
@@ -175,14 +226,18 @@ class WallBoundary:
 
     def set_wall_velocities(self, splitting, times):
         """Give the velocities of the walls at the end of a step to its solvers, and the extrapolated curl."""
-        regular = self.velocity
-        if self.corners:
-            regular = regular - self.corner_velocity
-        view(splitting.velocity.x)[self.slots] = regular
+        self.impose_velocities(splitting)
         weights = times.extrapolation(min(CURL_LEVELS, max(1, len(self.normal_curls))))
         self.pressure_boundary.normal_curls[...] = sum(
             weight * curl for weight, curl in zip(weights, self.normal_curls, strict=False)
         )
+
+    def impose_velocities(self, splitting):
+        """Give the present velocities of the walls to the solvers."""
+        regular = self.velocity
+        if self.corners:
+            regular = regular - self.corner_velocity
+        view(splitting.velocity.x)[self.slots] = regular
 
     def store_normal_curls(self):
         """Keep the curl of the vorticity at the end of a step, which was found last."""

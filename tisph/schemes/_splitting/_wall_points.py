@@ -58,9 +58,13 @@ class WallPoints:
     def at(self, time):
         """Return positions, normals into the fluid and velocities of the points at ``time``, (count, 2) each."""
         boundaries = self._placed(time)
-        velocities = [body.velocity(part.point, time) for body, part in zip(self.bodies, boundaries, strict=True)]
         place = np.concatenate([boundary.point for boundary in boundaries])
-        return place - self.origin, np.concatenate([part.normal for part in boundaries]), np.concatenate(velocities)
+        return place - self.origin, np.concatenate([part.normal for part in boundaries]), self.velocities(time)
+
+    def velocities(self, time):
+        """Return the velocities (count, 2) of the points at ``time``."""
+        pairs = zip(self.bodies, self._placed(time), strict=True)
+        return np.concatenate([body.velocity(boundary.point, time) for body, boundary in pairs])
 
     def acceleration(self, time):
         """Return the accelerations (count, 2) of the points at ``time``."""

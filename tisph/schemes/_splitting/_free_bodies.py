@@ -1,0 +1,173 @@
+"""Bodies that the flow carries: their velocities at the end of a step, found together with the fluid's.
+
+Of a body of mass M (with the moment of inertia as the third of its numbers) the velocities X obey, by the backward
+differences of the fluid,
+
+    M (gamma_0 X - sum_q alpha_q X^(n+1-q)) / dt = F(X) + load,
+
+where F, the fluid's force and torque, is that of the pressure and the velocities which the fluid has when its walls
+move with X. An outer iteration solves for these. Then X changes by minus J^-1 times the residual, where
+
+    J = gamma_0 (M + M_a),   M_a = rho pi R^2 (1 + 4 K_1(z)/(z K_0(z))),   R/delta = z,   delta^2 = nu dt/gamma_0,
+
+is what a circle alone would need: M_a is its added mass and what its viscous layer, of one step, drags along (G. G.
+Stokes 1851; H. Lamb, Hydrodynamics, 1932, art. 328, for a growth rate gamma_0/dt), and around the centre
+4 rho pi R^2 delta^2 (1 + z K_0(z)/(2 K_1(z))). That holds the fluid's added mass, without which light bodies are
+unstable whatever the step (P. Causin, J. F. Gerbeau, F. Nobile, Comput. Methods Appl. Mech. Eng. 194 (2005) 4506-4527).
+For other shapes, walls and neighbours the differences of the last iterations make up (Anderson's method: H. F. Walker,
+P. Ni, SIAM J. Numer. Anal. 49 (2011) 1715-1735).
+"""
+
+import math
+
+import numpy as np
+
+from tisph.schemes._splitting._contact import Contact
+
+WINDOW = 3
+"""Differences of iterations that are kept."""
+
+MOST_ITERATIONS = 20
+
+RESIDUAL = 0.3
+"""Change of the velocities of bodies up to which they have converged, over the tolerance of a step."""
+
+FINEST = 1e-10
+"""The same at the start, over the largest change."""
+
+
+class FreeBodies:
+    """The free ones of the bodies of ``walls``, a ``WallPoints``: n of them, with velocities (n, 3)."""
+
+    def __init__(self, problem):
+        walls, density = problem.walls, problem.density
+        self.walls, self.density, self.viscosity = walls, density, problem.kinematic_viscosity
+        self.contact = Contact(walls.bodies, *problem.contact, walls.spacing)
+        self.index = [number for number, body in enumerate(walls.bodies) if body.free]
+        self.motions = [walls.bodies[number].motion for number in self.index]
+        inertias = [motion.inertia for motion in self.motions]
+        self.mass, self.load = (
+            np.array([getattr(each, name) for each in inertias]) / density for name in ("mass", "load")
+        )
+        self.moves = ~np.array([each.held for each in inertias])
+        self.radius = np.array([walls.bodies[number].shape.length for number in self.index]) / (2 * math.pi)
+        self.arm = np.stack([np.ones_like(self.radius)] * 2 + [self.radius], axis=1)
+        self.converged = 0.0
+
+    def reset(self, time):
+        """Go back to before the start, at ``time``."""
+        for motion in self.motions:
+            motion.start(time, motion.inertia.velocity)
+        self.contact.reset()
+
+    def restart(self):
+        """Forget earlier levels."""
+        for motion in self.motions:
+            motion.restart(motion.velocities[0])
+
+    def accept(self, time):
+        """Let the velocities of a step that ends at ``time`` be the newest."""
+        self.contact.accept(self.touching, self.dt)
+        self.attempt()
+        for motion in self.motions:
+            motion.accept(time)
+
+    @property
+    def newest(self):
+        """Velocities (n, 3) at the end of the last step."""
+        return np.array([motion.velocities[0] for motion in self.motions])
+
+    def added_mass(self, duration):
+        """Return M_a (n, 3) per unit density for a step of which dt/gamma_0 is the ``duration``."""
+        displaced, depth = math.pi * self.radius**2, math.sqrt(self.viscosity * duration)
+        along, around = displaced, np.full_like(displaced, 1e-3) * displaced * self.radius**2
+        if depth > 0.0:
+            from scipy.special import k0e, k1e
+
+            z = self.radius / depth
+            along = displaced * (1.0 + 4.0 * k1e(z) / (z * k0e(z)))
+            around = 4.0 * displaced * depth**2 * (1.0 + 0.5 * z * k0e(z) / k1e(z))
+        return np.stack([along, along, around], axis=1)
+
+    def prepare(self, times, dt, time):
+        """Take up a step ``dt`` that ends at ``time``: begin with what the last steps extrapolate to."""
+        self.gamma0, alpha = times.bdf()
+        self.dt = dt
+        levels = [np.array([motion.velocities[level] for motion in self.motions]) for level in range(self.depth)]
+        self.known = sum(weight * level for weight, level in zip(alpha, levels, strict=False))
+        self.extrapolated = np.array([motion.extrapolated(time) for motion in self.motions])
+        loads, self.touching, self.gaps = self.contact.loads(time)
+        self.pushes = loads[self.index] / self.density
+        self.begin(self.extrapolated, self.gamma0 * (self.mass + self.added_mass(dt / self.gamma0)))
+        self.attempt()
+
+    @property
+    def depth(self):
+        """Number of levels."""
+        return len(self.motions[0].velocities)
+
+    def begin(self, velocities, jacobian):
+        """Begin to iterate, from these ``velocities`` (n, 3) or accelerations."""
+        self.velocities, self.jacobian = velocities, jacobian
+        self.steps, self.places = [], []
+
+    def begin_start(self, acceleration):
+        """Begin with the accelerations (n, 3) of bodies in a fluid without bounds, which has one of (2,) itself."""
+        added = self.added_mass(0.0)
+        jacobian = self.mass + added
+        self.begin((self.load + added * [*acceleration, 0.0]) / jacobian, jacobian)
+
+    def step_residual(self, loads):
+        """Return the residual (n, 3) of a step in which the fluid's force and torque per unit density are ``loads``."""
+        change = self.gamma0 * self.velocities - self.known
+        return self.mass * change - self.dt * (loads + self.load + self.pushes)
+
+    def correct(self, residual, least, curls=None, found=None):
+        """Change the velocities by their ``residual``; return whether they need not be, by ``least`` of a speed.
+
+        ``curls`` (count,) at walls were the given ones, and ``found`` the ones that came of it: they change with the
+        velocities, and what they are to be next is returned in ``curls``.
+        """
+        step = np.where(self.moves, -residual / self.jacobian, 0.0)
+        self.converged = float(np.abs(self.arm * step).max())
+        if self.converged <= least:
+            return True
+        place, change = (self.arm * self.velocities).ravel(), (self.arm * step).ravel()
+        if curls is not None:
+            place, change = np.concatenate([place, curls]), np.concatenate([change, found - curls])
+        self.places.append(place)
+        self.steps.append(change)
+        del self.places[: -WINDOW - 1], self.steps[: -WINDOW - 1]
+        new = place + change
+        if len(self.steps) > 1:
+            steps, places = np.diff(self.steps, axis=0), np.diff(self.places, axis=0)
+            weights = np.linalg.lstsq(steps.T, change, rcond=1e-6)[0]
+            new -= weights @ (steps + places)
+        self.velocities = new[: self.arm.size].reshape(-1, 3) / self.arm
+        if curls is not None:
+            curls[...] = new[self.arm.size :]
+        return False
+
+    def attempt(self):
+        """Let the bodies have the present velocities at the end of the step."""
+        for motion, velocity in zip(self.motions, self.velocities, strict=True):
+            motion.attempt(velocity)
+
+    @property
+    def overlap(self):
+        """Whether bodies overlap at the end of the present step."""
+        return min(self.gaps.values(), default=1.0) <= 0.0
+
+    def difference(self):
+        """Return the largest difference of a body's velocities from those extrapolated."""
+        return float(np.abs(self.arm * (self.velocities - self.extrapolated)).max())
+
+    def state(self):
+        """What a resumed run needs."""
+        return {"motions": [motion.state() for motion in self.motions], "contact": self.contact.state()}
+
+    def restore(self, state):
+        """Take up what ``state`` returned."""
+        for motion, its in zip(self.motions, state["motions"], strict=True):
+            motion.restore(its)
+        self.contact.restore(state["contact"])

@@ -41,6 +41,10 @@ class Coupling:
         self.boundary.impose_velocities(self.splitting)
         return False
 
+    def error(self):
+        """Return that of the step by the bodies: infinite where no velocities have been found for them."""
+        return self.bodies.difference() if self.bodies.converged <= self.least else math.inf
+
     def _move(self):
         self.bodies.attempt()
         self.boundary.velocity = self.boundary.walls.velocities(self.time)

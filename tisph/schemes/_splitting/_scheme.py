@@ -175,7 +175,8 @@ class Scheme:
             self.rejected += 1
         else:
             if math.isinf(error):
-                raise DivergedError(f"bodies overlap at step {self.steps + 1}, t = {self.time:.6g}, whatever the step")
+                text = "bodies overlap, or no velocities are found for them, whatever the step"
+                raise DivergedError(f"{text}: step {self.steps + 1}, t = {self.time:.6g}")
         self.accept_step(dt)
 
     def restart_steps(self):
@@ -217,8 +218,8 @@ class Scheme:
             self.wall_boundary.set_wall_velocities(self.splitting, times)
             self.wall_boundary.add_corner_force(self.splitting, times, dt)
         self.require_solution(self.splitting.solve(gamma0, dt, nu, retained, self.residuals))
-        error = max(self.splitting.error(), coupling.bodies.difference() if coupling else 0.0)
-        if not math.isfinite(error):
+        error = max(self.splitting.error(), coupling.error() if coupling else 0.0)
+        if math.isnan(error):
             self.require_solution(False)
         return times.step_error(error, gamma0, self.error_speed)
 

@@ -14,7 +14,9 @@ class Bodies:
 
     ``centre`` and ``velocity`` (n, 2), ``angle`` [radians] and ``angular_velocity`` (n,), counterclockwise; ``force``
     (n, 2) and ``torque`` (n,) around the centre, of which ``pressure_force`` and ``pressure_torque`` are the
-    pressure's: NaN before the first step, and of a scheme that does not know them. ``normal_stress`` (n,): first normal
+    pressure's: NaN before the first step, and of a scheme that does not know them. ``stresslet`` (n,): integral of
+    (x t_y + y t_x)/2 around the centre, of the traction t: over the area of a cell it is what a body in it adds to the
+    mean shear stress. ``normal_stress`` (n,): first normal
     stress difference of a polymer, along the wall less across it, mean over the wall; None without one.
     """
 
@@ -27,14 +29,16 @@ class Bodies:
     pressure_force: np.ndarray
     pressure_torque: np.ndarray
     normal_stress: np.ndarray | None = None
+    stresslet: np.ndarray | None = None
 
     @classmethod
     def at(cls, time, bodies, loads=None, normal_stress=None):
-        """Of ``bodies``, ``geometry.body.Body`` each, which move as they say; ``loads`` (2, n, 3) are on them.
+        """Of ``bodies``, ``geometry.body.Body`` each, which move as they say; ``loads`` (2, n, 4) are on them.
 
-        Those are force along x, along y and torque, of all and of the pressure; None where they are not known.
+        Those are force along x, along y, torque and stresslet, of all and of the pressure; None where they are not
+        known.
         """
-        loads = np.full((2, len(bodies), 3), np.nan) if loads is None else loads
+        loads = np.full((2, len(bodies), 4), np.nan) if loads is None else loads
         places = [body.at(time) for body in bodies]
         motions = [body.motion for body in bodies]
         return cls(
@@ -46,6 +50,7 @@ class Bodies:
             torque=loads[0, :, 2],
             pressure_force=loads[1, :, :2],
             pressure_torque=loads[1, :, 2],
+            stresslet=loads[0, :, 3],
             normal_stress=normal_stress,
         )
 

@@ -54,7 +54,7 @@ class Coupling:
         boundary = self.boundary
         extra = extra_stress.implicit_wall_stress(strain) if extra_stress else 0.0
         tractions = boundary.tractions(view(self.splitting.pressure.x)[boundary.slots].astype(float), strain, extra)
-        return boundary.walls.sums(tractions, self.time)[0, self.bodies.index]
+        return boundary.walls.sums(tractions, self.time)[0, self.bodies.index, :3]
 
     def begin(self, tolerance):
         """Find the velocities after the start, of bodies and a fluid that move against each other before.
@@ -69,7 +69,7 @@ class Coupling:
         for _ in range(MOST_ITERATIONS):
             solved = boundary.find_impulse(self.splitting, tolerance)
             impulse = -view(self.splitting.pressure.x)[boundary.slots].astype(float)[:, None] * boundary.normal
-            loads = boundary.walls.sums(impulse[None], self.time)[0, bodies.index]
+            loads = boundary.walls.sums(impulse[None], self.time)[0, bodies.index, :3]
             residual = bodies.mass * (bodies.velocities - before) - loads
             if bodies.correct(residual, FINEST * np.abs(boundary.velocity - boundary.fluid_velocity).max()):
                 break

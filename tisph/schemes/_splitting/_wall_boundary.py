@@ -77,7 +77,7 @@ class WallBoundary:
         if self.free:
             nearness = (CONTINUED[0] - distances[self.slots, 1] / spacing) / (CONTINUED[0] - CONTINUED[1])
             view(self.pressure_boundary.continued)[self.slots] = np.clip(nearness, 0.0, 1.0)
-        inwards = np.abs(self.inwards).max()
+        inwards = np.abs(self.inwards(self.velocity)).max()
         if self.grid_time is None or inwards * abs(time - self.grid_time) > spacing:
             self.set_grid(time)
 
@@ -139,10 +139,10 @@ class WallBoundary:
 
         Return whether the impulse could be solved for where walls move into the fluid.
         """
-        regular, started = self.regular_velocities, True
+        regular, started, against = self.regular_velocities, True, self.velocity - self.fluid_velocity
         if splitting.coupling:
             started = splitting.coupling.begin(tolerance)
-        elif np.abs(self.inwards).max() > STRAIGHT * np.abs(self.velocity).max():
+        elif np.abs(self.inwards(against)).max() > STRAIGHT * np.abs(against).max():
             started = self.find_impulse(splitting, tolerance)
             splitting.apply_impulse()
         regular[self.slots, 0] = self.velocity
@@ -160,10 +160,9 @@ class WallBoundary:
         start = self.problem.initial_velocity
         return start(*(self.positions[self.slots] + self.problem.origin).T).T if start else np.zeros_like(self.velocity)
 
-    @property
-    def inwards(self):
-        """Velocities (count,) of the points into the fluid."""
-        return np.sum(self.normal * self.velocity, axis=1)
+    def inwards(self, velocity):
+        """Return the parts (count,) into the fluid of velocities (count, 2) at the points."""
+        return np.sum(self.normal * velocity, axis=1)
 
     def find_impulse(self, splitting, tolerance):
         """Find the impulse of a pressure with which the fluid starts as the walls do; return whether there is one."""

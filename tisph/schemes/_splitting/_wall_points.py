@@ -107,12 +107,18 @@ class WallPoints:
         return across[:, None] * normal + strain[:, None] * tangent
 
     def sums(self, tractions, time):
-        """Return force and torque (n, bodies, 3) on each body of n ``tractions`` (n, count, 2) on the points."""
-        force, result = self.length[:, None] * tractions, np.zeros((len(tractions), len(self.bodies), 3))
+        """Return force, torque and stresslet (n, bodies, 4) on bodies, of n ``tractions`` (n, count, 2) at the points.
+
+        The stresslet is the sum of (x t_y + y t_x)/2, from its centre: what a body adds to the shear stress of a cell,
+        times the area of that (G. K. Batchelor, J. Fluid Mech. 41 (1970) 545-570).
+        """
+        force, result = self.length[:, None] * tractions, np.zeros((len(tractions), len(self.bodies), 4))
         for number, (body, boundary) in enumerate(zip(self.bodies, self._placed(time), strict=True)):
             arm, part = boundary.point - body.at(time).centre, force[:, self.parts[number]]
             result[:, number, :2] = part.sum(axis=1)
-            result[:, number, 2] = (arm[:, 0] * part[..., 1] - arm[:, 1] * part[..., 0]).sum(axis=1)
+            along, across = arm[:, 0] * part[..., 1], arm[:, 1] * part[..., 0]
+            result[:, number, 2] = (along - across).sum(axis=1)
+            result[:, number, 3] = 0.5 * (along + across).sum(axis=1)
         return result
 
     def means(self, values):

@@ -25,12 +25,12 @@ class Loads:
         self.walls = WallPoints(scene.bodies, scene.spacing, scene.origin)
 
     def of(self, snapshot):
-        """Return force along x, along y and torque (2, bodies, 3) of all, and of the pressure; NaN if a number is."""
+        """Return force along x and y, torque and stresslet (2, bodies, 4) of all, and of the pressure; NaN if any is."""
         scene, walls, time = self.scene, self.walls, snapshot.t
         places, velocities = with_walls(scene, snapshot)
         pressures = snapshot.pressure.astype(float)
         if not all(np.isfinite(values).all() for values in (places, velocities, pressures)):
-            return np.full((2, len(scene.bodies), 3), np.nan)
+            return np.full((2, len(scene.bodies), 4), np.nan)
         points, normal = places[len(pressures) :], walls.at(time)[1]
         gradient = self._fitted(places, velocities, points, DEGREE, NEAREST)[1]
         pressure = self._fitted(places[: len(pressures)], pressures[:, None], points, 1, PRESSED)[0][:, 0]

@@ -25,7 +25,7 @@ class Loads:
         self.walls = WallPoints(scene.bodies, scene.spacing, scene.origin)
 
     def of(self, snapshot):
-        """Return force along x and y, torque and stresslet (2, bodies, 4) of all, and of the pressure; NaN if any is."""
+        """Return force along x and y, torque and stresslet (2, bodies, 4) of all, and of the pressure, or NaN."""
         scene, walls, time = self.scene, self.walls, snapshot.t
         places, velocities = with_walls(scene, snapshot)
         pressures = snapshot.pressure.astype(float)

@@ -126,6 +126,26 @@ def test_gaps_across_a_periodic_cell():
     assert smallest_gap([Body(Circle(1.0))]) == (math.inf, None)
 
 
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("points", [100, 1000])
+def test_smallest_gap_is_that_of_all_pairs(seed, points):
+    """Exactly, though most pairs are left out: far ones, overlapping ones, walls, and copies in a periodic cell."""
+    draw = np.random.default_rng(seed)
+    periods = [(math.inf, math.inf), (6.0, math.inf), (6.0, 5.0)][seed % 3]
+    shapes = [*CLOSED.values(), *(Circle(radius) for radius in draw.uniform(0.1, 0.3, 6))]
+    places = draw.uniform(0.0, 12.0 if seed < 3 else 5.0, (len(shapes), 2)).tolist()
+    bodies = [
+        Body(shape, tuple(place), angle=0.3, motion=MOTIONS["constant"], periods=periods)
+        for shape, place in zip(shapes, places, strict=True)
+    ]
+    if periods[1] == math.inf:
+        bodies += [Body(Line((0.0, -3.0), length=6.0)), Body(Circle(20.0, "inside"), (1.0, 1.0))]
+    pairs = [(i, j) for i in range(len(bodies)) for j in range(i + 1, len(bodies))]
+    found = [(gap(bodies[i], bodies[j], 0.3, points), (i, j)) for i, j in pairs]
+    found += [(*smallest_gap([body], 0.3, points)[:1], (i, i)) for i, body in enumerate(bodies)]
+    assert smallest_gap(bodies, 0.3, points) == min(found)
+
+
 def test_gap_at_a_corner():
     square = Body(Polygon(((0, 0), (1, 0), (1, 1), (0, 1))), angle=math.pi / 4)
     circle = Body(Circle(0.3), (0.0, 2.0))

@@ -63,14 +63,15 @@ class Region:
         return points - np.where(self.periodic, cells * self.size, 0.0)
 
     def off_walls(self, points, least):
-        """``points`` (n, 2), those nearer to a wall than ``least`` moved along its normal to that distance."""
+        """``points`` (n, 2), those nearer to a wall than ``least`` (n,) or one, moved along its normal that far off."""
         points, which = points.copy(), np.arange(len(points))
+        least = np.broadcast_to(least, len(points))
         for _ in range(PUSHES):
             moved = []
             for body in self.bodies:
                 foot = body.nearest(points[which])
-                near = foot.distance < least
-                points[which[near]] = foot.point[near] + least * foot.normal[near]
+                near = foot.distance < least[which]
+                points[which[near]] = foot.point[near] + least[which[near], None] * foot.normal[near]
                 moved.append(which[near])
             which = np.unique(np.concatenate(moved)) if moved else which[:0]
         return points

@@ -24,7 +24,10 @@ FAMILIES = {
     "rheology": "Fluid laws: `fluid: {rheology: {type: NAME, ...}}`",
     "walls": "Wall treatments: `walls: {treatment: {type: NAME, ...}}`",
     "bodies": "Shapes: `bodies: [{type: NAME, ...}]`",
+    "suspensions": "Suspensions: `bodies: {type: NAME, ...}`",
 }
+SAME_KEYS = {"suspensions": "bodies"}
+"""Families whose keys mean what those of another mean."""
 WITHOUT_KEYS = {
     "kernels": "Kernels: `discretisation: {kernel: NAME}`",
     "operators": "Operators of scheme wcsph: `scheme: {type: wcsph, operators: NAME}`",
@@ -50,7 +53,8 @@ def keys_page():
         parts.append(f"\n## {title}\n\n")
         for name in registry.names(family):
             parts.append(f"\n### `{name}`\n\n{summary(family, name)}\n\n")
-            parts.append(table(dict(fields(registry.load(family, name).Parameters)), f"{family}/"))
+            own = dict(fields(registry.load(family, name).Parameters))
+            parts.append(table(own, f"{SAME_KEYS.get(family, family)}/"))
     for family, title in WITHOUT_KEYS.items():
         lines = [f"- `{name}`: {registry.summary(family, name)}\n" for name in registry.names(family)]
         parts.append(f"\n## {title}\n\n{''.join(lines)}")

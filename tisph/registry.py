@@ -20,6 +20,7 @@ FAMILIES = {
     "schemes": "tisph.schemes",
     "rheology": "tisph.rheology",
     "bodies": "tisph.bodies",
+    "suspensions": "tisph.suspensions",
     "kernels": "tisph.kernels",
     "operators": "tisph.operators",
     "exact": "tisph.exact",

@@ -19,6 +19,7 @@ LEVELS = [
     ["config", "exact", "geometry"],
     ["equation_of_state", "measures"],
     ["bodies"],
+    ["suspensions"],
     ["scenes"],
     ["report"],
     ["runtime"],
@@ -37,7 +38,8 @@ LEVELS = [
     ["interface"],
 ]
 LEVEL_OF = {part: level for level, parts in enumerate(LEVELS) for part in parts}
-WITHOUT_TAICHI = ["bodies", "config", "scenes", "exact", "geometry", "measures", "report", "assessment", "kernels"]
+WITHOUT_TAICHI = ["bodies", "suspensions", "config", "scenes", "exact", "geometry", "measures", "report", "assessment"]
+WITHOUT_TAICHI += ["kernels"]
 FILES = sorted(PACKAGE.rglob("*.py"))
 BY_NAME = {"tisph/registry.py", "tisph/__init__.py"}
 BY_NAME |= {"tisph/results/export/__init__.py", "tisph/runtime/_taichi.py"}

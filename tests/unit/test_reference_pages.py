@@ -20,7 +20,8 @@ def keys():
     for family, model in {"scenes": "Config", **dict.fromkeys(reference.FAMILIES, "Parameters")}.items():
         for name in registry.names(family):
             for key, _ in reference.fields(getattr(registry.load(family, name), model)):
-                yield reference.SIDES.sub("walls.SIDE", key) if family == "scenes" else f"{family}/{key}"
+                above = reference.SAME_KEYS.get(family, family)
+                yield reference.SIDES.sub("walls.SIDE", key) if family == "scenes" else f"{above}/{key}"
     yield from reference.study_keys()
 
 

@@ -1,6 +1,6 @@
 """Field types of a config that pydantic does not have: members of a family, and a number or one word."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -12,8 +12,11 @@ from pydantic_core import CoreSchema, core_schema
 from tisph import registry
 from tisph.config.base import Model, refusal, refusals
 
-WORD_TAG = "<word>"
-NUMBER_TAG_START = "<or "
+OTHER_TAG = "<other>"
+USUAL_TAG_START = "<or "
+
+MOST_BODIES = 100
+"""In the fluid of a config."""
 
 
 def nearest(word: object, choices: Iterable[str]) -> str:
@@ -29,10 +32,18 @@ def one_of(choices: list[str]) -> str:
 
 def number_or(number: Any, word: str) -> Any:
     """The type of a value that is a number of type ``number``, or the one word ``word``."""
-    number_tag = f"{NUMBER_TAG_START}{word}>"
+    return either(number, Literal[word], lambda value: value == word, word)
+
+
+def either(usual: Any, other: Any, is_other: Callable[[Any], bool], words: str) -> Any:
+    """The type of a value that is of type ``other`` where ``is_other(value)``, else of type ``usual``.
+
+    ``words``: what the other is, as messages say it.
+    """
+    usual_tag = f"{USUAL_TAG_START}{words}>"
     return Annotated[
-        Annotated[number, Tag(number_tag)] | Annotated[Literal[word], Tag(WORD_TAG)],
-        Discriminator(lambda value: WORD_TAG if value == word else number_tag),
+        Annotated[usual, Tag(usual_tag)] | Annotated[other, Tag(OTHER_TAG)],
+        Discriminator(lambda value: OTHER_TAG if is_other(value) else usual_tag),
     ]
 
 
@@ -104,5 +115,21 @@ class Member:
         return core_schema.no_info_plain_validator_function(self._validate, serialization=serialization)
 
 
-Bodies = Annotated[tuple[Annotated[Model, Member("bodies", usual="circle")], ...], Field(strict=False, max_length=100)]
-"""The type of the section ``bodies`` of a scene; no shape is loaded before one is given."""
+def bodies(least: int = 0) -> Any:
+    """The type of the section ``bodies`` of a scene: a list of ``least`` shapes or more, or a suspension.
+
+    No shape is loaded before one is given.
+    """
+    shapes = tuple[Annotated[Model, Member("bodies", usual="circle")], ...]
+    listed = Annotated[shapes, Field(strict=False, min_length=least, max_length=MOST_BODIES)]
+    suspension = Annotated[Model, Member("suspensions", usual="random_circles")]
+    return either(listed, suspension, _is_suspension, "a map such as {type: random_circles}")
+
+
+def _is_suspension(value: Any) -> bool:
+    """Whether it is a map, but not that of one shape, for which a list is meant."""
+    return isinstance(value, Model) or (isinstance(value, dict) and value.get("type") not in registry.names("bodies"))
+
+
+Bodies = bodies()
+"""The same without a least number of shapes."""

@@ -5,13 +5,13 @@ import re
 from collections.abc import Callable, Iterator
 from functools import reduce
 from operator import getitem
-from typing import Any
+from typing import Any, get_args, get_origin
 
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
 from tisph.config.base import REFUSED, SMALLEST, Model
-from tisph.config.fields import NUMBER_TAG_START, WORD_TAG, Member, nearest
+from tisph.config.fields import OTHER_TAG, USUAL_TAG_START, Member, nearest
 from tisph.config.schema import Config, model_of
 from tisph.config.yaml_text import KeyPath, in_one_line
 
@@ -62,8 +62,8 @@ def _describe(details: Any, data: Any) -> tuple[KeyPath, str]:
     key = in_one_line(".".join(map(str, place)))
     text = _text(details, place, data)
     last = whole[-1] if whole and known == len(whole) else None
-    if last != WORD_TAG and _is_tag(last):
-        text += f", or {last[len(NUMBER_TAG_START) : -1]}"
+    if last != OTHER_TAG and _is_tag(last):
+        text += f", or {last[len(USUAL_TAG_START) : -1]}"
     if details["type"] == "missing" or isinstance(details["input"], (dict, Model)):
         return place, f"{key}: {text}"
     return place, f"{key} = {show(details['input'])}: {text}"
@@ -94,7 +94,7 @@ def _unknown_key(place: KeyPath, data: Any) -> str:
     for part in place[:-1]:
         data = data[part]
         field = field if isinstance(part, int) else model.model_fields[part]  # the items of a list are of one kind
-        model = _model_below(field, data)
+        model = _model_below(field, data, isinstance(part, int))
     allowed = model.keys() if issubclass(model, Config) else list(model.model_fields)
     elsewhere = (f"; nearest: {key}" for key in _dotted_keys(whole) if key.endswith(f".{place[-1]}"))
     suggestion = nearest(place[-1], allowed) or next(elsewhere, "")
@@ -110,12 +110,19 @@ def _dotted_keys(model: type[Model], before: str = "") -> Iterator[str]:
             yield from _dotted_keys(below, f"{before}{name}.")
 
 
-def _model_below(field: FieldInfo, data: Any) -> type[Model] | None:
-    """Model of the map ``data`` that stands at ``field``."""
-    items = getattr(field.annotation, "__args__", ())
-    marks = [*field.metadata, *(mark for item in items for mark in getattr(item, "__metadata__", ()))]
+def _model_below(field: FieldInfo, data: Any, is_item: bool) -> type[Model] | None:
+    """Model of the map ``data`` that stands at ``field``, or is an item of a list there."""
+    marks = [*([] if is_item else field.metadata), *_marks(field.annotation, is_item)]
     members = [mark for mark in marks if isinstance(mark, Member)]
     return members[0].model(data) if members else _static_model(field)
+
+
+def _marks(annotation: Any, of_items: bool) -> Iterator[Any]:
+    """Marks of the choices in a type, those of the items of lists or the others."""
+    for each in get_args(annotation):
+        if (get_origin(annotation) is tuple) == of_items:
+            yield from getattr(each, "__metadata__", ())
+        yield from _marks(each, of_items)
 
 
 def _static_model(field: FieldInfo) -> type[Model] | None:

@@ -168,8 +168,11 @@ class Config(Model):
 
     @model_validator(mode="after")
     def _check_between_keys(self) -> "Config":
-        checks.raise_problems(self)
-        return self
+        sections = {key: value for key, value in vars(self).items() if hasattr(value, "for_spacing")}
+        complete = {key: section.for_spacing(self.spacing) for key, section in sections.items()}
+        whole = self.model_copy(update=complete) if complete else self
+        checks.raise_problems(whole)
+        return whole
 
     @classmethod
     def keys(cls) -> list[str]:
@@ -210,7 +213,7 @@ class Config(Model):
     @property
     def particles_across(self) -> int:
         """Particles in the length ``across``."""
-        return self.discretisation.particles_across or round(self.across / self.discretisation.spacing)
+        return self.discretisation.particles_across or max(1, round(self.across / self.discretisation.spacing))
 
     @property
     def spacing(self) -> float:

@@ -10,13 +10,10 @@ Multiphase Flow 8 (1982) 193-206.
 """
 
 from collections.abc import Iterator
-from typing import Annotated
-
-from pydantic import Field
 
 from tisph.config import resolution, schema
 from tisph.config.base import Model, Positive, Problem
-from tisph.config.fields import Bodies
+from tisph.config.fields import bodies
 from tisph.scenes._cell.scene import Cell
 from tisph.scenes._cell.sections import bodies_of, cell_problems, incommensurate_periods
 from tisph.scenes._initial import Contact, Drive, RestInitial
@@ -33,7 +30,7 @@ class Config(schema.Config):
     """A whole run in the cell."""
 
     geometry: Geometry
-    bodies: Annotated[Bodies, Field(min_length=1)]
+    bodies: bodies(least=1)
     drive: Drive = Drive()
     contact: Contact | None = None
     initial: RestInitial = RestInitial()
@@ -59,7 +56,7 @@ class Config(schema.Config):
 
     def problems(self) -> Iterator[Problem]:
         """What the scene has against the config."""
-        yield from cell_problems(self, bodies_of(self), {})
+        yield from cell_problems(self, bodies_of(self, {}), {})
 
     def incommensurate(self) -> Iterator[Problem]:
         """A length that the spacing does not divide, or periods that are too short."""
@@ -72,4 +69,4 @@ class Scene:
     @staticmethod
     def from_config(config):
         """The scene that a validated config describes."""
-        return Cell.around(config, bodies_of(config), {})
+        return Cell.around(config, bodies_of(config, {}), {})

@@ -99,6 +99,11 @@ class Config(schema.Config):
         return np.stack([points.min(axis=0), points.max(axis=0)])
 
     @property
+    def origin(self) -> tuple[float, float]:
+        """Lowest corner of the box."""
+        return tuple(self.box[0].tolist())
+
+    @property
     def across(self) -> float:
         """The height of the box."""
         return self.extent[1]
@@ -120,7 +125,8 @@ class Config(schema.Config):
             yield "drive.acceleration", "drives nothing inside a closed wall: the pressure takes it up"
         if around is not None and (around.body().motion.x.largest_speed or around.body().motion.y.largest_speed):
             yield "walls.around.motion", "may only turn: give fixed, angular_velocity or angular_amplitude"
-        yield from cell_problems(self, bodies_of(self), {f"walls.{name}": wall for name, wall in _walls(self).items()})
+        walls = {f"walls.{name}": wall for name, wall in _walls(self).items()}
+        yield from cell_problems(self, bodies_of(self, walls, self.origin), walls)
 
     def incommensurate(self) -> Iterator[Problem]:
         """A length that the spacing does not divide, or that is too short."""
@@ -135,8 +141,8 @@ class Scene:
     def from_config(config):
         """The scene that a validated config describes."""
         walls = _walls(config)
-        own = {"origin": tuple(config.box[0].tolist())} if "around" in walls else {"planes": planes(walls)}
-        return Cell.around(config, bodies_of(config), walls, **own)
+        own = {"origin": config.origin} if "around" in walls else {"planes": planes(walls)}
+        return Cell.around(config, bodies_of(config, walls, config.origin), walls, **own)
 
 
 def _walls(config):

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from tisph.bodies._clearance import LEAST_GAP, size_problems
 from tisph.bodies._clearance import problems as room_problems
-from tisph.bodies._clearance import size_problems
 from tisph.config.base import Problem
 from tisph.config.resolution import LEAST_IN_PERIOD
 from tisph.geometry.body import Body
+from tisph.geometry.region import Region
 from tisph.scenes._cell.walls import largest_speed
 
 MOMENTS = 25
@@ -29,10 +30,25 @@ def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -
         yield "drive.acceleration", "nothing moves: give an acceleration, or let a body or a wall move"
     if config.drive.gravity and not free:
         yield "drive.gravity", "moves free bodies alone: give one the motion free, or leave it out"
-    shapes = [(f"bodies.{index}", config.bodies[index], body) for index, body in enumerate(bodies)]
+    given = config.bodies
+    listed = isinstance(given, tuple)
+    shapes = [(f"bodies.{index}", given[index] if listed else given, body) for index, body in enumerate(bodies)]
     shapes += [(key, config.walls.around, wall) for key, wall in walls.items() if wall.shape.area]
-    yield from size_problems(shapes, config.spacing, config.across)
-    yield from room_problems(bodies, walls, config.spacing, _times(config, bodies))
+    found = [*size_problems(shapes, config.spacing, config.across)]
+    found += room_problems(bodies, walls, config.spacing, _times(config, bodies))
+    yield from found if listed else dict.fromkeys(_in_common(problem, config) for problem in found)
+
+
+def _in_common(problem: Problem, config: Any) -> Problem:
+    """A problem of one body of a suspension by the key that all have; where some come too close, by the cause."""
+    key, text, *_ = problem
+    if not key.startswith("bodies."):
+        return key, text
+    _, number, name = key.split(".")
+    if name != "centre":
+        return f"bodies.{name}", text
+    close = config.bodies.least_gap < LEAST_GAP * config.spacing
+    return "bodies.least_gap" if close else "bodies.motion", f"body {number} {text}"
 
 
 def _times(config: Any, bodies: Sequence[Body]) -> Sequence[float]:
@@ -50,11 +66,18 @@ def incommensurate_periods(config: Any) -> Iterator[Problem]:
             yield f"geometry.{key}", f"{text}: the neighbour search needs three cells around bodies"
 
 
-def bodies_of(config: Any) -> list[Body]:
-    """The bodies in the fluid, in a cell whose periods are infinite where there are walls."""
+def bodies_of(config: Any, walls: dict[str, Body], origin: tuple[float, float] = (0.0, 0.0)) -> list[Body]:
+    """The bodies in the fluid between these ``walls``, in a cell whose lowest corner is ``origin``.
+
+    Its periods are infinite where there are walls. ValidationError where a suspension does not fit.
+    """
     sizes = zip(config.extent, config.periodic, strict=True)
     periods = tuple(size if periodic else math.inf for size, periodic in sizes)
-    return [body.body(periods, surroundings(config)) for body in config.bodies]
+    given = config.bodies
+    if not isinstance(given, tuple):
+        high = (origin[0] + config.extent[0], origin[1] + config.extent[1])
+        given = given.bodies(Region(tuple(walls.values()), origin, high, config.periodic))
+    return [body.body(periods, surroundings(config)) for body in given]
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ def scene(config):
     """The scene that a validated config with bodies describes."""
     walls = _walls(config)
     developed = Developed.of(config) if config.initial.state == "developed" else None
-    return Cell.around(config, bodies_of(config), walls, planes=planes(walls), start=developed)
+    return Cell.around(config, bodies_of(config, walls), walls, planes=planes(walls), start=developed)
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def problems(config: Any) -> Iterator[Problem]:
     if config.probes != type(config.probes)():
         yield "probes", "are not for a channel with bodies: what is followed are the forces on these"
     named = {f"walls.{name}": wall for name, wall in _walls(config).items()}
-    yield from cell_problems(config, bodies_of(config), named)
+    yield from cell_problems(config, bodies_of(config, named), named)
 
 
 def _walls(config: Any):

@@ -1,0 +1,1 @@
+"""Suspensions: many bodies that a config describes together. One file a kind."""

@@ -102,7 +102,7 @@ BAD = {
     "one half axis": ("{type: ellipse, centre: [0, 0], half_axes: [1]}", "bodies.0.half_axes.1: is missing"),
     "half axis": ("{type: ellipse, centre: [0, 0], half_axes: [1, 0]}", "bodies.0.half_axes.1 = 0"),
     "centre": ("{centre: [0, 0, 0], radius: 1}", "bodies.0.centre = [0, 0, 0]: must have at most 2 items"),
-    "word": ("{centre: [0, 0], radius: 1, motion: free}", "bodies.0.motion", "or fixed"),
+    "word": ("{centre: [0, 0], radius: 1, motion: loose}", "bodies.0.motion = \"loose\": must be 'fixed' or 'free'"),
     "no motion": ("{centre: [0, 0], radius: 1, motion: {}}", "bodies.0.motion: give velocity or angular_velocity"),
     "two motions": (
         "{centre: [0, 0], radius: 1, motion: {angular_velocity: 1, angular_amplitude: 1, angular_frequency: 1}}",

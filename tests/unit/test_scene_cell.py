@@ -107,7 +107,7 @@ def test_a_channel_with_bodies_is_two_dimensional(tmp_path):
 
 @pytest.mark.parametrize(("text", "change", "said"), [
     (LATTICE, "drive.acceleration=0.0", "nothing moves"),
-    (LATTICE, "bodies=[]", "bodies"),
+    (LATTICE, "bodies=[]", "bodies = []: must not be empty"),
     (LATTICE, "discretisation={spacing: 10.0}", "must fit across the height"),
     (LATTICE, "bodies=[{centre: [0.5, 0.5], radius: 0.47}]", "its own periodic copy"),
     (LATTICE, "bodies=[{centre: [0.5, 0.5], radius: 0.0625}]", "a circle of radius 0.0625 has 2 spacings; it needs"),

@@ -52,6 +52,7 @@ def test_circles_fill_the_fraction_and_keep_the_gap(read, scene):
 def test_the_resolved_config_is_short_and_gives_the_same_circles(read, scene, tmp_path):
     config, again = read(scene), tmp_path / "config.resolved.yaml"
     again.write_text(config.resolved_yaml())
+    assert str(config.bodies.least_gap) in again.read_text()
     assert set(config.resolved()["bodies"]) == {"type", "motion", "radius", "fraction", "seed", "least_gap"}
     assert load(again) == config
     assert circles(load(again)).tobytes() == circles(config).tobytes()
@@ -82,6 +83,12 @@ def test_all_circles_have_the_motion(read):
     scene = scenes.of(read("lattice", "bodies.motion={angular_velocity: 2.0}"))
     assert {float(body.motion.rotation.velocity(0.5)) for body in scene.bodies} == {2.0}
     assert {float(body.motion.x.velocity(0.5)) for body in scene.bodies} == {0.0}
+
+
+def test_all_circles_are_free_with_the_same_density(read):
+    scene = scenes.of(read("channel", "bodies.motion=free", "bodies.density=2.0"))
+    masses = [body.motion.inertia.mass[0] for body in scene.bodies[: scene.count]]
+    assert masses == pytest.approx([2.0 * math.pi * 0.08**2] * scene.count, rel=1e-14)  # of a product of three
 
 
 def test_a_fraction_that_is_too_large_names_one_that_fits(read):

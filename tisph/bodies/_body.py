@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from tisph.config.base import LARGEST, Model, Positive, Signed, refusals
-from tisph.config.fields import number_or
+from tisph.config.fields import either
 from tisph.geometry.body import Body
 from tisph.geometry.free_motion import FREEDOMS, FreeMotion, Inertia
 from tisph.geometry.inertia import centroid, polar_moment
@@ -93,7 +93,7 @@ class Placed(Model):
 
     centre: Point = (0.0, 0.0)
     angle: Signed = 0.0
-    motion: Literal["free"] | number_or(Motion, "fixed") = "fixed"
+    motion: either(Motion, Literal["fixed", "free"], lambda value: isinstance(value, str), "fixed or free") = "fixed"
     density: Share | None = None
     mass: Share | None = None
     moment_of_inertia: Share | None = None

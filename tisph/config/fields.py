@@ -115,15 +115,23 @@ class Member:
         return core_schema.no_info_plain_validator_function(self._validate, serialization=serialization)
 
 
-def bodies(least: int = 0) -> Any:
-    """The type of the section ``bodies`` of a scene: a list of ``least`` shapes or more, or a suspension.
+def bodies(required: bool = False) -> Any:
+    """The type of the section ``bodies`` of a scene: a list of shapes, one or more where ``required``, or a suspension.
 
     No shape is loaded before one is given.
     """
     shapes = tuple[Annotated[Model, Member("bodies", usual="circle")], ...]
-    listed = Annotated[shapes, Field(strict=False, min_length=least, max_length=MOST_BODIES)]
+    listed = Annotated[shapes, Field(strict=False, max_length=MOST_BODIES)]
+    if required:  # ``min_length`` would find a list empty whose only item is wrong
+        listed = Annotated[listed, AfterValidator(_not_empty)]
     suspension = Annotated[Model, Member("suspensions", usual="random_circles")]
     return either(listed, suspension, _is_suspension, "a map such as {type: random_circles}")
+
+
+def _not_empty(value: tuple[Any, ...]) -> tuple[Any, ...]:
+    if not value:
+        raise refusal("must not be empty")
+    return value
 
 
 def _is_suspension(value: Any) -> bool:
@@ -132,4 +140,4 @@ def _is_suspension(value: Any) -> bool:
 
 
 Bodies = bodies()
-"""The same without a least number of shapes."""
+"""The same where it may be left out."""

@@ -30,7 +30,7 @@ class Config(schema.Config):
     """A whole run in the cell."""
 
     geometry: Geometry
-    bodies: bodies(least=1)
+    bodies: bodies(required=True)
     drive: Drive = Drive()
     contact: Contact | None = None
     initial: RestInitial = RestInitial()

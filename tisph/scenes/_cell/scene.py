@@ -18,8 +18,12 @@ FRONT = 2.4
 """Depth of the layer in front of a body, in sqrt(nu/a), a = 2 U/R being the strain rate there: the velocity is 99 % of
 that outside (stagnation flow, K. Hiemenz, Dinglers Polytech. J. 326 (1911) 321-324)."""
 
-CONTACT = 1.0
+CONTACT = 1.5
 """Distance, in particle spacings, from which on bodies push each other off, if a config does not give another."""
+
+STIFFNESS = 20.0
+"""Pressure of contact at half that distance, over those of inertia and viscosity. With 1 bodies in shear come within
+0.4 spacings, where operators have no more than points on walls to go by."""
 
 FEW = 100
 """Points on each wall from which gaps are taken as bodies move: once a line of the history, good to 1e-3."""
@@ -158,7 +162,8 @@ class Cell(BodyScene):
         if not any(body.free for body in self.bodies):
             return None
         speed = self.reference_velocity
-        return self.contact_distance, self.density * speed * (speed + self.kinematic_viscosity / self.reference_length)
+        pressure = self.density * speed * (speed + self.kinematic_viscosity / self.reference_length)
+        return self.contact_distance, STIFFNESS * pressure
 
     @property
     def initial_velocity(self):

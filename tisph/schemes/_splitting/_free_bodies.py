@@ -130,6 +130,8 @@ class FreeBodies:
         """
         step = np.where(self.moves, -residual / self.jacobian, 0.0)
         self.converged = float(np.abs(self.arm * step).max())
+        if not math.isfinite(self.converged):  # of a fluid without a solution, which stops the run
+            return True
         if self.converged <= least:
             return True
         place, change = (self.arm * self.velocities).ravel(), (self.arm * step).ravel()

@@ -9,7 +9,10 @@ extrapolated to the end of the step, and then that of the velocities found with 
 
 import numpy as np
 
-from tisph.runtime import holding, real, ti, view
+from tisph.runtime import holding, real, scalar, ti, view
+
+MEAN = 2.5
+"""Radius, in particle spacings, of the mean with which the pressure is continued into a gap that closes."""
 
 
 @ti.data_oriented
@@ -20,8 +23,8 @@ class PressureBoundaryCondition:
     particle: with it a constant pressure is left by the equations of particles and points alike.
 
     ``closing``: bodies may come so close that between them there is no particle, but points on both, whose equations
-    are one and the same: what the pressure is there they leave open. ``continued`` is the part, 0 to 1, of the equation
-    L p = 0 in place of theirs, which continues the pressure from around the gap.
+    are one and the same: what the pressure is there they leave open. ``continued`` is the part, 0 to 1, in which it is
+    the mean of the pressures around instead, which continues it into the gap.
     """
 
     def __init__(self, operators, walls, spacing, closing=False):
@@ -35,6 +38,7 @@ class PressureBoundaryCondition:
         self.closing = closing
         if closing:
             self.continued = ti.field(real(), capacity)
+            self.per_spacing = scalar(1.0 / spacing)
 
     def set_normals(self, normal):
         """Take up the normals of the points, and set their equations."""
@@ -50,10 +54,16 @@ class PressureBoundaryCondition:
             for k in range(self.points.count[i]):
                 weight = normal.x * self.operators.d_dx[i, k] + normal.y * self.operators.d_dy[i, k]
                 if ti.static(self.closing):
-                    weight += self.continued[i] * (self.operators.laplacian[i, k] - weight)
+                    weight += self.continued[i] * (self.nearness(i, k) - weight)
                 self.operators.laplacian[i, k] = weight
                 total += weight
             self.operators.diagonal[i] = -total
+
+    @ti.func
+    def nearness(self, i, k):
+        """Return the weight of neighbour ``k`` of a point in the mean of its neighbours, over the spacing squared."""
+        apart = self.points.separation(i, self.points.neighbours[i, k]) * self.per_spacing[None]
+        return self.per_spacing[None] ** 2 * ti.max(0.0, 1.0 - apart.dot(apart) / MEAN**2) ** 2
 
     @ti.func
     def find_normal_curls(self):

@@ -167,6 +167,9 @@ class Scheme:
         unresolved = self.levels.divergence_scale * self.problem.spacing / self.error_speed
         for _ in range(limits.MAX_ATTEMPTS):
             dt = self.control.choose_dt(self.time)
+            if self.time + 0.1 * dt == self.time:
+                text = "no error of a step is small enough, however short it is: the flow needs a smaller spacing"
+                raise DivergedError(f"u, v: {text}; step {self.steps + 1}, t = {self.time:.6g}")
             error, order = self.attempt(dt)
             if math.isinf(error):
                 self.control.dt_next = 0.5 * dt

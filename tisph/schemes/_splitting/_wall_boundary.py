@@ -84,7 +84,7 @@ class WallBoundary:
     def set_grid(self, time):
         """Let the ``grid`` of the pressure know where the walls are at ``time``: once, and when they have moved on."""
         self.grid.set_walls(lambda position: self.walls.distance(position, time))
-        self.grid_time = time
+        self.grid_time, self.grid_bodies = time, self.free.state() if self.free else None
 
     def impose_neumann_rows(self):
         """Replace the Laplacian at the points by the Neumann condition of the pressure."""
@@ -179,15 +179,18 @@ class WallBoundary:
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
         lists = {name: [array.tolist() for array in getattr(self, name)] for name in LEVEL_LISTS}
-        return {**lists, "grid_time": self.grid_time, "free": self.free.state() if self.free else None}
+        free = self.free.state() if self.free else None
+        return {**lists, "grid_time": self.grid_time, "grid_bodies": self.grid_bodies, "free": free}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
         for name in LEVEL_LISTS:
             setattr(self, name, [np.array(values) for values in state[name]])
+        if self.free:  # which are no more where they were when the grid was set
+            self.free.restore(state["grid_bodies"])
+        self.set_grid(state["grid_time"])
         if self.free:
             self.free.restore(state["free"])
-        self.set_grid(state["grid_time"])
 
     def measure(self, time, extra_stress=None):
         """Take up the force and torque on each body, from the fields at the points at the end of a step at ``time``."""

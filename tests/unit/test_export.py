@@ -205,7 +205,7 @@ def rotating(tmp_path):
     samples, snapshots = Samples(tmp_path / "samples.h5", scene, TIMES, about=about), []
     live = Vtk(tmp_path / "live.vtkhdf", samples, None, about)
     for step, t in enumerate(TIMES):
-        loads = np.full((2, len(scene.bodies), 3), 3.0)
+        loads = np.full((2, len(scene.bodies), 4), 3.0)
         one = {"density": 1.0 + 0 * x, "pressure": 0 * x, "bodies": Bodies.at(t, scene.bodies, loads)}
         snapshots.append(Snapshot(t=t, step=step, x=x, y=y, u=-3.0 * (y - 0.5), v=3.0 * (x - 1.0), **one))
         samples.observe(snapshots[-1])

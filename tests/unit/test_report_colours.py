@@ -85,7 +85,7 @@ def test_a_field_fills_the_fluid_with_the_colours_of_its_values():
     snapshot = replace(make_snapshot(make_channel(), 1.0), x=x, y=y, v=x, u=-y, pressure=0 * x, density=0 * x)
     from tisph.snapshot import Bodies
 
-    snapshot = replace(snapshot, bodies=Bodies.at(1.0, annulus.bodies, np.zeros((2, 2, 3))))
+    snapshot = replace(snapshot, bodies=Bodies.at(1.0, annulus.bodies, np.zeros((2, 2, 4))))
     drawn = Drawn(annulus, make_video(640, 320, limits=(0.0, 2.0)), "", END)
     box = drawn.render(snapshot)[drawn.layout.box.slices]
     rows, columns = np.mgrid[: box.shape[0], : box.shape[1]] + 0.5

@@ -33,7 +33,7 @@ def paint(scene, time=0.0):
     """Return the layout, which pixels of a white box are painted, and the picture."""
     layout = arrange(scene, 640, 320)
     panel = np.full((layout.box.height, layout.box.width, 3), 255, dtype=np.uint8)
-    bodies = Bodies.at(time, scene.bodies, np.zeros((2, len(scene.bodies), 3)))
+    bodies = Bodies.at(time, scene.bodies, np.zeros((2, len(scene.bodies), 4)))
     Solids(scene, layout).paint(panel, SimpleNamespace(bodies=bodies))
     return layout, np.any(panel < 255, axis=2), panel
 

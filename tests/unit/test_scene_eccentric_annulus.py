@@ -45,7 +45,7 @@ def snapshot_of(scene, t=0.5, loads=(0.0, 0.0, 0.0, 0.0)):
     """The state of the start at another time, with the ``LOADS`` of its cylinders."""
     start = start_snapshot(scene, start_values(scene, SimpleNamespace(seed=0, jitter=0.2)), "f64")
     inner, outer, x, y = loads
-    forces = np.array([[[x, y, inner], [-x, -y, outer]]] * 2)
+    forces = np.array([[[x, y, inner, 0.0], [-x, -y, outer, 0.0]]] * 2)
     return replace(start, t=t, bodies=Bodies.at(t, scene.bodies, forces))
 
 

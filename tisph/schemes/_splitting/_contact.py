@@ -9,8 +9,6 @@ of the velocity and the length of reference: it rises beyond all bounds as the g
 acts on both alike. It is a model, and no lubrication: how often, how long and how strong it acts is counted.
 """
 
-import math
-
 import numpy as np
 
 FINER = 4
@@ -36,6 +34,10 @@ class Contact:
             for pair in ((first, second) for second in range(len(bodies)) if second != first)
             if self._acts(*pair)
         ]
+        self.in_fluid = np.array([bool(body.shape.area) and body.shape.fluid_side == "outside" for body in bodies])
+        self.radii = np.array(
+            [body.bounding_radius if in_fluid else 0.0 for body, in_fluid in zip(bodies, self.in_fluid, strict=True)]
+        )
         self.reset()
 
     def reset(self):
@@ -50,7 +52,7 @@ class Contact:
     def loads(self, time):
         """Return force and torque (bodies, 3) at ``time``, and by pair the force and the smallest gap."""
         loads, forces, gaps = np.zeros((len(self.bodies), 3)), {}, {}
-        for first, second in self.pairs:
+        for first, second in self._near_pairs(time):
             found = self._between(first, second, time)
             if found is None:
                 continue
@@ -63,14 +65,22 @@ class Contact:
                 loads[number, 2] += sign * np.sum(arm[:, 0] * pushes[:, 1] - arm[:, 1] * pushes[:, 0])
         return loads, forces, gaps
 
+    def _near_pairs(self, time):
+        """Return those of the pairs that may be within the distance: what is in the circles around bodies may be."""
+        if not self.pairs:
+            return []
+        first, second = np.array(self.pairs).T
+        centres = np.array([body.at(time).centre for body in self.bodies])
+        apart = centres[second] - centres[first]
+        away = np.hypot(*(apart - self.bodies[first[0]].nearest_copy(apart)).T)
+        for number in set(second[~self.in_fluid[second]].tolist()):
+            away = np.where(second == number, self.bodies[number].nearest(centres, time).distance[first], away)
+        near = away <= self.radii[first] + self.radii[second] + self.distance
+        return [pair for pair, may_touch in zip(self.pairs, near, strict=True) if may_touch]
+
     def _between(self, first, second, time):
         """Return the smallest gap, points and forces on them (n, 2) of the ``first`` body; None where it is far."""
         one, other = self.bodies[first], self.bodies[second]
-        if other.shape.area and other.shape.fluid_side == "outside":
-            apart = other.at(time).centre - one.at(time).centre
-            apart = apart - one.nearest_copy(apart)
-            if math.hypot(*apart) > one.bounding_radius + other.bounding_radius + self.distance:
-                return None
         boundary = one.placed(self.outlines[first], time)
         foot = other.nearest(boundary.point, time)
         near = foot.distance < self.distance

@@ -40,7 +40,19 @@ def result_text(config, scene, summary):
             texts.append(f"{len(rows) - MOST_SAMPLES} earlier samples are in summary.json")
         shown = list(enumerate(samples))[-MOST_SAMPLES:]
         texts += [f"sample {index} is not resolved: {each['reason']}" for index, each in shown if not each["resolved"]]
-    return "\n".join([*texts, _time_used(summary["cost"])])
+    contacts = _contacts(summary.get("numbers", {}), config.units)
+    return "\n".join([*texts, *contacts, _time_used(summary["cost"])])
+
+
+def _contacts(numbers, units):
+    """Yield what there is to say of free bodies that have touched."""
+    if numbers.get("contacts"):
+        count, duration = numbers["contacts"], numbers["contact_time"]
+        times = "once" if count == 1 else f"{count} times"
+        yield (
+            f"bodies touched {times}, for {duration:.3g} {units.time} in all: a model keeps them apart then, "
+            "and what follows depends on it"
+        )
 
 
 def _error(scene, sample, estimate):

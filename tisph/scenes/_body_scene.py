@@ -39,7 +39,7 @@ class BodyScene(Scene):
 
     def seen(self, snapshot):
         """See ``Scene.seen``."""
-        if not any(body.free for body in self.bodies):
+        if not self.has_free_bodies:
             return self
         return replace(self, bodies=tuple(_as_in(snapshot, *pair) for pair in enumerate(self.bodies)))
 

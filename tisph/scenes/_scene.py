@@ -128,6 +128,11 @@ class Scene:
         return self.rows * self.columns
 
     @property
+    def has_free_bodies(self):
+        """Whether the flow carries any of the ``bodies``."""
+        return any(body.free for body in self.bodies)
+
+    @property
     def walls(self):
         """Pairs (side, ``WallMotion``) of the plane walls, from top to bottom, side being ``top`` or ``bottom``."""
         return ()

@@ -324,6 +324,7 @@ class Scheme:
             "divergence": self.levels.residual,
             "iterations_pressure": self.iterations[0] / max(self.steps, 1),
             "iterations_velocity": self.iterations[1] / max(self.steps, 1),
+            **(self.wall_boundary.contacts() if self.wall_boundary else {}),
         }
 
     def parts(self):

@@ -224,7 +224,16 @@ class WallBoundary:
             sum(weight * each for weight, each in zip(weights, levels, strict=False)) if levels else None
             for levels in (self.loads, self.normal_stresses)
         )
-        return Bodies.at(time, self.walls.bodies, loads, normals)
+        # it depends on where bodies are, and on nothing else: no levels of it are needed
+        contact = self.free.contact.loads(time)[0][:, :2] if self.free else None
+        return Bodies.at(time, self.walls.bodies, loads, normals, contact)
+
+    def contacts(self):
+        """Return how many contacts free bodies have had, for how long, and the largest force; nothing without them."""
+        if not self.free:
+            return {}
+        contact = self.free.contact
+        return {"contacts": contact.count, "contact_time": contact.duration, "contact_force": contact.largest}
 
     def set_wall_velocities(self, splitting, times):
         """Give the velocities of the walls at the end of a step to its solvers, and the extrapolated curl."""

@@ -33,6 +33,7 @@ class Folder:
         self.samples = self.root / "samples.h5"
         self.vtk = self.root / "samples.vtkhdf"
         self.vtk_bodies = self.root / "samples_bodies.vtkhdf"
+        self.bodies = self.root / "bodies.h5"
         self.history = self.root / "history.csv"
         self.frames = self.root / "frames.h5"
         self.movie = self.root / "movie.mp4"

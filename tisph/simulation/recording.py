@@ -11,6 +11,7 @@ from tisph.observers.frames import Frames
 from tisph.observers.history import History
 from tisph.observers.samples import Samples
 from tisph.observers.schedule import even_times
+from tisph.observers.trajectories import Trajectories
 from tisph.report import drawing_process
 from tisph.simulation import checkpoint, drawing
 from tisph.simulation.interrupts import Interrupts
@@ -68,6 +69,8 @@ class Recording:
         self.samples = Samples(folder.samples, scene, settings.time.samples, resumed_at, self.about)
         self.history = History(folder.history, scene, followed, end, resumed_at, self.about)
         self.observers = [self.samples, self.history]
+        if scene.has_free_bodies:
+            self.observers.append(Trajectories(folder.bodies, scene, end, resumed_at, self.about))
         if output.vtk:
             from tisph.observers.vtk import Vtk  # who does not want it does not pay for it
 

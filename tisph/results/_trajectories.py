@@ -1,0 +1,63 @@
+"""``bodies.h5`` as a mapping: what bodies in the fluid do over time."""
+
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from tisph.observers._files import readable
+
+
+class Trajectories(Mapping[str, np.ndarray]):
+    """Bodies in the fluid at evenly spaced times: arrays by name, read when they are asked for.
+
+    ``t`` (times,); ``centre`` (times, bodies, 2), not wrapped by periods; ``angle`` [radians], ``angular_velocity``
+    (times, bodies), counterclockwise; ``velocity``, ``force`` and ``contact_force`` (times, bodies, 2); ``torque``,
+    ``stresslet`` (times, bodies). Loads are per length across the plane, NaN at the start. All are in the units of the
+    config.
+    """
+
+    def __init__(self, path: Path):
+        self._path = path
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self.units:
+            raise KeyError(f"{name!r}; there are {', '.join(self.units)}")
+        with readable(self._path), h5py.File(self._path, "r") as file:
+            return np.asarray(file[name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.units)
+
+    def __len__(self) -> int:
+        return len(self.units)
+
+    def __repr__(self) -> str:
+        return f"<Trajectories of {len(self.names)} bodies: {', '.join(self)}>"
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """Unit of each array by its name."""
+        with readable(self._path), h5py.File(self._path, "r") as file:
+            return {name: str(data.attrs.get("units", "")) for name, data in file.items()}
+
+    @property
+    def names(self) -> list[str]:
+        """Number of each body in the config, as in columns of the history."""
+        return [str(name) for name in self._attribute("names")]
+
+    @property
+    def shapes(self) -> list[str]:
+        """What each body is, such as ``circle``."""
+        return [str(name) for name in self._attribute("shapes")]
+
+    @property
+    def free(self) -> np.ndarray:
+        """Whether the flow carries each of the bodies, bool (bodies,)."""
+        return np.asarray(self._attribute("free"), dtype=bool)
+
+    def _attribute(self, name: str) -> np.ndarray:
+        with readable(self._path), h5py.File(self._path, "r") as file:
+            return np.asarray(file.attrs[name])

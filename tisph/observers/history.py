@@ -36,8 +36,8 @@ class History(StateObserver):
         self.schedule = Times(even_times(scene.start_time, end, RECORDS))
         kept = []
         if resumed_at is not None:
-            times, values = read_history(path, len(self.more))
-            kept = [(t, row) for t, row in zip(times, values, strict=True) if t <= resumed_at]
+            records = zip(*read_history(path, len(self.more)), self._flags(), strict=True)
+            kept = [record for record in records if record[0] <= resumed_at]
             self.schedule.mark(resumed_at)
         names = ",".join(["t", *series.columns, RESOLVED, *self.more])
         self.header = ("" if about is None else about.comment(series.content)) + names
@@ -55,9 +55,9 @@ class History(StateObserver):
     def observe(self, snapshot):
         """Append one line."""
         values = self.time_series.measure(snapshot)
-        self.record(
-            [snapshot.t], [np.append(values, self.extra_series.measure(snapshot)) if self.extra_series else values]
-        )
+        if self.extra_series:
+            values = np.append(values, self.extra_series.measure(snapshot))
+        self._append(self._line(snapshot.t, values, self._resolved(self.scene.seen(snapshot), snapshot.t)).encode())
 
     @property
     def probes(self):
@@ -66,7 +66,8 @@ class History(StateObserver):
 
     def record(self, times, values):
         """Append lines of ``values`` (times, numbers) at ``times``."""
-        self._append("".join(map(self._line, times, values)).encode())
+        flags = [self._resolved(self.scene, t) for t in times]
+        self._append("".join(map(self._line, times, values, flags)).encode())
 
     def reading(self, snapshot):
         """Return what is followed: places and values, arrays of shape (numbers,), and times and values so far."""
@@ -89,9 +90,18 @@ class History(StateObserver):
         with replaced(self.path) as new:
             new.write_text(f"{self.header},{','.join(names)}\n{text}", encoding="utf-8")
 
-    def _line(self, t, values):
-        resolved, count = str(int(resolution(self.scene, t)[0])), len(self.time_series.columns)
-        return ",".join([*map(_digits, (t, *values[:count])), resolved, *map(_digits, values[count:])]) + "\n"
+    @staticmethod
+    def _resolved(scene, t):
+        return int(resolution(scene, t)[0])
+
+    def _flags(self):
+        """Return ``resolved`` of each line of the file, as it says, or where it does not, as the scene does."""
+        flags = read_resolved(self.path)
+        return [self._resolved(self.scene, t) for t in read_history(self.path)[0]] if flags is None else flags
+
+    def _line(self, t, values, resolved):
+        count = len(self.time_series.columns)
+        return ",".join([*map(_digits, (t, *values[:count])), f"{resolved:d}", *map(_digits, values[count:])]) + "\n"
 
     def _append(self, lines):
         """Add all of ``lines`` to the file, or nothing."""
@@ -123,6 +133,18 @@ def read_history(path, more=0):
         count = names.index(RESOLVED) - 1 if RESOLVED in names else len(names) - 1
         table = np.array(rows)
     return table[:, 0], np.hstack([table[:, 1 : 1 + count], table[:, 2 + count : 2 + count + more]])
+
+
+def read_resolved(path):
+    """Return whether the flow was resolved at the times of a ``history.csv``, bool (records,); None where that is old.
+
+    ConfigError where lines are damaged.
+    """
+    with readable(path):
+        names, rows = read_rows(path)
+        if RESOLVED not in names:
+            return None
+        return np.array([row[names.index(RESOLVED)] for row in rows], dtype=bool)
 
 
 def read_rows(path):

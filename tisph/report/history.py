@@ -19,16 +19,20 @@ _MARGIN = 0.1  # of the axis, beyond what is resolved
 _SMALLEST = 1e-3  # half the height of the axes of a number, over its size: less than that is noise
 
 
-def history_figure(scene, settings: dict, times: np.ndarray, values: np.ndarray) -> style.PlotFigure:
+def history_figure(
+    scene, settings: dict, times: np.ndarray, values: np.ndarray, resolved: np.ndarray | None = None
+) -> style.PlotFigure:
     """Return the numbers that ``scene`` follows in time: markers on their exact history, or lines where it has none.
 
     ``settings`` are those of ``scene.time_series``; ``times`` (n,) and ``values`` (n, numbers) are in the units of the
     scene. Each kind of number has axes of its own. Of more than twelve numbers the legend names twelve, evenly chosen.
-    Times at which the flow is not resolved are shaded.
+    Times at which the flow is not ``resolved`` (n,) are shaded; None for what the scene knows of that.
     """
     series = scene.time_series(**settings)
+    if resolved is None:
+        resolved = np.array([resolution(scene, t)[0] for t in times])
     panels = list(series.panels or [(series.name, series.unit)] * values.shape[1])
-    kinds = list(dict.fromkeys(panels))
+    kinds = [kind for kind in dict.fromkeys(panels) if kind]
     columns = 2 if len(kinds) > 3 else 1
     rows = -(-len(kinds) // columns)
     with style.plot_style():
@@ -36,8 +40,9 @@ def history_figure(scene, settings: dict, times: np.ndarray, values: np.ndarray)
         grid = figure.subplots(rows, columns, squeeze=False)
         drawn = _lines if series.exact(times[:1]) is None else _exact_lines
         for kind, axes in zip(kinds, grid.flat, strict=False):
-            drawn(axes, scene, series, [index for index, panel in enumerate(panels) if panel == kind], times, values)
-            _mark_unresolved(axes, scene, times, "not resolved" if kind == kinds[-1] else None)
+            chosen = [index for index, panel in enumerate(panels) if panel == kind]
+            drawn(axes, series, chosen, times, values, resolved)
+            _mark_unresolved(axes, times, resolved, "not resolved" if kind == kinds[-1] else None)
             _label_axes(axes, scene, kind, float(np.max(np.abs(times))))
         for axes in grid.flat[len(kinds) :]:
             axes.remove()
@@ -49,7 +54,7 @@ def history_figure(scene, settings: dict, times: np.ndarray, values: np.ndarray)
     return figure
 
 
-def _exact_lines(axes, scene, series, chosen, times, values):
+def _exact_lines(axes, series, chosen, times, values, resolved):
     """Draw the numbers ``chosen`` as markers on their exact curves, the legend from top to bottom, as in a channel."""
     periods = series.angular_frequency * (times[-1] - times[0]) / (2.0 * np.pi)
     shown = style.evenly_chosen(len(times), max(_MARKERS, round(_MARKERS_A_PERIOD * periods)))
@@ -65,12 +70,13 @@ def _exact_lines(axes, scene, series, chosen, times, values):
             markers.set_label(_label(*series.labels[index]))
     axes.plot([], [], "-", color=style.TEXT, linewidth=0.9, label="exact")
     if not np.isfinite(exact).all():
-        _fit_to_what_is_resolved(axes, scene, times, values[:, chosen])
+        _fit_to_what_is_resolved(axes, resolved, values[:, chosen])
 
 
-def _lines(axes, scene, series, chosen, times, values):
+def _lines(axes, series, chosen, times, values, resolved):
     """Draw the numbers ``chosen`` as lines; those that lie on each other have their few markers at different times."""
-    texts = list(dict.fromkeys(_label(*label) for label in series.labels))
+    panels = series.panels or series.labels
+    texts = list(dict.fromkeys(_label(*label) for label, panel in zip(series.labels, panels, strict=True) if panel))
     colours, step = style.colours(len(texts), 0.85), max(1, len(times) // _FEW)
     for place, index in enumerate(chosen):
         text = _label(*series.labels[index])
@@ -81,11 +87,12 @@ def _lines(axes, scene, series, chosen, times, values):
     known = [series.levels[index] for index in chosen if series.levels and np.isfinite(series.levels[index])]
     for level in known:
         axes.axhline(level, color=style.EXACT, linestyle="--", linewidth=1.0, label="exact, when steady")
-    _fit_to_what_is_resolved(axes, scene, times, values[:, chosen])
-    if series.panels:  # of a force one wants to see how far it is from none
+    _fit_to_what_is_resolved(axes, resolved, values[:, chosen])
+    if series.panels:  # of a force one wants to see how far it is from none, of a place how it changes
         least = _SMALLEST * max(series.sizes[index] for index in chosen)
         low, high = axes.get_ylim()
-        ends = [-least, least, *(1.05 * level for level in known)]
+        middle = 0.5 * (low + high) if series.panels[chosen[0]][1] in ("length", "angle") else 0.0
+        ends = [middle - least, middle + least, *(1.05 * level for level in known)]
         axes.set_ylim(min(low, *ends), max(high, *ends))
 
 
@@ -93,16 +100,16 @@ def _label(name: str, place: float | None) -> str:
     return name if place is None else f"{name} = {number(place, 3)}"
 
 
-def _mark_unresolved(axes, scene, times: np.ndarray, label: str | None) -> None:
-    """Shade the times up to the last at which the flow has a layer that is too thin for the particles."""
-    early = [t for t in times if not resolution(scene, t)[0]]
-    if early and early[-1] > times[0]:
-        axes.axvspan(times[0], early[-1], color=style.MUTED, alpha=0.2, linewidth=0, label=label)
+def _mark_unresolved(axes, times: np.ndarray, resolved: np.ndarray, label: str | None) -> None:
+    """Shade the times between which the flow has a layer, or a gap, that is too thin for the particles."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[True], resolved, [True]])))
+    for first, end in edges.reshape(-1, 2):
+        if end - first > 1:
+            axes.axvspan(times[first], times[end - 1], color=style.MUTED, alpha=0.2, linewidth=0, label=label)
 
 
-def _fit_to_what_is_resolved(axes, scene, times: np.ndarray, values: np.ndarray) -> None:
+def _fit_to_what_is_resolved(axes, resolved: np.ndarray, values: np.ndarray) -> None:
     """Let the axis show the numbers at times at which the flow is resolved, in place of an infinite start."""
-    resolved = [resolution(scene, t)[0] for t in times]
     values = values[resolved] if any(resolved) else values
     values = values[np.isfinite(values)]
     if values.size:

@@ -82,6 +82,8 @@ def unit_label(kind: str, units) -> str:
     pascal = (length, mass, time) == ("m", "kg", "s")
     return {
         "number": "",
+        "length": length,
+        "angle": "rad",
         "velocity": f"{length}/{time}",
         "acceleration": f"{length}/{time}²",
         "stress": "Pa" if pascal else f"{mass}/({length} {time}²)",

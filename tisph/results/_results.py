@@ -13,6 +13,7 @@ from tisph.observers._files import readable
 from tisph.results._history import History, read
 from tisph.results._samples import Samples
 from tisph.results._summary import Summary, typed
+from tisph.results._trajectories import Trajectories
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -55,6 +56,11 @@ class Results:
         return read(self._files.history)
 
     @cached_property
+    def bodies(self) -> Trajectories | None:
+        """What the bodies in the fluid do over time: ``bodies["centre"]``; None where the flow carries none."""
+        return Trajectories(self._files.bodies) if self._files.bodies.is_file() else None
+
+    @cached_property
     def movie(self) -> "Movie | None":
         """The movie (``.path``; a notebook plays it), None where the run made none."""
         from tisph.results._movie import Movie
@@ -85,13 +91,14 @@ class Results:
 
     def history_figure(self) -> "Figure":
         """Return what is followed in time, with the exact curves, as a matplotlib figure."""
-        from tisph.observers.history import read_history
+        from tisph.observers.history import read_history, read_resolved
         from tisph.report.history import history_figure
 
         times, values = read_history(self._files.history) if self._files.history.is_file() else ([], [])
         if not len(times):
             raise ConfigError(f"{self.folder}: the run has no history")
-        return history_figure(self._scene, self.config.time_series, times, values)
+        resolved = read_resolved(self._files.history)
+        return history_figure(self._scene, self.config.time_series, times, values, resolved)
 
     def _repr_html_(self) -> str:
         from tisph.results.page import fragment

@@ -132,7 +132,8 @@ class TimeSeries:
     fastest oscillation, or 0. ``probes`` (``measures/interpolation.py``) read them from the particles around some
     places, if they are velocities at places: a scheme need not give the others then. Where the numbers are of different
     kinds, ``sizes`` are theirs, and ``panels`` a pair as ``name`` and ``unit`` for the axes that each of them is drawn
-    on: numbers of the same pair share axes. ``levels``: what they come to in the steady state, NaN where it is unknown.
+    on: numbers of the same pair share axes, and those of None are on none. ``levels``: what they come to in the steady
+    state, NaN where it is unknown. ``drifting``: columns that go on changing in a steady state.
     """
 
     content: str
@@ -148,8 +149,9 @@ class TimeSeries:
     angular_frequency: float = 0.0
     probes: Any = None
     sizes: Sequence[float] = ()
-    panels: Sequence[tuple[str, str]] = ()
+    panels: Sequence[tuple[str, str] | None] = ()
     levels: Sequence[float] = ()
+    drifting: Sequence[str] = ()
 
     def only(self, kinds, name, unit):
         """Those of the numbers whose columns begin with one of ``kinds``, as they are measured, without references."""
@@ -165,6 +167,7 @@ class TimeSeries:
             sizes=(),
             panels=(),
             levels=(),
+            drifting=(),
         )
 
 

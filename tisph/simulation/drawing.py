@@ -13,7 +13,7 @@ from tisph.errors import ConfigError
 from tisph.folder import Folder
 from tisph.observers._files import replaced
 from tisph.observers.frames import read_frames
-from tisph.observers.history import read_history
+from tisph.observers.history import read_history, read_resolved
 from tisph.observers.samples import read_samples
 from tisph.report.drawing_process import RemoteMovie, described, shared
 
@@ -112,7 +112,7 @@ def begin_pictures(folder, settings, channel):
         wanted["profiles"] = (snapshots,)
     times, values = read_history(folder.history) if folder.history.exists() else ((), ())
     if len(times):
-        wanted["history"] = settings.time_series, times, values
+        wanted["history"] = settings.time_series, times, values, read_resolved(folder.history)
     drawn = shared().request("plots", described(channel)[0], wanted) if wanted else None
     return [Picture(paths[name], lambda name=name: drawn.result()[name]) for name in wanted]
 

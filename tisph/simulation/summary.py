@@ -44,8 +44,12 @@ def _numbers(scene, scheme, history):
 
 def _steady(history):
     """Since when the numbers that the scene follows have been the last ones, of scenes that may become steady."""
-    sizes = history.time_series.sizes
-    return {"steady_since": steady_since(*read_history(history.path), sizes)} if sizes else {}
+    series = history.time_series
+    if not series.sizes:
+        return {}
+    drifting = set(series.drifting)
+    sizes = [math.inf if name in drifting else size for name, size in zip(series.columns, series.sizes, strict=True)]
+    return {"steady_since": steady_since(*read_history(history.path), sizes)}
 
 
 def _momentum(scheme):

@@ -4,14 +4,17 @@ import numpy as np
 
 from tisph.measures.mean_velocity import cell_mean
 from tisph.scenes import _two_dimensional
+from tisph.scenes._cell import free_bodies
 
 LOADS = ("drag", "lift", "torque")
 """Of the fluid on a body: force along x and along y, torque around its centre, per length across the plane."""
 
 
 def diagnostics(cell, snapshot, series):
-    """Numbers of a snapshot: those of ``loads``, ``velocities`` and ``_two_dimensional.diagnostics``."""
-    return {**loads(cell, snapshot), **velocities(cell, snapshot), **_two_dimensional.diagnostics(cell, snapshot)[1]}
+    """Numbers of a snapshot: of free bodies, ``loads``, ``velocities`` and ``_two_dimensional.diagnostics``."""
+    moved = free_bodies.states(cell, snapshot)
+    found = {**moved, **loads(cell, snapshot), **velocities(cell, snapshot)}
+    return {**found, **_two_dimensional.diagnostics(cell, snapshot)[1]}
 
 
 def kinds(body):

@@ -8,7 +8,7 @@ import numpy as np
 
 from tisph.geometry.gaps import POINTS, smallest_gap
 from tisph.scenes._body_scene import BodyScene
-from tisph.scenes._cell import diagnostics, views
+from tisph.scenes._cell import diagnostics, free_bodies, views
 from tisph.scenes._cell.walls import farthest, largest_speed
 
 KOZENY = 5.0
@@ -86,7 +86,12 @@ class Cell(BodyScene):
     @cached_property
     def fastest_body(self):
         """Speed of the fastest body or wall, roughly of those that a load moves."""
-        return max(max(largest_speed(body), self._pulled_speed(body)) for body in self.bodies)
+        return max(self.driven_wall, max(map(self._pulled_speed, self.bodies)))
+
+    @property
+    def driven_wall(self):
+        """Speed of the fastest body or wall, as the config gives it: of free bodies before the start."""
+        return max(map(largest_speed, self.bodies))
 
     def _pulled_speed(self, body):
         """Rough speed to which its load brings a free ``body``.
@@ -134,9 +139,11 @@ class Cell(BodyScene):
 
     @property
     def flow_quantities(self):
-        """Forces, and mean velocity."""
-        loads = [f"{kind}{name}" for name in self.names[: self.count] for kind in diagnostics.LOADS]
-        return (*loads, "superficial_velocity")
+        """Forces on bodies that the flow does not carry, places and velocities of those that it does; mean velocity."""
+        named = zip(self.names[: self.count], self.bodies[: self.count], strict=True)
+        loads = [f"{kind}{name}" for name, body in named if not body.free for kind in diagnostics.LOADS]
+        moved = [f"{kind}{name}" for kind, name in free_bodies.columns(self)]
+        return (*loads, *moved, "superficial_velocity")
 
     def thinnest_layer(self, t):
         """Depth of the layer at walls that started at t = 0, or oscillate, or that flow comes upon; and where it is."""
@@ -159,7 +166,7 @@ class Cell(BodyScene):
     @property
     def contact(self):
         """See ``Scene.contact``."""
-        if not any(body.free for body in self.bodies):
+        if not self.has_free_bodies:
             return None
         speed = self.reference_velocity
         pressure = self.density * speed * (speed + self.kinematic_viscosity / self.reference_length)
@@ -171,8 +178,9 @@ class Cell(BodyScene):
         return self.start
 
     def narrowest(self, t):
-        """See ``Scene.narrowest``."""
-        return self._smallest_radius, self._first_gap if self._gaps_stay else self._gap(t, FEW)
+        """See ``Scene.narrowest``; where free bodies go only a scene that was ``seen`` knows."""
+        known = self._gaps_stay or self.has_free_bodies
+        return self._smallest_radius, self._first_gap if known else self._gap(t, FEW)
 
     @cached_property
     def _smallest_radius(self):
@@ -182,7 +190,7 @@ class Cell(BodyScene):
 
     @cached_property
     def _gaps_stay(self):
-        return not any(body.free or largest_speed(body) for body in self.bodies if body.shape.area)
+        return not any(largest_speed(body) for body in self.bodies if body.shape.area)
 
     @cached_property
     def _first_gap(self):

@@ -5,11 +5,14 @@ import numpy as np
 from tisph.bodies import _clearance
 from tisph.measures import resolution
 from tisph.scenes import _two_dimensional
-from tisph.scenes._cell import diagnostics
+from tisph.scenes._cell import diagnostics, free_bodies
 from tisph.scenes._views import TimeSeries
 
 VELOCITY = "superficial_velocity"
-UNITS = {"drag": "force", "lift": "force", "torque": "torque"}
+MOST_RATIOS = 3
+"""Ratios of densities that are named one by one."""
+
+UNITS = {"drag": "force", "lift": "force", "torque": "torque"} | free_bodies.UNITS
 
 
 def profiles(cell):
@@ -18,52 +21,71 @@ def profiles(cell):
 
 
 def time_series(cell):
-    """Forces and torques on the bodies in the fluid, or on its walls where there are none, and the mean velocity."""
-    chosen = slice(cell.count or None)
-    pairs = zip(cell.names[chosen], cell.bodies[chosen], strict=True)
-    followed = [(kind, name) for name, body in pairs for kind in diagnostics.kinds(body)]
+    """Forces and torques on the bodies in the fluid, or on its walls where there are none, and the mean velocity.
+
+    Of bodies that the flow carries, if there are few, also places and velocities, of many means of these alone.
+    """
+    forces = _followed_forces(cell)
+    followed = [*forces, *free_bodies.columns(cell)]
     columns = [f"{kind}{name}" for kind, name in followed]
-    force, speed = cell.force_scale, cell.reference_velocity
-    sizes = {"drag": force, "lift": force, "torque": force * cell.reference_length}
-    of = "body" if cell.count else "wall"
-    alone = len(cell.bodies) == cell.count == 1 and not cell.fastest_body  # it carries all that drives the fluid
+    force, speed, free = cell.force_scale, cell.reference_velocity, cell.has_free_bodies
+    sizes = {"drag": force, "lift": force, "torque": force * cell.reference_length} | free_bodies.sizes(cell)
+    panels = free_bodies.panels(cell) if free else {kind: (f"{kind} per length", UNITS[kind]) for kind, _ in forces}
+    # it carries all that drives the fluid
+    alone = len(cell.bodies) == cell.count == 1 and not free and not cell.fastest_body
     drive = cell.density * cell.acceleration * cell.region.area
 
     def measure(snapshot):
-        found = diagnostics.loads(cell, snapshot)
+        found = diagnostics.loads(cell, snapshot) | free_bodies.states(cell, snapshot)
         values = [np.nan if found[column] is None else found[column] for column in columns]
         return np.array([*values, diagnostics.velocities(cell, snapshot)[VELOCITY]])
 
     return TimeSeries(
-        content="forces and torques of the fluid on bodies, and the mean velocity, over time t",
+        content=f"{'places and velocities of bodies, ' if free else ''}forces and torques of the fluid on bodies, "
+        "and the mean velocity, over time t",
         name="force per length",
         unit="force",
         scale=force,
         columns=[*columns, VELOCITY],
-        labels=[*((f"{of} {name.lstrip('_')}".rstrip(), None) for _, name in followed), ("mean over the cell", None)],
+        labels=[*((_called(cell, *each), None) for each in followed), ("mean over the cell", None)],
         exact_columns=[],
         measure=measure,
         exact=lambda times: None,
         sizes=[*(sizes[kind] for kind, _ in followed), speed],
         levels=[drive, *[np.nan] * len(columns)] if alone else (),
-        panels=[*((f"{kind} per length", UNITS[kind]) for kind, _ in followed), ("superficial velocity", "velocity")],
+        panels=[*(panels.get(kind) for kind, _ in followed), ("superficial velocity", "velocity")],
+        drifting=[f"{kind}{name}" for kind, name in followed if kind in free_bodies.PLACES],
     )
 
 
+def _followed_forces(cell):
+    """Pairs of a kind of force and the name of the body, or wall, that it is on."""
+    chosen, many = slice(cell.count or None), free_bodies.are_many(cell)
+    pairs = zip(cell.names[chosen], cell.bodies[chosen], strict=True)
+    return [(kind, name) for name, body in pairs if not (many and body.free) for kind in diagnostics.kinds(body)]
+
+
+def _called(cell, kind, name):
+    """What the legend calls a number."""
+    if cell.count:
+        return free_bodies.words(kind, name)
+    return f"wall {name.lstrip('_')}"
+
+
 def movie_series(cell):
-    """Forces on the bodies, or on the walls where there are none."""
+    """Forces on the bodies, or on the walls where there are none; of bodies that the flow carries their motion."""
+    if cell.has_free_bodies:
+        return free_bodies.movie_series(cell)
     return time_series(cell).only(("drag", "lift"), "force per length", "force")
 
 
 def parameters(cell):
     """Pairs (label, text) of what the flow is, independent of particles."""
     length, time = cell.units.length, cell.units.time
-    fastest = cell.fastest_body >= cell.driven_velocity
-    of = "of the fastest body or wall" if fastest else "that the acceleration causes, roughly"
     width, height = cell.size
     lines = [
         ("Reynolds number", f"{cell.reynolds:.6g}  (U d / nu)"),
-        ("speed U", f"{cell.reference_velocity:.6g} {length}/{time}, {of}"),
+        ("speed U", f"{cell.reference_velocity:.6g} {length}/{time}, {_cause(cell)}"),
         (
             "length d",
             f"{cell.reference_length:.6g} {length}, the height of {'the largest body' if cell.count else 'all'}",
@@ -71,10 +93,30 @@ def parameters(cell):
         ("kinematic viscosity nu", f"{cell.kinematic_viscosity:.6g} {length}^2/{time}"),
         ("cell", f"{width:.6g} x {height:.6g} {length}, {cell.region.area / (width * height):.4g} of it fluid"),
     ]
-    lines += _narrowest(cell)
+    lines += [*_free(cell), *_narrowest(cell)]
     if cell.acceleration:
         lines.append(("drive", f"{cell.acceleration:.6g} {length}/{time}^2 along x"))
     return lines
+
+
+def _cause(cell):
+    """What has the reference velocity, in words."""
+    if max(cell.driven_wall, cell.driven_velocity) >= cell.fastest_body:
+        fastest = cell.driven_wall >= cell.driven_velocity
+        known = "of the fastest body or wall" if fastest else "that the acceleration causes, roughly"
+        return known if cell.fastest_body or cell.driven_velocity else "a guess: nothing has a speed that is known"
+    return "an estimate: that to which loads bring a free body, in slow flow or against inertia"
+
+
+def _free(cell):
+    """How many bodies the flow carries, and how heavy they are."""
+    chosen = [cell.bodies[index] for index in free_bodies.numbers(cell)]
+    if chosen:
+        ratios = [body.motion.inertia.mass[0] / (cell.density * body.shape.area) for body in chosen]
+        found = sorted({f"{ratio:.6g}" for ratio in ratios}, key=float)
+        shown = found if len(found) <= MOST_RATIOS else [f"{found[0]} to {found[-1]}"]
+        text = f"{len(chosen)} of {cell.count}, of {', '.join(shown)} times the density of the fluid"
+        yield "free bodies", text
 
 
 def _narrowest(cell):

@@ -16,7 +16,7 @@ from tisph.report.solids import Solids
 from tisph.report.streamlines import Streamlines
 from tisph.report.text import paint_text
 from tisph.report.time_panel import TimePanel
-from tisph.report.tracks import Tracks
+from tisph.report.tracks import BodyTracks, Tracks
 from tisph.report.vectors import Vectors
 from tisph.snapshot import Snapshot
 
@@ -62,9 +62,7 @@ class FrameRenderer:
         self._error_label = error_label(scene, quantity.error)
         self._fluid = FluidPainter(scene, layout, quantity, video)
         self._profile_panel = ProfilePanel(scene, layout, quantity, self._fluid.grid)
-        overlays = [_OVERLAYS[video.overlay]] if video.overlay in _OVERLAYS else []
-        overlays += [Solids] if scene.bodies else []
-        self._overlays = [overlay(scene, layout) for overlay in overlays]
+        self._overlays = [overlay(scene, layout) for overlay in _overlays(scene, video.overlay)]
 
     def render(self, measured: Measured) -> np.ndarray:
         """Return the picture of ``measured``, which the next call draws over (a new array costs 3 ms)."""
@@ -83,3 +81,10 @@ class FrameRenderer:
         paint_text(picture, self.layout.time_label, time, self.layout.pixels(18), "left", ink)
         paint_text(picture, self.layout.error_label, error, self.layout.pixels(14), "right", ink)
         return picture
+
+
+def _overlays(scene, name: str) -> list:
+    """Return what is painted over the fluid, in this order: the overlay of that ``name``, if any, and bodies."""
+    overlays = [_OVERLAYS[name]] if name in _OVERLAYS else []
+    overlays += [Solids] if scene.bodies else []
+    return [*overlays, BodyTracks] if name == "tracks" and scene.has_free_bodies else overlays

@@ -1,7 +1,7 @@
 """The bodies of a scene in a movie frame: filled, with an outline, and with lines that show how they rotate and slide.
 
-A body in the fluid that rotates has a spoke from its centre to its rim. A wall around the fluid that moves has short
-marks that move with it: a closed curve one, a straight wall some a period.
+A body in the fluid that rotates, or that the flow may rotate, has a spoke from its centre to its rim. A wall around the
+fluid that moves has short marks that move with it: a closed curve one, a straight wall some a period.
 """
 
 import math
@@ -65,7 +65,7 @@ class _ImmersedBody:
         boundary = body.shape.boundary_points(_PIECE / layout.pixels_per_length)
         self._edge = boundary.point
         self._strokes = [np.concatenate([self._edge, self._edge[:1]])]
-        if body.motion.rotation.largest_speed:
+        if body.motion.rotation.largest_speed or (body.free and not body.motion.inertia.held[2]):
             self._strokes.append(self._mark(boundary, mark))
 
     def _mark(self, boundary, mark):

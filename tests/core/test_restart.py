@@ -50,6 +50,15 @@ CAVITY = [
     NO_VIDEO,
 ]
 MOVING_BODY = "bodies=[{centre: [0.5, 0.5], radius: 0.2, motion: {velocity: [0.3, 0.0], angular_velocity: 1.0}}]"
+TOUCHING = [
+    "bodies=[{centre: [0.3, 0.5], radius: 0.15, motion: free},"
+    " {centre: [0.72, 0.5], radius: 0.15, motion: free, density: 2.0}]",
+    "contact={distance: 0.15}",
+    "discretisation.particles_across=20",
+    "time={end: 0.3, tolerance: 1e-4, samples: [0.1, 0.15, 0.2, 0.3]}",
+    "output.checkpoint_every=0.17",
+    NO_VIDEO,
+]
 SCENES = {
     "wcsph": ["scheme={type: wcsph}"],
     "implicit": ["scheme={type: implicit}", "time.tolerance=1e-5"],
@@ -65,6 +74,7 @@ SCENES = {
     "annulus": ANNULUS,
     "cavity": CAVITY,
     "channel with a body": [MOVING_BODY, "discretisation.particles_across=18", "time.tolerance=1e-4"],
+    "free bodies in contact": TOUCHING,
     "single precision": ["scheme={type: wcsph}", "discretisation.precision=f32", NO_VIDEO],
 }
 SLOW = [
@@ -124,6 +134,13 @@ def forget_what_came_after(folder):
             for name in late:
                 del file[name]
             assert 0 < len(late) < 4
+    if folder.bodies.exists():
+        with h5py.File(folder.bodies, "r+") as file:
+            kept = int(np.sum(file["t"][...] <= saved)) + 2
+            for name, values in {name: data[...] for name, data in file.items()}.items():
+                assert kept < len(values)
+                del file[name]
+                file[name] = values[:kept]
     text = folder.history.read_text().splitlines(keepends=True)
     first = next(number for number, line in enumerate(text) if line.startswith("t,")) + 1
     header, lines = "".join(text[:first]), text[first:]
@@ -144,7 +161,8 @@ def test_files_of_a_resumed_run_equal_an_uninterrupted_one_bitwise(case, tmp_pat
     forget_what_came_after(cut)
     simulation.run(settings, cut.root, resume=True)
     assert whole.vtk.exists() == settings.output.vtk
-    for name in [name for name in ("samples", "frames", "vtk") if getattr(whole, name).exists()]:
+    assert whole.bodies.exists() == (scene == "free bodies in contact")
+    for name in [name for name in ("samples", "frames", "vtk", "bodies") if getattr(whole, name).exists()]:
         expected, found = datasets(getattr(whole, name)), datasets(getattr(cut, name))
         assert expected.keys() == found.keys()
         different = [key for key in expected if not same(expected[key], found[key])]
@@ -158,6 +176,7 @@ def test_files_of_a_resumed_run_equal_an_uninterrupted_one_bitwise(case, tmp_pat
     for key in ("status", "samples", "numbers", "momentum"):
         assert found[key] == expected[key], key
     assert found["cost"]["steps"] == expected["cost"]["steps"]
+    assert bool(found["numbers"].get("contacts")) == whole.bodies.exists()
 
 
 def end_state(scheme):

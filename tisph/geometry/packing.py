@@ -36,11 +36,17 @@ def pack(region, spacing, jitter=0.0, seed=0):
 
 def _start(region, spacing):
     """Return the places of a lattice that are deepest in the region, as many as its area has room for."""
-    counts = np.maximum(1, np.round(region.size / spacing).astype(int))
-    rows = [low + (np.arange(n) + 0.5) * size / n for low, size, n in zip(region.low, region.size, counts, strict=True)]
-    lattice = np.stack(np.meshgrid(*rows, indexing="ij"), axis=-1).reshape(-1, 2)
-    wanted, distance = round(region.area / spacing**2), region.distance(lattice)
-    if wanted < 1 or np.count_nonzero(distance > -0.5 * spacing) < wanted:
+    wanted = round(region.area / spacing**2)
+    for finer in (0, 1):  # of a side that the spacing does not divide the nearest number of rows may be too small
+        counts = np.maximum(1, np.round(region.size / spacing).astype(int)) + finer
+        sides = zip(region.low, region.size, counts, strict=True)
+        rows = [low + (np.arange(n) + 0.5) * size / n for low, size, n in sides]
+        lattice = np.stack(np.meshgrid(*rows, indexing="ij"), axis=-1).reshape(-1, 2)
+        distance = region.distance(lattice)
+        enough = wanted >= 1 and np.count_nonzero(distance > -0.5 * spacing) >= wanted
+        if enough:
+            break
+    if not enough:
         raise ValueError(f"a lattice of spacing {spacing:g} has no room for {wanted} particles in the region")
     deepest = np.sort(np.argsort(-distance, kind="stable")[:wanted])
     return region.off_walls(lattice[deepest], LEAST_DISTANCE * spacing)

@@ -29,6 +29,8 @@ MOVIES = {
     "circular_couette": (0.1, []),  # the outer cylinder begins to feel it
     "cylinder_in_channel": (9.0, ["output.video.overlay=streamlines"]),
     "eccentric_annulus": (25.0, DYED),
+    "drafting_kissing_tumbling": (13.0, []),  # they tumble
+    "suspension": (6.5, []),
     "cavity": (3.5, [*DYED, "discretisation.particles_across=64", "time.end=6.0"]),
 }
 """Configs, the t* of each preview (the first frame after it), and what is set."""

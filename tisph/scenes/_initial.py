@@ -26,7 +26,7 @@ class Drive(Model):
 class Contact(Model):
     """Near contact of free bodies: nearer than ``distance`` [length] they push each other off, and walls.
 
-    No fluid is resolved between them there; one and a half particle spacings where left out.
+    No fluid is resolved between them there; two particle spacings where left out.
     """
 
     distance: Positive

@@ -18,7 +18,7 @@ FRONT = 2.4
 """Depth of the layer in front of a body, in sqrt(nu/a), a = 2 U/R being the strain rate there: the velocity is 99 % of
 that outside (stagnation flow, K. Hiemenz, Dinglers Polytech. J. 326 (1911) 321-324)."""
 
-CONTACT = 1.5
+CONTACT = 2.0
 """Distance, in particle spacings, from which on bodies push each other off, if a config does not give another."""
 
 STIFFNESS = 20.0

@@ -344,7 +344,25 @@ def test_verify_tells_by_its_status(monkeypatch, passed, status):
 
     monkeypatch.setattr(tisph.studies, "verify", suite, raising=False)
     assert tisph_command("verify", "--quick").exit_code == status
-    assert calls == [{"quick": True, "page": False}]
+    assert tisph_command("verify", "free_bodies", "--long").exit_code == status
+    whole, part = calls
+    assert whole == {"quick": True, "page": False, "part": None, "long": False}
+    assert part == {"quick": False, "page": False, "part": "free_bodies", "long": True}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["free_bodys"], "no suite 'free_bodys'; nearest: free_bodies"),
+        (["bodies", "--walls"], "a SUITE is not for --walls and --page"),
+        (["--long"], "--long is for a SUITE"),
+        (["free_bodies", "--quick", "--long"], "--long is for a SUITE, without --quick"),
+    ],
+)
+def test_a_suite_that_cannot_be_run_is_bad_input(arguments, message):
+    result = tisph_command("verify", *arguments)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert message in result.stderr
 
 
 def test_render(case, simulation):

@@ -12,7 +12,12 @@ WALLS_FOLDER = Path("runs/verify-walls")
 
 
 def verify(
+    part: Annotated[
+        str | None,
+        typer.Argument(metavar="[SUITE]", help="One part of the suite alone, such as free_bodies; all without it."),
+    ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Fewer and shorter runs.")] = False,
+    long: Annotated[bool, typer.Option("--long", help="Of SUITE free_bodies: runs of minutes, or hours.")] = False,
     page: Annotated[
         bool, typer.Option("--page", help="The readings of VM-LSDYNA-SPH-001 next to its printed numbers.")
     ] = False,
@@ -40,11 +45,17 @@ def verify(
     Examples:
       tisph verify --quick
       tisph verify
+      tisph verify free_bodies
+      tisph verify free_bodies --long
       tisph verify --page
       tisph verify --walls
     """
     if walls and page:
         raise ConfigError("--walls and --page exclude one another")
+    if part and (walls or page):
+        raise ConfigError("a SUITE is not for --walls and --page, which have runs of their own")
+    if long and (quick or not part):
+        raise ConfigError("--long is for a SUITE, without --quick: tisph verify free_bodies --long")
     if out and not walls:
         raise ConfigError("--out is for --walls only: nothing else leaves results")
     if walls:
@@ -54,6 +65,6 @@ def verify(
     else:
         from tisph.studies import verify as suite
 
-        passed = suite.run(quick=quick, page=page)
+        passed = suite.run(quick=quick, page=page, part=part, long=long)
     if not passed:
         raise typer.Exit(1)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import h5py
+import numpy as np
 
 from tisph.folder import Folder
 from tisph.measures.wall_shear import wall_shear_error
@@ -77,6 +78,11 @@ class Result:
         with h5py.File(path, "r") as file:
             file.visititems(take)
         return found
+
+    def bodies(self, field):
+        """A ``field`` of ``tisph.snapshot.Bodies`` at all samples, (samples, bodies, ...)."""
+        arrays = self.arrays()
+        return np.array([arrays[key] for key in sorted(arrays) if key.endswith(f"bodies/{field}")])
 
 
 class Process:

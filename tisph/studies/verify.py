@@ -19,16 +19,21 @@ from tisph.text_table import format_header, format_row, format_table
 HEADER = ("case", "quantity", "value", "bound", "verdict")
 
 
-def run(quick=False, page=False):
+def run(quick=False, page=False, part=None, long=False):
     """Print the table of the suite (``quick``: of its short runs), or with ``page`` that of the page's case.
 
-    Returns True if every check passed, for the page if every run reached its end. Raises ConfigError where
-    the page's configs are not found.
+    ``part``: name of the one of its parts that is run alone; ``long``: its runs of minutes. Returns True if every check
+    passed, for the page if every run reached its end. Raises ConfigError where the page's configs are not found, or
+    there is no such part.
     """
+    alone = suite.one(part, quick, long) if part else None
     with tempfile.TemporaryDirectory(prefix="tisph-verify-") as folder:
         if page:
             rows = _verify_page(Path(folder))
             return _conclude(rows, "readings reached their end")
+        if alone:
+            configs, criteria = alone
+            return _conclude(_verify_suite(Runner(configs, Path(folder)), criteria), "rows passed")
         rows = _verify_suite(Runner(suite.runs(quick), Path(folder)), suite.criteria(quick))
         return _conclude(rows if quick else rows + _verify_estimates(Path(folder)), "rows passed")
 

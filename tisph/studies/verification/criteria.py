@@ -44,23 +44,23 @@ class Criterion:
 
 def at_most(case, t_star, quantity, bound):
     """The sample's number ``quantity`` is at most ``bound`` at dimensionless time ``t_star``."""
-    return _bounded(case, f"{quantity} at t* = {t_star:g}", bound, lambda result: result.measure(t_star, quantity))
+    return bounded(case, f"{quantity} at t* = {t_star:g}", bound, lambda result: result.measure(t_star, quantity))
 
 
 def at_least(case, t_star, quantity, bound):
     """The sample's number ``quantity`` is at least ``bound`` at dimensionless time ``t_star``."""
     quantity_at = f"{quantity} at t* = {t_star:g}"
-    return _bounded(case, quantity_at, bound, lambda result: result.measure(t_star, quantity), sign=">=")
+    return bounded(case, quantity_at, bound, lambda result: result.measure(t_star, quantity), sign=">=")
 
 
 def closes(case, bound):
     """The momentum balance of the whole run closes within the fraction ``bound``."""
-    return _bounded(case, "momentum closure", bound, lambda result: result.closure)
+    return bounded(case, "momentum closure", bound, lambda result: result.closure)
 
 
 def steps_at_most(case, bound, t_star):
     """The sample at dimensionless time ``t_star`` comes after at most ``bound`` steps."""
-    return _bounded(case, f"steps to t* = {t_star:g}", bound, lambda result: result.measure(t_star, "step"))
+    return bounded(case, f"steps to t* = {t_star:g}", bound, lambda result: result.measure(t_star, "step"))
 
 
 def ends_at(case, quantity, expected, bound, value):
@@ -69,7 +69,7 @@ def ends_at(case, quantity, expected, bound, value):
     def off(result):
         return abs(value(result.last) / expected - 1) if result.last else math.nan
 
-    return _bounded(case, f"{quantity} off {expected:g}", bound, off)
+    return bounded(case, f"{quantity} off {expected:g}", bound, off)
 
 
 def near(case, reference, t_star, tolerance, quantity="l2"):
@@ -78,7 +78,7 @@ def near(case, reference, t_star, tolerance, quantity="l2"):
     def off(ours, other):
         return abs(ours.measure(t_star, quantity) / other.measure(t_star, quantity) - 1)
 
-    return _bounded(case, f"{quantity} off {reference} at t* = {t_star:g}", tolerance, off, (case, reference))
+    return bounded(case, f"{quantity} off {reference} at t* = {t_star:g}", tolerance, off, (case, reference))
 
 
 def share(case, reference, t_star, bound, quantity="l2"):
@@ -87,7 +87,7 @@ def share(case, reference, t_star, bound, quantity="l2"):
     def ratio(ours, other):
         return ours.measure(t_star, quantity) / other.measure(t_star, quantity)
 
-    return _bounded(case, f"{quantity} over {reference}'s at t* = {t_star:g}", bound, ratio, (case, reference))
+    return bounded(case, f"{quantity} over {reference}'s at t* = {t_star:g}", bound, ratio, (case, reference))
 
 
 def order(case, resolutions, t_star, bound, quantity="l2"):
@@ -99,7 +99,7 @@ def order(case, resolutions, t_star, bound, quantity="l2"):
     def fitted(*results):
         return fitted_order(resolutions.values(), [result.measure(t_star, quantity) for result in results])
 
-    return _bounded(case, f"{quantity} order at t* = {t_star:g}", bound, fitted, tuple(resolutions), sign=">=")
+    return bounded(case, f"{quantity} order at t* = {t_star:g}", bound, fitted, tuple(resolutions), sign=">=")
 
 
 def same_velocities(case, reference, bound):
@@ -115,7 +115,7 @@ def same_velocities(case, reference, bound):
             return math.nan
         return max(np.max(np.abs(arrays[key] - others[key])) for key in arrays)
 
-    return _bounded(case, f"velocities off {reference}", bound, largest_difference, (case, reference))
+    return bounded(case, f"velocities off {reference}", bound, largest_difference, (case, reference))
 
 
 def same_bits(case, reference):
@@ -127,10 +127,10 @@ def same_bits(case, reference):
             return math.nan
         return sum(arrays[key].tobytes() != others[key].tobytes() for key in arrays)
 
-    return _bounded(case, f"arrays that differ from {reference}", 0, differing_arrays, (case, reference), sign="=")
+    return bounded(case, f"arrays that differ from {reference}", 0, differing_arrays, (case, reference), sign="=")
 
 
-def _bounded(case, quantity, bound, value, runs=None, sign="<="):
+def bounded(case, quantity, bound, value, runs=None, sign="<="):
     """The ``Criterion`` that ``value`` of the ``runs``, of ``case`` alone if not given, is beside ``bound``."""
 
     def accepts(number):

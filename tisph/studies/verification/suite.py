@@ -1,11 +1,15 @@
 """The verification suite as data: which runs, and what each is held to; a module for each kind of flow."""
 
+from tisph.config.fields import nearest
+from tisph.errors import ConfigError
 from tisph.studies.verification import (
     bodies,
     cavity,
     channel,
     circular_couette,
     couette,
+    free_bodies,
+    free_bodies_long,
     implicit,
     rheologies,
     rheometry,
@@ -29,9 +33,33 @@ PARTS = (
     circular_couette,
     cavity,
     bodies,
+    free_bodies,
     two_dimensional_inelastic,
     two_dimensional_polymers,
 )
+
+LONG = {"free_bodies": free_bodies_long}
+"""Parts of runs that take minutes each, by the name of the short one."""
+
+
+def names():
+    """Names of the parts."""
+    return [part.__name__.rpartition(".")[2] for part in PARTS]
+
+
+def one(name, quick=False, long=False):
+    """Runs and criteria, as ``runs`` and ``criteria``, of the part ``name``: all, the quick or the long ones.
+
+    Raises ConfigError where there is no such part, or it has none of those.
+    """
+    if name not in names():
+        raise ConfigError(f"no suite {name!r}{nearest(name, names())}; there are {', '.join(names())}")
+    if not long:
+        part = PARTS[names().index(name)]
+        return part.runs(quick), part.criteria(quick)
+    if name not in LONG:
+        raise ConfigError(f"--long: {name} has no runs of minutes; those that have: {', '.join(LONG)}")
+    return LONG[name].runs(), LONG[name].criteria()
 
 
 def runs(quick):

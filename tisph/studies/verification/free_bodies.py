@@ -1,0 +1,259 @@
+"""Bodies that the flow carries: at rest, released, driven, turned by shear, against exact values and finite elements.
+
+What a released body starts with is the acceleration (rho_s - rho) g/(rho_s + C rho). The added mass coefficient C of a
+square array of solid fraction phi is (1 - phi - s)/phi: of fluid that was at rest and is pushed by what moves with a
+velocity U in it, the momentum is that of potential flow, and s is the conductivity of a medium with insulating
+cylinders (Lord Rayleigh, Phil. Mag. 34 (1892) 481-502; the terms here: W. T. Perrins, D. R. McKenzie, R. C. McPhedran,
+Proc. R. Soc. Lond. A 369 (1979) 207-225).
+
+The momentum of a body is what the fluid's force and its load bring about, and that of fluid and bodies together stays 0
+where loads are opposite. Neither follows from how a step is solved for, which has velocities at particles, and forces
+by values at walls: both close as well as the flow is resolved.
+"""
+
+import math
+
+import numpy as np
+from scipy.integrate import simpson
+
+from tisph.measures.metrics import fitted_order
+from tisph.studies.verification import free_bodies_cases as cases
+from tisph.studies.verification.bodies import HELD_STRESS, HELD_TORQUE, RESISTANCES
+from tisph.studies.verification.criteria import bounded
+from tisph.studies.verification.free_bodies_cases import VISCOSITY
+
+
+def runs(quick):
+    """Configs by run name, as plain dicts."""
+    return cases.QUICK if quick else cases.FULL
+
+
+def criteria(quick):
+    """What the runs are held to, in the order of the table."""
+    shortest = [*_rest(), *_release(0.1), *_shear("free_shear")]
+    if quick:
+        return shortest
+    return [
+        *shortest,
+        *(row for density in cases.DENSITIES if density != 0.1 for row in _release(density)),
+        *(_resistance(fraction) for fraction in RESISTANCES),
+        *(row for name in ("free_shear_long", "free_shear_large") for row in _shear(name)),
+        _order("free_shear_large_25", "free_shear_large"),
+        *_held(),
+        *(row for name in cases.SETTLING for row in _settling(name)),
+        *_pair(),
+        *(_ellipse(degrees) for degrees in cases.ANGLES),
+        *(row for density in cases.DRAWN for row in _momentum(density)),
+        *(row for reynolds in cases.REYNOLDS for row in _refined(reynolds)),
+        *(_slower(*pair) for pair in zip(cases.REYNOLDS, cases.REYNOLDS[1:], strict=False)),
+    ]
+
+
+def added_mass(fraction):
+    """Coefficient of the added mass of a square array of circles of a solid ``fraction``; 1 of one on its own."""
+    inner = 0.305827 * fraction**4 / (1.0 - 1.402958 * fraction**8) + 0.013362 * fraction**8
+    conductivity = 1.0 - 2.0 * fraction / (1.0 + fraction - inner)
+    return (1.0 - fraction - conductivity) / fraction
+
+
+def at_end(result, field, place=0):
+    """The number at ``place`` in a ``field`` of ``tisph.snapshot.Bodies`` at the end; NaN of no whole run."""
+    return result.bodies(field)[-1][place] if result.last else math.nan
+
+
+def body_ends(name, field, expected, bound):
+    """A number of the body at the end of the run is ``expected``, within the fraction ``bound``."""
+    words = f"{field.replace('_', ' ')} off {expected:g}"
+    return bounded(name, words, bound, lambda run: abs(at_end(run, field) / expected - 1))
+
+
+def stress_ends(name, config, expected, bound):
+    """The mean stress of the walls over dynamic viscosity and shear rate is ``expected``, within ``bound`` of it."""
+    words = f"stress of the walls off {expected:g}"
+    return bounded(name, words, bound, lambda run: abs(wall_stress(run, config) / expected - 1))
+
+
+def wall_stress(run, config):
+    """Shear stress of the walls, mean of both, over dynamic viscosity and a shear rate of 1; NaN of no whole run."""
+    if not run.last:
+        return math.nan
+    force = 0.5 * (run.last["drag_bottom"] - run.last["drag_top"])
+    return force / (config["geometry"]["length"] * config["fluid"]["kinematic_viscosity"])
+
+
+def _rest():
+    scale = math.sqrt(0.2)
+
+    def off(u):
+        def largest(run):
+            if not run.last:
+                return math.nan
+            arrays = run.arrays()
+            fluid = [arrays["sample_001/u"] - u, arrays["sample_001/v"]]
+            body = [run.bodies("velocity")[-1] - [u, 0.0], run.bodies("angular_velocity")[-1]]
+            return max(np.abs(each).max() for each in (*fluid, *body)) / scale
+
+        return largest
+
+    return [
+        bounded("free_at_rest", "velocities over sqrt(g R)", 1e-12, off(0.0)),
+        bounded("free_falling", "velocities off g t, over sqrt(g R)", 1e-8, off(1.0)),
+        bounded("free_uniform", "velocities off those of the walls, over sqrt(g R)", 1e-8, off(1.0)),
+    ]
+
+
+def _release(density):
+    """The first acceleration, and that while no layer is resolved: what that adds is of first order in the spacing."""
+    expected = -(density - 1.0) / (density + added_mass(math.pi / 16))
+    return [
+        bounded(
+            f"released_{density:g}",
+            f"mean acceleration to {time:g} off {expected:.6f}",
+            bound,
+            lambda run, time=time, index=index: _mean_acceleration_off(run, index, time, expected),
+        )
+        for index, (time, bound) in enumerate(((cases.FIRST, 1e-4), (cases.EARLY, 5e-3)))
+    ]
+
+
+def _mean_acceleration_off(run, index, time, expected):
+    return abs(run.bodies("velocity")[index, 0, 1] / time / expected - 1) if run.last else math.nan
+
+
+def _resistance(fraction):
+    """Force over viscosity and velocity, that against fluid and bodies on the whole."""
+    name, expected = f"driven_{fraction:g}", RESISTANCES[fraction]
+
+    def off(run):
+        if not run.last:
+            return math.nan
+        velocity = at_end(run, "velocity", (0, 0)) - run.last["superficial_velocity"]
+        return abs(1.0 / velocity - 1)  # the force is what this velocity asks for at 1
+
+    return bounded(name, f"force over viscosity and velocity off {expected:g}", 3e-3, off)
+
+
+def _shear(name):
+    *_, rotation, stress = cases.IN_SHEAR[name]
+    config = cases.FULL[name]
+    return [body_ends(name, "angular_velocity", rotation, 1e-3), stress_ends(name, config, stress, 5e-4)]
+
+
+def _order(*names):
+    """Of the stress of the walls: its error is the one that is above the scatter by the particles' places."""
+
+    def fitted(*results):
+        pairs = zip(names, results, strict=True)
+        errors = [abs(wall_stress(run, cases.FULL[name]) / cases.IN_SHEAR[name][-1] - 1) for name, run in pairs]
+        return fitted_order([cases.IN_SHEAR[name][2] for name in names], errors)
+
+    return bounded("free_shear_large 25/50", "order of the stress of the walls", 2.5, fitted, names, sign=">=")
+
+
+def _held():
+    name = "held_from_turning"
+    torque = HELD_TORQUE * VISCOSITY
+    return [body_ends(name, "torque", torque, 2e-3), stress_ends(name, cases.FULL[name], HELD_STRESS, 5e-4)]
+
+
+def _settling(name):
+    """Velocity, and flow rate over that which is dragged along."""
+    _, velocity, flow_rate = cases.SETTLING[name]
+    scale = max(each for *_, each in cases.SETTLING.values())
+    return [
+        bounded(
+            name, f"velocity off {velocity:g}", 3e-3, lambda run: abs(at_end(run, "velocity", (0, 0)) / velocity - 1)
+        ),
+        bounded(
+            name,
+            f"flow rate off {flow_rate:g}, over {scale:g}",
+            2e-3,
+            lambda run: abs(run.last["flow_rate"] - flow_rate) / scale if run.last else math.nan,
+        ),
+    ]
+
+
+def _pair():
+    """Velocities, over the speed, and angular velocities of both."""
+
+    def off(run):
+        signs = np.array([[1.0], [-1.0]])
+        return (
+            np.abs(run.bodies("velocity")[-1, :2] / signs - cases.PAIR_VELOCITY).max() / speed if run.last else math.nan
+        )
+
+    def rotation_off(run):
+        return np.abs(run.bodies("angular_velocity")[-1, :2] / cases.PAIR_ROTATION - 1).max() if run.last else math.nan
+
+    speed = math.hypot(*cases.PAIR_VELOCITY)
+    return [
+        bounded("pair", "velocities off, over the speed", 1e-3, off),
+        bounded("pair", f"angular velocities off {cases.PAIR_ROTATION:g}", 1e-3, rotation_off),
+        stress_ends("pair", cases.FULL["pair"], cases.PAIR_STRESS, 5e-4),
+    ]
+
+
+def ellipse_rotation(angle):
+    """Angular velocity over shear rate of the ellipse at an ``angle`` to the walls: a series in cos 2 n angle."""
+    terms = (-0.487939, 0.322416, -0.002148, 0.000715)
+    return sum(term * math.cos(2 * number * angle) for number, term in enumerate(terms))
+
+
+def _ellipse(degrees):
+    def off(run):
+        return (
+            abs(at_end(run, "angular_velocity") / ellipse_rotation(at_end(run, "angle")) - 1) if run.last else math.nan
+        )
+
+    return bounded(f"ellipse_{degrees}", "angular velocity off that of its angle", 1e-2, off)
+
+
+def _momentum(density):
+    """Along x: of fluid and bodies together, and of each body, over the impulse of the load."""
+    name = f"drawn_apart_{density:g}"
+    config = cases.FULL[name]
+    area, load = math.pi * 0.1**2, np.array([body["force"][0] for body in config["bodies"]])
+
+    def total(run):
+        if not run.last:
+            return math.nan
+        fluid = np.array([sample["superficial_velocity"] for sample in run.summary["samples"]])
+        bodies = (density - 1.0) * area * run.bodies("velocity")[..., 0].sum(axis=1)
+        return np.abs(fluid + bodies).max() / (load.max() * run.last["t"])
+
+    def unbalanced(run):
+        if not run.last:
+            return math.nan
+        times = [sample["t"] for sample in run.summary["samples"][LATER:]]
+        impulse = simpson(run.bodies("force")[LATER:, :, 0] + load, x=times, axis=0)
+        velocity = run.bodies("velocity")[LATER:, :, 0]
+        return np.abs(density * area * (velocity[-1] - velocity[0]) - impulse).max() / (load.max() * np.ptp(times))
+
+    return [
+        bounded(name, "momentum of fluid and bodies, over the impulse", 1e-3, total),
+        bounded(name, "momentum of a body off its impulse, over that of the load", 1e-4, unbalanced),
+    ]
+
+
+LATER = 20
+"""Sample from which on forces are integrated: at first they fall as 1/sqrt(t)."""
+
+
+def _refined(reynolds):
+    """Angular velocities 32 and 48 across the gap; the stress of the walls does not overshadow them."""
+
+    def off(coarse, fine):
+        return abs(at_end(coarse, "angular_velocity") / at_end(fine, "angular_velocity") - 1)
+
+    names = tuple(f"free_re_{reynolds}_{number}" for number in (32, 48))
+    return [bounded(names[0], f"angular velocity off {names[1]}", 5e-3, off, names)]
+
+
+def _slower(reynolds, larger):
+    """A body turns more slowly where it has more inertia (E. J. Ding, C. K. Aidun, J. Fluid Mech. 423 (2000) 317)."""
+    names = tuple(f"free_re_{each}_48" for each in (larger, reynolds))
+
+    def ratio(ours, other):
+        return at_end(ours, "angular_velocity") / at_end(other, "angular_velocity")
+
+    return bounded(names[0], f"angular velocity over {names[1]}'s", 1.0, ratio, names)

@@ -48,8 +48,8 @@ ANGLES = (0, 45, 90)
 DRAWN = (1.0, 3.0)
 """Densities of bodies that are drawn apart."""
 
-REYNOLDS = (1, 5, 20)
-"""Shear rate * radius^2 / kinematic viscosity."""
+REYNOLDS = {1: (32, 48), 5: (32, 48), 20: (48, 64)}
+"""Particles across the gap by shear rate * radius^2 / kinematic viscosity: 32 do not resolve the layer at 20."""
 
 
 def free_circle(x, y, radius, **keys):
@@ -151,5 +151,9 @@ FULL = {
     ),
     **{f"ellipse_{degrees}": _ellipse(degrees) for degrees in ANGLES},
     **{f"drawn_apart_{density:g}": _apart(density) for density in DRAWN},
-    **{f"free_re_{reynolds}_{number}": _at_reynolds(reynolds, number) for reynolds in REYNOLDS for number in (32, 48)},
+    **{
+        f"free_re_{reynolds}_{number}": _at_reynolds(reynolds, number)
+        for reynolds in REYNOLDS
+        for number in REYNOLDS[reynolds]
+    },
 }

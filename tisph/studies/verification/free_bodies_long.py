@@ -1,6 +1,6 @@
 """Runs of minutes or hours of bodies that the flow carries, against what others have published.
 
-Their numbers are as good as is said with each: most were read off figures.
+Their numbers are as good as is said with each: most were digitised from figures.
 """
 
 import math
@@ -30,7 +30,7 @@ MIGRATION = {
     200: 0.4995,
 }
 """Height of a circle that moves to the middle of a sheared gap, by time: J. Feng, H. H. Hu, D. D. Joseph, J. Fluid
-Mech. 277 (1994) 271-301, as read off a figure in the documentation of N. Hori's program EllipsesInFlows: to 0.01."""
+Mech. 277 (1994) 271-301, digitised in the documentation of N. Hori's program EllipsesInFlows: to 0.01."""
 
 RESTING_HEIGHT = 0.2723
 """Of a circle in a channel that pressure drives: T.-W. Pan, R. Glowinski, J. Comput. Phys. 181 (2002) 260-279; from
@@ -44,7 +44,7 @@ Glowinski et al., J. Comput. Phys. 169 (2001) 363-426, 17.4 to 17.5 in D. Wan, S
 TURNING = (0.705, 0.539, 0.399, 0.298, 0.233, 0.207, 0.192, 0.191, 0.198, 0.211)
 TURNING += (0.240, 0.295, 0.387, 0.516, 0.677, 0.785, 0.729, 0.576, 0.423, 0.319)
 """Angular velocity over shear rate, clockwise, of an ellipse at the times 0.5, 1, ... 10 over shear rate, released
-across the flow: C. K. Aidun, Y. Lu, E.-J. Ding, J. Fluid Mech. 373 (1998) 287-311, read off a figure to 0.01."""
+across the flow: C. K. Aidun, Y. Lu, E.-J. Ding, J. Fluid Mech. 373 (1998) 287-311, digitised, to 0.01."""
 
 DISC = 0.125
 """Radius of the disc that settles, in a fluid of density 1 and viscosity 0.1, with a density of 1.25; cgs units."""
@@ -77,7 +77,7 @@ def _settling():
     return merged(fluid(0.1), channel, drive, across(80), until(*np.linspace(0.02, 0.5, 25)))
 
 
-def _turning():
+def _ellipse():
     """Reynolds number 25 of the gap and the walls' difference, 1 of the ellipse: 4 G a^2/nu."""
     body = {"type": "ellipse", "centre": [1.0, 0.5], "angle": 1.5707963268, "half_axes": [0.1, 0.05]}
     return merged(in_shear(0.04, 2.0, 120, {**body, "motion": "free", "density": 1.003}), until(*_half_times()))
@@ -101,7 +101,7 @@ CASES = {
     "migration": _migrating(),
     "driven_to_its_height": _driven(),
     "settling_disc": _settling(),
-    "turning_ellipse": _turning(),
+    "turning_ellipse": _ellipse(),
     **{f"dilute_{radius:g}": _dilute(radius) for radius in RADII},
     "free_in_oldroyd_b_32": _viscoelastic(32),
     "free_in_oldroyd_b_48": _viscoelastic(48),

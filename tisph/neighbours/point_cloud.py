@@ -68,7 +68,7 @@ class PointCloud:
             raise ValueError(f"{axis}: a pair and its periodic copy would both be listed")
         self.side = scalar(side)
         self.columns, self.rows = integer(columns), integer(rows)
-        mean = math.pi * (cutoff / channel.spacing) ** 2 * (WALL_FACTOR if self.varying else 1.0)
+        mean = math.pi * (cutoff / channel.spacing) ** 2 * (WALL_FACTOR * channel.crowding if self.varying else 1.0)
         self.row_capacity = math.ceil((CAPACITY_FACTOR * mean + LANES) / LANES) * LANES
         self.position = ti.field(ti.types.vector(2, real()), shape=self.slots + 1)
         self.mirrors = mirrors

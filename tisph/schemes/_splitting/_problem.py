@@ -5,6 +5,9 @@ from dataclasses import dataclass
 from tisph.geometry.box import Box
 
 
+CROWDING = 1.6
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Problem(Box):
     """Fluid in a box, in any consistent units.
@@ -67,6 +70,11 @@ class BoundedProblem(_Problem):
     """``n_fluid`` particles between ``walls``, beyond which the box extends by more than the support of operators."""
 
     n_fluid: int
+
+    @property
+    def crowding(self):
+        """How many more neighbours a particle may have than near walls: in gaps that bodies close, points of both."""
+        return CROWDING if self.contact else 1.0
 
     @property
     def particles(self):

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 from tisph.geometry.box import Box
 
-
 CROWDING = 1.6
 
 

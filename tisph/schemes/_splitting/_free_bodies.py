@@ -97,7 +97,7 @@ class FreeBodies:
         self.known = sum(weight * level for weight, level in zip(alpha, levels, strict=False))
         self.extrapolated = np.array([motion.extrapolated(time) for motion in self.motions])
         loads, self.touching, self.gaps = self.contact.loads(time)
-        self.pushes = loads[self.index] / self.density
+        self.pushes = loads[self.index, :3] / self.density
         self.begin(self.extrapolated, self.gamma0 * (self.mass + self.added_mass(dt / self.gamma0)))
         self.attempt()
 
@@ -115,7 +115,8 @@ class FreeBodies:
         """Begin with the accelerations (n, 3) of bodies in a fluid without bounds, which has one of (2,) itself."""
         added = self.added_mass(0.0)
         jacobian = self.mass + added
-        self.begin((self.load + added * [*acceleration, 0.0]) / jacobian, jacobian)
+        alone = (self.load + added * [*acceleration, 0.0]) / jacobian
+        self.begin(np.where(self.moves, alone, 0.0), jacobian)
 
     def step_residual(self, loads):
         """Return the residual (n, 3) of a step in which the fluid's force and torque per unit density are ``loads``."""

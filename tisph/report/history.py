@@ -44,13 +44,13 @@ def history_figure(
             drawn(axes, series, chosen, times, values, resolved)
             _mark_unresolved(axes, times, resolved, "not resolved" if kind == kinds[-1] else None)
             _label_axes(axes, scene, kind, float(np.max(np.abs(times))))
-        for axes in grid.flat[len(kinds) :]:
-            axes.remove()
         named: dict = {}
         for axes in figure.axes:
             named |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
         legend = figure.legend(named.values(), named, loc="center right", frameon=False, fontsize=10)
         set_margins(figure, grid, legend, below=False)
+        for axes in grid.flat[len(kinds) :]:
+            axes.remove()
     return figure
 
 

@@ -18,8 +18,8 @@ class Bodies:
     (x t_y + y t_x)/2 around the centre, of the traction t: over the area of a cell it is what a body in it adds to the
     mean shear stress. ``normal_stress`` (n,): first normal
     stress difference of a polymer, along the wall less across it, mean over the wall; None without one.
-    ``contact_force`` (n, 2): what near contact does to each, which is no part of ``force``, 0 without contact and NaN
-    before the first step; None where the flow carries no body.
+    ``contact_force`` (n, 2), ``contact_torque`` and ``contact_stresslet`` (n,): what near contact does to each, which
+    is no part of ``force``, 0 without contact and NaN before the first step; None where the flow carries no body.
     """
 
     centre: np.ndarray
@@ -33,16 +33,19 @@ class Bodies:
     normal_stress: np.ndarray | None = None
     stresslet: np.ndarray | None = None
     contact_force: np.ndarray | None = None
+    contact_torque: np.ndarray | None = None
+    contact_stresslet: np.ndarray | None = None
 
     @classmethod
-    def at(cls, time, bodies, loads=None, normal_stress=None, contact_force=None):
+    def at(cls, time, bodies, loads=None, normal_stress=None, contact=None):
         """Of ``bodies``, ``geometry.body.Body`` each, which move as they say; ``loads`` (2, n, 4) are on them.
 
-        Those are force along x, along y, torque and stresslet, of all and of the pressure; None where they are not
-        known.
+        Those are force along x, along y, torque and stresslet, of all and of the pressure; ``contact`` (n, 4) has the
+        same of near contact. None where they are not known.
         """
-        if contact_force is None and any(body.free for body in bodies):
-            contact_force = np.full((len(bodies), 2), np.nan)
+        if contact is None and any(body.free for body in bodies):
+            contact = np.full((len(bodies), 4), np.nan)
+        force, torque, stresslet = (None,) * 3 if contact is None else (contact[:, :2], contact[:, 2], contact[:, 3])
         loads = np.full((2, len(bodies), 4), np.nan) if loads is None else loads
         places = [body.at(time) for body in bodies]
         motions = [body.motion for body in bodies]
@@ -57,7 +60,9 @@ class Bodies:
             pressure_torque=loads[1, :, 2],
             stresslet=loads[0, :, 3],
             normal_stress=normal_stress,
-            contact_force=contact_force,
+            contact_force=force,
+            contact_torque=torque,
+            contact_stresslet=stresslet,
         )
 
 

@@ -24,6 +24,7 @@ from tisph.report.layout import arrange
 from tisph.report.solids import Solids
 from tisph.report.tracks import BodyTracks, Tracks
 from tisph.results._trajectories import Trajectories as Read
+from tisph.scenes._cell import shear_stress
 from tisph.schemes._splitting._contact import Contact
 from tisph.simulation.start import start_snapshot, start_values
 from tisph.simulation.summary import _steady
@@ -62,7 +63,7 @@ def make(tmp_path):
 def moved(scene, snapshot, t, **changes):
     """The ``snapshot`` at time ``t`` with known loads on bodies and other numbers of them."""
     loads = np.arange(8.0 * len(scene.bodies)).reshape(2, -1, 4) + t
-    bodies = Bodies.at(0.0, scene.bodies, loads, contact_force=np.full((len(scene.bodies), 2), t))
+    bodies = Bodies.at(0.0, scene.bodies, loads, contact=np.full((len(scene.bodies), 4), t))
     return replace(snapshot, t=t, bodies=replace(bodies, **changes))
 
 
@@ -92,6 +93,7 @@ def test_of_many_bodies_means_are_followed(make):
         "bodies_mean_u",
         "bodies_mean_v",
         "bodies_mean_angular_speed",
+        *shear_stress.columns(scene),
         "superficial_velocity",
     ]
     count = len(scene.bodies)
@@ -109,8 +111,8 @@ def test_the_picture_shows_places_and_no_forces(make):
     resolved = np.array([True] * 3 + [False] * 4 + [True] * 4)
     figure = history_figure(scene, {}, times, values, resolved)
     names = [axes.get_ylabel() for axes in figure.axes]
-    assert names == ["x [m]", "y [m]", "angle [rad]", "superficial velocity [m/s]"]
-    assert [len(axes.lines) for axes in figure.axes] == [2, 2, 2, 1]
+    assert names == ["x [m]", "y [m]", "angle [rad]", "mean shear stress [Pa]", "superficial velocity [m/s]"]
+    assert [len(axes.lines) for axes in figure.axes] == [2, 2, 2, 3, 1]
     for axes in figure.axes:  # shaded where it says so, at any time
         (shade,) = axes.patches
         assert shade.get_x() == pytest.approx(0.3, abs=1e-12)

@@ -47,7 +47,8 @@ class Description:
         stresses = ("pressure", "stress_xx", "stress_xy", "stress_yy", "normal_stress")
         fields |= {"centre": length, "velocity": f"{length}/{time}", "angle": "rad", "angular_velocity": f"rad/{time}"}
         loads = {"force": f"{mass}/{time}^2", "torque": f"{mass} {length}/{time}^2"}  # per length across the plane
-        fields |= {"stresslet": loads["torque"], "contact_force": loads["force"], "t": time}
+        fields |= {"contact_force": loads["force"], "t": time}
+        fields |= dict.fromkeys(("stresslet", "contact_torque", "contact_stresslet"), loads["torque"])
         fields |= {f"{part}{name}": unit for name, unit in loads.items() for part in ("", "pressure_")}
         fields["vorticity"] = f"1/{time}"
         return {**fields, "density": f"{mass}/{length}^3", **dict.fromkeys(stresses, f"{mass}/({length} {time}^2)")}

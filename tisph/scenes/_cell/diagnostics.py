@@ -4,7 +4,7 @@ import numpy as np
 
 from tisph.measures.mean_velocity import cell_mean
 from tisph.scenes import _two_dimensional
-from tisph.scenes._cell import free_bodies
+from tisph.scenes._cell import free_bodies, shear_stress
 
 LOADS = ("drag", "lift", "torque")
 """Of the fluid on a body: force along x and along y, torque around its centre, per length across the plane."""
@@ -12,9 +12,13 @@ LOADS = ("drag", "lift", "torque")
 
 def diagnostics(cell, snapshot, series):
     """Numbers of a snapshot: of free bodies, ``loads``, ``velocities`` and ``_two_dimensional.diagnostics``."""
-    moved = free_bodies.states(cell, snapshot)
-    found = {**moved, **loads(cell, snapshot), **velocities(cell, snapshot)}
+    found = {**of_free_bodies(cell, snapshot), **loads(cell, snapshot), **velocities(cell, snapshot)}
     return {**found, **_two_dimensional.diagnostics(cell, snapshot)[1]}
+
+
+def of_free_bodies(cell, snapshot):
+    """Where they are and how they move, and the mean shear stress between walls that shear them."""
+    return free_bodies.states(cell, snapshot) | shear_stress.stresses(cell, snapshot)
 
 
 def kinds(body):

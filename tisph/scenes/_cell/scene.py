@@ -8,7 +8,7 @@ import numpy as np
 
 from tisph.geometry.gaps import POINTS, smallest_gap
 from tisph.scenes._body_scene import BodyScene
-from tisph.scenes._cell import diagnostics, free_bodies, views
+from tisph.scenes._cell import diagnostics, free_bodies, shear_stress, views
 from tisph.scenes._cell.walls import farthest, largest_speed
 
 KOZENY = 5.0
@@ -139,11 +139,14 @@ class Cell(BodyScene):
 
     @property
     def flow_quantities(self):
-        """Forces on bodies that the flow does not carry, places and velocities of those that it does; mean velocity."""
+        """Forces on bodies that the flow does not carry, places and velocities of those that it does; mean velocity.
+
+        And the mean shear stress between walls that shear free bodies.
+        """
         named = zip(self.names[: self.count], self.bodies[: self.count], strict=True)
         loads = [f"{kind}{name}" for name, body in named if not body.free for kind in diagnostics.LOADS]
         moved = [f"{kind}{name}" for kind, name in free_bodies.columns(self)]
-        return (*loads, *moved, "superficial_velocity")
+        return (*loads, *moved, *shear_stress.columns(self), "superficial_velocity")
 
     def thinnest_layer(self, t):
         """Depth of the layer at walls that started at t = 0, or oscillate, or that flow comes upon; and where it is."""

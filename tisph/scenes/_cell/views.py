@@ -5,7 +5,7 @@ import numpy as np
 from tisph.bodies import _clearance
 from tisph.measures import resolution
 from tisph.scenes import _two_dimensional
-from tisph.scenes._cell import diagnostics, free_bodies
+from tisph.scenes._cell import diagnostics, free_bodies, shear_stress
 from tisph.scenes._views import TimeSeries
 
 VELOCITY = "superficial_velocity"
@@ -23,20 +23,24 @@ def profiles(cell):
 def time_series(cell):
     """Forces and torques on the bodies in the fluid, or on its walls where there are none, and the mean velocity.
 
-    Of bodies that the flow carries, if there are few, also places and velocities, of many means of these alone.
+    Of bodies that the flow carries, if there are few, also places and velocities, of many means of these alone; and
+    the mean shear stress between walls that shear them.
     """
     forces = _followed_forces(cell)
-    followed = [*forces, *free_bodies.columns(cell)]
+    stresses = shear_stress.columns(cell)
+    followed = [*forces, *free_bodies.columns(cell), *((name, "") for name in stresses)]
     columns = [f"{kind}{name}" for kind, name in followed]
     force, speed, free = cell.force_scale, cell.reference_velocity, cell.has_free_bodies
     sizes = {"drag": force, "lift": force, "torque": force * cell.reference_length} | free_bodies.sizes(cell)
+    sizes |= dict.fromkeys(stresses, shear_stress.size(cell))
     panels = free_bodies.panels(cell) if free else {kind: (f"{kind} per length", UNITS[kind]) for kind, _ in forces}
+    panels |= dict.fromkeys(stresses, ("mean shear stress", "stress"))
     # it carries all that drives the fluid
     alone = len(cell.bodies) == cell.count == 1 and not free and not cell.fastest_body
     drive = cell.density * cell.acceleration * cell.region.area
 
     def measure(snapshot):
-        found = diagnostics.loads(cell, snapshot) | free_bodies.states(cell, snapshot)
+        found = diagnostics.loads(cell, snapshot) | diagnostics.of_free_bodies(cell, snapshot)
         values = [np.nan if found[column] is None else found[column] for column in columns]
         return np.array([*values, diagnostics.velocities(cell, snapshot)[VELOCITY]])
 
@@ -67,6 +71,8 @@ def _followed_forces(cell):
 
 def _called(cell, kind, name):
     """What the legend calls a number."""
+    if kind in shear_stress.WORDS:
+        return shear_stress.WORDS[kind]
     if cell.count:
         return free_bodies.words(kind, name)
     return f"wall {name.lstrip('_')}"

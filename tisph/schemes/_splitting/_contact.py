@@ -50,8 +50,12 @@ class Contact:
         return one.free and one.shape.fluid_side == "outside" and (first < second or not other.free)
 
     def loads(self, time):
-        """Return force and torque (bodies, 3) at ``time``, and by pair the force and the smallest gap."""
-        loads, forces, gaps = np.zeros((len(self.bodies), 3)), {}, {}
+        """Return force, torque and stresslet (bodies, 4) at ``time``, and by pair the force and the smallest gap.
+
+        Both stresslets of a pair add up to that of its force and of the vector between the centres, as those of
+        ``WallPoints.sums`` are from these.
+        """
+        loads, forces, gaps = np.zeros((len(self.bodies), 4)), {}, {}
         for first, second in self._near_pairs(time):
             found = self._between(first, second, time)
             if found is None:
@@ -62,7 +66,8 @@ class Contact:
                 away = points - self.bodies[number].at(time).centre
                 arm = away - self.bodies[number].nearest_copy(away)
                 loads[number, :2] += sign * pushes.sum(axis=0)
-                loads[number, 2] += sign * np.sum(arm[:, 0] * pushes[:, 1] - arm[:, 1] * pushes[:, 0])
+                along, across = np.sum(arm[:, 0] * pushes[:, 1]), np.sum(arm[:, 1] * pushes[:, 0])
+                loads[number, 2:] += sign * np.array([along - across, 0.5 * (along + across)])
         return loads, forces, gaps
 
     def _near_pairs(self, time):

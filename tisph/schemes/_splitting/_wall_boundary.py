@@ -225,7 +225,7 @@ class WallBoundary:
             for levels in (self.loads, self.normal_stresses)
         )
         # it depends on where bodies are, and on nothing else: no levels of it are needed
-        contact = self.free.contact.loads(time)[0][:, :2] if self.free else None
+        contact = self.free.contact.loads(time)[0] if self.free else None
         return Bodies.at(time, self.walls.bodies, loads, normals, contact)
 
     def contacts(self):

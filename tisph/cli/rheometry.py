@@ -16,7 +16,8 @@ def rheometry(
     """Read runs in a channel or between cylinders as a rheometer, beside theory.
 
     Viscosity growth, N1, creep compliance, recovery, free oscillation, relaxation modulus, flow curve, moduli G'
-    and G'', harmonics: what the walls of the run do. The picture goes into the folder of the run, rheometry.png.
+    and G'', harmonics: what the walls of the run do. Effective viscosity, with its statistical error, where the flow
+    carries bodies. The picture goes into the folder of the run, rheometry.png.
 
     \b
     Examples:
@@ -31,11 +32,15 @@ def rheometry(
     for run_dir in run_dirs:
         run = open_run(run_dir)
         config, history = run.config, run.history
-        if config.scene != "annulus" and (config.scene != "channel" or not config.parallel):
-            raise ConfigError(f"{run_dir}: is no run in a channel without bodies, or between cylinders")
         scene = scenes.of(config)
+        readable = config.parallel or scene.has_free_bodies if config.scene == "channel" else config.scene == "annulus"
+        if not readable:
+            raise ConfigError(
+                f"{run_dir}: is no run in a channel, without bodies or with free ones, or between cylinders"
+            )
         try:
-            reading = read(config, scene, {name: history[name] for name in history.dtype.names})
+            table = {name: history[name] for name in history.dtype.names}
+            reading = read(config, scene, table, run.summary.numbers.get("contacts"))
         except ConfigError as error:
             raise ConfigError(f"{run_dir}: {error}") from None
         typer.echo(f"{config.name}: {reading.title}")

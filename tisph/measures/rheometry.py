@@ -3,7 +3,8 @@
 A reading has a ``title``, lines of text, and curves for a picture. "Apparent" is the usual evaluation of a rheometer:
 stress at the moving wall over the nominal shear rate (its speed over the gap), as if the shear rate were uniform and
 the fluid had no inertia. What that is off is the difference from the linear theory of the fluid. Between cylinders
-the torque gives the stress (``_cylinders.py``).
+the torque gives the stress (``_cylinders.py``). With bodies that the flow carries it is a suspension
+(``_suspension.py``).
 """
 
 import numpy as np
@@ -14,6 +15,7 @@ from tisph.geometry.schedule import Schedule
 from tisph.measures._cylinders import as_plane
 from tisph.measures._reading import Axes, Reading, normal_curves, normal_stress, over_time
 from tisph.measures._schedules import read_schedule
+from tisph.measures._suspension import read_suspension
 from tisph.measures.wall_shear import integral
 
 LINEAR = 1e-2
@@ -49,11 +51,13 @@ def spectrum(rheology, channel):
     return Spectrum(channel.density * channel.solvent_viscosity, modes)
 
 
-def read(config, channel, table):
+def read(config, channel, table, contacts=None):
     """Return the ``Reading`` of a run; ``table`` has the columns of its history by name.
 
-    ConfigError where it is none of what a rheometer does.
+    ``contacts``: how often bodies touched, if that is known. ConfigError where it is none of what a rheometer does.
     """
+    if channel.has_free_bodies:
+        return read_suspension(channel, table, contacts)
     if config.scene == "annulus":
         fluid = spectrum(config.fluid.rheology, channel)
         plane, wall, table = as_plane(channel, table)

@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from tisph.config.base import LARGEST, Model, Positive, Signed, refusals
+from tisph.config.base import Model, NonNegative, Positive, Signed, refusals
 from tisph.config.fields import either
 from tisph.geometry.body import Body
 from tisph.geometry.free_motion import FREEDOMS, FreeMotion, Inertia
@@ -15,9 +15,6 @@ from tisph.geometry.motion import REST, RigidMotion, WallMotion
 
 Point = Annotated[tuple[Signed, Signed], Field(strict=False)]
 """A place or a vector [x, y]."""
-
-Share = Annotated[float, Field(ge=0, le=LARGEST)]
-"""A mass, or a density, that may be 0."""
 
 Holds = Annotated[tuple[Literal["x", "y", "angle"], ...], Field(strict=False, max_length=3)]
 
@@ -94,9 +91,9 @@ class Placed(Model):
     centre: Point = (0.0, 0.0)
     angle: Signed = 0.0
     motion: either(Motion, Literal["fixed", "free"], lambda value: isinstance(value, str), "fixed or free") = "fixed"
-    density: Share | None = None
-    mass: Share | None = None
-    moment_of_inertia: Share | None = None
+    density: NonNegative | None = None
+    mass: NonNegative | None = None
+    moment_of_inertia: NonNegative | None = None
     velocity: Point | None = None
     angular_velocity: Signed | None = None
     hold: Holds = ()

@@ -1,11 +1,9 @@
 """Polygon, its corners sharp or rounded."""
 
-from typing import Annotated, Literal
-
-from pydantic import Field
+from typing import Literal
 
 from tisph.bodies._body import Placed, Points
-from tisph.config.base import LARGEST
+from tisph.config.base import NonNegative
 from tisph.geometry.polygon import Polygon
 
 
@@ -16,7 +14,7 @@ class Parameters(Placed):
 
     type: Literal["polygon"] = "polygon"
     corners: Points
-    corner_radius: Annotated[float, Field(ge=0, le=LARGEST)] = 0.0
+    corner_radius: NonNegative = 0.0
 
     def shape(self) -> Polygon:
         """The polygon."""

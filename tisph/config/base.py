@@ -11,6 +11,9 @@ SMALLEST, LARGEST = 1e-30, 1e30
 Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
 """A physical quantity that cannot be zero or negative."""
 
+NonNegative = Annotated[float, Field(ge=0, le=LARGEST)]
+"""A physical quantity that may be 0, such as a time or a mass."""
+
 Signed = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 """A physical quantity of either sign, such as a velocity."""
 

@@ -4,7 +4,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, Field, model_validator
 
-from tisph.config.base import LARGEST, Model, Signed, refusal, refusals
+from tisph.config.base import Model, NonNegative, Signed, refusal, refusals
 
 
 def _not_zero(value: float) -> float:
@@ -18,9 +18,7 @@ Amplitude = Annotated[Signed, AfterValidator(_not_zero)]
 
 
 MOST_TIMES = 1000
-Times = Annotated[
-    tuple[Annotated[float, Field(ge=0, le=LARGEST)], ...], Field(strict=False, min_length=1, max_length=MOST_TIMES)
-]
+Times = Annotated[tuple[NonNegative, ...], Field(strict=False, min_length=1, max_length=MOST_TIMES)]
 Values = Annotated[tuple[Signed, ...], Field(strict=False, min_length=1, max_length=MOST_TIMES)]
 """The type of what a wall is given at each of the times."""
 

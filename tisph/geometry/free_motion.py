@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tisph.geometry.motion import OfComponents
+
 LEVELS = 4
 """Velocities kept: those of the particles are as many."""
 
@@ -30,9 +32,10 @@ class Inertia:
     held: tuple[bool, bool, bool] = (False, False, False)
 
 
-class FreeMotion:
+class FreeMotion(OfComponents):
     """Motion like a ``RigidMotion``, of a body with an ``inertia``, at times up to the end of the present step.
 
+    Its largest speed is that before the start: later ones are not known.
     ``times`` and ``velocities`` (3,) of the last levels, newest first: along x and y, and angular. ``way`` (3,) from
     the start to the newest.
     """
@@ -50,9 +53,9 @@ class FreeMotion:
         self.times, self.velocities = [float(time)], [np.array(velocity, dtype=float)]
         self._fit()
 
-    def restart(self, velocity):
-        """Go on with a ``velocity`` (3,) where all earlier ones are no part of a smooth function any more."""
-        self.times, self.velocities = self.times[:1], [np.array(velocity, dtype=float)]
+    def restart(self):
+        """Go on from the newest velocity where all earlier ones are no part of a smooth function any more."""
+        self.times, self.velocities = self.times[:1], self.velocities[:1]
         self._fit()
 
     def attempt(self, velocity):
@@ -110,23 +113,6 @@ class FreeMotion:
             return self.change
         place, power = self._powers(time)
         return power[1:] * place ** power[:-1] @ self.coefficients[1:] / self.unit
-
-    def velocity(self, t):
-        """Velocity (2,) of the centre at time ``t``."""
-        return self.velocity_at(t)[:2]
-
-    def acceleration(self, t):
-        """Acceleration (2,) of the centre at time ``t``."""
-        return self.change_at(t)[:2]
-
-    def displacement(self, t):
-        """Way (2,) of the centre from the start on."""
-        return self.way_at(t)[:2]
-
-    def largest_speed(self, radius):
-        """Speed of what is within ``radius`` [length] of the centre, before the start: later ones are not known."""
-        u, v, rotation = map(abs, self.inertia.velocity)
-        return float(np.hypot(u, v)) + (radius * rotation if rotation else 0.0)
 
 
 class _Component:

@@ -100,18 +100,8 @@ def penetration_depth(kinematic_viscosity, angular_frequency):
     return float(np.sqrt(2 * kinematic_viscosity / angular_frequency)) if angular_frequency else np.inf
 
 
-@dataclass(frozen=True)
-class RigidMotion:
-    """Velocity (``x``, ``y``) [length/time] of the centre of a body, and its angular velocity ``rotation`` [1/time].
-
-    Angles are counterclockwise.
-    """
-
-    free: ClassVar[bool] = False
-
-    x: WallMotion = WallMotion(0.0)
-    y: WallMotion = WallMotion(0.0)
-    rotation: WallMotion = WallMotion(0.0)
+class OfComponents:
+    """Motion of a whole body from those of its parts: ``x`` and ``y`` of the centre, and ``rotation`` around it."""
 
     def velocity(self, t):
         """Velocity (2,) of the centre at time ``t``."""
@@ -129,6 +119,20 @@ class RigidMotion:
         """Bound of the speed of what is within ``radius`` [length] of the centre."""
         around = radius * self.rotation.largest_speed if self.rotation.largest_speed else 0.0
         return float(np.hypot(self.x.largest_speed, self.y.largest_speed)) + around
+
+
+@dataclass(frozen=True)
+class RigidMotion(OfComponents):
+    """Velocity (``x``, ``y``) [length/time] of the centre of a body, and its angular velocity ``rotation`` [1/time].
+
+    Angles are counterclockwise.
+    """
+
+    free: ClassVar[bool] = False
+
+    x: WallMotion = WallMotion(0.0)
+    y: WallMotion = WallMotion(0.0)
+    rotation: WallMotion = WallMotion(0.0)
 
 
 REST = RigidMotion()

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from tisph.config.base import LARGEST, Model, Positive, Problem, Signed
+from tisph.config.base import Model, NonNegative, Positive, Problem, Signed
 
 
 class Drive(Model):
@@ -52,7 +52,7 @@ class Initial(Model):
     """
 
     state: Literal["rest", "developed", "exact"] = "rest"
-    time: Annotated[float, Field(ge=0, le=LARGEST)] = 0.0
+    time: NonNegative = 0.0
     jitter: Annotated[float, Field(ge=0, lt=0.5)] = 0.0
     seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
 

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from tisph.config import resolution, schema
-from tisph.config.base import LARGEST, Model, Positive, Problem, Signed, refusals
+from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, refusals
 from tisph.config.fields import Bodies, Member, number_or
 from tisph.config.motion import Amplitude, Times, Values, WallMotion, check_as_many, check_schedule
 from tisph.scenes._channel.scene import Channel
@@ -62,7 +62,7 @@ class Wall(WallMotion):
     times: Times | None = None
     stresses: Values | None = None
     velocities: Values | None = None
-    mass_per_area: Annotated[float, Field(ge=0, le=LARGEST)] | None = None
+    mass_per_area: NonNegative | None = None
 
     @property
     def stress_controlled(self) -> bool:

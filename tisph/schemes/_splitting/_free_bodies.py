@@ -63,7 +63,7 @@ class FreeBodies:
     def restart(self):
         """Forget earlier levels."""
         for motion in self.motions:
-            motion.restart(motion.velocities[0])
+            motion.restart()
 
     def accept(self, time):
         """Let the velocities of a step that ends at ``time`` be the newest."""

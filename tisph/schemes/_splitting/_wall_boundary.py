@@ -47,9 +47,7 @@ class WallBoundary:
         self.corners = CornerSingularities(problem.corners, problem.origin, levels) if problem.corners else None
         self.normal_curls, self.loads, self.normal_stresses = [], [], []
         self.normal = self.velocity = self.grid_time = None
-        self.free = None
-        if any(body.free for body in self.walls.bodies):
-            self.free = FreeBodies(problem)
+        self.free = FreeBodies(problem) if problem.contact else None
 
     def reset(self):
         """Go back to before the first step."""

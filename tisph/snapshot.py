@@ -53,7 +53,9 @@ class Bodies:
             centre=np.array([place.centre for place in places]),
             angle=np.array([place.angle for place in places]),
             velocity=np.array([motion.velocity(time) for motion in motions]),
-            angular_velocity=np.array([float(motion.rotation.velocity(time)) for motion in motions]),
+            angular_velocity=np.array(
+                [float(body.motion.rotation.velocity(time) + body.spin.velocity(time)) for body in bodies]
+            ),
             force=loads[0, :, :2],
             torque=loads[0, :, 2],
             pressure_force=loads[1, :, :2],
@@ -71,7 +73,8 @@ class Snapshot:
     """Fluid particles at time ``t``, in the order of their creation (row by row from the bottom).
 
     All arrays have shape (particles_fluid,) and the units of the config: positions ``x`` and ``y`` in the box of the
-    scene, velocities ``u`` and ``v`` along them, density, pressure; polymer stresses
+    scene, velocities ``u`` and ``v`` along them and, in axisymmetric flow, ``w`` around the axis y = 0, else None;
+    density, pressure; polymer stresses
     [mass/(length time^2)] where the fluid has them, else None. ``reference``: arrays of the exact solution by the name
     of the field, where somebody has asked for them; ``bodies``, where there are any. ``steepest``: the largest change
     of the logarithm of a conformation tensor within a particle spacing, with x and y of where it is; ``divergence``: of
@@ -90,6 +93,7 @@ class Snapshot:
     stress_xx: np.ndarray | None = None
     stress_xy: np.ndarray | None = None
     stress_yy: np.ndarray | None = None
+    w: np.ndarray | None = None
     reference: dict[str, np.ndarray] | None = None
     bodies: Bodies | None = None
     steepest: tuple[float, float, float] | None = None

@@ -12,7 +12,7 @@ import numpy as np
 
 from tisph.geometry._shape import Boundary, ClosestPoint, Shape
 from tisph.geometry.free_motion import FreeMotion
-from tisph.geometry.motion import REST, RigidMotion
+from tisph.geometry.motion import REST, STILL, RigidMotion, WallMotion
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,9 @@ class Placement:
 class Body:
     """``shape``, whose origin is at ``centre`` (2,) and which is turned by ``angle`` at t = 0, and its ``motion``.
 
-    ``periods`` (2,) of the cell along x and y, infinite where it is not periodic. ValueError for a line that turns.
+    ``periods`` (2,) of the cell along x and y, infinite where it is not periodic. ``spin``: angular velocity [1/time]
+    around the axis y = 0 of a wall that is a surface of revolution, in axisymmetric flow. ValueError for a line that
+    turns.
     """
 
     shape: Shape
@@ -53,6 +55,7 @@ class Body:
     angle: float = 0.0
     motion: RigidMotion | FreeMotion = REST
     periods: tuple[float, float] = (math.inf, math.inf)
+    spin: WallMotion = STILL
 
     def __post_init__(self):
         if self.shape.smallest_radius == math.inf and self.motion.rotation.largest_speed:

@@ -135,5 +135,8 @@ class RigidMotion(OfComponents):
     rotation: WallMotion = WallMotion(0.0)
 
 
+STILL = WallMotion(0.0)
+"""A component that is 0."""
+
 REST = RigidMotion()
 """No motion at all."""

@@ -66,6 +66,8 @@ class LeastSquaresOperators:
     the particles that apply an operator or do less; ``serial_numbers``: those that only go over a few numbers of each.
     """
 
+    axisymmetric = False
+
     def __init__(self, points, support, order, smallest_pivot=SMALLEST_PIVOT, varying=False, curved=False):
         self.points, self.smallest_pivot = points, smallest_pivot
         self.serial = points.serial
@@ -75,22 +77,24 @@ class LeastSquaresOperators:
         moments = moment_indices(order)
         self.zeros = [0.0] * len(moments)
         self.chains = moment_chains(order)
-        self.unknowns = len(powers(order))
-        self.horner = horner(order)
+        basis = powers(order, self.axisymmetric)
+        self.unknowns = len(basis)
+        self.begins = [0, self.unknowns - LOWEST]  # of the unknowns that are solved for, in turn
+        self.horner = horner(order, basis)
         self.lanes = list(range(BLOCK))
         self.no_coefficients = [[0.0] * self.unknowns for _ in range(3)]
         shape = (points.capacity, points.row_capacity)
         self.laplacian, self.d_dx, self.d_dy = (ti.field(real(), shape) for _ in range(3))
         self.diagonal = ti.field(real(), points.capacity)
         self.lane = ti.types.vector(BLOCK, real())
-        blocks, entries = -(-points.capacity // BLOCK), moment_of_entries(order)
+        blocks, entries = -(-points.capacity // BLOCK), moment_of_entries(order, basis)
         self.moments = ti.field(self.lane, (blocks, len(moments)))
         self.coefficients = ti.field(self.lane, (blocks, 3, self.unknowns))
         self.lower = ti.field(self.lane, (self.workers, len(entries)))
         self.inverse = ti.field(self.lane, (self.workers, self.unknowns))
         self.solution = ti.field(self.lane, (self.workers, 3, self.unknowns))
         self.moment_of = holding(ti.field(ti.i32, len(entries)), entries)
-        self.targets = holding(ti.field(real(), (3, self.unknowns)), targets(order, 1.0 / support))
+        self.targets = holding(ti.field(real(), (3, self.unknowns)), targets(basis, 1.0 / support))
         self.per_support = scalar(1.0 / support)
         self.varying = varying
         if varying:
@@ -134,13 +138,17 @@ class LeastSquaresOperators:
             self.laplacian[i, k] = squared * squared
             self.d_dx[i, k] = apart.x * inside
             self.d_dy[i, k] = apart.y * inside
+        straight = True
         if ti.static(self.curved):
             bend = self.polar_map[i] / scale
-            if bend.dot(bend) > 0.0:
+            straight = not bend.dot(bend) > 0.0
+            if not straight:
                 for k in range(self.points.count[i]):
                     apart = to_polar(ti.Vector([self.d_dx[i, k], self.d_dy[i, k]]), bend)
                     self.d_dx[i, k] = apart.x
                     self.d_dy[i, k] = apart.y
+        if ti.static(self.axisymmetric):
+            self.set_radial(i, 1.0 / scale, straight)
 
     @ti.func
     def sum_moments(self, i):
@@ -162,17 +170,23 @@ class LeastSquaresOperators:
     def solve(self, worker, block, particles):
         """Solve all systems of a block, those of singular ones again at order 2."""
         wanted = block * BLOCK + ti.Vector(self.lanes) < particles
-        for attempt in range(2):
-            first = attempt * (self.unknowns - LOWEST)
+        last = ti.static(len(self.begins) - 1)
+        for attempt in range(last + 1):
+            first = 0
+            for number in ti.static(range(1, len(self.begins))):
+                first = ti.select(attempt == number, self.begins[number], first)
             singular = self.eliminate(worker, block, first) < self.smallest_pivot
-            self.substitute(worker, first)
+            if ti.static(self.axisymmetric):
+                singular = singular | ((self.radial[block, 3] > 0.0) & (attempt == 0))
+            self.substitute(worker, block, first)
             for operator, unknown in ti.ndrange(3, self.unknowns):
                 found = self.solution[worker, operator, unknown]
-                if attempt == 1:
+                if attempt == last:
                     found = ti.select(singular, 0.0, found)
+                if attempt > 0:
                     found = ti.select(wanted, found, self.coefficients[block, operator, unknown])
                 self.coefficients[block, operator, unknown] = found
-            if attempt == 1:
+            if attempt == last:
                 singular_count = ti.cast(wanted & singular, ti.i32).sum()
                 self.singular[None] += singular_count
                 self.order_reduced[None] += ti.cast(wanted, ti.i32).sum() - singular_count
@@ -206,12 +220,14 @@ class LeastSquaresOperators:
         return smallest
 
     @ti.func
-    def substitute(self, worker, first):
+    def substitute(self, worker, block, first):
         """Solve L D L^T z = e of all operators; the entries of e are zero before the last four."""
         start = self.unknowns - 4
         for operator in range(3):
             for i in range(self.unknowns):
                 self.solution[worker, operator, i] = self.lane(0.0) + self.targets[operator, i]
+            if ti.static(self.axisymmetric):
+                self.set_radial_targets(worker, block, operator)
             for i in range(start, self.unknowns):
                 value = self.solution[worker, operator, i]
                 for k in range(start, i):

@@ -78,6 +78,9 @@ class Scene:
     periodic = (True, True)
     """Whether the box is periodic in x and y."""
 
+    axisymmetric = False
+    """Whether y is the distance from an axis of symmetry, and not planar flow; velocities then have a ``w``."""
+
     parallel = False
     """Whether all flow is along x, so that a scheme may leave out what only crossing flow needs."""
 

@@ -24,11 +24,14 @@ class BiCGStab:
 
     ``x`` (slots + 1): guess, then solution; ``b`` (capacity): right side. Where there are ``ghosts`` their values are
     ``parity`` times those of their sources: -1 for velocities, 1 for pressure. ``iterations``: of the last solution, by
-    halves. A preconditioner turns ``input`` into ``correction`` and calls ``multiply``, which gives ``product``.
+    halves. With ``hoop`` all components but the first are those across and around the axis over the distance from it,
+    in axisymmetric flow. A preconditioner turns ``input`` into ``correction`` and calls ``multiply``, which gives
+    ``product``.
     """
 
-    def __init__(self, operators, ghosts=None, parity=-1.0, width=None, pure_neumann=False):
+    def __init__(self, operators, ghosts=None, parity=-1.0, width=None, pure_neumann=False, hoop=False):
         self.operators, self.ghosts, self.parity, self.points = operators, ghosts, parity, operators.points
+        self.hoop = hoop
         self.is_scalar, self.pure_neumann, self.has_ghosts = width is None, pure_neumann, ghosts is not None
         self.number = self.points.particles if pure_neumann else self.points.n_fluid
         self.serial = operators.serial_light
@@ -87,6 +90,8 @@ class BiCGStab:
     def row(self, values: ti.template(), i):
         """Return row ``i`` of the matrix times ``values``."""
         laplacian = self.operators.apply(self.operators.laplacian, values, i)
+        if ti.static(self.hoop):
+            laplacian += self.operators.hoop(values, i)
         return self.sigma[None] * values[i] - self.coefficient[None] * laplacian
 
     @ti.func

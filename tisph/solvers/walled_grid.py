@@ -4,7 +4,8 @@ Of each element counts the part in the fluid, by the distance of its middle from
 obeys the natural boundary condition, a normal derivative of zero, as corrections of the pressure do once the rows
 of the points on walls are satisfied (``TwoLevel``). It is the Galerkin operator of the particles' matrix in the limit
 of many particles: the integral of grad(test) . grad(trial), over the area of a particle. It depends on where the walls
-are, and not on where the particles are: where walls stay, or move along themselves, it is factorised once.
+are, and not on where the particles are: where walls stay, or move along themselves, it is factorised once. In
+axisymmetric flow elements count by their distance from the axis, and rows are those of a unit of volume again.
 """
 
 import numpy as np
@@ -37,7 +38,7 @@ class WalledGrid(AuxiliaryGrid):
 
     def set_walls(self, distance):
         """Assemble and factorise the matrix; ``distance`` of positions (n, 2) in the box is that from walls (n,)."""
-        from scipy.sparse import coo_matrix, identity
+        from scipy.sparse import coo_matrix, diags, identity
         from scipy.sparse.linalg import splu
 
         rows, columns = self.shape
@@ -46,10 +47,15 @@ class WalledGrid(AuxiliaryGrid):
         middle = np.stack([(column + 0.5) * width, (row + 0.5) * height], axis=1)
         part = np.clip(0.5 + distance(middle) / max(width, height), 0.0, 1.0)
         element = height / width * np.kron(MASS, STIFFNESS) + width / height * np.kron(STIFFNESS, MASS)
-        corners = [(row + up) % rows * columns + (column + right) % columns for up in (0, 1) for right in (0, 1)]
-        here, there = np.broadcast_arrays(np.array(corners)[:, None], np.array(corners)[None])
-        entries = element[:, :, None] * part / self.box.spacing**2
+        ends = [(row + up) % rows * columns + (column + right) % columns for up in (0, 1) for right in (0, 1)]
+        corners = np.array(ends)
+        here, there = np.broadcast_arrays(corners[:, None], corners[None])
+        volumes = part * (middle[:, 1] + self.box.origin[1]) if self.box.axisymmetric else part
+        entries = element[:, :, None] * volumes / self.box.spacing**2
         matrix = coo_matrix((entries.ravel(), (here.ravel(), there.ravel())), 2 * (rows * columns,)).tocsc()
+        if self.box.axisymmetric:
+            area, volume = (np.bincount(corners.ravel(), np.tile(each, 4)) for each in (part, volumes))
+            matrix = (diags(np.divide(area, volume, out=np.zeros_like(area), where=volume > 0.0)) @ matrix).tocsc()
         diagonal = matrix.diagonal()
         self.active = np.flatnonzero(diagonal > EMPTY * diagonal.max())
         floating = FLOATING * diagonal.max() * identity(len(self.active), format="csc")

@@ -7,6 +7,7 @@ from tisph.schemes._error_estimate import SampleEstimate
 from tisph.schemes._splitting._problem import BoundedProblem, PeriodicProblem
 from tisph.schemes._splitting._step_limits import FIRST, TOLERANCE, courant_speed, viscous_step
 from tisph.schemes._splitting._wall_points import WallPoints
+from tisph.schemes._splitting._walls_of_revolution import WallsOfRevolution
 from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR
 
 COST, OVERHEAD = 3.5e-6, 2e-3
@@ -50,14 +51,16 @@ def _problem(scene):
         "rheology": scene.rheology,
         "initial_conformation_excess": scene.initial_conformation_excess,
         "jump_times": scene.jump_times,
+        "axisymmetric": scene.axisymmetric,
+        "annular": scene.axisymmetric and scene.origin[1] > 0.0,
     }
     if not scene.bodies:
         return PeriodicProblem(columns=scene.columns, rows=scene.rows, spacing=scene.spacing, **fluid)
     corners = scene.origin, np.add(scene.origin, scene.extent)
     least = 0.5 * (LEAST_BOX * scene.spacing - min(scene.extent))
     margin = max(MARGIN * max(scene.extent), LEAST_MARGIN * scene.spacing, least)
-    box = box_around(corners, scene.spacing, scene.periodic, margin)
-    walls = WallPoints(scene.bodies, scene.spacing, box.origin)
+    box = box_around(corners, scene.spacing, scene.periodic, margin, scene.axisymmetric)
+    walls = (WallsOfRevolution if scene.axisymmetric else WallPoints)(scene.bodies, scene.spacing, box.origin)
     driven = {"acceleration": (scene.acceleration, 0.0), "corners": scene.corners}
     driven |= {"initial_velocity": scene.initial_velocity, "contact": scene.contact}
     return BoundedProblem(n_fluid=scene.particles, walls=walls, **driven, **vars(box), **fluid)

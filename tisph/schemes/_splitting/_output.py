@@ -4,6 +4,7 @@ import numpy as np
 
 from tisph.neighbours.point_cloud import active
 from tisph.schemes._splitting._bdf import PRESSURES, VELOCITIES, TimeWeights
+from tisph.schemes._splitting._coordinates import velocities_of
 from tisph.snapshot import STRESSES, Snapshot
 
 
@@ -26,12 +27,18 @@ def state(scheme, time):
     _, fields, position, *tensors = scheme.output_cache
     dts = scheme.dts or [1.0]
     times = TimeWeights([0.0, *dts], dts[0])
-    velocities = fields[:, : 2 * VELOCITIES].reshape(len(fields), VELOCITIES, 2)
-    pressure, velocity = fields[:, 2 * VELOCITIES], velocities[:, 0]
+    first, components = scheme.levels.first_pressure, scheme.levels.components
+    velocities, axis = fields[:, :first].reshape(len(fields), VELOCITIES, components), None
+    if problem.axisymmetric:
+        axis = position[:, 1] + problem.origin[1]
+    velocities = np.stack([velocities_of(velocities[:, level], axis) for level in range(VELOCITIES)], axis=1)
+    pressure, velocity = fields[:, first], velocities[:, 0]
     if offset:
         velocity = np.einsum("a,iac->ic", times.interpolation(offset, VELOCITIES), velocities)
-        position = position - np.einsum("a,iac->ic", times.integral(offset), velocities)
-        pressure = fields[:, 2 * VELOCITIES :] @ times.interpolation(offset, PRESSURES)
+        position = position - np.einsum("a,iac->ic", times.integral(offset), velocities[..., :2])
+        pressure = fields[:, first:] @ times.interpolation(offset, PRESSURES)
+        if problem.axisymmetric:  # what is interpolated around the axis is the circulation
+            velocity[:, 2] *= axis / (position[:, 1] + problem.origin[1])
     if walls and walls.corners:
         if offset:
             at = lambda part: times.interpolation(part * offset, VELOCITIES)  # noqa: E731
@@ -46,6 +53,7 @@ def state(scheme, time):
         y=position[:, 1] % problem.height + problem.origin[1],
         u=velocity[:, 0].copy(),
         v=velocity[:, 1].copy(),
+        w=velocity[:, 2].copy() if problem.axisymmetric else None,
         density=np.full(len(position), problem.density),
         pressure=problem.density * (pressure - pressure.mean()),
         bodies=walls.bodies(time, times, offset) if walls else None,

@@ -27,8 +27,8 @@ class PressureBoundaryCondition:
     the mean of the pressures around instead, which continues it into the gap.
     """
 
-    def __init__(self, operators, walls, spacing, closing=False):
-        self.operators, self.points = operators, operators.points
+    def __init__(self, levels, walls, spacing, closing=False):
+        self.operators, self.points, self.coordinates = levels.operators, levels.points, levels.coordinates
         vector, capacity = ti.types.vector(2, real()), self.points.capacity
         self.normal = ti.field(vector, capacity)
         self.normal_curl, self.vorticity = (ti.field(real(), size) for size in (capacity, self.points.slots + 1))
@@ -51,6 +51,7 @@ class PressureBoundaryCondition:
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None], self.points.particles[None]):
             normal, total = self.weight[i] * self.normal[i], 0.0
+            normal.y *= self.coordinates.radius(i)
             for k in range(self.points.count[i]):
                 weight = normal.x * self.operators.d_dx[i, k] + normal.y * self.operators.d_dy[i, k]
                 if ti.static(self.closing):
@@ -75,7 +76,9 @@ class PressureBoundaryCondition:
     @ti.func
     def curl(self, i):
         """Return the normal part of the vorticity's curl at a point."""
-        own, normal, total = self.vorticity[i], self.normal[i], 0.0
+        own, normal, radius = self.vorticity[i], self.normal[i], self.coordinates.radius(i)
+        total = self.coordinates.hoop(normal.x * own)
+        normal *= ti.Vector([radius * radius, radius])
         for k in range(self.points.count[i]):
             weight = normal.x * self.operators.d_dy[i, k] - normal.y * self.operators.d_dx[i, k]
             total += weight * (self.vorticity[self.points.neighbours[i, k]] - own)
@@ -89,7 +92,8 @@ class PressureBoundaryCondition:
     @ti.func
     def right_side(self, i, acceleration, viscosity):
         """Return the right side at a point where all but pressure and viscosity give an ``acceleration``."""
-        result = -self.weight[i] * (acceleration.dot(self.normal[i]) - viscosity * self.normal_curl[i])
+        along = self.normal[i].x * acceleration.x + self.coordinates.radius(i) * self.normal[i].y * acceleration.y
+        result = -self.weight[i] * (along - viscosity * self.normal_curl[i])
         if ti.static(self.closing):
             result *= 1.0 - self.continued[i]
         return result

@@ -17,6 +17,8 @@ class _Problem(Box):
     one, of solvent and polymer; ``rheology``: parameters of the fluid where it is not Newtonian, else None, and
     ``initial_conformation_excess`` of the conformation tensors of its modes at x, y, None where it starts from rest.
     ``initial_velocity``: function of x, y with the velocities (2, ...) before bodies start; None where it is at rest.
+    ``axisymmetric``: whether y is the distance from an axis, and not planar flow; ``annular``: whether an inner wall
+    keeps the fluid from that.
     ``contact``: distance and pressure of ``Contact``, where there are free bodies.
     ``jump_times``: times at which the velocity of a wall, or its acceleration, jumps.
     """
@@ -33,6 +35,8 @@ class _Problem(Box):
     initial_velocity: object = None
     contact: tuple[float, float] | None = None
     jump_times: tuple[float, ...] = ()
+    axisymmetric: bool = False
+    annular: bool = False
 
     @property
     def bodies(self):

@@ -6,6 +6,7 @@ import numpy as np
 
 from tisph.errors import DivergedError
 from tisph.least_squares import SKIN
+from tisph.least_squares.axisymmetric import AxisymmetricOperators
 from tisph.least_squares.operators import LeastSquaresOperators
 from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.periodic import PeriodicDomain
@@ -13,6 +14,7 @@ from tisph.runtime import integer, real, ti, view
 from tisph.schemes._overflow import clustered
 from tisph.schemes._splitting import _step_limits as limits
 from tisph.schemes._splitting._bdf import PRESSURES, VELOCITIES, TimeWeights
+from tisph.schemes._splitting._coordinates import unknowns_of
 from tisph.schemes._splitting._coupling import Coupling
 from tisph.schemes._splitting._free_bodies import RESIDUAL
 from tisph.schemes._splitting._generalised_newtonian_stress import GeneralisedNewtonianStress
@@ -78,8 +80,11 @@ class Scheme:
         self.points = PointCloud(problem, PeriodicDomain(problem.length, problem.height), cutoff, 0, serial)
         # in polar coordinates points lie in layers: near walls operators then have 70 times the rounding errors
         curved = bounded and problem.walls.curved and real() == ti.f64
-        self.operators = LeastSquaresOperators(
-            self.points, SUPPORT * problem.spacing, 4, SMALLEST_PIVOT, bounded, curved
+        chosen = self.points, SUPPORT * problem.spacing, 4, SMALLEST_PIVOT, bounded, curved
+        self.operators = (
+            AxisymmetricOperators(*chosen, lowest_radius=problem.origin[1], annular=problem.annular)
+            if problem.axisymmetric
+            else LeastSquaresOperators(*chosen)
         )
         self.grid = WalledGrid(self.points, problem) if bounded else PeriodicGrid(self.points, problem, problem.height)
         self.shift = FickianShifting(
@@ -117,7 +122,7 @@ class Scheme:
             self.wall_boundary.reset()
 
     def start(self, position, velocity, stress=None):
-        """Place the particles, (particles, 2) arrays, and find the pressure of their velocities.
+        """Place the particles, at (particles, 2), and find the pressure of their velocities (particles, components).
 
         Polymers start without ``stress``.
         """
@@ -125,7 +130,8 @@ class Scheme:
         fluid = self.problem.n_fluid
         active(self.levels.position)[:fluid] = position - np.array(self.problem.origin)
         active(self.levels.fields)[...] = 0.0
-        active(self.levels.fields)[:fluid, :2] = velocity
+        unknowns = unknowns_of(velocity, position[:, 1] if self.problem.axisymmetric else None)
+        active(self.levels.fields)[:fluid, : self.levels.components] = unknowns
         active(self.levels.number)[:fluid] = np.arange(len(position))
         view(self.levels.step_weights)[...] = 0.0
         self.levels.predict()
@@ -149,7 +155,7 @@ class Scheme:
     @property
     def error_speed(self):
         """The same that errors of steps are divided by."""
-        return limits.error_speed(float(view(self.levels.fastest)), self.problem)
+        return limits.error_speed(float(view(self.levels.largest)), self.problem)
 
     def begin_steps(self):
         """Choose the first step, or the first one after a change."""
@@ -214,7 +220,7 @@ class Scheme:
         retained = max(0.0, gamma0 - rate * dt)
         self.splitting.sum_history()
         if not self.dts:  # what is carried along as a whole is right from the first guess on, but for rounding errors
-            view(self.splitting.velocity.x)[: self.problem.n_fluid] += dt * np.array(self.problem.acceleration)
+            view(self.splitting.velocity.x)[: self.problem.n_fluid, :2] += dt * np.array(self.problem.acceleration)
         if self.body_force:
             self.add_body_force(dt)
         if self.wall_boundary:
@@ -234,7 +240,7 @@ class Scheme:
         )
         places = (first + each % side for first, each, side in sides)
         force = np.stack(self.body_force(*places, self.time + dt), axis=1)
-        view(self.splitting.u_history)[:points] += dt * force
+        view(self.splitting.u_history)[:points, :2] += dt * force
 
     def assemble(self, time):
         """Set the positions of the points at the end of a step, at ``time``, and compute the operators there."""

@@ -44,20 +44,28 @@ class SplittingStep:
 
     def __init__(self, levels, grid, problem, boundary=None, extra_stress=None):
         self.levels, self.operators, self.points = levels, levels.operators, levels.points
-        vector = ti.types.vector(2, real())
+        self.coordinates = levels.coordinates
+        vector = ti.types.vector(levels.components, real())
         self.spacing, self.pressure_boundary, self.bounded = problem.spacing, boundary, boundary is not None
         self.coupling, self.rounding = None, 0.0
         self.extra_stress, self.varying = extra_stress, extra_stress is not None and extra_stress.varying
         self.has_body_force = any(problem.acceleration)
-        self.acceleration = holding(ti.field(vector, ()), problem.acceleration)
+        self.acceleration = holding(ti.field(vector, ()), (*problem.acceleration, 0.0)[: levels.components])
         self.pressure = BiCGStab(self.operators, pure_neumann=True)
-        self.velocity = BiCGStab(extra_stress.operators if self.varying else self.operators, width=2)
+        self.velocity = BiCGStab(
+            extra_stress.operators if self.varying else self.operators,
+            width=levels.components,
+            hoop=self.coordinates.axisymmetric,
+        )
         self.for_pressure = TwoLevel(self.pressure, grid, self.bounded)
         self.for_velocity = None if self.bounded else TwoLevel(self.velocity, grid)
         self.u_history, self.u_extrapolated = (ti.field(vector, self.points.slots + 1) for _ in range(2))
         self.alpha, self.beta = (holding(ti.field(real(), VELOCITIES), 0.0) for _ in range(2))
         self.beta_pressure = holding(ti.field(real(), PRESSURES), 0.0)
         self.difference_squared = scalar(0.0)
+        self.swirls = self.coordinates.axisymmetric
+        if self.swirls:
+            self.centripetal = ti.field(real(), self.points.capacity)
 
     def solve(self, gamma0, dt, viscosity, retained, tolerances):
         """Solve for pressure and velocities; return whether both could be.
@@ -69,7 +77,9 @@ class SplittingStep:
         for outer in range(MOST_ITERATIONS if self.coupling else least):
             if self.extra_stress:
                 self.extra_stress.add_stress(self.velocity.x, self.u_history, dt)
-            if self.extra_stress or outer == 0:
+            if self.swirls:
+                self.add_centripetal(dt, outer > 0)
+            if self.extra_stress or self.swirls or outer == 0:
                 self.poisson_rhs(dt, retained)
             if self.bounded:
                 if outer > 0 and not self.coupling:
@@ -122,7 +132,7 @@ class SplittingStep:
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None], self.points.particles[None]):
             d_dx, d_dy = gradients(self.operators, self.velocity.x, i)
-            for component in ti.static(range(2)):
+            for component in ti.static(range(self.levels.components)):
                 self.levels.d_dx[i][component] = d_dx[component]
                 self.levels.d_dy[i][component] = d_dy[component]
 
@@ -181,31 +191,53 @@ class SplittingStep:
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
             d_dx, d_dy = self.levels.d_dx[i], self.levels.d_dy[i]
-            self.pressure.b[i] = d_dx[0] ** 2 + 2.0 * d_dy[0] * d_dx[1] + d_dy[1] ** 2
+            self.pressure.b[i] = self.gradient_product(i, d_dx, d_dy)
             self.pressure.x[i] = 0.0
+
+    @ti.func
+    def gradient_product(self, i, d_dx, d_dy):
+        """Return grad u : grad u, of a flow without divergence minus the Laplacian of the pressure."""
+        radius = self.coordinates.radius(i)
+        result = d_dx[0] ** 2 + 2.0 * radius**2 * d_dy[0] * d_dx[1]
+        if ti.static(self.swirls):
+            across, around = self.levels.fields[i][1], self.levels.fields[i][2]
+            result += (across + radius**2 * d_dy[1]) ** 2 + across**2
+            result -= 2.0 * around * (around + radius**2 * d_dy[2])
+        else:
+            result += d_dy[1] ** 2
+        return result
+
+    @ti.kernel
+    def add_centripetal(self, dt: float, again: bool):
+        """Add dt W^2 to what is known of V, of the velocities found last, in place of that of those before."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.particles[None]):
+            square = self.velocity.x[i].z ** 2
+            self.u_history[i].y += dt * (square - (self.centripetal[i] if again else 0.0))
+            self.centripetal[i] = square
 
     @ti.kernel
     def store_pressure(self):
         """Store the pressure as the newest."""
         ti.loop_config(serialize=self.operators.serial_numbers)
         for i in range(self.points.particles[None]):
-            self.levels.fields[i][2 * VELOCITIES] = self.pressure.x[i]
+            self.levels.fields[i][self.levels.first_pressure] = self.pressure.x[i]
 
     @ti.kernel
     def sum_history(self):
         """Sum the time levels: backward differences and extrapolation."""
         ti.loop_config(serialize=self.operators.serial_numbers)
         for i in range(self.points.particles[None]):
-            history, extrapolated = ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0])
+            history, extrapolated = 0.0 * self.velocity.x[i], 0.0 * self.velocity.x[i]
             for level in ti.static(range(VELOCITIES)):
-                velocity = self.levels.velocity(level, i)
+                velocity = self.levels.carried(level, i)
                 history += self.alpha[level] * velocity
                 extrapolated += self.beta[level] * velocity
             self.u_history[i], self.u_extrapolated[i] = history, extrapolated
             self.velocity.x[i] = extrapolated
             pressure = 0.0
             for level in ti.static(range(PRESSURES)):
-                pressure += self.beta_pressure[level] * self.levels.fields[i][2 * VELOCITIES + level]
+                pressure += self.beta_pressure[level] * self.levels.fields[i][self.levels.first_pressure + level]
             self.pressure.x[i] = pressure
 
     @ti.kernel
@@ -213,10 +245,12 @@ class SplittingStep:
         """Right side of the pressure's equation."""
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None]):
-            own, divergence = self.u_history[i], 0.0
+            own, metric = self.u_history[i], self.coordinates.radius(i) ** 2
+            divergence = self.coordinates.hoop(own.y)
             for k in range(self.points.count[i]):
                 difference = self.u_history[self.points.neighbours[i, k]] - own
-                divergence += self.operators.d_dx[i, k] * difference.x + self.operators.d_dy[i, k] * difference.y
+                d_dy = metric * self.operators.d_dy[i, k]
+                divergence += self.operators.d_dx[i, k] * difference.x + d_dy * difference.y
             if ti.static(self.varying):
                 divergence += self.extra_stress.implicit_divergence[i]
             self.pressure.b[i] = (retained * self.levels.divergence[i] - divergence) / dt
@@ -237,10 +271,12 @@ class SplittingStep:
         """Right side of the velocities' equation."""
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None]):
-            gradient = self.pressure_gradient(i)
+            gradient, known = self.pressure_gradient(i), self.u_history[i]
             if ti.static(self.has_body_force):
-                gradient -= self.acceleration[None]
-            self.velocity.b[i] = self.u_history[i] - dt * gradient
+                gradient -= ti.Vector([self.acceleration[None].x, self.acceleration[None].y])
+            known.x -= dt * gradient.x
+            known.y -= dt * gradient.y
+            self.velocity.b[i] = known
 
     @ti.kernel
     def sum_difference(self):
@@ -249,8 +285,7 @@ class SplittingStep:
         for _ in range(1):
             total = 0.0
             for i in range(self.points.n_fluid[None]):
-                difference = self.velocity.x[i] - self.u_extrapolated[i]
-                total += difference.dot(difference)
+                total += self.coordinates.squared(i, self.velocity.x[i] - self.u_extrapolated[i])
             self.difference_squared[None] = total
 
     @ti.kernel

@@ -32,7 +32,8 @@ LEADING = 11 / 6
 
 def courant_speed(fastest, case):
     """Return the velocity that the Courant number refers to where the ``fastest`` one of a flow or scene is that."""
-    return max(fastest, SMALLEST_SPEED * case.reference_velocity)
+    part = SMALLEST_SCALE if case.axisymmetric else SMALLEST_SPEED  # what goes around the axis moves no particle
+    return max(fastest, part * case.reference_velocity)
 
 
 def error_speed(fastest, case):

@@ -5,8 +5,7 @@ import math
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import holding, real, scalar, ti, view
 from tisph.schemes._splitting._bdf import PRESSURES, VELOCITIES
-
-N_FIELDS = 2 * VELOCITIES + PRESSURES
+from tisph.schemes._splitting._coordinates import Coordinates
 
 
 @ti.func
@@ -37,15 +36,21 @@ def transfer(operators: ti.template(), d_dx: ti.template(), d_dy: ti.template(),
 class TimeLevels:
     """``position`` (fluid) and ``fields`` (fluid): velocities, newest first, then pressures per unit density.
 
+    Velocities have as many components, and those, as the ``coordinates`` say; pressures begin at ``first_pressure``.
+
     All levels belong to one and the same path: where a particle is shifted, they become those of its new path, by the
     Taylor series to second order of fields that are smooth functions of the present position. ``divergence`` (fluid) is
-    that of the newest velocities, ``d_dx`` and ``d_dy`` are the derivatives of all fields. ``number``
-    (fluid) is that of a particle at the start: their order in memory changes.
+    that of the newest velocities, of which ``fastest`` is the largest that moves particles, relative to the mean, and
+    ``largest`` the same with what is around the axis; ``d_dx`` and ``d_dy`` are the derivatives of all fields.
+    ``number`` (fluid) is that of a particle at the start: their order in memory changes.
     """
 
     def __init__(self, operators, shift):
         self.operators, self.points, self.shift = operators, operators.points, shift
-        kind = ti.types.vector(N_FIELDS, real())
+        self.coordinates = Coordinates(operators)
+        self.components = self.coordinates.components
+        self.first_pressure = self.components * VELOCITIES
+        kind = ti.types.vector(self.first_pressure + PRESSURES, real())
         self.position = self.points.field(ti.types.vector(2, real()))
         self.fields = ti.field(kind, self.points.slots + 1)
         self.fields.used = slice(self.points.fluid)
@@ -58,6 +63,7 @@ class TimeLevels:
         self.divergence_squared, self.gradient_squared, self.largest_gradient, self.fastest = (
             scalar(0.0) for _ in range(4)
         )
+        self.largest = scalar(0.0) if self.coordinates.axisymmetric else self.fastest
 
     @ti.kernel
     def predict(self):
@@ -66,13 +72,19 @@ class TimeLevels:
         for i in range(self.points.n_fluid[None]):
             position = self.position[i]
             for level in ti.static(range(VELOCITIES)):
-                position += self.step_weights[level] * self.velocity(level, i)
-            self.points.position[i] = self.points.domain.wrap(position)
+                velocity = self.coordinates.displacement(self.position[i].y, self.velocity(level, i))
+                position += self.step_weights[level] * velocity
+            self.points.position[i] = self.points.domain.wrap(self.coordinates.above_axis(position))
 
     @ti.func
     def velocity(self, level: ti.template(), i):
         """Return the velocity of a particle ``level`` steps ago."""
-        return ti.Vector([self.fields[i][2 * level], self.fields[i][2 * level + 1]])
+        return ti.Vector([self.fields[i][self.components * level + part] for part in ti.static(range(self.components))])
+
+    @ti.func
+    def carried(self, level: ti.template(), i):
+        """Return the same as unknowns of where the particle is at the end of the step."""
+        return self.coordinates.carried(self.velocity(level, i), self.position[i], i)
 
     @ti.func
     def advance_levels(self, i, velocity, pressure):
@@ -80,11 +92,14 @@ class TimeLevels:
         fields = self.fields[i]
         moved_on = fields
         for level in ti.static(range(1, VELOCITIES)):
-            for component in ti.static(range(2)):
-                moved_on[2 * level + component] = fields[2 * level - 2 + component]
+            earlier = self.carried(level - 1, i)
+            for component in ti.static(range(self.components)):
+                moved_on[self.components * level + component] = earlier[component]
         for level in ti.static(range(1, PRESSURES)):
-            moved_on[2 * VELOCITIES + level] = fields[2 * VELOCITIES + level - 1]
-        moved_on[0], moved_on[1], moved_on[2 * VELOCITIES] = velocity.x, velocity.y, pressure
+            moved_on[self.first_pressure + level] = fields[self.first_pressure + level - 1]
+        for component in ti.static(range(self.components)):
+            moved_on[component] = velocity[component]
+        moved_on[self.first_pressure] = pressure
         self.fields[i] = moved_on
 
     @ti.kernel
@@ -95,7 +110,8 @@ class TimeLevels:
         for i in range(particles):
             d_dx, d_dy = gradients(self.operators, self.fields, i)
             self.d_dx[i], self.d_dy[i] = d_dx, d_dy
-            self.divergence[i] = d_dx[0] + d_dy[1]
+            metric = self.coordinates.radius(i) ** 2
+            self.divergence[i] = d_dx[0] + metric * d_dy[1] + self.coordinates.hoop(self.fields[i][1])
         ti.loop_config(serialize=True)
         for _ in range(1):
             self.sum_squares(self.points.n_fluid[None])
@@ -106,23 +122,41 @@ class TimeLevels:
 
         Velocities are those relative to their mean.
         """
-        divergence, gradient, largest, fastest = 0.0, 0.0, 0.0, 0.0
-        mean = ti.Vector([0.0, 0.0])
+        divergence, gradient, largest, fastest, around = 0.0, 0.0, 0.0, 0.0, 0.0
+        mean = 0.0 * self.velocity(0, 0)
         for i in range(particles):
             mean += self.velocity(0, i)
         mean /= particles
+        if ti.static(self.coordinates.axisymmetric):
+            mean = ti.Vector([mean[0], 0.0, 0.0])  # the only one that a frame can have
         for i in range(particles):
             d_dx, d_dy = self.d_dx[i], self.d_dy[i]
-            square = d_dx[0] ** 2 + d_dx[1] ** 2 + d_dy[0] ** 2 + d_dy[1] ** 2
+            square = self.gradient_square(i, d_dx, d_dy)
             divergence += self.divergence[i] ** 2
             gradient += square
             largest = ti.max(largest, square)
             velocity = self.velocity(0, i) - mean
-            fastest = ti.max(fastest, velocity.dot(velocity))
+            around = ti.max(around, self.coordinates.squared(i, velocity))
+            if ti.static(self.coordinates.axisymmetric):
+                velocity.z = 0.0
+            fastest = ti.max(fastest, self.coordinates.squared(i, velocity))
         self.divergence_squared[None] = divergence
         self.gradient_squared[None] = gradient
         self.largest_gradient[None] = ti.sqrt(largest)
+        self.largest[None] = ti.sqrt(around)
         self.fastest[None] = ti.sqrt(fastest)
+
+    @ti.func
+    def gradient_square(self, i, d_dx, d_dy):
+        """Return the sum of the squares of the velocity gradient with these derivatives of the fields."""
+        radius, square = self.coordinates.radius(i), 0.0
+        if ti.static(self.coordinates.axisymmetric):
+            own, metric = self.fields[i], radius**2
+            square = d_dx[0] ** 2 + metric * (d_dy[0] ** 2 + d_dx[1] ** 2 + d_dx[2] ** 2)
+            square += (own[1] + metric * d_dy[1]) ** 2 + own[1] ** 2 + (own[2] + metric * d_dy[2]) ** 2 + own[2] ** 2
+        else:
+            square = d_dx[0] ** 2 + d_dx[1] ** 2 + d_dy[0] ** 2 + d_dy[1] ** 2
+        return square
 
     @ti.kernel
     def remap(self):
@@ -130,8 +164,9 @@ class TimeLevels:
         particles = self.points.particles[None]
         ti.loop_config(serialize=self.operators.serial)
         for i in range(particles):
-            self.fields[i] += transfer(self.operators, self.d_dx, self.d_dy, i, self.shift.moved[i])
-            self.position[i] = self.points.domain.wrap(self.points.position[i])
+            moved = self.coordinates.shifted(i, self.shift.moved[i])
+            self.fields[i] += transfer(self.operators, self.d_dx, self.d_dy, i, moved)
+            self.position[i] = self.points.domain.wrap(self.coordinates.above_axis(self.points.position[i]))
 
     def reorder(self, others):
         """Put the particles, and ``others`` of their fields, in the order of the cells of the last search."""

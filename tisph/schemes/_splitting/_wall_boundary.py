@@ -41,7 +41,7 @@ class WallBoundary:
         self.problem, self.walls, self.support, self.skin = problem, problem.walls, support, skin * problem.spacing
         self.levels, self.points, self.shift, self.grid = levels, levels.points, shift, grid
         self.pressure_boundary = PressureBoundaryCondition(
-            levels.operators, problem.walls, problem.spacing, problem.contact is not None
+            levels, problem.walls, problem.spacing, problem.contact is not None
         )
         self.slots = slice(problem.n_fluid, problem.particles)
         self.corners = CornerSingularities(problem.corners, problem.origin, levels) if problem.corners else None
@@ -63,9 +63,10 @@ class WallBoundary:
         planes, distances, curvatures = self.walls.nearest_walls(positions[: self.problem.particles], time)
         if self.levels.operators.curved:
             view(self.levels.operators.polar_map)[: self.problem.particles] = self.walls.polar_map(
-                planes, distances, curvatures
+                positions[: self.problem.particles], planes, distances, curvatures
             )
-        view(self.shift.planes)[: self.problem.n_fluid] = planes[: self.problem.n_fluid]
+        mirrors = self.walls.mirrors(positions[: self.problem.particles], planes, distances)
+        view(self.shift.planes)[: self.problem.n_fluid] = mirrors[: self.problem.n_fluid]
         spacing = self.problem.spacing
         factor = self.walls.support_factor(distances, self.support)
         factor[self.slots] += POINT_SUPPORT / self.support
@@ -102,7 +103,9 @@ class WallBoundary:
     @property
     def regular_velocities(self):
         """Velocities (points, levels, 2) of all, in place: less those of the known flow in the corners."""
-        return active(self.levels.fields)[: self.problem.particles, : 2 * VELOCITIES].reshape(-1, VELOCITIES, 2)
+        levels = self.levels
+        velocities = active(levels.fields)[: self.problem.particles, : levels.first_pressure]
+        return velocities.reshape(-1, VELOCITIES, levels.components)
 
     @cached_property
     def corner_velocity(self):
@@ -160,7 +163,7 @@ class WallBoundary:
 
     def inwards(self, velocity):
         """Return the parts (count,) into the fluid of velocities (count, 2) at the points."""
-        return np.sum(self.normal * velocity, axis=1)
+        return self.walls.inwards(self.normal, velocity)
 
     def find_impulse(self, splitting, tolerance):
         """Find the impulse of a pressure with which the fluid starts as the walls do; return whether there is one."""
@@ -196,20 +199,30 @@ class WallBoundary:
         if self.problem.carries_stress:
             normals = self.problem.density * self.walls.means(_first_normal_stress_difference(extra, self.normal))
             self.normal_stresses = [normals, *self.normal_stresses][:LOAD_LEVELS]
-        pressure = active(self.levels.fields)[self.slots, 2 * VELOCITIES].astype(float)
+        pressure = active(self.levels.fields)[self.slots, self.levels.first_pressure].astype(float)
         loads = self.problem.density * self.walls.sums(self.tractions(pressure, self.strain(), extra), time)
         self.loads = [loads, *self.loads][:LOAD_LEVELS]
 
     def strain(self):
-        """Return 2 D (3, count), xx, xy and yy, at the points, of the velocities whose gradients are measured."""
-        d_dx, d_dy = (view(field)[self.slots, :2].astype(float) for field in (self.levels.d_dx, self.levels.d_dy))
-        return np.stack([2.0 * d_dx[:, 0], d_dy[:, 0] + d_dx[:, 1], 2.0 * d_dy[:, 1]])
+        """Return 2 D (numbers, count), xx, xy and yy, at the points, of the velocities whose gradients are measured.
+
+        In axisymmetric flow those around the axis follow: of x and that, and of y and that.
+        """
+        parts = (view(field)[self.slots, : self.levels.components].T.astype(float) for field in self._gradients)
+        return self.walls.strain(self.velocity.T, *parts)
+
+    @property
+    def _gradients(self):
+        return self.levels.d_dx, self.levels.d_dy
 
     def tractions(self, pressure, strain, extra):
-        """Return the tractions (2, count, 2) of all and of the pressure, per unit density."""
-        stress, normal = self.problem.solvent_viscosity * strain + extra, self.normal
-        viscous = np.stack([(stress[:2] * normal.T).sum(axis=0), (stress[1:] * normal.T).sum(axis=0)], axis=1)
-        tractions = np.stack([viscous, -pressure[:, None] * normal])
+        """Return the tractions (2, count, components) of all and of the pressure, per unit density."""
+        stress, normal = self.problem.solvent_viscosity * strain + extra, self.normal.T
+        rows = (stress[:2], stress[1:3], stress[3:])[: self.levels.components]
+        viscous = np.stack([(row * normal).sum(axis=0) for row in rows])
+        pushing = np.zeros_like(viscous)
+        pushing[:2] = -pressure * normal
+        tractions = np.stack([viscous.T, pushing.T])
         if self.corners:
             tractions += self.corner_traction
         viscous, pressure = tractions

@@ -47,13 +47,17 @@ class WallPoints:
 
     def __init__(self, bodies, spacing, origin):
         self.bodies, self.spacing, self.origin = bodies, spacing, np.array(origin)
-        self.outlines = [body.shape.boundary_points(spacing) for body in bodies]
+        self.outlines = [self._outline(body) for body in bodies]
         self.length = np.concatenate([outline.length for outline in self.outlines])
         ends = np.cumsum([0, *(len(outline.length) for outline in self.outlines)])
         self.parts = [slice(first, last) for first, last in itertools.pairwise(ends)]
         self.count = len(self.length)
         self.curved = any(0.0 < body.shape.smallest_radius < np.inf for body in bodies)
         self._kept = None, None
+
+    def _outline(self, body):
+        """Return the points of a wall in the frame of its body, a ``Boundary``."""
+        return body.shape.boundary_points(self.spacing)
 
     def at(self, time):
         """Return positions, normals into the fluid and velocities of the points at ``time``, (count, 2) each."""
@@ -86,6 +90,10 @@ class WallPoints:
                     curve = CubicSpline(boundary.point[order, 0], values[age][:, part][:, order], axis=1)
                     result[age][:, part] = curve(body.departure_point(boundary.point, gone)[:, 0])
         return result
+
+    def inwards(self, normal, velocity):
+        """Return the parts (count,) into the fluid of velocities (count, 2) at the points with this ``normal``."""
+        return np.sum(normal * velocity, axis=1)
 
     def gradients(self, gradients, time):
         """Return velocity gradients (2, 2, count), du_a/dx_b, on the points with what is known of them there.
@@ -168,13 +176,24 @@ class WallPoints:
             result[near] = weight @ bulging / weight.sum(axis=1)
         return result
 
-    def polar_map(self, planes, distances, curvatures):
-        """Return the ``polar_map`` of operators (n, 2), the conjugate inverse of the vector from the centre."""
+    def polar_map(self, place, planes, distances, curvatures):
+        """Return the ``polar_map`` of operators (n, 2) at positions (n, 2).
+
+        It is the conjugate inverse of the vector from the centre of curvature.
+        """
         normal, distance, curvature = planes[:, 0, :2], distances[:, 0], curvatures[:, 0]
         radius = 1.0 / np.where(curvature, curvature, 1e-30) + distance
         least = self.spacing * np.where(curvature > 0.0, LEAST_RADIUS, LEAST_INSIDE)
         curved = (curvature != 0.0) & (distance < CURVED * self.spacing) & (radius * np.sign(curvature) > least)
         return np.where(curved, 1.0 / radius, 0.0)[:, None] * normal * [1.0, -1.0]
+
+    def mirrors(self, place, planes, distances):
+        """Return the planes (n, MAX_WALLS, 3) in which the arrangement of particles goes on as its mirror image."""
+        return planes
+
+    def strain(self, velocity, d_dx, d_dy):
+        """Return 2 D (3, count), xx, xy and yy, of a ``velocity`` (2, count) with these derivatives."""
+        return np.stack([2.0 * d_dx[0], d_dy[0] + d_dx[1], 2.0 * d_dy[1]])
 
     def support_factor(self, distances, support):
         """Return by what factor a ``support``, in spacings, is wider at such distances."""

@@ -1,0 +1,86 @@
+"""Walls of axisymmetric flow: curves in the half-plane y >= 0, each that of a surface of revolution around y = 0.
+
+Velocities are the unknowns of ``_coordinates``: u, v/r and w/r. What such a wall is to the other half-plane is no wall
+to the fluid: points are those with y > 0.
+"""
+
+import numpy as np
+
+from tisph.geometry._shape import Boundary
+from tisph.schemes._splitting._wall_points import WallPoints
+
+NEAR_AXIS = 5.0
+"""Distance from the axis, in particle spacings, up to which operators do not use the curvature of walls."""
+
+
+class WallsOfRevolution(WallPoints):
+    """Points on walls, ``WallPoints``, that may turn around the axis as well, by the ``spin`` of their bodies."""
+
+    def __init__(self, bodies, spacing, origin):
+        super().__init__(bodies, spacing, origin)
+        self.near_axis = NEAR_AXIS * spacing
+
+    def _outline(self, body):
+        """Return points on the upper half of a wall that is symmetric about the axis, none of them on it."""
+        length = body.shape.length
+        outline = body.shape.boundary_points(length / (2 * round(0.5 * length / self.spacing)))
+        above = body.placed(outline).point[:, 1] > 0.0
+        return Boundary(*(getattr(outline, name)[above] for name in ("point", "normal", "curvature", "length")))
+
+    def velocities(self, time):
+        """Return u, v/r and w/r (count, 3) of the points at ``time``."""
+        along, across = super().velocities(time).T
+        return np.stack([along, across / self.radii(time), self._spins("velocity", time)], axis=1)
+
+    def acceleration(self, time):
+        """Return the accelerations (count, 3) of the points, over r across and around the axis."""
+        (along, across), radius = super().acceleration(time).T, self.radii(time)
+        centripetal = self._spins("velocity", time) ** 2
+        return np.stack([along, across / radius - centripetal, self._spins("acceleration", time)], axis=1)
+
+    def radii(self, time):
+        """Return the distances (count,) of the points from the axis."""
+        return np.concatenate([boundary.point[:, 1] for boundary in self._placed(time)])
+
+    def _spins(self, name, time):
+        parts = zip(self.bodies, self.parts, strict=True)
+        return np.concatenate([np.full(part.stop - part.start, getattr(body.spin, name)(time)) for body, part in parts])
+
+    def inwards(self, normal, velocity):
+        """Return the parts (count,) into the fluid of the unknowns (count, 3) of a velocity."""
+        return normal[:, 0] * velocity[:, 0] + normal[:, 1] * self.radii(self._kept[0]) * velocity[:, 1]
+
+    def strain(self, velocity, d_dx, d_dy):
+        """Return 2 D (5, count): xx, xy, yy, and of x and y with the direction around the axis."""
+        radius = self.radii(self._kept[0])
+        shear = radius * (d_dy[0] + d_dx[1])
+        across = 2.0 * (velocity[1] + radius**2 * d_dy[1])
+        return np.stack([2.0 * d_dx[0], shear, across, radius * d_dx[2], radius**2 * d_dy[2]])
+
+    def sums(self, tractions, time):
+        """Return force along the axis, 0, torque around it, and 0, on whole bodies (n, bodies, 4)."""
+        radius = self.radii(time)
+        force, result = (
+            (2.0 * np.pi * radius * self.length)[:, None] * tractions,
+            np.zeros((len(tractions), len(self.bodies), 4)),
+        )
+        for number, part in enumerate(self.parts):
+            result[:, number, 0] = force[:, part, 0].sum(axis=1)
+            result[:, number, 2] = (radius[part] * force[:, part, 2]).sum(axis=1)
+        return result
+
+    def means(self, values):
+        """Return the means (bodies,) over each wall of ``values`` (count,) at the points."""
+        area = self.length * self.radii(self._kept[0])
+        return np.array([np.average(values[part], weights=area[part]) for part in self.parts])
+
+    def polar_map(self, place, planes, distances, curvatures):
+        """Return what ``WallPoints`` gives; near the axis, where operators are those of even functions, nothing."""
+        away = place[:, 1] + self.origin[1] > self.near_axis
+        return away[:, None] * super().polar_map(place, planes, distances, curvatures)
+
+    def mirrors(self, place, planes, distances):
+        """Return the planes of ``WallPoints`` with that of the axis instead of the last where it is nearer."""
+        nearer, planes = place[:, 1] + self.origin[1] < distances[:, -1], planes.copy()
+        planes[nearer, -1] = 0.0, 1.0, -self.origin[1]
+        return planes

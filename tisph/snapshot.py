@@ -7,6 +7,9 @@ import numpy as np
 STRESSES = ("stress_xx", "stress_xy", "stress_yy")
 """What a snapshot has of a polymer's stress."""
 
+OPTIONAL = ("w", *STRESSES)
+"""Fields that only some flows have."""
+
 
 @dataclass(frozen=True)
 class Bodies:

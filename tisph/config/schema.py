@@ -147,6 +147,8 @@ class Config(Model):
 
     parallel: ClassVar[bool] = False
     """Whether all flow is along x."""
+    axisymmetric: ClassVar[bool] = False
+    """Whether x is along an axis of symmetry and y the distance from it."""
     periodic: ClassVar[tuple[bool, bool]]
     """Whether the box is periodic in x and y."""
     across_name: ClassVar[str]

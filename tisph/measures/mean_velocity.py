@@ -20,8 +20,9 @@ DEGREE, NEAREST = 2, 18
 def cell_mean(scene, snapshot):
     """Mean (2,) of the velocity over the box of ``scene``, in which a body's solid moves as it does.
 
-    Over nodes a particle spacing or more apart: those of Gauss and Legendre between walls, where the velocity has a
-    slope at the ends, else of a lattice. NaN where a number of the snapshot is none.
+    In axisymmetric flow it is that over the volume. Over nodes a particle spacing or more apart: those of Gauss and
+    Legendre between walls, where the velocity has a slope at the ends, else of a lattice. NaN where a number of the
+    snapshot is none.
     """
     scene = scene.seen(snapshot)
     positions, velocity = with_walls(scene, snapshot)
@@ -35,6 +36,8 @@ def cell_mean(scene, snapshot):
         within = (nearest == index) & ~in_fluid & bool(body.shape.fluid_side == "outside" and body.shape.area)
         values[within] = body.velocity(nodes[within], snapshot.t)
     values[in_fluid] = local_fits(tree, nodes[in_fluid], velocity, DEGREE, NEAREST)[0][:, 0]
+    if scene.axisymmetric:
+        weights = weights * nodes[:, 1] / (weights @ nodes[:, 1])
     return weights @ values
 
 

@@ -91,7 +91,7 @@ def field_error(scene, snapshot, field):
 
 def velocities(scene, snapshot):
     """Velocities and their references, arrays (components that have one, particles)."""
-    names = [name for name in ("u", "v") if name in scene.fields]
+    names = [name for name in ("u", "v", "w") if name in scene.fields]
     snapshot = with_reference(scene, snapshot, names)
     pairs = [(getattr(snapshot, name), snapshot.reference[name]) for name in names]
     return tuple(np.array([pair[side] for pair in pairs], dtype=float) for side in (0, 1))

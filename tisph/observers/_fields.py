@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from tisph.measures.gradients import vorticity
-from tisph.snapshot import STRESSES
+from tisph.snapshot import OPTIONAL
 
 Field = tuple[str, np.ndarray, str]
 """Name, array (particles,) or (particles, components), unit."""
@@ -36,7 +36,7 @@ class Arrays(dict):
     """
 
     def __init__(self, about, snapshot):
-        found = {name: getattr(snapshot, name) for name in ("x", "y", "u", "v", "density", "pressure", *STRESSES)}
+        found = {name: getattr(snapshot, name) for name in ("x", "y", "u", "v", "density", "pressure", *OPTIONAL)}
         found |= {f"{name}_exact": values for name, values in (snapshot.reference or {}).items()}
         super().__init__({name: values for name, values in found.items() if values is not None and len(values)})
         self.t = snapshot.t
@@ -55,7 +55,7 @@ def fields(particles: Particles) -> Iterator[Field]:
     units = particles.units
     yield "particle", np.arange(len(particles["x"])), ""
     for suffix in ("", "_exact"):
-        for name, parts in (("velocity", ("u", "v", "")), ("stress", STRESS)):
+        for name, parts in (("velocity", ("u", "v", "w")), ("stress", STRESS)):
             if parts[0] + suffix in units:
                 here = tuple(part and part + suffix for part in parts)
                 yield name + suffix, _together(particles, here), units[here[0]]

@@ -12,7 +12,7 @@ import numpy as np
 
 from tisph.folder import partial, spare
 from tisph.observers._files import hdf5_file, readable, replaced
-from tisph.snapshot import STRESSES, Bodies, Snapshot
+from tisph.snapshot import OPTIONAL, Bodies, Snapshot
 
 FIELDS = ("x", "y", "u", "v", "density", "pressure")
 
@@ -38,7 +38,7 @@ class Storage:
     ``put`` says what a snapshot is in the file.
     """
 
-    def __init__(self, path, name, fields=FIELDS + STRESSES, dtype=None, delay=0.0, about=({}, {})):
+    def __init__(self, path, name, fields=FIELDS + OPTIONAL, dtype=None, delay=0.0, about=({}, {})):
         self.path = path
         self.name = name
         self.options = (fields, dtype)
@@ -111,7 +111,7 @@ class Storage:
 def _kept(snapshot, fields, dtype):
     """Return ``snapshot`` with those of its fields that are in ``fields``, as ``dtype`` where one is given."""
     with np.errstate(over="ignore"):
-        values = {name: getattr(snapshot, name) for name in FIELDS + STRESSES}
+        values = {name: getattr(snapshot, name) for name in FIELDS + OPTIONAL}
         kept = {
             name: np.asarray(value, dtype) if name in fields and value is not None else None
             for name, value in values.items()
@@ -126,7 +126,7 @@ def write_snapshot(group, snapshot):
     for name in STATE:
         if getattr(snapshot, name) is not None:
             group.attrs[name] = getattr(snapshot, name)
-    for name in FIELDS + STRESSES:
+    for name in FIELDS + OPTIONAL:
         if getattr(snapshot, name) is not None:
             group.create_dataset(name, data=getattr(snapshot, name))
     for name, values in (snapshot.reference or {}).items():
@@ -146,7 +146,7 @@ def read_snapshots(path, fields=FIELDS):
     with readable(path), h5py.File(path, "r") as file:
         for group in sorted(file.values(), key=lambda group: group.attrs["t"]):
             stored = {name: group[name][...] if name in fields or name in group else np.empty(0) for name in FIELDS}
-            stored |= {name: group[name][...] for name in STRESSES if name in group}
+            stored |= {name: group[name][...] for name in OPTIONAL if name in group}
             stored |= {name: group.attrs[name] for name in STATE if name in group.attrs}
             exact = {name.removesuffix(EXACT): group[name][...] for name in group if name.endswith(EXACT)}
             stored["reference"] = exact or None

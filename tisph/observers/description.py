@@ -43,10 +43,12 @@ class Description:
     def units(self):
         """Units by the name of a field."""
         length, mass, time = (getattr(self.config.units, name) for name in ("length", "mass", "time"))
-        fields = {"x": length, "y": length, "u": f"{length}/{time}", "v": f"{length}/{time}"}
+        fields = {"x": length, "y": length, "u": f"{length}/{time}", "v": f"{length}/{time}", "w": f"{length}/{time}"}
         stresses = ("pressure", "stress_xx", "stress_xy", "stress_yy", "normal_stress")
         fields |= {"centre": length, "velocity": f"{length}/{time}", "angle": "rad", "angular_velocity": f"rad/{time}"}
         loads = {"force": f"{mass}/{time}^2", "torque": f"{mass} {length}/{time}^2"}  # per length across the plane
+        if self.config.axisymmetric:
+            loads = {"force": f"{mass} {length}/{time}^2", "torque": f"{mass} {length}^2/{time}^2"}
         fields |= {"contact_force": loads["force"], "t": time}
         fields |= dict.fromkeys(("stresslet", "contact_torque", "contact_stresslet"), loads["torque"])
         fields |= {f"{part}{name}": unit for name, unit in loads.items() for part in ("", "pressure_")}

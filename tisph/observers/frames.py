@@ -6,8 +6,8 @@ from tisph.observers._storage import Storage, read_snapshots
 from tisph.observers.protocol import StateObserver
 from tisph.observers.schedule import Times
 
-FIELDS = ("x", "y", "u", "v", "stress_xy")
-"""What every movie may show; the stress is there only with polymer."""
+FIELDS = ("x", "y", "u", "v", "w", "stress_xy")
+"""What every movie may show: the stress is there only with polymer, w only in axisymmetric flow."""
 
 DELAY = 5.0
 """Seconds of the clock after which a frame is in its file at the latest, if the next one comes: writing one at a time

@@ -5,7 +5,7 @@ import numpy as np
 from tisph.errors import DivergedError
 from tisph.observers.protocol import StateObserver
 from tisph.observers.schedule import EverySteps
-from tisph.snapshot import STRESSES
+from tisph.snapshot import OPTIONAL
 
 INTERVAL = 50
 """Steps between two looks: a run that goes wrong is stopped within twice as many."""
@@ -40,8 +40,8 @@ class Guard(StateObserver):
 
     def check(self, snapshot):
         """Raise DivergedError naming field, particle, step and time; else keep ``snapshot`` as good."""
-        stresses = STRESSES if snapshot.stress_xx is not None else ()
-        for field in ("x", "y", "u", "v", "density", *stresses):
+        others = [name for name in OPTIONAL if getattr(snapshot, name) is not None]
+        for field in ("x", "y", "u", "v", "density", *others):
             self._refuse(snapshot, field, ~np.isfinite(getattr(snapshot, field)), "is not a finite number")
         off = np.abs(snapshot.density / self.scene.density - 1.0) > DENSITY_LIMIT
         limit = f"is off the reference density {self.scene.density:.6g} by more than {DENSITY_LIMIT:.0%}"

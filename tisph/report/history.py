@@ -86,7 +86,7 @@ def _lines(axes, series, chosen, times, values, resolved):
         axes.plot(times, values[:, index], lw=max(1.0, 2.5 - 0.5 * place), markevery=some, label=label, **look)
     known = [series.levels[index] for index in chosen if series.levels and np.isfinite(series.levels[index])]
     for level in known:
-        axes.axhline(level, color=style.EXACT, linestyle="--", linewidth=1.0, label="exact, when steady")
+        axes.axhline(level, color=style.EXACT, linestyle="--", linewidth=1.0, label=series.level_name)
     _fit_to_what_is_resolved(axes, resolved, values[:, chosen])
     if series.panels:  # of a force one wants to see how far it is from none, of a place how it changes
         least = _SMALLEST * max(series.sizes[index] for index in chosen)

@@ -121,6 +121,11 @@ class Scene:
         return PolymerParameters.of(self.rheology)
 
     @property
+    def components(self):
+        """Number of the components of a velocity: u and v, and w where there is one."""
+        return 3 if self.axisymmetric else 2
+
+    @property
     def extent(self):
         """Width and height of the box."""
         raise NotImplementedError

@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from tisph import runtime
-from tisph.observers._storage import STRESSES
-from tisph.snapshot import Bodies, Snapshot
+from tisph.snapshot import STRESSES, Bodies, Snapshot
 
 PARTICLES_PER_THREAD = 512
 """Taichi does not split a loop into shorter pieces than this."""
@@ -28,11 +27,11 @@ def useful_threads(config, scene):
 
 
 def start_values(scene, initial):
-    """Return positions and velocities (particles, 2) and polymer stresses (particles, 3) or None at the start."""
+    """Return positions (particles, 2), velocities (particles, 2 or 3) and polymer stresses (particles, 3) or None at the start."""
     x, y = scene.jittered(initial.seed, initial.jitter)
     fields = scene.initial(x, y)
     stress = np.stack([fields[name] for name in STRESSES], 1) if scene.polymer else None
-    return np.stack([x, y], 1), np.stack([fields["u"], fields["v"]], 1), stress
+    return np.stack([x, y], 1), np.stack([fields[name] for name in ("u", "v", "w")[: scene.components]], 1), stress
 
 
 def start_snapshot(scene, values, precision):
@@ -43,14 +42,20 @@ def start_snapshot(scene, values, precision):
     """
     position, velocity, stress = values
     kind = np.float32 if precision == "f32" else np.float64
-    x, y, u, v = (column.astype(kind) for column in (*position.T, *velocity.T))
+    x, y, *velocities = (column.astype(kind) for column in (*position.T, *velocity.T))
     nothing = np.zeros(len(x))
     stresses = {} if stress is None else dict(zip(STRESSES, stress.T, strict=True))
     x, y = (
         place % size if periodic else place
         for place, size, periodic in zip((x, y), scene.extent, scene.periodic, strict=True)
     )
-    state = {"x": x, "y": y, "u": u, "v": v, "density": nothing + scene.density, "pressure": nothing}
+    state = {
+        "x": x,
+        "y": y,
+        **dict(zip(("u", "v", "w"), velocities, strict=False)),
+        "density": nothing + scene.density,
+        "pressure": nothing,
+    }
     if "pressure" in scene.fields:
         state["pressure"] = scene.exact("pressure", x, y, scene.start_time)
     if scene.bodies:

@@ -35,7 +35,7 @@ class Cylinders(BodyScene):
     @classmethod
     def from_config(cls, config):
         """The scene that a validated config describes."""
-        inner, outer = (_turning_of(wall) for wall in (config.walls.inner, config.walls.outer))
+        inner, outer = (turning_of(wall) for wall in (config.walls.inner, config.walls.outer))
         return cls(
             **cls.fluid_of(config),
             inner_radius=config.geometry.inner_radius,
@@ -126,7 +126,7 @@ class Cylinders(BodyScene):
         return {"inner_radius": self.inner_radius, "outer_radius": self.outer_radius, "centre": list(self.centre)}
 
 
-def _turning_of(wall):
+def turning_of(wall):
     """The motion of a cylinder of a config."""
     if wall.angular_velocities:
         return Schedule(wall.times, wall.angular_velocities)

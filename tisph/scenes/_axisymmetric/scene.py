@@ -1,0 +1,94 @@
+"""What all axisymmetric scenes are: a half-plane y >= 0 above the axis, periodic along it, with walls of revolution."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from tisph.geometry.body import Body
+from tisph.geometry.line import Line
+from tisph.geometry.region import Region
+from tisph.scenes._body_scene import BodyScene
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxisymmetricScene(BodyScene):
+    """Fluid within ``length`` of the axis from ``inner_radius`` to ``outer_radius``; every number in the config's units.
+
+    ``names`` are those of ``bodies``, which are walls of revolution; the fluid reaches the axis where ``inner_radius``
+    is 0. Forces are those on whole bodies of revolution, one period long.
+    """
+
+    length: float
+    inner_radius: float
+    outer_radius: float
+    names: tuple[str, ...]
+    bodies: tuple[Body, ...]
+    start_time: float = 0.0
+
+    axisymmetric = True
+    periodic = (True, False)
+    time_formula = "νt/H²"
+
+    @property
+    def origin(self):
+        """Lowest corner of the half-plane that holds fluid."""
+        return 0.0, self.inner_radius
+
+    @property
+    def extent(self):
+        """Length, and difference of the radii."""
+        return self.length, self.outer_radius - self.inner_radius
+
+    @cached_property
+    def region(self):
+        """The fluid's region at t = 0, with the axis as a wall where the fluid reaches it."""
+        high, bodies = (self.length, self.outer_radius), self.bodies
+        if self.inner_radius == 0.0:
+            bodies = (axis(self.length), *bodies)
+        return Region(bodies, self.origin, high, self.periodic)
+
+    @property
+    def reference_length(self):
+        """Difference of the radii."""
+        return self.extent[1]
+
+    @property
+    def reference_velocity(self):
+        """Speed of the fastest wall."""
+        return max(map(wall_speed, self.bodies))
+
+    @property
+    def time_scale(self):
+        """Viscous time of the difference of the radii."""
+        return self.viscous_time
+
+    @property
+    def volume(self):
+        """Volume of the fluid in one period."""
+        return np.pi * (self.outer_radius**2 - self.inner_radius**2) * self.length
+
+    def initial(self, x, y):
+        """Rest, without stress."""
+        return {**super().initial(x, y), "w": np.zeros(np.shape(x))}
+
+    def description(self):
+        """Radii and length."""
+        return {"inner_radius": self.inner_radius, "outer_radius": self.outer_radius, "length": self.length}
+
+
+def axis(length):
+    """The axis as a wall, for the arrangement of particles."""
+    return Body(Line((0.0, 0.0), (1.0, 0.0), length))
+
+
+def cylinder(radius, length, outer, **motion):
+    """The wall of a cylinder, with the fluid inside it where it is the ``outer`` one; ``motion`` as of ``Body``."""
+    line = Line((length, radius), (-1.0, 0.0), length) if outer else Line((0.0, radius), (1.0, 0.0), length)
+    return Body(line, **motion)
+
+
+def wall_speed(body):
+    """Largest speed of a straight wall, along the axis and around it."""
+    turning = body.spin.largest_speed * body.shape.point[1] if body.spin.largest_speed else 0.0
+    return float(np.hypot(body.motion.x.largest_speed, turning))

@@ -1,0 +1,29 @@
+"""What is looked at in axisymmetric flow: profiles over the radius, and in words what it is."""
+
+from tisph.scenes._views import Line, Profile
+
+NAMES = {"u": "u", "v": "u_r", "w": "u_θ"}
+"""Velocities along the axis, along radii and around the axis, as pictures call them."""
+
+
+def parameters(scene):
+    """Pairs (label, text) of what the flow is, independent of particles."""
+    length, time = scene.units.length, scene.units.time
+    return [
+        ("Reynolds number", f"{scene.reynolds:.6g}  (U H / nu, H the difference of the radii)"),
+        ("velocity U", f"{scene.reference_velocity:.6g} {length}/{time}"),
+        ("kinematic viscosity nu", f"{scene.kinematic_viscosity:.6g} {length}^2/{time}"),
+        ("radii", f"{scene.inner_radius:.6g} and {scene.outer_radius:.6g} {length}"),
+        ("viscous time", f"{scene.viscous_time:.6g} {time}  (H^2 / nu)"),
+    ]
+
+
+def across(scene, place=None):
+    """The line over the radius at ``place`` along the axis, with the particles half a spacing around it, or all."""
+    ends = scene.inner_radius, scene.outer_radius
+    return Line("y", ends, 0.0) if place is None else Line("y", ends, place, 0.5 * scene.spacing)
+
+
+def velocity(scene, field, line, **reference):
+    """The Profile of a velocity, the ``field`` u, v or w, on a ``line``."""
+    return Profile(NAMES[field], "velocity", line, of=lambda snapshot: getattr(snapshot, field), **reference)

@@ -1,0 +1,212 @@
+"""Taylor-Couette flow: fluid between two cylinders that turn around one axis, periodic along it; Taylor's vortices.
+
+The flow does not change around the axis. It starts at rest, or as the laminar flow of cylinders that have always
+turned, A r + B/r around the axis; ``disturbance`` adds vortices, one pair of them in the length, whose radial velocity
+is at most that part of the speed of the fastest wall. Where the Reynolds number is above the critical one of their
+wavenumber they grow, exponentially at first, until they carry a part of the torque (G. I. Taylor, Phil. Trans. R. Soc.
+A 223 (1923) 289-343).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from tisph.config.base import NonNegative, Positive, Problem
+from tisph.scenes import annulus
+from tisph.scenes._annulus.cylinders import turning_of
+from tisph.scenes._axisymmetric import config as axisymmetric
+from tisph.scenes._axisymmetric import measures, views
+from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder
+from tisph.scenes._initial import RestInitial
+from tisph.scenes._views import TimeSeries
+
+RECENT = 0.1
+"""Part of the time so far over which a growth rate is taken."""
+
+
+class Geometry(annulus.Radii):
+    """Radii of the cylinders, and period along the axis [length]."""
+
+    length: Positive
+
+
+class Walls(annulus.Walls):
+    """The two cylinders."""
+
+
+class Initial(RestInitial):
+    """Start: at rest, or as the laminar flow of cylinders that have always turned.
+
+    ``disturbance``: largest radial velocity of a pair of vortices that is added, over the speed of the fastest wall.
+    ``jitter``: uniform random displacement of every particle, +- that many spacings in x and y, after they have been
+    spread evenly; the same ``seed`` gives the same displacements.
+    """
+
+    state: Literal["rest", "developed"] = "rest"
+    disturbance: NonNegative = 0.0
+
+
+class Config(axisymmetric.Config):
+    """A whole run of Taylor-Couette flow."""
+
+    geometry: Geometry
+    walls: Walls
+    initial: Initial = Initial()
+
+    across_name = "the gap between the cylinders"
+
+    @property
+    def inner_radius(self) -> float:
+        """Radius of the inner cylinder [length]."""
+        return self.geometry.inner_radius
+
+    @property
+    def outer_radius(self) -> float:
+        """Radius of the outer cylinder [length]."""
+        return self.geometry.outer_radius
+
+    def problems(self) -> Iterator[Problem]:
+        """What the scene has against the config."""
+        yield from super().problems()
+        walls = {"inner": self.walls.inner, "outer": self.walls.outer}
+        if not any(wall.speed or wall.amplitude or wall.angular_velocities for wall in walls.values()):
+            yield "walls", "nothing moves: give walls.inner or walls.outer an angular_velocity other than 0"
+        developed = self.initial.state == "developed"
+        for name, wall in walls.items():
+            if wall.speed_before is not None:
+                yield f"walls.{name}.angular_velocity_before", "is for scene annulus alone"
+            if developed and wall.speed is None:
+                yield "initial.state", f"must be rest where walls.{name} does not turn at a constant angular_velocity"
+        if developed and self.fluid.rheology.type != "newtonian":
+            yield "initial.state", f"must be rest: the laminar flow of {self.fluid.rheology.type} is not built in here"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene(AxisymmetricScene):
+    """Two cylinders; ``developed``: whether they have always turned, ``disturbance`` as of ``Initial``."""
+
+    developed: bool
+    disturbance: float
+
+    flow_quantities = ("torque_inner", "torque_outer", "torque_ratio", "radial_velocity")
+
+    @classmethod
+    def from_config(cls, config):
+        """The scene that a validated config describes."""
+        radii, length = (config.inner_radius, config.outer_radius), config.geometry.length
+        turning = (turning_of(wall) for wall in (config.walls.inner, config.walls.outer))
+        return cls(
+            **cls.fluid_of(config),
+            length=length,
+            inner_radius=radii[0],
+            outer_radius=radii[1],
+            names=("inner", "outer"),
+            bodies=tuple(
+                cylinder(radius, length, outer, spin=spin)
+                for radius, outer, spin in zip(radii, (False, True), turning, strict=True)
+            ),
+            developed=config.initial.state == "developed",
+            disturbance=config.initial.disturbance,
+        )
+
+    @property
+    def jump_times(self):
+        """Times above 0 at which the angular velocity of a cylinder, or its slope, jumps."""
+        return tuple(sorted({time for body in self.bodies for time in body.spin.jump_times}))
+
+    @property
+    def laminar(self):
+        """A and B of the steady laminar flow A r + B/r of the present angular velocities."""
+        inner, outer = (float(body.spin.velocity(self.start_time)) for body in self.bodies)
+        squares = self.inner_radius**2, self.outer_radius**2
+        width = squares[1] - squares[0]
+        return (outer * squares[1] - inner * squares[0]) / width, (inner - outer) * squares[0] * squares[1] / width
+
+    @property
+    def laminar_torque(self):
+        """Torque [mass length^2/time^2] of the steady laminar flow on the outer cylinder, of a Newtonian fluid."""
+        return 4.0 * np.pi * self.dynamic_viscosity * self.laminar[1] * self.length
+
+    def initial(self, x, y):
+        """Rest or laminar flow, and vortices with u_r = a(y) cos kx, without divergence, which vanish at the walls."""
+        fields = super().initial(x, y)
+        gap, inner, outer = self.reference_length, y - self.inner_radius, self.outer_radius - y
+        shape, slope = 16.0 * (inner * outer) ** 2, 32.0 * inner * outer * (outer - inner)
+        speed, wave = self.disturbance * self.reference_velocity / gap**4, 2.0 * np.pi / self.length
+        fields["u"] = -speed / wave * (slope + shape / y) * np.sin(wave * x)
+        fields["v"] = speed * shape * np.cos(wave * x)
+        if self.developed:
+            fields["w"] = self.laminar[0] * y + self.laminar[1] / y
+        return fields
+
+    def diagnostics(self, snapshot, series):
+        """Torques and forces on the cylinders, kinetic energies, and how vortices grow.
+
+        ``torque_inner``, ``torque_outer``: of the fluid on a cylinder of one period; ``torque_ratio``: that on the
+        inner one over that of steady laminar flow, None where the fluid is not Newtonian; ``radial_velocity``: largest,
+        over the speed of the fastest wall; ``growth_rate``: of the radial velocity, from its mean square over the last
+        tenth of the time so far [1/time], None where it is 0.
+        """
+        torque = measures.loads(self, snapshot)["torque_inner"]
+        newtonian = self.rheology is None and self.laminar_torque
+        return {
+            **measures.loads(self, snapshot),
+            "torque_ratio": -torque / self.laminar_torque if newtonian else None,
+            "radial_velocity": np.max(np.abs(snapshot.v)) / self.reference_velocity,
+            "growth_rate": self._growth_rate(snapshot.t, series),
+            **dict(zip(measures.ENERGIES, measures.kinetic_energies(snapshot), strict=True)),
+            **measures.spread(self, snapshot),
+        }
+
+    def _growth_rate(self, t, series):
+        if len(series) < 3:
+            return None
+        times, values = series[2]
+        recent = (times <= t) & (times >= t - RECENT * (t - self.start_time))
+        energy = values[recent, COLUMNS.index("kinetic_energy_radial")]
+        if np.count_nonzero(recent) < 3 or not (energy > 0.0).all():
+            return None
+        return 0.5 * float(np.polyfit(times[recent], np.log(energy), 1)[0])
+
+    def parameters(self):
+        """Numbers of the flow."""
+        ratio, wave = self.inner_radius / self.outer_radius, 2.0 * np.pi * self.reference_length / self.length
+        turning = (("radius ratio", f"{ratio:.6g}"), ("axial wavenumber", f"{wave:.6g}  (2 pi H / length)"))
+        return [*views.parameters(self), *turning]
+
+    def profiles(self):
+        """Velocities around the axis and along radii where the radial velocity of the disturbance is largest."""
+        line = views.across(self, 0.0)
+        return [views.velocity(self, name, line) for name in ("w", "v")]
+
+    def time_series(self):
+        """Torques on the cylinders, and kinetic energies."""
+        torque, energy = abs(self.laminar_torque) or 1.0, 0.5 * self.reference_velocity**2
+        newtonian, sign = self.rheology is None, -self.laminar_torque
+        return TimeSeries(
+            content="torques of the fluid on the cylinders, and mean kinetic energies per mass along each axis",
+            name="torque",
+            unit="moment",
+            scale=torque,
+            columns=list(COLUMNS),
+            labels=[(name, None) for name in ("inner cylinder", "outer cylinder", "axial", "radial", "azimuthal")],
+            exact_columns=[],
+            measure=self._followed,
+            exact=lambda times: None,
+            sizes=[torque, torque, energy, energy, energy],
+            panels=[*2 * [("torque", "moment")], *2 * [("energy of the vortices", "energy")], ("energy", "energy")],
+            levels=[sign, -sign, *3 * [np.nan]] if newtonian else (),
+            level_name="steady laminar flow",
+        )
+
+    def _followed(self, snapshot):
+        return np.array([*snapshot.bodies.torque, *measures.kinetic_energies(snapshot)])
+
+    def movie_series(self):
+        """Torques on the cylinders."""
+        return self.time_series().only("torque", "torque", "moment")
+
+
+COLUMNS = ("torque_inner", "torque_outer", *measures.ENERGIES)

@@ -94,6 +94,7 @@ def unit_label(kind: str, units) -> str:
         "rate": f"1/{time}",
         "force": "N/m" if pascal else f"{mass}/{time}²",
         "energy": f"{length}²/{time}²",
+        "whole_force": "N" if pascal else f"{mass} {length}/{time}²",
         "moment": "N m" if pascal else f"{mass} {length}²/{time}²",
         "torque": "N" if pascal else f"{mass} {length}/{time}²",
     }[kind]

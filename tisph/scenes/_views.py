@@ -133,7 +133,8 @@ class TimeSeries:
     places, if they are velocities at places: a scheme need not give the others then. Where the numbers are of different
     kinds, ``sizes`` are theirs, and ``panels`` a pair as ``name`` and ``unit`` for the axes that each of them is drawn
     on: numbers of the same pair share axes, and those of None are on none. ``levels``: what they come to in the steady
-    state, NaN where it is unknown. ``level_name`` says what those are. ``drifting``: columns that go on changing in a steady state.
+    state, NaN where it is unknown; ``level_name`` says what those are. ``drifting``: columns that go on changing in a
+    steady state.
     """
 
     content: str

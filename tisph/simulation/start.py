@@ -27,7 +27,10 @@ def useful_threads(config, scene):
 
 
 def start_values(scene, initial):
-    """Return positions (particles, 2), velocities (particles, 2 or 3) and polymer stresses (particles, 3) or None at the start."""
+    """Return positions (particles, 2), velocities (particles, components) and polymer stresses or None at the start.
+
+    Stresses have shape (particles, 3).
+    """
     x, y = scene.jittered(initial.seed, initial.jitter)
     fields = scene.initial(x, y)
     stress = np.stack([fields[name] for name in STRESSES], 1) if scene.polymer else None

@@ -13,7 +13,7 @@ from tisph.scenes._body_scene import BodyScene
 
 @dataclass(frozen=True, kw_only=True)
 class AxisymmetricScene(BodyScene):
-    """Fluid within ``length`` of the axis from ``inner_radius`` to ``outer_radius``; every number in the config's units.
+    """Fluid from ``inner_radius`` to ``outer_radius`` around a ``length`` of the axis; all in the config's units.
 
     ``names`` are those of ``bodies``, which are walls of revolution; the fluid reaches the axis where ``inner_radius``
     is 0. Forces are those on whole bodies of revolution, one period long.

@@ -1,0 +1,311 @@
+"""Flow along a pipe, or between two coaxial pipes, and around their axis: started, driven, oscillating, turning.
+
+An acceleration along the axis drives the fluid, constant or oscillating; walls move along the axis and turn around it
+at constant speeds. Motion starts, or changes, at t = 0. Nothing depends on the place along the axis, but what disorder
+makes of it. Of a Newtonian fluid the flows along and around the axis add up; other fluids have one of the two.
+See ``tisph/exact/pipe_start_up.py`` and ``circular_start_up.py`` for the reference.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, refusals
+from tisph.config.motion import Amplitude
+from tisph.config.motion import WallMotion as Oscillation
+from tisph.exact.circular_start_up import CircularStartUp
+from tisph.exact.pipe_start_up import PipeStartUp
+from tisph.exact.start_up import fluid_of
+from tisph.geometry.motion import RigidMotion, WallMotion
+from tisph.measures.metrics import field_error
+from tisph.scenes._axisymmetric import config as axisymmetric
+from tisph.scenes._axisymmetric import measures, views
+from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder
+from tisph.scenes._initial import Initial, start_problems
+from tisph.scenes._views import TimeSeries
+
+
+class Geometry(Model):
+    """Radius and length of the pipe [length]; ``inner_radius`` of a second one inside, 0 without."""
+
+    radius: Positive
+    length: Positive
+    inner_radius: NonNegative = 0.0
+
+    @model_validator(mode="after")
+    def _check_order(self) -> "Geometry":
+        if not self.inner_radius < self.radius:
+            text = f"must be less than geometry.radius {self.radius:g}"
+            raise refusals([(("inner_radius",), text, self.inner_radius)])
+        return self
+
+
+class Cylinder(Model):
+    """Velocity along the axis [length/time] and angular velocity around it [1/time] of a wall, from t = 0 on."""
+
+    velocity: Signed = 0.0
+    angular_velocity: Signed = 0.0
+
+    speed_before: ClassVar[None] = None
+
+
+class Walls(Model):
+    """The walls of the pipe: ``outer``, and ``inner`` where there is one."""
+
+    unset_keys = ("inner",)
+
+    outer: Cylinder = Cylinder()
+    inner: Cylinder | None = None
+
+
+class Drive(Oscillation):
+    """Acceleration along the axis [length/time^2], -(dp/dx)/density: constant, or oscillating.
+
+    ``acceleration``; or ``amplitude`` * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t.
+    """
+
+    speed_key = "acceleration"
+    exclusive_keys = ("acceleration", "amplitude")
+    unset_keys = ("angular_frequency", "phase")
+
+    acceleration: Signed | None = None
+    amplitude: Amplitude | None = None
+    angular_frequency: Positive | None = None
+    phase: Literal["cos", "sin"] | None = None
+
+    acceleration_before: ClassVar[None] = None
+
+
+class Config(axisymmetric.Config):
+    """A whole run of flow in a pipe."""
+
+    geometry: Geometry
+    walls: Walls = Walls()
+    drive: Annotated[Drive, Field(default_factory=lambda: Drive.model_validate({}))]
+    initial: Initial = Initial()
+
+    across_name = "the pipe from the innermost radius to the outermost"
+    has_exact_velocity = True
+
+    @property
+    def inner_radius(self) -> float:
+        """Radius of the inner wall [length], 0 without."""
+        return self.geometry.inner_radius
+
+    @property
+    def outer_radius(self) -> float:
+        """Radius of the outer wall [length]."""
+        return self.geometry.radius
+
+    @property
+    def start_time(self) -> float:
+        """Time at which the run's clock starts [time]: ``initial.time`` for state ``exact``, else 0."""
+        return self.initial.time
+
+    def problems(self) -> Iterator[Problem]:
+        """What the scene has against the config."""
+        yield from super().problems()
+        yield from start_problems(self, ("outer",))
+        inner, outer = self.walls.inner or Cylinder(), self.walls.outer
+        if self.walls.inner and not self.inner_radius:
+            yield "walls.inner", "needs a geometry.inner_radius above 0"
+        along = bool(inner.velocity or outer.velocity or self.drive.acceleration or self.drive.amplitude)
+        around = bool(inner.angular_velocity or outer.angular_velocity)
+        if not along and not around:
+            yield "drive", "nothing moves: give an acceleration, or let a wall move"
+        if along and around and self.fluid.rheology.type != "newtonian":
+            yield "fluid.rheology.type", "must be newtonian where fluid flows both along the axis and around it"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene(AxisymmetricScene):
+    """A pipe with the ``drive`` g(t); ``initial_state`` is ``rest``, ``developed`` or ``exact``."""
+
+    drive: WallMotion
+    initial_state: str
+
+    fields = ("u", "v", "w", "pressure")
+
+    @classmethod
+    def from_config(cls, config):
+        """The scene that a validated config describes."""
+        radii, length = (config.inner_radius, config.outer_radius), config.geometry.length
+        given = {"inner": config.walls.inner or Cylinder()} if config.inner_radius else {}
+        given["outer"] = config.walls.outer
+        return cls(
+            **cls.fluid_of(config),
+            length=length,
+            inner_radius=radii[0],
+            outer_radius=radii[1],
+            names=tuple(given),
+            bodies=tuple(_wall(name, wall, radii, length) for name, wall in given.items()),
+            drive=WallMotion.from_config(config.drive),
+            initial_state=config.initial.state,
+            start_time=config.start_time,
+        )
+
+    @property
+    def acceleration(self):
+        """Body acceleration along the axis that does not change."""
+        return 0.0 if self.drive.oscillates else self.drive.cosine
+
+    @property
+    def body_force(self):
+        """Accelerations of a drive that oscillates; None of a constant one."""
+        return self._oscillating if self.drive.oscillates else None
+
+    def _oscillating(self, x, y, t):
+        return self.drive.velocity(t) + np.zeros_like(x), np.zeros_like(x)
+
+    @property
+    def reference_velocity(self):
+        """Speed of the fastest wall, or the largest velocity that the drive may give a Newtonian fluid."""
+        width, strength = self.reference_length, self.drive.largest_speed
+        driven = strength * width**2 / (self.kinematic_viscosity * (8.0 if self.inner_radius else 4.0))
+        if self.drive.oscillates:
+            driven = min(driven, strength / self.drive.angular_frequency)
+        return max(super().reference_velocity, driven)
+
+    @property
+    def vanishing_scale(self):
+        """Whether the drive oscillates."""
+        return self.drive.oscillates
+
+    @property
+    def flow_quantities(self):
+        """Loads on the walls."""
+        return self._columns
+
+    def thinnest_layer(self, t):
+        """Depth of the layer at walls after the start, and of one that oscillates; and where it is."""
+        layers = []
+        if self.initial_state != "developed":
+            layers.append((math.sqrt(self.kinematic_viscosity * t), "the layer at the wall"))
+        if self.drive.oscillates:
+            depth = 0.5 * self.drive.penetration_depth(self.kinematic_viscosity)
+            layers.append((depth, "the layer at the wall of a flow that oscillates"))
+        return min(layers, default=(math.inf, ""))
+
+    @property
+    def _flows(self):
+        """The references along and around the axis."""
+        axial = tuple(wall.motion.x for wall in self._pair)
+        turning = tuple(wall.spin for wall in self._pair)
+        developed = self.initial_state == "developed"
+        fluid = self.rheology, self.kinematic_viscosity, self.density
+        return _solved(*fluid, (self.inner_radius, self.outer_radius), axial, turning, self.drive, developed)
+
+    @property
+    def _pair(self):
+        return self.bodies if self.inner_radius else (self.bodies[0], self.bodies[0])
+
+    def exact(self, field, x, y, t):
+        """Exact value of one of ``fields``; of zero mean for the pressure, at one time."""
+        along, around = self._flows
+        places = np.asarray(y) + 0.0 * np.asarray(x)
+        if field == "u" and along:
+            return along.velocity(places, t)
+        if field == "w" and around:
+            return around.velocity(places, t)
+        if field == "pressure" and around:
+            return around.pressure(places, t, density=self.density)
+        return np.zeros(np.broadcast(places, t).shape)
+
+    def initial(self, x, y):
+        """The exact velocity when the run starts."""
+        return {name: self.exact(name, x, y, self.start_time) for name in ("u", "v", "w")}
+
+    def exact_loads(self, t):
+        """References of ``measures.loads`` by name, at times ``t``."""
+        along, around = self._flows
+        none = 2 * (np.zeros(np.shape(t)),)
+        forces = along.force(t, density=self.density) if along else none
+        torques = around.torque(t, density=self.density) if around else none
+        found = {}
+        for index, name in zip((0, 1)[2 - len(self.names) :], self.names, strict=True):
+            found[f"force_{name}"] = self.length * forces[index]
+            found[f"torque_{name}"] = self.length * torques[index]
+        return found
+
+    def diagnostics(self, snapshot, series):
+        """Loads on the walls, each also ``_exact``, ``l2_pressure`` and the mean velocity along the axis.
+
+        ``force_NAME``: of the fluid on a wall of one period along the axis, ``torque_NAME`` around it.
+        """
+        exact = {f"{name}_exact": value for name, value in self.exact_loads(snapshot.t).items()}
+        return {
+            "l2_pressure": field_error(self, snapshot, "pressure"),
+            **measures.loads(self, snapshot),
+            **exact,
+            "mean_velocity": measures.mean_velocity(self, snapshot),
+            **measures.spread(self, snapshot),
+        }
+
+    @property
+    def _columns(self):
+        kinds = [kind for kind, flow in zip(("force", "torque"), self._flows, strict=True) if flow]
+        return tuple(f"{kind}_{name}" for kind in kinds for name in self.names)
+
+    def parameters(self):
+        """Numbers of the flow."""
+        return views.parameters(self)
+
+    def profiles(self):
+        """Velocities over the radius."""
+        scale = (self.reference_velocity, "reference velocity")
+        shown = [name for name, flow in zip("uw", self._flows, strict=True) if flow]
+
+        def reference(name):
+            return lambda x, y, t: self.exact(name, x, y, t)
+
+        line = views.across(self)
+        return [views.velocity(self, name, line, exact=reference(name), scale=scale) for name in shown]
+
+    def time_series(self):
+        """Loads on the walls."""
+        columns, area = self._columns, 2.0 * np.pi * self.outer_radius * self.length
+        force = area * self.dynamic_viscosity * self.reference_velocity / self.reference_length
+        kinds = [("force", "whole_force") if name.startswith("force") else ("torque", "moment") for name in columns]
+
+        def exact(times):
+            loads = self.exact_loads(np.asarray(times))
+            return np.stack([loads[name] for name in columns], axis=1)
+
+        return TimeSeries(
+            content="forces along the axis and torques around it of the fluid on the walls",
+            name=kinds[0][0],
+            unit=kinds[0][1],
+            scale=force,
+            columns=list(columns),
+            labels=[(name.replace("_", " on the ") + " wall", None) for name in columns],
+            exact_columns=[f"{name}_exact" for name in columns],
+            measure=lambda snapshot: np.array([measures.loads(self, snapshot)[name] for name in columns]),
+            exact=exact,
+            angular_frequency=self.drive.angular_frequency,
+            sizes=[force if kind == "force" else force * self.outer_radius for kind, _ in kinds],
+            panels=kinds,
+        )
+
+
+def _wall(name, wall, radii, length):
+    """The body of one of the walls."""
+    motion = {"motion": RigidMotion(x=WallMotion(wall.velocity)), "spin": WallMotion(wall.angular_velocity)}
+    return cylinder(radii[name == "outer"], length, name == "outer", **motion)
+
+
+@lru_cache(maxsize=8)
+def _solved(rheology, kinematic_viscosity, density, radii, axial, turning, drive, developed):
+    """The flows along and around the axis, each None where nothing moves that way."""
+    fluid = fluid_of(rheology, kinematic_viscosity, density)
+    along = around = None
+    if drive.largest_speed or any(wall.largest_speed for wall in axial):
+        given = {"pulsation": drive} if drive.oscillates else {"acceleration": drive.cosine}
+        along = PipeStartUp(radii, fluid, axial, axial if developed else None, **given)
+    if any(wall.largest_speed for wall in turning):
+        around = CircularStartUp(*radii, fluid, *turning, turning if developed else None)
+    return along, around

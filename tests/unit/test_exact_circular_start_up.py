@@ -9,6 +9,7 @@ from oracles._annulus_modes import modes, shear_rates, velocities
 from oracles.circular_couette import CircularCouette, Rotation
 from polymer_laws import law, steady_shear
 from scipy.integrate import quad
+from scipy.special import jn_zeros, jv
 
 from tisph.exact.circular_start_up import CircularStartUp
 from tisph.exact.start_up import Flow, InelasticFluid, StartUp, ViscoelasticFluid, Wall
@@ -16,8 +17,8 @@ from tisph.geometry.schedule import Schedule
 from tisph.rheology import power_law
 
 R = np.linspace(1.0, 2.0, 41)
-PANELS = (0.0, 0.1), (0.1, 0.3), (0.3, 1.0)
-"""Parts of an interval, finer where starts are steeper."""
+PANELS = 0.0, 0.1, 0.3, 1.0
+"""Ends of the parts of an interval, finer where starts are steeper."""
 
 INSIDE = np.array([1.05, 1.2, 1.5, 1.9])
 ACCURACY = 1e-8
@@ -38,6 +39,13 @@ def start_up(now, inner=1.0, outer=0.0, before=None, radii=(1.0, 2.0), **element
 def shared(kind):
     """Start-up with the inner cylinder that several tests look at."""
     return start_up(liquid(kind))
+
+
+def points(edges):
+    """Points and weights of Gauss's rule in each part between ``edges``."""
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    low, high = np.array(edges[:-1])[:, None], np.array(edges[1:])[:, None]
+    return ((high + low + (high - low) * nodes) / 2).ravel(), ((high - low) / 2 * weights).ravel()
 
 
 def apart(found, expected):
@@ -64,9 +72,7 @@ def test_cylinders_with_velocities_at_times_sum_up_starts(times):
     wall = Schedule(times, (1.0, 1.0, 0.0) if times[1] == 0.2 else (0.0, 1.0, 0.0))
     found = CircularStartUp(1.0, 2.0, ViscoelasticFluid(0.7, ()), wall, Wall())
     unit = CircularCouette(1.0, 2.0, 0.7, Rotation(1.0), Rotation(0.0))
-    nodes, weights = np.polynomial.legendre.leggauss(20)
-    panels = [(0.5 * (low + high + (high - low) * nodes), 0.5 * (high - low) * weights) for low, high in PANELS]
-    places, weights = np.concatenate(panels, axis=1)
+    places, weights = points(PANELS)
 
     def expected(of, t):
         parts = [(t - begin, jump, bend) for begin, jump, bend in wall.breakpoints if t > begin]
@@ -192,6 +198,38 @@ def test_it_goes_on_from_a_developed_flow():
     hoop = 2 * 0.7 * 0.5 * (8 / 3) ** 2 * R**-4 / 4  # of -int N1/r dr
     difference = found.pressure(R, 0.0, density=1.0) - balance.pressure(R, 0.0, density=1.0, settled=True) - hoop
     assert np.ptp(difference) < ACCURACY * hoop[0]
+
+
+def test_a_fluid_in_one_cylinder_spins_up():
+    """u = r + 2 sum J1(k r)/(k J0(k)) exp(-k^2 t), k the roots of J1, of unit radius, viscosity, angular velocity.
+
+    From G. K. Batchelor, An Introduction to Fluid Dynamics, section 4.5. Pressure in the end: r^2/2 less its mean, 1/4.
+    """
+    found = CircularStartUp(0.0, 1.0, ViscoelasticFluid(1.0, ()), None, Wall(1.0))
+    r, k = np.linspace(0.0, 1.0, 41), jn_zeros(1, 2000)[:, None]
+    for t in (1e-5, 1e-3, 0.1, 1.0):
+        decay = 2 * np.exp(-(k**2) * t) / jv(0, k)
+        assert apart(found.velocity(r, t), r + (decay / k * jv(1, k * r)).sum(axis=0)) < 1e-11
+        # relative to the angular velocity, over the depth of the layer while there is one
+        error = found.shear_rate(r, t) + (decay * jv(2, k * r)).sum(axis=0)
+        assert np.max(np.abs(error)) < 1e-11 / min(1.0, np.sqrt(t))
+    assert np.max(np.abs(found.pressure(r, 5.0, density=3.0) - 3.0 * (r**2 / 2 - 0.25))) < 1e-10
+    assert np.max(np.abs(found.torque(5.0, density=3.0))) < 1e-10
+
+
+@pytest.mark.parametrize("kind", ["giesekus", "power_law"])
+def test_other_fluids_in_one_cylinder_end_in_rigid_rotation(kind):
+    """And their angular momentum, of the density 3, grows by the torque."""
+    numbers = power_law.Parameters(index=0.5, reference_rate=1.0, least_rate=1e-3)
+    now = liquid(kind) if kind == "giesekus" else InelasticFluid(numbers.law(1.0, 1.0), 1.0)
+    found = CircularStartUp(0.0, 1.0, now, None, Wall(1.0))
+    r, weights = points((0.0, 0.25, 0.5, 0.75, 0.9, 1.0))
+    before, after = (6 * np.pi * weights @ (r**2 * found.velocity(r, t)) for t in (0.01, 0.16))
+    roots, weights = points((0.1, 0.15, 0.2, 0.3, 0.4))
+    taken = -2 * weights @ (roots * found.torque(roots**2, density=3.0)[1])
+    r = np.linspace(0.0, 1.0, 41)
+    assert apart(found.velocity(r, 25.0), r) < ACCURACY
+    assert taken == pytest.approx(after - before, rel=ACCURACY)
 
 
 def test_what_is_no_annulus_is_refused():

@@ -7,27 +7,36 @@ REFINEMENTS = 3
 
 
 def steady_newtonian(start_up):
-    """Velocity (nodes,) of the steady flow of a ``StartUp``: Poiseuille and Couette flow.
+    """The continuous field (nodes,) of the steady flow of a ``StartUp``, v'' + k/r v' = -g/nu (``_elements``).
 
-    Between cylinders the angular velocity w = a + b/r^2.
+    Poiseuille and Couette flow: a parabola, and y, log r or r^-2.
     """
     flow, y, viscosity = start_up.flow, start_up.elements.node_positions, start_up.fluid.total_viscosity
-    bottom, top = flow.bottom.speed, flow.top.speed
-    if flow.inner_radius is None:
-        parabola = flow.acceleration * y * (flow.gap - y) / (2 * viscosity)
-        return bottom * (1 - y / flow.gap) + top * y / flow.gap + parabola
-    inner, outer, between = (start_up.elements.radius(place) ** -2.0 for place in (0.0, flow.gap, y))
-    return bottom + (top - bottom) * (between - inner) / (outer - inner)
+    power, radius = start_up.elements.power, flow.inner_radius or 0.0
+    half = flow.acceleration / (2 * (power + 1) * viscosity)
+    parabola = half * (flow.gap - y) * (flow.gap + y + 2 * radius)
+    if radius == 0.0 and power:
+        return flow.top.speed + parabola
+
+    def grown(y):
+        return y if power == 0 else np.log1p(y / radius) if power == 1 else radius**-2 - (radius + y) ** -2
+
+    share = grown(y) / grown(flow.gap)
+    # the parabola is 0 at the top only
+    return flow.bottom.speed + (flow.top.speed - flow.bottom.speed) * share + parabola - parabola[0] * (1 - share)
 
 
-def periodic(equations, node, wall):
-    """Complex amplitude x (nodes,) of the flow Re[x e^(iwt)] of a ``wall`` that oscillates, at a ``node``.
+def periodic(equations, frequency, amplitude, node=None):
+    """Complex amplitude x (nodes,) of the flow Re[x e^(iwt)] under the acceleration Re[amplitude e^(iwt)].
 
-    With the complex amplitude a of the wall's velocity (iw - J) x = i w a at the wall, 0 elsewhere.
+    Or between walls of which that at ``node`` has the velocity Re[amplitude e^(iwt)]: (iw - J) x = the acceleration,
+    or i w amplitude at that wall.
     """
-    frequency = wall.angular_frequency
     forcing, x = np.zeros((2, 1, equations.size), dtype=complex)
-    forcing[0, node] = 1j * frequency * (wall.cosine - 1j * wall.sine)
+    if node is None:
+        forcing[0] = amplitude * equations.share
+    else:
+        forcing[0, node] = 1j * frequency * amplitude
     # not at t = 0, when the layer of a jump is infinitely thin
     solve = equations.jacobian(x[0].real, 1 / frequency).solver(np.array([1j * frequency]))
     for _ in range(REFINEMENTS):

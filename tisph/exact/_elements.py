@@ -5,9 +5,14 @@ wall needs. Continuous fields, such as a velocity, have one value a node, (..., 
 have values of their own in each element, (..., count, p + 1). Integrals by the rule of the same points make the mass
 diagonal: an equation in time stays one.
 
-Between cylinders the continuous field is the angular velocity w = u/r; there the shear rate is r dw/dr, and momentum
-r^3 dw/dt = d/dr (r^2 stress). With ``radius`` = r, or 1 between planes, both are radius^3 dw/dt = d/dy (radius^2
-stress) and a shear rate radius dw/dy.
+Around an axis the continuous field v is the angular velocity u/r, along an axis and between planes it is u itself:
+
+    around   r^3 dv/dt = d/dr (r^2 stress),   shear rate r dv/dr
+    along    r dv/dt = d/dr (r stress),       shear rate dv/dr
+
+In all flows r^power dv/dt = d/dy (r^power/lever stress) and u = lever v, of the shear rate lever dv/dy: ``power`` is 3,
+1 or 0 and the lever r, 1 or 1. An axis, r = 0, within the fluid has no mass: there the flux of momentum is 0, and v is
+regular.
 
 Source: C. Canuto, M. Y. Hussaini, A. Quarteroni and T. A. Zang, Spectral Methods: Fundamentals in Single Domains
 (2006), chapters 1 to 3.
@@ -16,6 +21,9 @@ Source: C. Canuto, M. Y. Hussaini, A. Quarteroni and T. A. Zang, Spectral Method
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.polynomial.legendre import Legendre
+
+AXIS_MASS = 1e-10
+"""Mass of a node on an axis over that of the next, for 0: equations stay ordinary differential ones."""
 
 
 def barycentric_weights(points):
@@ -53,10 +61,10 @@ def lobatto(order):
 class Elements:
     """Elements between ``edges``, all of one ``order``; the edges are distances from a plane, or from a cylinder.
 
-    ``inner_radius``: of that cylinder, None for the plane.
+    ``inner_radius``: of that cylinder, 0 for an axis, None for the plane. ``along``: whether the flow is along it.
     """
 
-    def __init__(self, edges, order, inner_radius=None):
+    def __init__(self, edges, order, inner_radius=None, along=False):
         self.edges = np.asarray(edges, dtype=float)
         self.order, self.count = order, len(self.edges) - 1
         self.points, self.weights, self.matrix = lobatto(order)
@@ -64,27 +72,34 @@ class Elements:
         self.nodes = order * np.arange(self.count)[:, None] + np.arange(order + 1)
         self.size = self.count * order + 1
         self.y = self.edges[:-1, None] + self.half_width * (self.points + 1)
-        self.inner_radius = inner_radius
-        self.radii = self.radius(self.y)
+        self.inner_radius, self.power = inner_radius, 0 if inner_radius is None else 1 if along else 3
+        self.radii, self.levers = self.radius(self.y), self.lever(self.y)
+        self.fluxes = self.weights * self.radii ** min(self.power, 2)
         self._slopes = (self.matrix[:, :, None] * self.matrix[:, None, :]).reshape(order + 1, -1)
         self.node_positions = np.append(self.y[:, :-1].ravel(), self.edges[-1])
-        self.mass = self.assembled(self.half_width * self.weights * self.radii**3)
+        self.mass = self.assembled(self.half_width * self.weights * self.radii**self.power)
+        if self.inner_radius == 0.0:
+            self.mass[0] = AXIS_MASS * self.mass[1]
         self._places = np.empty(0), None, None
 
     def radius(self, y):
         """Distance of ``y`` from the axis; 1 between planes."""
         return np.ones(np.shape(y)) if self.inner_radius is None else self.inner_radius + np.asarray(y)
 
+    def lever(self, y):
+        """The velocity over the continuous field at ``y``."""
+        return self.radius(y) if self.power == 3 else np.ones(np.shape(y))
+
     def shear_rate(self, field):
-        """radius d/dy (..., count, p + 1) of a continuous ``field`` (..., size)."""
-        return field.take(self.nodes, axis=-1) @ self.matrix.T * (self.radii / self.half_width)
+        """lever d/dy (..., count, p + 1) of a continuous ``field`` (..., size)."""
+        return field.take(self.nodes, axis=-1) @ self.matrix.T * (self.levers / self.half_width)
 
     def weak_divergence(self, flux):
-        """d(radius^2 flux)/dy/radius^3 (..., size) of ``flux`` (..., count, p + 1).
+        """d(r^power/lever flux)/dy/r^power (..., size) of ``flux`` (..., count, p + 1).
 
         Tested with each node's function, and without what passes through the walls.
         """
-        return -self.assembled((self.weights * self.radii**2 * flux) @ self.matrix) / self.mass
+        return -self.assembled((self.fluxes * flux) @ self.matrix) / self.mass
 
     def assembled(self, parts):
         """Sums (..., size) of what elements (..., count, p + 1) give to each node."""
@@ -96,9 +111,9 @@ class Elements:
     def stiffness(self, coefficient):
         """Matrices (..., p + 1, p + 1) of each element, for a real coefficient (..., p + 1).
 
-        The operator is -d/dy(radius^3 coefficient d/dy).
+        The operator is -d/dy(r^power coefficient d/dy).
         """
-        scaled = coefficient * (self.radii**3 * self.weights / self.half_width)
+        scaled = coefficient * (self.radii**self.power * self.weights / self.half_width)
         return (scaled @ self._slopes).reshape(*coefficient.shape, -1)
 
     def integral(self, field):

@@ -1,12 +1,14 @@
 """The layer that a solvent's walls make when they jump, as closed form: the rest of a start without it is smooth.
 
-Between planes it is the start-up flow of the solvent alone (``couette``). Between cylinders q = r^(3/2) w, with the
-angular velocity w = u/r, obeys
+Between planes it is the start-up flow Q of the solvent alone (``couette``). Around or along an axis the continuous
+field of ``_elements`` obeys dv/dt = nu (d2v/dr2 + k/r dv/dr), k = 3 or 1. The layer is v = h Q, Q of the plane flow
+between the same walls, or, with the axis in the fluid, of that between r = -R and R, which is even in r. It leaves
 
-    dq/dt = nu (d2q/dr2 - 3/(4 r^2) q)
+    nu h [(2 a + k/r) dQ/dr + (da/dr + a^2 + k a/r) Q],    a = (dh/dr)/h
 
-the plane equation but for its last term. The layer takes q from the plane flow between the same walls, and leaves
--3/(4 r^2) nu w, its drift, to the equation of the rest. And walls on the clock that begins with a later jump.
+its drift, to the equation of the rest. That is as smooth as Q for h = r^(-k/2), a = -k/(2 r), which has no part with
+dQ/dr; and for h = (R^2 + r^2)^(-k/2), a = -k r/(R^2 + r^2), which is even in r, and where that part is 0 at the wall.
+And walls on the clock that begins with a later jump.
 """
 
 from dataclasses import dataclass
@@ -20,40 +22,49 @@ from tisph.exact import couette
 class AnalyticLayer:
     """Layers at walls whose ``jumps``, triples (time, bottom, top), are in the unit of ``elements``' continuous field.
 
-    ``viscosity``: the kinematic one of the solvent. Between cylinders the continuous field is the angular velocity.
-    Nothing is felt of a jump at its very time, but of one at t = 0, where the walls have started. ``shear_rates`` and
-    ``drift`` have clocks that start at ``begin``.
+    ``viscosity``: the kinematic one of the solvent. Nothing is felt of a jump at its very time, but of one at t = 0,
+    where the walls have started. ``shear_rates`` and ``drift`` have clocks that start at ``begin``.
     """
 
     def __init__(self, elements, jumps, viscosity, begin=0.0):
         self.begin, self.all = begin, jumps
         self.elements, self.viscosity = elements, viscosity
         self.jumps = [(time, *both) for time, *both in jumps if any(both)]
-        self.curved = elements.inner_radius is not None
-        self.gap = float(elements.edges[-1])
-        self.factors = [float(elements.radius(y) ** 1.5) for y in (0.0, self.gap)]
+        self.gap, self.axis = float(elements.edges[-1]), elements.inner_radius == 0.0
 
     def later(self, begin):
         """The layers of the jumps up to ``begin``, on a clock that starts then."""
         return AnalyticLayer(self.elements, [jump for jump in self.all if jump[0] <= begin], self.viscosity, begin)
 
-    def velocity(self, y, t):
-        """Velocity along the walls, or around the axis."""
-        return self.elements.radius(y) ** -0.5 * self._summed(couette.velocity, y, t)
+    def field(self, y, t):
+        """The continuous field: the velocity along the walls, or the angular one around the axis."""
+        return self._factor(y)[0] * self._summed(couette.velocity, y, t)
 
     def shear_rate(self, y, t):
-        """Shear rate radius d(u/radius)/dy."""
-        radius = self.elements.radius(y)
-        rate = radius**-0.5 * self._summed(couette.shear_rate, y, t)
-        return rate - 1.5 / radius * self.velocity(y, t) if self.curved else rate
+        """Shear rate lever d(field)/dy."""
+        factor, slope, _ = self._factor(y)
+        rate = self._summed(couette.shear_rate, y, t)
+        if self.elements.power:
+            rate = rate + slope * self._summed(couette.velocity, y, t)
+        return self.elements.lever(y) * factor * rate
+
+    def _factor(self, y):
+        """h, a and da/dr."""
+        k, r = self.elements.power, self.elements.radius(y)
+        if self.axis:
+            squares = self.gap**2 + r * r
+            return squares ** (-k / 2), -k * r / squares, -k * (self.gap**2 - r * r) / squares**2
+        return r ** (-k / 2), -k / (2 * r), k / (2 * r * r)
 
     def _summed(self, profile, y, t):
         total = np.zeros(np.broadcast_shapes(np.shape(y), np.shape(t)))
         for time, *both in self.jumps:
             if time == 0.0 or time < np.min(t):
-                bottom, top = (jump * factor for jump, factor in zip(both, self.factors, strict=True))
+                bottom, top = (jump / self._factor(end)[0] for jump, end in zip(both, (0.0, self.gap), strict=True))
                 flow = {"gap": self.gap, "kinematic_viscosity": self.viscosity, "bottom": bottom, "top": top}
-                total = total + profile(y, t - time, **flow)
+                if self.axis:
+                    flow |= {"gap": 2 * self.gap, "bottom": top}
+                total = total + profile(y + self.gap * self.axis, t - time, **flow)
         return total
 
     def shear_rates(self, times):
@@ -64,11 +75,16 @@ class AnalyticLayer:
 
     def drift(self, times):
         """Rate of the continuous field (times, size) that the layer leaves to the rest; 0.0 between planes."""
-        if not (self.jumps and self.curved):
+        if not (self.jumps and self.elements.power):
             return 0.0
-        nodes = self.elements.node_positions
-        scale = -0.75 * self.viscosity * self.elements.radius(nodes) ** -3
-        return scale * self.velocity(nodes, self.begin + times[:, None])
+        y, t = self.elements.node_positions, self.begin + times[:, None]
+        factor, slope, bend = self._factor(y)
+        # on the axis, which has no mass, any finite number will do
+        curvature = self.elements.power / np.maximum(self.elements.radius(y), 1e-100)
+        drift = (bend + slope * (slope + curvature)) * self._summed(couette.velocity, y, t)
+        if self.axis:
+            drift = drift + (2 * slope + curvature) * self._summed(couette.shear_rate, y, t)
+        return self.viscosity * factor * drift
 
 
 def jump(wall, time):

@@ -2,7 +2,7 @@
 
     dv/dt = g + d/dy [ flux(rate) + sum S_xy(C) ],    dC/dt = law.rate_in_shear(C, rate),    rate = dv/dy + layer
 
-and between cylinders as in ``_elements``, v the angular velocity. The state is v at the nodes, then the components of C
+and around or along an axis as in ``_elements``. The state is v at the nodes, then the components of C
 of each law at the points of each element. ``layer`` is a known part of the shear rate (``_layer``). Derivatives of laws
 are taken by complex steps, which are exact to round-off.
 
@@ -24,6 +24,8 @@ NEGLIGIBLE = 1e-12
 class Equations:
     """Equations of ``fluid`` (``flux``, ``laws``) on ``elements``; walls are (bottom, top), with ``acceleration(t)``.
 
+    ``drive(times)``: the acceleration g.
+
     Walls that are ``stress_controlled`` (``geometry/stress_controlled.py``) have ``stress(t)`` and ``mass_per_area``
     per unit density instead: their mass is added to that of their node, which obeys the weak form of the momentum
     equation as all others do.
@@ -32,10 +34,10 @@ class Equations:
     (nodes,): of each node with the plate on it.
     """
 
-    def __init__(self, elements, fluid, walls, acceleration, layer, speed):
+    def __init__(self, elements, fluid, walls, drive, layer, speed):
         self.elements, self.fluid, self.layer = elements, fluid, layer
         self.walls = dict(zip((0, elements.size - 1), walls, strict=True))
-        self.drive, self.speed = acceleration, speed
+        self.drive, self.speed = drive, speed
         self.mass = elements.mass.copy()
         for place, wall in self.walls.items():
             if wall.stress_controlled:
@@ -65,7 +67,7 @@ class Equations:
 
     def forcing(self, times):
         """What drives the flow at ``times`` (times,), whatever its state is: shear rates of the layer, and rates."""
-        rates = np.zeros((len(times), self.elements.size)) + (self.drive + self.layer.drift(times)) * self.share
+        rates = (self.drive(times)[:, None] + self.layer.drift(times)) * self.share
         for place, wall in self.walls.items():
             if wall.stress_controlled:
                 rates[:, place] += wall.stress(times) / self.mass[place]

@@ -1,4 +1,4 @@
-"""Start-up flow of any fluid between two walls, plane or cylinders: a numerical reference, to 1e-8.
+"""Start-up flow of any fluid between two walls, plane or cylinders, or in a pipe: a numerical reference, to 1e-8.
 
 Equations for 0 < y < gap, with g = -(dp/dx)/density, all stresses per unit density:
 
@@ -11,12 +11,13 @@ stress of the fluid; the flow starts from rest at t = 0, or, with ``before``, fr
 Where a wall velocity or stress jumps later on, a new solution begins, in the root of the time from then on.
 
 Between cylinders y = r - R1. Seen by who turns with the fluid, the flow is simple shear of the rate r d(u/r)/dr, x
-around the axis and y outwards, so that the laws are the same; u/r has the place of u, as ``_elements`` says.
+around the axis and y outwards, so that the laws are the same; u/r has the place of u, as ``_elements`` says. Along the
+axis du/dt = g + (1/r) d/dr [r (flux(du/dr) + sum of S_xr)], x along the axis. With R1 = 0 there is no inner wall.
 
 A wall whose velocity jumps at t = 0, or later, makes a layer sqrt(t) deep. Where a solvent of constant viscosity takes
 it, its own start (``_layer``) is left to a closed form, u = v + that, and v is smooth. Fluids that remember nothing
-start with the jump between the wall and the next point. The periodic flow of a Newtonian fluid whose wall oscillates is
-added to the solution of the rest, which decays.
+start with the jump between the wall and the next point. The periodic flow of a Newtonian fluid whose wall, or g,
+oscillates is added to the solution of the rest, which decays.
 
 Numerics: polynomials on elements that are finest at the walls (``_elements``), collocation in sqrt(t) (``_stiff``).
 Solved once, as far as it is asked for; no result depends on what was asked before.
@@ -31,13 +32,13 @@ a wall: until the layer is as deep as an element is wide, steps are as short as 
 point. At large regularisation a fluid with a yield stress does not get beyond that: UnsolvedError.
 """
 
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from dataclasses import replace
 
 import numpy as np
 
 from tisph.exact._developed import periodic, steady_newtonian
 from tisph.exact._elements import Elements, graded_edges
+from tisph.exact._flow import Axis, Flow, Wall
 from tisph.exact._fluids import InelasticFluid, ViscoelasticFluid, fluid_of
 from tisph.exact._layer import AnalyticLayer, ShiftedWall, jump
 from tisph.exact._sheared import Equations
@@ -54,51 +55,11 @@ REMEMBERED, MOST_DOUBLINGS, STEADY = 20.0, 8, 1e-9
 again changes all by less than STEADY of the largest value; else the time is doubled."""
 
 
-@dataclass(frozen=True)
-class Wall:
-    """A wall of constant ``speed``."""
-
-    stress_controlled: ClassVar[bool] = False
-    oscillates: ClassVar[bool] = False
-    angular_frequency: ClassVar[float] = 0.0
-    jump_times: ClassVar[tuple[float, ...]] = ()
-
-    speed: float = 0.0
-
-    def after(self, time):
-        """The wall itself: it does not change."""
-        return self
-
-    def velocity(self, t):
-        """``speed``, of the shape of ``t``."""
-        return self.speed + 0.0 * np.asarray(t)
-
-    def acceleration(self, t):
-        """0, of the shape of ``t``."""
-        return 0.0 * np.asarray(t)
-
-
-@dataclass(frozen=True)
-class Flow:
-    """Walls y = 0 and y = ``gap``, and the acceleration g along planes.
-
-    Walls have ``velocity(t)`` and ``acceleration(t)``, or are a ``StressControlledWall`` per unit density; they change
-    at once at the times ``jump_times``, and ``after(time)`` is what they are from then on. ``inner_radius``: that of
-    the cylinder y = 0, None between planes. Cylinders have angular velocities.
-    """
-
-    gap: float
-    bottom: Any = Wall()
-    top: Any = Wall()
-    acceleration: float = 0.0
-    inner_radius: float | None = None
-
-
 def _edges(fluid, flows, finest):
     """Edges over the gap. Inelastic fluids have plugs, and kinks where the rate is 0: mid-gap, by symmetry."""
     if fluid.subtracts_layer:
         return graded_edges(1.0, finest, WIDEST)
-    if any(flow.bottom != flow.top for flow in flows):
+    if any(flow.bottom != flow.top or flow.inner_radius == 0.0 for flow in flows):
         return graded_edges(1.0, finest, WIDEST / 2)
     half = graded_edges(0.5, finest, WIDEST / 2)
     return np.concatenate([half[:-1], 1 - half[::-1]])
@@ -115,19 +76,20 @@ class StartUp:
     def __init__(self, fluid, flow, before=None, *, order=ORDER, finest=FINEST, edges=None):
         self.fluid, self.flow = fluid, flow
         edges = _edges(fluid, (flow, before or flow), finest) if edges is None else edges
-        self.elements = Elements(flow.gap * edges, order, flow.inner_radius)
-        walls, self._ends = (flow.bottom, flow.top), [0, self.elements.size - 1]
+        self.elements = Elements(flow.gap * edges, order, flow.inner_radius, flow.along)
+        walls, self._ends = flow.walls, [0, self.elements.size - 1]
         jumps, start = [0.0 if wall.stress_controlled else float(wall.velocity(0.0)) for wall in walls], None
         if before is not None:
-            if (before.gap, before.inner_radius) != (flow.gap, flow.inner_radius):
+            if (before.gap, before.inner_radius, before.along) != (flow.gap, flow.inner_radius, flow.along):
                 raise ValueError(f"the flow before has a gap of {before.gap}, the flow one of {flow.gap}")
             start = _developed(fluid, before, order, edges)
             jumps = [new - old for new, old in zip(jumps, start[self._ends], strict=True)]
-        driven = abs(flow.acceleration) * flow.gap**2 / fluid.total_viscosity
+            jumps[0] *= flow.inner_radius != 0.0
+        driven = flow.largest_drive(flow.gap**2 / fluid.total_viscosity)
         self.begins = sorted({0.0, *(time for wall in walls for time in wall.jump_times)})
         self._jumps = [(0.0, *jumps), *((time, *(jump(wall, time) for wall in walls)) for time in self.begins[1:])]
         sizes = [*np.ravel([both for _, *both in self._jumps]), *([] if start is None else start[self._ends])]
-        self.speed = max(1e-200, driven / 12, *np.abs(sizes))
+        self.speed = max(1e-200, driven, *np.abs(sizes))
         self.layer = AnalyticLayer(self.elements, self._jumps if fluid.subtracts_layer else (), fluid.layer_flux(1.0))
         self.equations = self._equations(0.0)
         self._oscillations = list(self._periodic_parts())
@@ -137,23 +99,27 @@ class StartUp:
 
     def _stays(self, before, jumps):
         """Whether the state stays as it begins, since layers and periodic flows are all that changes."""
-        walls, plane = (self.flow.bottom, self.flow.top), self.flow.inner_radius is None
+        flow, plane = self.flow, self.flow.inner_radius is None
+        walls = [wall for wall in flow.walls if not isinstance(wall, Axis)]
         if any(wall.stress_controlled or (wall.oscillates and not self._has_periodic_part(wall)) for wall in walls):
             return False
         if before is None:
-            steady = self.flow.acceleration == 0.0 and not any(wall.oscillates for wall in walls)
+            steady = flow.acceleration == 0.0 and not (flow.pulsation or any(wall.oscillates for wall in walls))
             return _newtonian(self.fluid) and plane and steady
-        steady = before.acceleration == self.flow.acceleration
+        pairs = zip(before.walls, flow.walls, strict=True)
+        steady = (before.acceleration, before.pulsation) == (flow.acceleration, flow.pulsation)
+        steady = steady and all(old == new for old, new in pairs if old.oscillates or new.oscillates)
         return steady and (not any(jumps) or (_newtonian(self.fluid) and plane))
 
     def _equations(self, begin):
         """Equations of the time from ``begin`` on."""
-        flow = self.flow
         walls = [
             Wall() if self._has_periodic_part(wall) else ShiftedWall(wall.after(begin), begin)
-            for wall in (flow.bottom, flow.top)
+            for wall in self.flow.walls
         ]
-        return Equations(self.elements, self.fluid, walls, flow.acceleration, self.layer.later(begin), self.speed)
+        flow = replace(self.flow, pulsation=None) if _newtonian(self.fluid) else self.flow
+        layer = self.layer.later(begin)
+        return Equations(self.elements, self.fluid, walls, lambda t: flow.drive(begin + t), layer, self.speed)
 
     def _solution(self, equations, start, jumps):
         first = 1e-3 * self.flow.gap / np.sqrt(self.fluid.total_viscosity)
@@ -177,13 +143,16 @@ class StartUp:
         return _newtonian(self.fluid) and not wall.stress_controlled and wall.angular_frequency != 0.0
 
     def _periodic_parts(self):
-        """Yield angular frequency and complex amplitude (size,) of the periodic flow of each wall that has one.
+        """Yield angular frequency and complex amplitude (size,) of the periodic flows of walls that have one, and of g.
 
         The rest decays, so that many periods cost no more than one.
         """
-        for node, wall in zip(self._ends, (self.flow.bottom, self.flow.top), strict=True):
-            if self._has_periodic_part(wall):
-                yield wall.angular_frequency, periodic(self.equations, node, wall)
+        parts = [each for each in zip(self._ends, self.flow.walls, strict=True) if self._has_periodic_part(each[1])]
+        if self.flow.pulsation and _newtonian(self.fluid):
+            parts.append((None, self.flow.pulsation))
+        for node, of in parts:
+            frequency = of.angular_frequency
+            yield frequency, periodic(self.equations, frequency, of.cosine - 1j * of.sine, node)
 
     def _oscillating(self, time):
         """What the periodic flows add to the state at one ``time``."""
@@ -219,14 +188,14 @@ class StartUp:
             if np.max(np.abs(later - state) / self.equations.scales(later[None])) < STEADY:
                 break
         state = later
-        nodes = self.elements.node_positions
-        carried = self._velocity(nodes, time) / self.elements.radius(nodes)
-        return np.concatenate([carried, state[self.elements.size :]])
+        size = self.elements.size
+        whole = state[:size] + self.layer.field(self.elements.node_positions, time)
+        return np.concatenate([whole, state[size:]])
 
     def _velocity(self, y, time):
         v = self._at(time)[: self.elements.size]
-        own = self.elements.radius(y) * self.elements.interpolated(v[self.elements.nodes], y)
-        return own + self.layer.velocity(y, time)
+        own = self.elements.interpolated(v[self.elements.nodes], y)
+        return self.elements.lever(y) * (own + self.layer.field(y, time))
 
     def _shear_rate(self, y, time):
         own = self.elements.shear_rate(self._at(time)[: self.elements.size])
@@ -270,10 +239,13 @@ def _developed(fluid, flow, order, edges):
     """
     walls = flow.bottom, flow.top
     constant = [Wall() if wall.oscillates else Wall(float(wall.velocity(0.0))) for wall in walls]
-    steady = StartUp(fluid, replace(flow, bottom=constant[0], top=constant[1]), order=order, edges=edges)
+    still = replace(flow, bottom=constant[0], top=constant[1], pulsation=None)
+    steady = StartUp(fluid, still, order=order, edges=edges)
     state = steady_newtonian(steady) if _newtonian(fluid) else steady._steady()
-    state[steady._ends] = [wall.speed for wall in constant]
-    if not any(wall.oscillates for wall in walls):
+    for node, wall in zip(steady._ends, still.walls, strict=True):
+        if not isinstance(wall, Axis):
+            state[node] = wall.speed
+    if not (flow.pulsation or any(wall.oscillates for wall in flow.walls)):
         return state
     if not _newtonian(fluid):
         raise ValueError("only a Newtonian fluid has a periodic flow to start from")

@@ -81,8 +81,8 @@ class Snapshot:
     [mass/(length time^2)] where the fluid has them, else None. ``reference``: arrays of the exact solution by the name
     of the field, where somebody has asked for them; ``bodies``, where there are any. ``steepest``: the largest change
     of the logarithm of a conformation tensor within a particle spacing, with x and y of where it is; ``divergence``: of
-    the velocities, root mean square over that of their gradient, by the operators of the scheme. None where they are
-    not known.
+    the velocities, root mean square over that of their gradient, by the operators of the scheme; ``acceleration``: the
+    one along x that keeps a mean velocity. None where they are not known.
     """
 
     t: float
@@ -101,3 +101,4 @@ class Snapshot:
     bodies: Bodies | None = None
     steepest: tuple[float, float, float] | None = None
     divergence: float | None = None
+    acceleration: float | None = None

@@ -77,7 +77,9 @@ FLOWS = {
 
 
 def test_every_start_of_an_unknown_flow_costs_its_growing_steps():
-    scene = SimpleNamespace(peak_velocity=1.0, reference_velocity=1.0, bodies=(1,), spacing=0.1, start_time=0.0)
+    scene = SimpleNamespace(
+        peak_velocity=1.0, reference_velocity=1.0, bodies=(1,), spacing=0.1, start_time=0.0, axisymmetric=False
+    )
     found = []
     for changes in ((), (2.0,), (0.5,)):
         scene.jump_times = changes

@@ -23,13 +23,15 @@ class Inertia:
     """``mass`` (3,): mass, mass and moment of inertia around the centre, per length across the plane.
 
     ``load`` (3,): force along x and y and torque from outside, weight less buoyancy included. ``velocity`` (3,) before
-    the start, ``held`` (3,) whether each of ``FREEDOMS`` stays at that velocity.
+    the start, ``held`` (3,) whether each of ``FREEDOMS`` stays at that velocity. ``displaced``: volume of fluid that it
+    takes the place of, where a mean velocity is kept.
     """
 
     mass: tuple[float, float, float]
     load: tuple[float, float, float] = (0.0, 0.0, 0.0)
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
     held: tuple[bool, bool, bool] = (False, False, False)
+    displaced: float = 0.0
 
 
 class FreeMotion(OfComponents):

@@ -29,6 +29,12 @@ def polar_moment(shape):
     return float(around_middle + shifted)
 
 
+def volume_of_revolution(shape):
+    """Volume [length^3] of what a closed ``shape``, symmetric about the x axis, is when it is turned around it."""
+    points, normals, lengths, _ = _outline(shape)
+    return float(0.5 * np.pi * np.sum(lengths * np.abs(points[:, 1]) * points[:, 1] * normals[:, 1]))
+
+
 def _first_moment(points, normals, lengths):
     """Return the integral (2,) of the place over the area."""
     return 0.5 * lengths @ (points**2 * normals)

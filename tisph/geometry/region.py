@@ -16,13 +16,16 @@ class Region:
     """What ``bodies`` leave of the cell from ``low`` to ``high`` (2,), which goes on where it is ``periodic`` (2,).
 
     Where it is not periodic walls must bound it: lines, each one period long, or a closed curve with the fluid inside.
-    Everything is taken at t = 0. ValueError where a body in the fluid has not the periods of the cell.
+    Everything is taken at t = 0. In ``axisymmetric`` flow it is in the half-plane above the axis y = 0, which is among
+    the ``bodies`` where the fluid reaches it: half of a closed curve whose centre is on the axis is in it. ValueError
+    where a body in the fluid has not the periods of the cell.
     """
 
     bodies: tuple[Body, ...]
     low: tuple[float, float]
     high: tuple[float, float]
     periodic: tuple[bool, bool] = (False, False)
+    axisymmetric: bool = False
 
     def __post_init__(self):
         periods = tuple(np.where(self.periodic, self.size, math.inf).tolist())
@@ -46,7 +49,12 @@ class Region:
             lines = [body for body in self.bodies if not body.shape.area]
             area = sum(body.shape.length * float(body.nearest(np.zeros((1, 2))).distance[0]) for body in lines)
             area /= 2 - sum(self.periodic)
-        return area + sum(body.shape.area * (1 if body.shape.fluid_side == "inside" else -1) for body in self.bodies)
+        return area + sum(self._signed_area(body) for body in self.bodies)
+
+    def _signed_area(self, body):
+        """Area that a closed wall adds to the fluid's, negative where it takes it away."""
+        share = 0.5 if self.axisymmetric and body.centre[1] == 0.0 else 1.0
+        return share * body.shape.area * (1 if body.shape.fluid_side == "inside" else -1)
 
     def distance(self, points):
         """Distances (n,) of ``points`` (n, 2) from the nearest wall, negative outside the fluid."""

@@ -16,13 +16,15 @@ MOST_NODES = 1600
 DEGREE, NEAREST = 2, 18
 """Of the fits at the nodes, whose neighbours are particles and points on walls."""
 
+PRECISE, MOST_ACROSS = (4, 44), 40
+"""The same of the fits in a cross-section, and the nodes in it, if there are no more particles across."""
+
 
 def cell_mean(scene, snapshot):
     """Mean (2,) of the velocity over the box of ``scene``, in which a body's solid moves as it does.
 
-    In axisymmetric flow it is that over the volume. Over nodes a particle spacing or more apart: those of Gauss and
-    Legendre between walls, where the velocity has a slope at the ends, else of a lattice. NaN where a number of the
-    snapshot is none.
+    Over nodes a particle spacing or more apart: those of Gauss and Legendre between walls, where the velocity has a
+    slope at the ends, else of a lattice. NaN where a number of the snapshot is none.
     """
     scene = scene.seen(snapshot)
     positions, velocity = with_walls(scene, snapshot)
@@ -36,9 +38,24 @@ def cell_mean(scene, snapshot):
         within = (nearest == index) & ~in_fluid & bool(body.shape.fluid_side == "outside" and body.shape.area)
         values[within] = body.velocity(nodes[within], snapshot.t)
     values[in_fluid] = local_fits(tree, nodes[in_fluid], velocity, DEGREE, NEAREST)[0][:, 0]
+    return weights @ values
+
+
+def section_mean(scene, positions, velocity, t):
+    """Mean at time ``t`` of a ``velocity`` (n,) along x over a cross-section of ``scene``, its ``open_section``.
+
+    ``positions`` (n, 2) are those of particles and of points on walls. In axisymmetric flow the mean is that over the
+    area of the section. NaN where a number is none.
+    """
+    if not (np.isfinite(velocity).all() and np.isfinite(positions).all()):
+        return np.nan
+    tree, _ = periodic_tree(scene, positions)
+    heights, weights = _rule(max(MOST_ACROSS, round(scene.extent[1] / scene.spacing)), periodic=False)
+    place = scene.open_section(t) % scene.extent[0]
+    nodes = np.stack([np.full_like(heights, place), scene.origin[1] + scene.extent[1] * heights], axis=1)
     if scene.axisymmetric:
         weights = weights * nodes[:, 1] / (weights @ nodes[:, 1])
-    return weights @ values
+    return float(weights @ local_fits(tree, nodes, velocity[:, None], *PRECISE)[0][:, 0, 0])
 
 
 def _nodes(scene):

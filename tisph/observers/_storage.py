@@ -16,7 +16,7 @@ from tisph.snapshot import OPTIONAL, Bodies, Snapshot
 
 FIELDS = ("x", "y", "u", "v", "density", "pressure")
 
-STATE = ("divergence", "steepest")
+STATE = ("divergence", "steepest", "acceleration")
 """Attributes of a group beside ``t`` and ``step``, where a scheme knows them: see ``Snapshot``."""
 
 BODIES = "bodies"

@@ -51,6 +51,9 @@ class Scene:
     acceleration = 0.0
     """Body acceleration along x."""
 
+    kept_mean_velocity = None
+    """Mean velocity along x that a pressure gradient keeps; None where the acceleration is given."""
+
     body_force = None
     """Function of places x, y and a time, with the accelerations along x and y there; None without one."""
 

@@ -3,7 +3,10 @@
 import numpy as np
 
 from tisph.measures.distribution import max_void_radius, min_distance
-from tisph.measures.mean_velocity import cell_mean
+from tisph.measures.fits import with_walls
+from tisph.measures.mean_velocity import section_mean
+
+__all__ = ["ENERGIES", "kinetic_energies", "loads", "mean_velocity", "spread", "volume_mean"]
 
 ENERGIES = "kinetic_energy_axial", "kinetic_energy_radial", "kinetic_energy_azimuthal"
 """Names of ``kinetic_energies``."""
@@ -29,8 +32,9 @@ def kinetic_energies(snapshot):
 
 
 def mean_velocity(scene, snapshot):
-    """Mean velocity along the axis, over the volume of the fluid and of what is in it."""
-    return cell_mean(scene, snapshot)[0]
+    """Mean velocity along the axis over a cross-section."""
+    positions, velocity = with_walls(scene, snapshot)
+    return section_mean(scene.seen(snapshot), positions, velocity[:, 0], snapshot.t)
 
 
 def spread(scene, snapshot):

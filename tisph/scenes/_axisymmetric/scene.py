@@ -46,7 +46,7 @@ class AxisymmetricScene(BodyScene):
         high, bodies = (self.length, self.outer_radius), self.bodies
         if self.inner_radius == 0.0:
             bodies = (axis(self.length), *bodies)
-        return Region(bodies, self.origin, high, self.periodic)
+        return Region(bodies, self.origin, high, self.periodic, axisymmetric=True)
 
     @property
     def reference_length(self):
@@ -67,6 +67,10 @@ class AxisymmetricScene(BodyScene):
     def volume(self):
         """Volume of the fluid in one period."""
         return np.pi * (self.outer_radius**2 - self.inner_radius**2) * self.length
+
+    def open_section(self, t):
+        """Place along the axis of a cross-section with no body in it."""
+        return 0.0
 
     def initial(self, x, y):
         """Rest, without stress."""

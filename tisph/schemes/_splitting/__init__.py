@@ -38,6 +38,10 @@ def scheme(config, scene, targets, serial):
     tolerance, courant = _steps(config)
     built = Scheme(_problem(scene), targets, serial, tolerance, courant)
     built.body_force = scene.body_force
+    if scene.kept_mean_velocity is not None:
+        from tisph.schemes._splitting._mean_velocity import MeanVelocityControl
+
+        built.splitting.mean_velocity = MeanVelocityControl(scene, built.wall_boundary, built.splitting)
     return built
 
 
@@ -52,6 +56,7 @@ def _problem(scene):
         "initial_conformation_excess": scene.initial_conformation_excess,
         "jump_times": scene.jump_times,
         "axisymmetric": scene.axisymmetric,
+        "keeps_mean_velocity": scene.kept_mean_velocity is not None,
         "annular": scene.axisymmetric and scene.origin[1] > 0.0,
     }
     if not scene.bodies:

@@ -12,8 +12,9 @@ move with X. An outer iteration solves for these. Then X changes by minus J^-1 t
 
 is what a circle alone would need: M_a is its added mass and what its viscous layer, of one step, drags along (G. G.
 Stokes 1851; H. Lamb, Hydrodynamics, 1932, art. 328, for a growth rate gamma_0/dt), and around the centre
-4 rho pi R^2 delta^2 (1 + z K_0(z)/(2 K_1(z))). That holds the fluid's added mass, without which light bodies are
-unstable whatever the step (P. Causin, J. F. Gerbeau, F. Nobile, Comput. Methods Appl. Mech. Eng. 194 (2005) 4506-4527).
+4 rho pi R^2 delta^2 (1 + z K_0(z)/(2 K_1(z))); of a sphere M_a = (4/3) rho pi R^3 (1/2 + (9/2) (1 + z)/z^2). That
+holds the fluid's added mass, without which light bodies are unstable whatever the step (P. Causin, J. F. Gerbeau,
+F. Nobile, Comput. Methods Appl. Mech. Eng. 194 (2005) 4506-4527).
 For other shapes, walls and neighbours the differences of the last iterations make up (Anderson's method: H. F. Walker,
 P. Ni, SIAM J. Numer. Anal. 49 (2011) 1715-1735).
 """
@@ -52,7 +53,12 @@ class FreeBodies:
         self.moves = ~np.array([each.held for each in inertias])
         self.radius = np.array([walls.bodies[number].shape.length for number in self.index]) / (2 * math.pi)
         self.arm = np.stack([np.ones_like(self.radius)] * 2 + [self.radius], axis=1)
-        self.converged = 0.0
+        self.converged, self.axisymmetric = 0.0, problem.axisymmetric
+
+    def accelerate(self, acceleration):
+        """Let the fluid around be under an ``acceleration`` along x, whose pressure acts on the bodies, too."""
+        for index, motion in enumerate(self.motions):
+            self.load[index, 0] = motion.inertia.load[0] / self.density + motion.inertia.displaced * acceleration
 
     def reset(self, time):
         """Go back to before the start, at ``time``."""
@@ -80,6 +86,10 @@ class FreeBodies:
     def added_mass(self, duration):
         """Return M_a (n, 3) per unit density for a step of which dt/gamma_0 is the ``duration``."""
         displaced, depth = math.pi * self.radius**2, math.sqrt(self.viscosity * duration)
+        if self.axisymmetric:
+            displaced = 4.0 / 3.0 * self.radius * displaced
+            along = displaced * (0.5 + 4.5 * (1.0 + self.radius / max(depth, 1e-300)) * (depth / self.radius) ** 2)
+            return np.stack([along, along, displaced * self.radius**2], axis=1)
         along, around = displaced, np.full_like(displaced, 1e-3) * displaced * self.radius**2
         if depth > 0.0:
             from scipy.special import k0e, k1e

@@ -59,5 +59,6 @@ def state(scheme, time):
         bodies=walls.bodies(time, times, offset) if walls else None,
         steepest=scheme.log_jump,
         divergence=scheme.levels.residual,
+        acceleration=scheme.mean_velocity.acceleration if scheme.mean_velocity else None,
         **dict(zip(STRESSES, stress, strict=False)),
     )

@@ -19,6 +19,7 @@ class _Problem(Box):
     ``initial_velocity``: function of x, y with the velocities (2, ...) before bodies start; None where it is at rest.
     ``axisymmetric``: whether y is the distance from an axis, and not planar flow; ``annular``: whether an inner wall
     keeps the fluid from that.
+    ``keeps_mean_velocity``: whether the acceleration changes from step to step.
     ``contact``: distance and pressure of ``Contact``, where there are free bodies.
     ``jump_times``: times at which the velocity of a wall, or its acceleration, jumps.
     """
@@ -37,6 +38,7 @@ class _Problem(Box):
     jump_times: tuple[float, ...] = ()
     axisymmetric: bool = False
     annular: bool = False
+    keeps_mean_velocity: bool = False
 
     @property
     def bodies(self):

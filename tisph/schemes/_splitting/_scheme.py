@@ -1,6 +1,7 @@
 """Steps of two-dimensional flows in the implicit scheme: predict the end, assemble the operators, solve, shift."""
 
 import math
+from functools import partial
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from tisph.schemes._splitting._coordinates import unknowns_of
 from tisph.schemes._splitting._coupling import Coupling
 from tisph.schemes._splitting._free_bodies import RESIDUAL
 from tisph.schemes._splitting._generalised_newtonian_stress import GeneralisedNewtonianStress
+from tisph.schemes._splitting._mean_velocity import SETTLED
 from tisph.schemes._splitting._output import levels_in_order, state
 from tisph.schemes._splitting._shift import TRAVEL, FickianShifting
 from tisph.schemes._splitting._splitting_step import SplittingStep
@@ -137,7 +139,9 @@ class Scheme:
         self.levels.predict()
         self.assemble(self.time)
         if self.wall_boundary:
-            self.require_solution(self.wall_boundary.begin(self.splitting, self.residuals[0]))
+            kept = self.mean_velocity
+            more = partial(kept.start, self.time, self.residuals[0]) if kept else None
+            self.require_solution(self.wall_boundary.begin(self.splitting, self.residuals[0], more))
         self.levels.measure()
         if self.extra_stress:
             self.extra_stress.begin()
@@ -146,6 +150,11 @@ class Scheme:
             self.wall_boundary.measure(self.time, self.extra_stress)
             self.wall_boundary.find_fastest()
         self.begin_steps()
+
+    @property
+    def mean_velocity(self):
+        """``MeanVelocityControl`` where a pressure gradient keeps the mean velocity; None without."""
+        return self.splitting.mean_velocity
 
     @property
     def speed(self):
@@ -209,6 +218,9 @@ class Scheme:
                 return math.inf, 1
         self.assemble(self.time + dt)
         gamma0, alpha = times.bdf()
+        if self.mean_velocity:
+            self.mean_velocity.prepare(dt, gamma0, self.time + dt)
+            self.mean_velocity.least = SETTLED * self.tolerance * self.error_speed
         view(self.splitting.alpha)[...] = alpha
         view(self.splitting.beta)[...] = times.extrapolation(VELOCITIES)
         view(self.splitting.beta_pressure)[...] = times.extrapolation(PRESSURES)
@@ -272,6 +284,8 @@ class Scheme:
             self.log_jump = self.extra_stress.take_up(self.splitting.velocity.x, self.steps + 1)
         if self.wall_boundary:
             self.wall_boundary.measure(self.time + dt, self.extra_stress)
+        if self.mean_velocity:
+            self.mean_velocity.accept()
         if self.wall_boundary and self.wall_boundary.free:
             self.wall_boundary.free.accept(self.control.end(self.time, dt))
         travelled = dt * self.speed / self.problem.spacing
@@ -340,7 +354,9 @@ class Scheme:
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
         walls = self.wall_boundary.host_state() if self.wall_boundary else None
-        return {**{name: getattr(self, name) for name in HOST_STATE}, "walls": walls, **self.control.host_state()}
+        mean = self.mean_velocity.state() if self.mean_velocity else None
+        own = {name: getattr(self, name) for name in HOST_STATE}
+        return {**own, "walls": walls, "mean_velocity": mean, **self.control.host_state()}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
@@ -349,6 +365,8 @@ class Scheme:
         self.control.restore_host_state(state)
         if self.wall_boundary:
             self.wall_boundary.restore_host_state(state["walls"])
+        if self.mean_velocity:
+            self.mean_velocity.restore(state["mean_velocity"])
 
     def set_targets(self, targets):
         """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""

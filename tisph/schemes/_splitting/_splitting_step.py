@@ -38,7 +38,7 @@ class SplittingStep:
 
     ``alpha``: of the backward differences; ``beta``, ``beta_pressure``: of the extrapolated values, from which solvers
     start and from which the error is estimated. ``boundary``: the ``PressureBoundaryCondition`` where there are walls.
-    ``coupling``: with bodies that the flow carries, None without.
+    ``coupling``: with bodies that the flow carries, ``mean_velocity``: the ``MeanVelocityControl``; None without.
     ``extra_stress``: of a fluid that is not Newtonian; one whose viscosity is ``varying`` has operators of its own.
     """
 
@@ -47,9 +47,9 @@ class SplittingStep:
         self.coordinates = levels.coordinates
         vector = ti.types.vector(levels.components, real())
         self.spacing, self.pressure_boundary, self.bounded = problem.spacing, boundary, boundary is not None
-        self.coupling, self.rounding = None, 0.0
+        self.coupling, self.mean_velocity, self.rounding = None, None, 0.0
         self.extra_stress, self.varying = extra_stress, extra_stress is not None and extra_stress.varying
-        self.has_body_force = any(problem.acceleration)
+        self.has_body_force = any(problem.acceleration) or problem.keeps_mean_velocity
         self.acceleration = holding(ti.field(vector, ()), (*problem.acceleration, 0.0)[: levels.components])
         self.pressure = BiCGStab(self.operators, pure_neumann=True)
         self.velocity = BiCGStab(
@@ -74,7 +74,8 @@ class SplittingStep:
         """
         solved, self.iterations = True, [0.0, 0.0]
         least = 2 if self.bounded or self.extra_stress else 1
-        for outer in range(MOST_ITERATIONS if self.coupling else least):
+        coupled = self.coupling or self.mean_velocity
+        for outer in range(MOST_ITERATIONS if coupled else least):
             if self.extra_stress:
                 self.extra_stress.add_stress(self.velocity.x, self.u_history, dt)
             if self.swirls:
@@ -85,7 +86,7 @@ class SplittingStep:
                 if outer > 0 and not self.coupling:
                     self.find_normal_curls()
                 self.wall_rhs(dt, gamma0, viscosity)
-            wanted = tolerances if self.coupling or outer >= least - 1 else np.maximum(tolerances, FIRST_OUTER)
+            wanted = tolerances if coupled or outer >= least - 1 else np.maximum(tolerances, FIRST_OUTER)
             solved = self.solve_pressure(wanted[0]) and solved
             self.momentum_rhs(dt)
             diffusion = dt * viscosity
@@ -93,14 +94,25 @@ class SplittingStep:
             solved = self.velocity.solve(diffusion, wanted[1], gamma0, preconditioner) and solved
             self.iterations[0] += self.pressure.iterations
             self.iterations[1] += self.velocity.iterations
-            if self.coupling and self.coupling.correct() and outer >= least - 1:
+            if coupled and self._settled() and outer >= least - 1:
                 break
         self.sum_difference()
         return solved
 
+    def _settled(self):
+        """Change what is coupled with the fluid by what this does; return whether there is no need to."""
+        settled = not self.coupling or self.coupling.correct()
+        return (not self.mean_velocity or self.mean_velocity.correct()) and settled
+
     def solve_pressure(self, tolerance):
         """Solve -L p = b; return whether it could be; residuals of ``rounding`` are none."""
         return self.pressure.solve(1.0, tolerance, 0.0, self.for_pressure, least=self.rounding)
+
+    def accelerate(self, acceleration):
+        """Let the body force along x be another one, and that part of it on free bodies which is their buoyancy."""
+        view(self.acceleration)[0] = acceleration
+        if self.coupling:
+            self.coupling.bodies.accelerate(acceleration)
 
     def error(self):
         """Return the root mean square of the difference of the new from the extrapolated velocities."""

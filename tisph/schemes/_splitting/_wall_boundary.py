@@ -135,10 +135,11 @@ class WallBoundary:
         if self.corners:
             self.corners.paths.find_fastest()
 
-    def begin(self, splitting, tolerance):
+    def begin(self, splitting, tolerance, more_impulse=None):
         """Let the points have the velocities of the walls at the start, and the pressure meet their acceleration.
 
-        Return whether the impulse could be solved for where walls move into the fluid.
+        Return whether the impulse could be solved for where walls move into the fluid; ``more_impulse`` gives the fluid
+        another one, and returns the same.
         """
         regular, started, against = self.regular_velocities, True, self.velocity - self.fluid_velocity
         if splitting.coupling:
@@ -146,6 +147,8 @@ class WallBoundary:
         elif np.abs(self.inwards(against)).max() > STRAIGHT * np.abs(against).max():
             started = self.find_impulse(splitting, tolerance)
             splitting.apply_impulse()
+        if more_impulse:
+            started = more_impulse() and started
         regular[self.slots, 0] = self.velocity
         if self.corners:
             regular[:, 0] -= self.corners.velocity(self.positions)

@@ -58,15 +58,16 @@ class WallsOfRevolution(WallPoints):
         return np.stack([2.0 * d_dx[0], shear, across, radius * d_dx[2], radius**2 * d_dy[2]])
 
     def sums(self, tractions, time):
-        """Return force along the axis, 0, torque around it, and 0, on whole bodies (n, bodies, 4)."""
+        """Return force along the axis, 0, torque around it, and 0, on whole bodies (n, bodies, 4).
+
+        ``tractions`` (n, count, 2 or 3): those of a pressure have no part around the axis.
+        """
         radius = self.radii(time)
-        force, result = (
-            (2.0 * np.pi * radius * self.length)[:, None] * tractions,
-            np.zeros((len(tractions), len(self.bodies), 4)),
-        )
+        force = (2.0 * np.pi * radius * self.length)[:, None] * tractions
+        result = np.zeros((len(tractions), len(self.bodies), 4))
         for number, part in enumerate(self.parts):
             result[:, number, 0] = force[:, part, 0].sum(axis=1)
-            result[:, number, 2] = (radius[part] * force[:, part, 2]).sum(axis=1)
+            result[:, number, 2] = (radius[part, None] * force[:, part, 2:]).sum(axis=(1, 2))
         return result
 
     def means(self, values):

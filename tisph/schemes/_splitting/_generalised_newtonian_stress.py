@@ -40,6 +40,7 @@ class GeneralisedNewtonianStress:
     """
 
     varying = True
+    numbers, components = 8, 2
 
     def __init__(self, levels, problem):
         self.levels, self.points, self.n_fluid = levels, levels.points, problem.n_fluid
@@ -47,14 +48,14 @@ class GeneralisedNewtonianStress:
         self.law = problem.rheology.law(self.viscosity, problem.density)
         self.unweighted, self.operators = levels.operators, copy.copy(levels.operators)
         self.operators.laplacian = ti.field(real(), levels.operators.laplacian.shape)
-        self.derived = ti.field(ti.types.vector(8, real()), self.points.slots + 1)
-        vector = ti.types.vector(2, real())
+        self.derived = ti.field(ti.types.vector(self.numbers, real()), self.points.slots + 1)
+        vector = ti.types.vector(self.components, real())
         self.d_dx, self.d_dy, self.force = (ti.field(vector, self.points.capacity) for _ in range(3))
         self.implicit_divergence, self.operators.diagonal = (ti.field(real(), self.points.capacity) for _ in range(2))
 
     def begin(self):
         """Find the stress of the newest velocities, whose gradients are measured."""
-        self.find(self.levels.d_dx, self.levels.d_dy)
+        self.find(self.levels.fields, self.levels.d_dx, self.levels.d_dy)
 
     def prepare(self, times, dt, time):
         """Take up a step."""
@@ -63,17 +64,21 @@ class GeneralisedNewtonianStress:
     def add_stress(self, velocity, known, dt):
         """Add the stress of a ``velocity``, a field, to what is ``known`` of a step ``dt``, and weigh the operators."""
         self.measure(velocity)
-        self.find(self.d_dx, self.d_dy)
+        self.find(velocity, self.d_dx, self.d_dy)
         self.add_force(known, dt, self.viscosity)
 
-    def find(self, d_dx, d_dy):
-        """Find stress and viscosities for velocities whose gradients are the first numbers of these fields."""
+    def find(self, velocity, d_dx, d_dy):
+        """Find stress and viscosities for a velocity: it and its gradients are the first numbers of these fields."""
         d_dx, d_dy = (view(field)[: self.points.fluid, :2].astype(float) for field in (d_dx, d_dy))
         along, shear = d_dx[:, 0] - d_dy[:, 1], d_dx[:, 1] + d_dy[:, 0]
         strain, squared = np.stack([along, shear, -along], axis=1), along**2 + shear**2
+        self.derive(strain, squared, d_dx[:, 1] - d_dy[:, 0])
+
+    def derive(self, strain, squared, vorticity):
+        """Take up 2 D (points, numbers), q and the vorticity (points,), and find the viscosities."""
         with np.errstate(all="ignore"):  # what is not finite has no velocities, and stops the run
             viscosity = self.law.viscosity(squared + 1j * SMALL)
-        vorticity, implicit = d_dx[:, 1] - d_dy[:, 0], viscosity.real + squared * viscosity.imag / SMALL
+        implicit = viscosity.real + squared * viscosity.imag / SMALL
         numbers = viscosity.real[:, None] * strain, strain, np.stack([vorticity, implicit], axis=1)
         view(self.derived)[: self.points.fluid] = np.concatenate(numbers, axis=1)
 
@@ -93,7 +98,7 @@ class GeneralisedNewtonianStress:
     @ti.func
     def implicit_viscosity(self, i):
         """Return nu* at a point."""
-        return self.derived[i][7]
+        return self.derived[i][self.numbers - 1]
 
     @ti.kernel
     def measure(self, velocity: ti.template()):

@@ -19,6 +19,7 @@ from tisph.schemes._splitting._coordinates import unknowns_of
 from tisph.schemes._splitting._coupling import Coupling
 from tisph.schemes._splitting._free_bodies import RESIDUAL
 from tisph.schemes._splitting._generalised_newtonian_stress import GeneralisedNewtonianStress
+from tisph.schemes._splitting._generalised_newtonian_stress_of_revolution import GeneralisedNewtonianStressOfRevolution
 from tisph.schemes._splitting._mean_velocity import SETTLED
 from tisph.schemes._splitting._output import levels_in_order, state
 from tisph.schemes._splitting._shift import TRAVEL, FickianShifting
@@ -101,7 +102,10 @@ class Scheme:
         self.polymer = ViscoelasticStress(self.levels, problem) if problem.carries_stress else None
         self.extra_stress = self.polymer
         if problem.rheology and not self.polymer:
-            self.extra_stress = GeneralisedNewtonianStress(self.levels, problem)
+            of_revolution = GeneralisedNewtonianStressOfRevolution
+            self.extra_stress = (of_revolution if problem.axisymmetric else GeneralisedNewtonianStress)(
+                self.levels, problem
+            )
         self.splitting = SplittingStep(self.levels, self.grid, problem, boundary, self.extra_stress)
         self.control = limits.step_control(problem, targets, tolerance, courant)
         least = ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)

@@ -1,11 +1,14 @@
 """Bodies that the flow carries: at rest, released, in shear, in contact, and resumed."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import tisph
+from tisph.measures.mean_velocity import cell_mean
+from tisph.measures.resolution import resolution
 from tisph.schemes._splitting._free_bodies import RESIDUAL
 
 SHEAR = {
@@ -66,6 +69,24 @@ def test_body_and_fluid_fall_together():
     bodies, _ = ended({**LONGER, "drive": {"acceleration": 1.0}})
     assert np.abs(bodies.velocity - [0.1, 0.0]).max() < 1e-12  # rounding errors alone
     assert np.abs(bodies.angular_velocity).max() < 1e-12
+
+
+def test_a_drift_without_walls_is_measured_and_not_resolved():
+    """All moved faster by a twentieth of the body's velocity against the fluid is a drift of so much more."""
+    drawn = changed({**CELL, "drive": {"acceleration": -1.0}}, force=[1.0, 0.0])
+    drawn["fluid"] = {"density": 1.0, "kinematic_viscosity": 0.1}
+    with tisph.Simulation({**drawn, "time": {"end": 0.1, "samples": [0.1]}}) as simulation:
+        simulation.run_until(0.1)
+        scene, snapshot = simulation.scene, simulation.scheme.snapshot()
+    before, apart = scene.drift(snapshot), snapshot.bodies.velocity[0, 0] - cell_mean(scene, snapshot)[0]
+    assert before < 2e-3  # of the impulse of 0.1 a step keeps some 1e-4, of a velocity of 0.26
+    faster = 0.05 * apart
+    bodies = replace(snapshot.bodies, velocity=snapshot.bodies.velocity + np.array([faster, 0.0]))
+    moved = replace(snapshot, u=snapshot.u + faster, bodies=bodies)
+    assert scene.drift(moved) == pytest.approx(0.05, abs=before + 1e-4)
+    resolved, reason = resolution(scene, 0.1, moved)
+    assert not resolved
+    assert "drift together by 0.05" in reason
 
 
 @pytest.mark.parametrize("density", [0.0, 0.1, 0.5, 2.0, 1000.0])

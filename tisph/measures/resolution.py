@@ -22,6 +22,10 @@ LARGEST_DIVERGENCE = 0.01
 The error of drag and flow rate around bodies is up to 2.6 times that (docs/evidence/verification.md).
 """
 
+LARGEST_DRIFT = 0.01
+"""Velocity by which all together moves too fast in a box without walls, over that of bodies against the fluid, up to
+which a sample counts as resolved: what one asks for of forces and velocities around bodies elsewhere."""
+
 STEEPEST = 2.0
 """Change of the logarithm of a conformation tensor within a spacing up to which a sample counts as resolved.
 
@@ -41,6 +45,7 @@ def unresolved(scene, t, snapshot=None):
 
     ``snapshot``: the state then, once there is one; some of it is known before the run.
     """
+    drift = 0.0 if snapshot is None else scene.drift(snapshot)
     scene = scene if snapshot is None else scene.seen(snapshot)
     depth, layer = scene.thinnest_layer(t)
     spacings = depth / scene.spacing
@@ -53,6 +58,9 @@ def unresolved(scene, t, snapshot=None):
         if spacings < least * (1 - 1e-4):  # what gaps of bodies that move are good to
             text = f"{what} is {spacings:.2g} spacings; resolved from {least:g} on"
             return f"{name} {spacings:.2g} dx", text
+    if drift > LARGEST_DRIFT:
+        text = f"without walls, fluid and bodies drift together by {drift:.2g} of their velocity against each other"
+        return f"drift {drift:.2g}", f"{text}; resolved up to {LARGEST_DRIFT:g}"
     return None if snapshot is None else _of_state(snapshot)
 
 

@@ -219,6 +219,10 @@ class Scene:
         """Depth [length] of the thinnest layer in the flow at time ``t`` and where it is; infinite without one."""
         return math.inf, ""
 
+    def drift(self, snapshot):
+        """Velocity by which all together moves too fast, over that of bodies against the fluid; 0 where walls hold."""
+        return 0.0
+
     def lattice(self):
         """Cell centres as arrays (x, y) of shape (particles,), row by row from the bottom."""
         y, x = np.meshgrid(np.arange(self.rows) + 0.5, np.arange(self.columns) + 0.5, indexing="ij")

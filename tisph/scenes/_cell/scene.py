@@ -215,6 +215,7 @@ class Cell(BodyScene):
         return {**super().description(), "bodies": self.count}
 
     diagnostics = diagnostics.diagnostics
+    drift = free_bodies.drift
     parameters = views.parameters
     profiles = views.profiles
     movie_series = views.movie_series

@@ -101,6 +101,25 @@ def test_drags_are_compared_with_those_of_twice_the_particles():
     assert compared([(1.0, 1.021), (1.0, 1.0)], (False, True)).verdict == "stable"
 
 
+def test_velocities_of_free_bodies_are_compared_with_the_fastest_flow():
+    """Here that is the mean one: a heavy body hardly moves."""
+    cell = Cell(flow="sheared1000_4", across=24, scheme="implicit 4")
+    fine = {**GOOD, "u_0": 0.01, "v_0": 0.0, "angular_velocity_0": 0.2, "superficial_velocity": 0.5}
+    baseline = {"status": "done", "samples": [fine] * 4, "numbers": {"reference_velocity": 1.0}}
+    for off, wanted in ((9e-3, "stable"), (11e-3, "silent failure")):
+        own = {**baseline, "samples": [fine, fine, fine, {**fine, "u_0": 0.01 + off}]}
+        found = judge.judge(replace(VORTEX, cell=cell), own, "", baseline)
+        assert (found.verdict, found.error) == (wanted, pytest.approx(off / 0.5))
+
+
+def test_both_stresses_of_a_suspension_have_to_agree():
+    cell = Cell(flow="suspension1_0.2_4", across=24, scheme="implicit 4")
+    for stress, said, wanted in ((1.019, True, "stable"), (1.021, True, "silent failure"), (1.1, False, "inaccurate")):
+        sample = {**GOOD, "shear_stress_walls": 1.0, "shear_stress_bodies": stress, "resolved": said}
+        run = {"status": "done", "samples": [sample] * 4, "numbers": {"reference_velocity": 1.0}}
+        assert judge.judge(replace(VORTEX, cell=cell), run, "", run).verdict == wanted
+
+
 def test_a_run_with_twice_the_particles_serves_every_jitter():
     fine = Cell(flow="square3", across=48, jitter=0.3)
     assert {Cell(flow="square3", across=24, jitter=jitter).baseline for jitter in (0.05, 0.3)} == {fine}

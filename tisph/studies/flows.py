@@ -17,6 +17,11 @@ NEWTONIAN = {
 }
 
 
+def digits(number):
+    """The number to twelve digits, so that it reads as it is meant."""
+    return float(f"{number:.12g}")
+
+
 def oldroyd_b(relaxation_time=1.0, solvent_fraction=0.1):
     """Change that makes the fluid an Oldroyd-B fluid of total viscosity 1."""
     rheology = {"type": "oldroyd_b", "relaxation_time": relaxation_time, "solvent_fraction": solvent_fraction}
@@ -91,8 +96,7 @@ def _flow(title, samples, measure, *changes):
 def sampled(config, sample_times):
     """The config with samples at the given t* = nu t/gap^2, which ends at the last one."""
     viscous_time = config["geometry"]["gap"] ** 2 / config["fluid"]["kinematic_viscosity"]
-    # twelve digits, so that the times read as they are meant (1.8, not 1.7999999999999998)
-    samples = [float(f"{t_star * viscous_time:.12g}") for t_star in sample_times]
+    samples = [digits(t_star * viscous_time) for t_star in sample_times]  # 1.8, not 1.7999999999999998
     return {**config, **at_times(samples)}
 
 

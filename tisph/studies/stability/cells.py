@@ -9,8 +9,8 @@ from tisph.equation_of_state import SCALE_RATIO, Tait, sound_speed
 from tisph.schemes._time_step import AUTO_CFL
 from tisph.schemes.auto import ELASTIC_STEPS
 from tisph.schemes.implicit import LARGEST_STRAIN
-from tisph.studies.flows import merged
-from tisph.studies.stability.flows import BODY_ACROSS, FINER, FLOWS, PREDICTABLE, SOLVENT_FRACTION, digits
+from tisph.studies.flows import digits, merged
+from tisph.studies.stability.flows import BODY_ACROSS, FINER, FLOWS, PREDICTABLE, SOLVENT_FRACTION
 
 TOLERANCE, STRAIN = 3e-7, 0.5
 """Defaults of scheme ``implicit``, which step multiples start from."""

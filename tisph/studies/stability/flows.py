@@ -7,7 +7,9 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from tisph.studies.flows import merged, oldroyd_b, walls
+from tisph.studies.flows import digits, merged, oldroyd_b, walls
+from tisph.studies.stability import free_bodies
+from tisph.studies.stability.free_bodies import ACROSS as BODY_ACROSS
 
 SOLVENT_FRACTION = 0.1
 """The smallest for which Oldroyd-B flow is verified with the explicit scheme."""
@@ -34,10 +36,6 @@ FAR = (0.01, 10.0, 100.0)
 RADIUS, ACROSS, ALONG = 3, 16, 24
 """Radius of a cylinder near the lower wall of a channel, height and length of the channel, in spacings."""
 
-BODY_ACROSS = 24
-"""Spacings across a channel in which the number behind the name of a body counts; twice as many for what it is
-compared with."""
-
 SETTINGS = {"": (18.0, 12.0), "_driven": (18.0, 12.0), "_lattice": (12.0, 12.0)}
 """What bodies are in, as the ends of names: a channel that they move along, one whose fluid is driven past them, and a
 lattice; with the middle of each in spacings."""
@@ -46,7 +44,11 @@ TOO_SMALL = ("circle2", "square0")
 """Shapes that are refused."""
 
 FINER = "finer"
-"""Measure of a flow without a reference: the drag, over that of a run with twice the particles across."""
+"""Measure of a flow without a reference: the drag, over that of a run with twice the particles across; of a free body
+its velocities."""
+
+BOTH_STRESSES = "both_stresses"
+"""Measure of a suspension: the shear stress by the bodies off that on the walls."""
 
 
 @dataclass(frozen=True)
@@ -72,11 +74,6 @@ class Flow:
     def unit_time(self, reynolds):
         """Return the time t* = 1 in lengths over reference velocity: in a channel the viscous time."""
         return 1.0 if self.doubly_periodic or self.curved_walls else reynolds
-
-
-def digits(number):
-    """The number to twelve digits, so that it reads as it is meant."""
-    return float(f"{number:.12g}")
 
 
 def _couette(nu):
@@ -248,6 +245,11 @@ FLOWS = {
         name: Flow(change, FINER, curved_walls=True, largest=0.16, refused=refused)
         for name, change, refused in _bodies()
     },
+    **{
+        name: Flow(change, BOTH_STRESSES if name.startswith("suspension") else FINER, curved_walls=True, largest=0.16)
+        for name, change in free_bodies.flows()
+    },
 }
 """The number behind oldroyd, oldroyd_b and giesekus is Wi, that behind annulus the ratio of the radii, that behind
-cylinder the gap in spacings if there are ``ACROSS``; those of bodies are as ``_shapes`` and ``_bodies`` say."""
+cylinder the gap in spacings if there are ``ACROSS``; those of bodies are as ``_shapes``, ``_bodies`` and
+``free_bodies.flows`` say."""

@@ -9,8 +9,9 @@ distribution of the particles, no gain of energy unless walls drive it, and a sm
 import re
 from dataclasses import dataclass
 
+from tisph.scenes._cell.shear_stress import BODIES, WALLS
 from tisph.studies.stability.cells import FINISHED, FLAGGED, REFUSED, STABLE
-from tisph.studies.stability.flows import FINER, FLOWS
+from tisph.studies.stability.flows import BOTH_STRESSES, FINER, FLOWS
 
 MULTIPLE, EARLY_MULTIPLE = 2.0, 10.0
 """Error over that of the baseline, up to which a run is stable: from t* = 1 on, and before, while the flow still
@@ -114,8 +115,7 @@ def judge(plan, summary, message, baseline):
     found = [read(cell, sample, summary) for sample in samples]
     if cell.measure == FINER and baseline["status"] == "done":
         for each, sample, fine in zip(found, samples, baseline["samples"], strict=False):
-            drags = [name for name in sample if re.fullmatch(r"drag(_\d+)?", name)]
-            each["error"] = max(abs(sample[name] / fine[name] - 1.0) for name in drags)
+            each["error"] = _off_finer(sample, fine)
     compared = baseline["status"] == "done" and not cell.two_dimensional
     errors = [sample[cell.measure] for sample in baseline["samples"]] if compared else []
     verdict, reason = _verdict(plan, summary["status"], message, found, errors)
@@ -129,6 +129,16 @@ def judge(plan, summary, message, baseline):
     )
 
 
+def _off_finer(sample, fine):
+    """Error of the drags; where bodies are free that of all velocities, over the largest, in lengths and speeds."""
+    free = any(name.startswith("angular_velocity") for name in sample)
+    rates = [name for name in sample if re.fullmatch(r"(u|v|angular_velocity)(_\d+)?|superficial_velocity", name)]
+    if free:
+        return max(abs(sample[name] - fine[name]) for name in rates) / max(abs(fine[name]) for name in rates)
+    drags = [name for name in sample if re.fullmatch(r"drag(_\d+)?", name)]
+    return max(abs(sample[name] / fine[name] - 1.0) for name in drags)
+
+
 def _sample(cell, sample, summary):
     """What is judged of a ``sample`` of a run in a channel."""
     speed = summary["numbers"]["reference_velocity"]
@@ -140,9 +150,13 @@ def _sample(cell, sample, summary):
 
 
 def _two_dimensional_sample(cell, sample, summary):
-    unbalanced = cell.measure == UNBALANCED
+    error = sample.get(cell.measure)
+    if cell.measure == UNBALANCED:
+        error = _unbalanced(sample, summary["samples"])
+    if cell.measure == BOTH_STRESSES:
+        error = abs(sample[BODIES] / sample[WALLS] - 1.0)
     return {
-        "error": _unbalanced(sample, summary["samples"]) if unbalanced else sample.get(cell.measure),
+        "error": error,
         "density_variation": sample["density_variation"],
         "max_void_radius": sample["max_void_radius"],
         "min_distance": sample["min_distance"],
@@ -172,7 +186,7 @@ def _verdict(plan, status, message, found, baseline_errors):
         return SILENT_FAILURE, f"ended without a clear error: {message or status}"
     error = found[-1]["error"]
     largest = min(max(PREDICTED_FACTOR * _predicted(plan), WARNED if plan.warnings else SILENT), LARGEST)
-    if plan.cell.measure == FINER:
+    if plan.cell.measure in (FINER, BOTH_STRESSES):
         error, largest = max((each["error"] or 0.0 for each in found if each["resolved"]), default=0.0), SILENT
     if error is not None and not error <= largest:
         said = "none predicted" if plan.predicted is None else f"predicted {plan.predicted:.0e}"

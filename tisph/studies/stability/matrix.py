@@ -10,8 +10,8 @@ from ruamel.yaml import YAML
 
 from tisph.equation_of_state import SCALE_RATIO
 from tisph.schemes._stages.walls import OBEY_MOMENTUM
+from tisph.studies.flows import digits
 from tisph.studies.stability.cells import Cell
-from tisph.studies.stability.flows import digits
 
 TABLE = YAML(typ="safe", pure=True).load(Path(__file__).with_name("cells.yaml"))
 AXES = TABLE["covering"]

@@ -7,7 +7,7 @@ import numpy as np
 STRESSES = ("stress_xx", "stress_xy", "stress_yy")
 """What a snapshot has of a polymer's stress."""
 
-OPTIONAL = ("w", *STRESSES)
+OPTIONAL = ("w", *STRESSES, "stress_tt")
 """Fields that only some flows have."""
 
 
@@ -78,7 +78,7 @@ class Snapshot:
     All arrays have shape (particles_fluid,) and the units of the config: positions ``x`` and ``y`` in the box of the
     scene, velocities ``u`` and ``v`` along them and, in axisymmetric flow, ``w`` around the axis y = 0, else None;
     density, pressure; polymer stresses
-    [mass/(length time^2)] where the fluid has them, else None. ``reference``: arrays of the exact solution by the name
+    [mass/(length time^2)] where the fluid has them, else None, and in axisymmetric flow ``stress_tt`` around the axis. ``reference``: arrays of the exact solution by the name
     of the field, where somebody has asked for them; ``bodies``, where there are any. ``steepest``: the largest change
     of the logarithm of a conformation tensor within a particle spacing, with x and y of where it is; ``divergence``: of
     the velocities, root mean square over that of their gradient, by the operators of the scheme; ``acceleration``: the
@@ -97,6 +97,7 @@ class Snapshot:
     stress_xy: np.ndarray | None = None
     stress_yy: np.ndarray | None = None
     w: np.ndarray | None = None
+    stress_tt: np.ndarray | None = None
     reference: dict[str, np.ndarray] | None = None
     bodies: Bodies | None = None
     steepest: tuple[float, float, float] | None = None

@@ -63,6 +63,11 @@ class Law:
         self.polymer_viscosity = polymer_viscosity
         self.modulus = polymer_viscosity / parameters.relaxation_time
 
+    def in_three_dimensions(self):
+        """Let the components be xx, xy, yy and zz, whether the law needs the last in planar flow or not."""
+        self.components = 4
+        return self
+
     def relaxation(self, c):
         """Tuple of dC/dt by relaxation alone, at the components ``c``."""
         raise NotImplementedError

@@ -45,4 +45,5 @@ class Law(_polymer.Law):
             rate * (xx + mobility * (xx * xx + xy * xy)),
             rate * (xy + mobility * (xx + yy) * xy),
             rate * (yy + mobility * (xy * xy + yy * yy)),
+            *(rate * (c[k] + mobility * c[k] * c[k]) for k in range(3, self.components)),
         )

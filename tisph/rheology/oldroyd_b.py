@@ -29,4 +29,4 @@ class Law(_polymer.Law):
 
     def relaxation(self, c):
         """-C/relaxation_time."""
-        return tuple(-1.0 / self.relaxation_time * c[k] for k in range(3))
+        return tuple(-1.0 / self.relaxation_time * c[k] for k in range(self.components))

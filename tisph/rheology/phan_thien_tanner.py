@@ -45,8 +45,11 @@ class Law(_polymer.Law):
 
     def relaxation(self, c):
         """-Y C/relaxation_time."""
-        rate = -1.0 / self.relaxation_time * self.destruction(self.extensibility * (c[0] + c[2]))
-        return tuple(rate * c[k] for k in range(3))
+        trace = c[0] + c[2]
+        for k in range(3, self.components):
+            trace = trace + c[k]
+        rate = -1.0 / self.relaxation_time * self.destruction(self.extensibility * trace)
+        return tuple(rate * c[k] for k in range(self.components))
 
 
 def _linear(z):

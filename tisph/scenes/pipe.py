@@ -28,6 +28,7 @@ from tisph.scenes._axisymmetric import measures, views
 from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder
 from tisph.scenes._initial import Initial, start_problems
 from tisph.scenes._views import TimeSeries
+from tisph.snapshot import STRESSES
 
 
 class Geometry(Model):
@@ -107,6 +108,11 @@ class Config(axisymmetric.Config):
         """Time at which the run's clock starts [time]: ``initial.time`` for state ``exact``, else 0."""
         return self.initial.time
 
+    @property
+    def turns(self) -> bool:
+        """Whether a wall turns around the axis."""
+        return any(wall.angular_velocity for wall in (self.walls.outer, self.walls.inner) if wall)
+
     def problems(self) -> Iterator[Problem]:
         """What the scene has against the config."""
         yield from super().problems()
@@ -129,7 +135,10 @@ class Scene(AxisymmetricScene):
     drive: WallMotion
     initial_state: str
 
-    fields = ("u", "v", "w", "pressure")
+    @property
+    def fields(self):
+        """Velocity, pressure of a fluid without normal stresses, and stresses of a polymer."""
+        return ("u", "v", "w", *(STRESSES if self.polymer else ("pressure",)))
 
     @classmethod
     def from_config(cls, config):
@@ -214,11 +223,20 @@ class Scene(AxisymmetricScene):
             return around.velocity(places, t)
         if field == "pressure" and around:
             return around.pressure(places, t, density=self.density)
+        if field in STRESSES:
+            return self.density * along.polymer_stress(places, t)[STRESSES.index(field)]
         return np.zeros(np.broadcast(places, t).shape)
+
+    @property
+    def initial_conformation_excess(self):
+        """C (components, n) of each mode at places x, y when the run starts; None from rest, which has none."""
+        if not self.polymer or self.initial_state == "rest":
+            return None
+        return lambda x, y: self._flows[0].conformation_excess(y, self.start_time)
 
     def initial(self, x, y):
         """The exact velocity when the run starts."""
-        return {name: self.exact(name, x, y, self.start_time) for name in ("u", "v", "w")}
+        return {name: self.exact(name, x, y, self.start_time) for name in self.fields if name != "pressure"}
 
     def exact_loads(self, t):
         """References of ``measures.loads`` by name, at times ``t``."""
@@ -233,13 +251,13 @@ class Scene(AxisymmetricScene):
         return found
 
     def diagnostics(self, snapshot, series):
-        """Loads on the walls, each also ``_exact``, ``l2_pressure`` and the mean velocity along the axis.
+        """Loads on the walls, each also ``_exact``, L2 errors of pressure or stresses, and the mean velocity along the axis.
 
         ``force_NAME``: of the fluid on a wall of one period along the axis, ``torque_NAME`` around it.
         """
         exact = {f"{name}_exact": value for name, value in self.exact_loads(snapshot.t).items()}
         return {
-            "l2_pressure": field_error(self, snapshot, "pressure"),
+            **{f"l2_{name}": field_error(self, snapshot, name) for name in self.fields[3:]},
             **measures.loads(self, snapshot),
             **exact,
             "mean_velocity": measures.mean_velocity(self, snapshot),

@@ -44,19 +44,24 @@ def _excess(isotropic, odd, half, shear, others):
 
 
 def rate(law, state, gradient):
-    """Return dP/dt of a mode with this ``law`` for the components xx, xy, yx, yy of the velocity ``gradient``."""
+    """Return dP/dt of a mode with this ``law`` for the components xx, xy, yx, yy of the velocity ``gradient``.
+
+    A fifth one, zz, is that across the plane, as of axisymmetric flow.
+    """
     xx, xy, yy, *others = state
     half = 0.5 * (xx - yy)
     grown, even, odd, scaled, rest = _functions(0.5 * (xx + yy), half, xy)
     relaxation = law.relaxation(_excess(grown * even - 1.0, grown * odd, half, xy, others))
     mean, slope, shear = 0.5 * (relaxation[0] + relaxation[2]), 0.5 * (relaxation[0] - relaxation[2]), relaxation[1]
-    lxx, lxy, lyx, lyy = gradient
+    lxx, lxy, lyx, lyy, *lzz = gradient
     stretch, strain, rotation = 0.5 * (lxx - lyy), 0.5 * (lxy + lyx), lyx - lxy
     aligned = 2.0 * rest * (half * stretch + xy * strain) - odd * mean / grown
     trace = lxx + lyy + (even * mean - odd * (half * slope + xy * shear)) / grown
     first = -rotation * xy + 2.0 * scaled * stretch + aligned * half + even * slope / grown
     second = rotation * half + 2.0 * scaled * strain + aligned * xy + even * shear / grown
-    beside = (rate_of_axis / np.exp(zz) for rate_of_axis, zz in zip(relaxation[3:], others, strict=True))
+    beside = [rate_of_axis / np.exp(zz) for rate_of_axis, zz in zip(relaxation[3:], others, strict=True)]
+    if lzz:
+        beside = [rate_of_axis + 2.0 * lzz[0] for rate_of_axis in beside]
     return (trace + first, second, trace - first, *beside)
 
 

@@ -45,7 +45,7 @@ def state(scheme, time):
             position = walls.corners.paths.find(at, -offset)[_order(scheme)]
         velocity = velocity + walls.corners.velocity(position)
         pressure = pressure + walls.corners.pressure(position)
-    stress = [problem.density * part for part in scheme.polymer.at(times, offset, *tensors)] if tensors else []
+    stress = [problem.density * part for part in scheme.polymer.at(times, offset, *tensors, axis)] if tensors else []
     return Snapshot(
         t=time,
         step=scheme.steps,
@@ -60,5 +60,5 @@ def state(scheme, time):
         steepest=scheme.log_jump,
         divergence=scheme.levels.residual,
         acceleration=scheme.mean_velocity.acceleration if scheme.mean_velocity else None,
-        **dict(zip(STRESSES, stress, strict=False)),
+        **dict(zip((*STRESSES, "stress_tt"), stress, strict=False)),
     )

@@ -26,6 +26,7 @@ from tisph.schemes._splitting._shift import TRAVEL, FickianShifting
 from tisph.schemes._splitting._splitting_step import SplittingStep
 from tisph.schemes._splitting._time_levels import TimeLevels
 from tisph.schemes._splitting._viscoelastic_stress import ViscoelasticStress
+from tisph.schemes._splitting._viscoelastic_stress_of_revolution import ViscoelasticStressOfRevolution
 from tisph.schemes._splitting._wall_boundary import WallBoundary
 from tisph.schemes._splitting._wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
 from tisph.solvers.auxiliary_grid import PeriodicGrid
@@ -99,7 +100,10 @@ class Scheme:
             self.points.n_fluid = integer(problem.n_fluid)
             self.wall_boundary = WallBoundary(problem, self.levels, self.shift, self.grid, SUPPORT, SKIN)
         boundary = self.wall_boundary.pressure_boundary if bounded else None
-        self.polymer = ViscoelasticStress(self.levels, problem) if problem.carries_stress else None
+        self.polymer = None
+        if problem.carries_stress:
+            kind = ViscoelasticStressOfRevolution if problem.axisymmetric else ViscoelasticStress
+            self.polymer = kind(self.levels, problem)
         self.extra_stress = self.polymer
         if problem.rheology and not self.polymer:
             of_revolution = GeneralisedNewtonianStressOfRevolution

@@ -41,26 +41,31 @@ class ViscoelasticStress:
     """``tensors`` (fluid): P of all modes at the ends of the last steps, newest first."""
 
     varying = False
+    velocities, gradient_numbers, stress_numbers = 2, 4, 3
 
     def __init__(self, levels, problem):
         self.levels, self.operators, self.points = levels, levels.operators, levels.points
         self.walls, self.n_fluid = problem.walls, problem.n_fluid
         self.origin, self.spacing = problem.origin, problem.spacing
         self.initial_conformation_excess = problem.initial_conformation_excess
-        self.modes = Modes(problem.rheology, problem.kinematic_viscosity, conformation_excess)
+        self.modes = self.modes_of(problem)
         self.size = self.modes.components
         self.tensors, self.d_dx, self.d_dy = self._three(ORDER * self.size)
         self.current, self.current_d_dx, self.current_d_dy = self._three(self.size)
         self.tensors.used = slice(self.points.fluid)
         self.d_dx.used = self.d_dy.used = None
-        self.gradient = ti.field(ti.types.vector(4, real()), self.points.capacity)
-        self.implicit_stress = ti.field(ti.types.vector(3, real()), self.points.slots + 1)
+        self.gradient = ti.field(ti.types.vector(self.gradient_numbers, real()), self.points.capacity)
+        self.implicit_stress = ti.field(ti.types.vector(self.stress_numbers, real()), self.points.slots + 1)
         self.force, self.stress_divergence = (
-            ti.field(ti.types.vector(2, real()), self.points.capacity) for _ in range(2)
+            ti.field(ti.types.vector(self.velocities, real()), self.points.capacity) for _ in range(2)
         )
         scratch = self.gradient, self.implicit_stress, self.force, self.stress_divergence
         for field in (*scratch, self.current, self.current_d_dx, self.current_d_dy):
             field.used = None
+
+    def modes_of(self, problem):
+        """Return the modes of a fluid."""
+        return Modes(problem.rheology, problem.kinematic_viscosity, conformation_excess)
 
     def _three(self, numbers):
         """A field with these ``numbers`` of each point, and two for its gradients."""
@@ -79,13 +84,48 @@ class ViscoelasticStress:
         if self.initial_conformation_excess:
             positions = view(self.points.position)[: self.points.fluid].astype(float) + self.origin
             modes = self.initial_conformation_excess(*positions.T)
-            self.states[0] = np.concatenate([logarithm(conformation_excess) for conformation_excess in modes])
+            self.states[0] = self.logarithms(modes)
+
+    def logarithms(self, modes):
+        """Return the P that a start with these C of the modes has."""
+        return np.concatenate([logarithm(mode) for mode in modes])
+
+    def on_paths(self):
+        """Return P (levels, numbers, points) of the particles at the last time levels."""
+        return self.states.astype(float)
+
+    def store(self):
+        """Store P at the end of a step as the newest level."""
+        self.states[1:] = self.states[:-1].copy()
+        self.states[0] = self.state
+
+    def solenoidal(self, gradient):
+        """Take the divergence, an error, off a velocity gradient (4, points)."""
+        gradient[[0, 3]] -= 0.5 * (gradient[0] + gradient[3])
+
+    def implicit(self):
+        """Return 2 nu* D (3, points)."""
+        xx, xy, yx, yy = self.gradients
+        return self.viscosity * np.stack([2.0 * xx, xy + yx, 2.0 * yy])
+
+    def differentiated(self):
+        """Return P as it is differentiated."""
+        return self.state
+
+    def force_of_stress(self, *changes):
+        """Return the divergence (2, points) of the stress, for the derivatives (numbers, points) of P by x and y."""
+        d_dx, d_dy = (np.imag(self.modes.stress(self.state + 1j * SMALL * change)) / SMALL for change in changes)
+        return np.stack([d_dx[0] + d_dy[1], d_dx[1] + d_dy[2]])
+
+    def changes(self, d_dx, d_dy):
+        """Return the derivatives (points, numbers) of P by x and y, of those of ``tensors``."""
+        return d_dx, d_dy
 
     def prepare(self, times, dt, time):
         """Take up a step of this ``dt`` that ends at ``time``."""
         gamma0, alpha = times.bdf()
         self.time, self.duration = time, dt / gamma0
-        states, elapsed = self.states.astype(float), (times.unit * times.offsets)[:ORDER]
+        states, elapsed = self.on_paths(), (times.unit * times.offsets)[:ORDER]
         if self.walls:
             states[..., self.n_fluid :] = self.walls.carried(states[..., self.n_fluid :], elapsed, self.time)
         self.explicit_part = np.einsum("a,acn->cn", alpha[:ORDER], states) / gamma0
@@ -99,23 +139,21 @@ class ViscoelasticStress:
     def add_stress(self, velocity, known, dt):
         """Add the stress of a ``velocity``, a field, to what is ``known`` of a step ``dt``."""
         self.find(velocity)
-        xx, xy, yx, yy = self.gradients
         all_points = slice(self.points.fluid)
-        view(self.implicit_stress)[all_points] = (self.viscosity * np.stack([2.0 * xx, xy + yx, 2.0 * yy])).T
-        view(self.current)[all_points] = self.state.T
+        view(self.implicit_stress)[all_points] = self.implicit().T
+        view(self.current)[all_points] = self.differentiated().T
         self.current_gradients()
         changes = [view(field)[all_points].T.astype(float) for field in (self.current_d_dx, self.current_d_dy)]
-        d_dx, d_dy = (np.imag(self.modes.stress(self.state + 1j * SMALL * change)) / SMALL for change in changes)
-        view(self.stress_divergence)[all_points] = np.stack([d_dx[0] + d_dy[1], d_dx[1] + d_dy[2]], axis=1)
+        view(self.stress_divergence)[all_points] = self.force_of_stress(*changes).T
         self.add_stress_force(known, dt)
 
     def find(self, velocity):
         """Find P at the end of a step for a ``velocity`` there."""
         self.measure(velocity)
         gradient = self.gradients = view(self.gradient)[: self.points.fluid].T.astype(float)
-        gradient[[0, 3]] -= 0.5 * (gradient[0] + gradient[3])  # any divergence is an error
+        self.solenoidal(gradient)
         if self.walls:
-            points = gradient[:, self.n_fluid :]
+            points = gradient[:4, self.n_fluid :]
             points[...] = self.walls.gradients(points.reshape(2, 2, -1), self.time).reshape(4, -1)
         for mode, (law, part) in enumerate(self.modes):
             change = lambda p, law=law: rate(law, p, gradient)  # noqa: E731
@@ -131,9 +169,7 @@ class ViscoelasticStress:
         too large.
         """
         self.find(velocity)
-        states = self.states
-        states[1:] = states[:-1].copy()
-        states[0] = self.state
+        self.store()
         self.level_gradients()
         change, x, y = self.log_jump()
         if not change < MAX_LOG_JUMP:
@@ -146,7 +182,7 @@ class ViscoelasticStress:
         """Return the largest change of a P within a spacing, its Frobenius norm, and x and y where it is."""
         all_points, weights = slice(self.points.fluid), np.array([1.0, 2.0, 1.0, 1.0])
         gradients = [view(field)[all_points, : self.size].astype(float) for field in (self.d_dx, self.d_dy)]
-        squares = sum(gradient**2 for gradient in gradients)
+        squares = sum(gradient**2 for gradient in self.changes(*gradients))
         sums = [squares[:, part] @ weights[: part.stop - part.start] for part in self.modes.parts]
         worst = np.max(sums, axis=0)
         index = int(np.argmax(np.where(np.isnan(worst), np.inf, worst)))
@@ -166,7 +202,7 @@ class ViscoelasticStress:
         stress = self.modes.stress(self.state[:, points]) - view(self.implicit_stress)[points].T.astype(float)
         return stress + self.viscosity * strain
 
-    def at(self, times, offset, tensors):
+    def at(self, times, offset, tensors, radius):
         """Return the stresses (3, n) a time ``offset`` before the end of the last step, of ``tensors``."""
         levels = tensors.reshape(len(tensors), ORDER, self.size)
         weights = times.interpolation(offset, ORDER)

@@ -271,5 +271,5 @@ class WallBoundary:
 
 def _first_normal_stress_difference(stress, normal):
     """Return N1 (count,) of a ``stress`` (3, count) at walls with a ``normal`` (count, 2)."""
-    (xx, xy, yy), (x, y) = stress, normal.T
+    (xx, xy, yy), (x, y) = stress[:3], normal.T
     return (yy - xx) * (x**2 - y**2) - 4.0 * xy * x * y

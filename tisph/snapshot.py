@@ -77,9 +77,9 @@ class Snapshot:
 
     All arrays have shape (particles_fluid,) and the units of the config: positions ``x`` and ``y`` in the box of the
     scene, velocities ``u`` and ``v`` along them and, in axisymmetric flow, ``w`` around the axis y = 0, else None;
-    density, pressure; polymer stresses
-    [mass/(length time^2)] where the fluid has them, else None, and in axisymmetric flow ``stress_tt`` around the axis. ``reference``: arrays of the exact solution by the name
-    of the field, where somebody has asked for them; ``bodies``, where there are any. ``steepest``: the largest change
+    density, pressure; polymer stresses [mass/(length time^2)] where the fluid has them, else None, and in axisymmetric
+    flow ``stress_tt`` around the axis. ``reference``: arrays of the exact solution by the name of the field, where
+    somebody has asked for them; ``bodies``, where there are any. ``steepest``: the largest change
     of the logarithm of a conformation tensor within a particle spacing, with x and y of where it is; ``divergence``: of
     the velocities, root mean square over that of their gradient, by the operators of the scheme; ``acceleration``: the
     one along x that keeps a mean velocity. None where they are not known.

@@ -73,10 +73,12 @@ def colours(config: Any) -> list[str]:
     rheology, names = config.fluid.rheology, ["speed", "u"]
     if not config.parallel:
         names += ["v", "vorticity", "pressure"]
+    if config.axisymmetric:
+        names.append("swirl")
     if rheology.carries_stress:
         names += ["shear_stress", "normal_stress_difference"]
         names += ["conformation_trace"] if getattr(rheology, "linear_stress", False) else []
-    elif rheology.type == "newtonian" and not config.parallel:
+    elif rheology.type == "newtonian" and not config.parallel and not config.axisymmetric:
         names.append("shear_stress")
     return [*names, *(["error"] if config.has_exact_velocity else []), "dye"]
 

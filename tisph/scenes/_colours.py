@@ -41,16 +41,23 @@ def _conformation_trace(scene, snapshot):
 
 def _error(scene, snapshot):
     """Return |u - u_exact|; a component of which no reference is known should be 0."""
-    exact = with_reference(scene, snapshot, [name for name in "uv" if name in scene.fields]).reference
-    return np.hypot(snapshot.u - exact.get("u", 0.0), snapshot.v - exact.get("v", 0.0))
+    names = [name for name in ("u", "v", "w") if getattr(snapshot, name) is not None]
+    exact = with_reference(scene, snapshot, [name for name in names if name in scene.fields]).reference
+    return np.linalg.norm([getattr(snapshot, name) - exact.get(name, 0.0) for name in names], axis=0)
+
+
+def _speed(snapshot):
+    speed = np.hypot(snapshot.u, snapshot.v)
+    return speed if snapshot.w is None else np.hypot(speed, snapshot.w)
 
 
 _NORMAL = ("stress_xx", "stress_yy")
 
 COLOURS = {
-    "speed": Colour("speed", "velocity", lambda _, snapshot: np.hypot(snapshot.u, snapshot.v), signed=False),
+    "speed": Colour("speed", "velocity", lambda _, snapshot: _speed(snapshot), signed=False),
     "u": Colour("u", "velocity", lambda _, snapshot: snapshot.u),
     "v": Colour("v", "velocity", lambda _, snapshot: snapshot.v),
+    "swirl": Colour("swirl", "velocity", lambda _, snapshot: snapshot.w),
     "vorticity": Colour("vorticity", "rate", lambda scene, snapshot: vorticity(scene, snapshot, degree=2)),
     "pressure": Colour("pressure", "stress", lambda _, snapshot: snapshot.pressure, fields=("pressure",)),
     "shear_stress": Colour("shear stress", "stress", _shear_stress),

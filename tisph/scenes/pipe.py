@@ -251,7 +251,7 @@ class Scene(AxisymmetricScene):
         return found
 
     def diagnostics(self, snapshot, series):
-        """Loads on the walls, each also ``_exact``, L2 errors of pressure or stresses, and the mean velocity along the axis.
+        """Loads on the walls, each also ``_exact``, errors of pressure or stresses, and the mean velocity.
 
         ``force_NAME``: of the fluid on a wall of one period along the axis, ``torque_NAME`` around it.
         """

@@ -37,7 +37,7 @@ class GeneralisedNewtonianStressOfRevolution(GeneralisedNewtonianStress):
 
     def find(self, velocity, d_dx, d_dy):
         """Find stress and viscosities; of the divergence, which is an error, 2 D has nothing."""
-        (u_x, v_x, w_x), (u_s, v_s, w_s) = (
+        (_, v_x, w_x), (u_s, v_s, w_s) = (
             view(field)[: self.points.fluid, :3].T.astype(float) for field in (d_dx, d_dy)
         )
         across, square = view(velocity)[: self.points.fluid, 1].astype(float), self.radius**2

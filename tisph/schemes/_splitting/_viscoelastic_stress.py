@@ -112,12 +112,12 @@ class ViscoelasticStress:
         """Return P as it is differentiated."""
         return self.state
 
-    def force_of_stress(self, *changes):
+    def force_of_stress(self, *derivatives):
         """Return the divergence (2, points) of the stress, for the derivatives (numbers, points) of P by x and y."""
-        d_dx, d_dy = (np.imag(self.modes.stress(self.state + 1j * SMALL * change)) / SMALL for change in changes)
+        d_dx, d_dy = (np.imag(self.modes.stress(self.state + 1j * SMALL * change)) / SMALL for change in derivatives)
         return np.stack([d_dx[0] + d_dy[1], d_dx[1] + d_dy[2]])
 
-    def changes(self, d_dx, d_dy):
+    def spatial_derivatives(self, d_dx, d_dy):
         """Return the derivatives (points, numbers) of P by x and y, of those of ``tensors``."""
         return d_dx, d_dy
 
@@ -143,8 +143,8 @@ class ViscoelasticStress:
         view(self.implicit_stress)[all_points] = self.implicit().T
         view(self.current)[all_points] = self.differentiated().T
         self.current_gradients()
-        changes = [view(field)[all_points].T.astype(float) for field in (self.current_d_dx, self.current_d_dy)]
-        view(self.stress_divergence)[all_points] = self.force_of_stress(*changes).T
+        derivatives = [view(field)[all_points].T.astype(float) for field in (self.current_d_dx, self.current_d_dy)]
+        view(self.stress_divergence)[all_points] = self.force_of_stress(*derivatives).T
         self.add_stress_force(known, dt)
 
     def find(self, velocity):
@@ -182,7 +182,7 @@ class ViscoelasticStress:
         """Return the largest change of a P within a spacing, its Frobenius norm, and x and y where it is."""
         all_points, weights = slice(self.points.fluid), np.array([1.0, 2.0, 1.0, 1.0])
         gradients = [view(field)[all_points, : self.size].astype(float) for field in (self.d_dx, self.d_dy)]
-        squares = sum(gradient**2 for gradient in self.changes(*gradients))
+        squares = sum(gradient**2 for gradient in self.spatial_derivatives(*gradients))
         sums = [squares[:, part] @ weights[: part.stop - part.start] for part in self.modes.parts]
         worst = np.max(sums, axis=0)
         index = int(np.argmax(np.where(np.isnan(worst), np.inf, worst)))

@@ -93,7 +93,7 @@ class ViscoelasticStressOfRevolution(ViscoelasticStress):
         second = (by_x[1] + by_r[2] + (stress[2] - stress[3]) / radius) / radius
         return np.stack([first, second, np.zeros_like(first)])
 
-    def changes(self, d_dx, d_ds):
+    def spatial_derivatives(self, d_dx, d_ds):
         """Return the derivatives of P by x and r, but for the part of P_xr itself, of those of ``tensors``."""
         radius = self.radius
         return self.times_radius(d_dx.T, radius).T, (radius * self.times_radius(d_ds.T, radius)).T

@@ -69,10 +69,12 @@ class FrameRenderer:
         frame, picture, snapshot = self.frame, self.frame[:, :, :3], measured.snapshot
         for box in self._changing_boxes:
             frame[box.slices] = self._background[box.slices]
-        box = self.layout.box
-        self._fluid.paint(frame[box.slices], snapshot, measured.colours, measured.profile)
+        box, shown, values = self.layout.box, snapshot, (measured.colours, measured.profile)
+        if self.scene.axisymmetric:
+            shown, values = self.scene.mirrored(snapshot), [np.concatenate([each, each]) for each in values]
+        self._fluid.paint(frame[box.slices], shown, *values)
         for overlay in self._overlays:
-            overlay.paint(picture[box.slices], snapshot)
+            overlay.paint(picture[box.slices], shown)
         self._profile_panel.paint(picture, snapshot, measured.profile)
         self._time_panel.paint(picture, snapshot.t, measured.series)
         for label in self._changing_labels:

@@ -14,6 +14,7 @@ from tisph.report import style
 from tisph.report.dye import Dye
 from tisph.report.encoder import Encoder
 from tisph.report.frame import FrameRenderer, Measured
+from tisph.report.full_cut import FullCut
 from tisph.report.layout import arrange
 from tisph.report.quantities import Extremes, quantity
 from tisph.report.time_panel import TimePanel, exact_values, measured
@@ -94,12 +95,13 @@ class Movie:
         return Measured(snapshot, colours, profile, measured(self._series, snapshot))
 
     def _new_renderer(self, ranges):
-        layout = arrange(self._scene, self._video.width, self._video.height, style.THEMES[self._video.theme])
+        scene = FullCut(self._scene) if self._scene.axisymmetric else self._scene
+        layout = arrange(scene, self._video.width, self._video.height, style.THEMES[self._video.theme])
         ends = ranges and (ranges.colours.ends, ranges.profile.ends)
         shown = quantity(self._view, self._scene, (0.0, 1.0) if self._dyed else self._video.limits, ends)
         shown = replace(shown, colour_map=style.DYE_MAP) if self._dyed else shown
-        panel = TimePanel(self._scene, layout, self._series, self._end, ranges and ranges.series.ends)
-        return FrameRenderer(self._scene, layout, self._video, self._title, shown, panel)
+        panel = TimePanel(scene, layout, self._series, self._end, ranges and ranges.series.ends)
+        return FrameRenderer(scene, layout, self._video, self._title, shown, panel)
 
     def _draw(self, measured):
         if self._encoder is None:

@@ -3,7 +3,8 @@
 They are lines of equal stream function psi, u = dpsi/dy and v = -dpsi/dx: between any two next to each other as much
 fluid flows. On a grid, psi is what has the differences between neighbouring nodes that are nearest, by least squares,
 to the flow between them. Grid and sums end at the sides of the box and within bodies, where no flow needs to be known:
-so psi may grow from one side of a periodic box to the other, as it does where fluid flows through it.
+so psi may grow from one side of a periodic box to the other, as it does where fluid flows through it. In axisymmetric
+flow it is that of Stokes, r u = dpsi/dr and r v = -dpsi/dx.
 """
 
 import numpy as np
@@ -51,6 +52,8 @@ class Streamlines:
         self._prepare(depth > -_BEYOND * self._pitch.max())
         flow = np.zeros(self._nodes.shape)
         flow[self._wet] = mean_velocity(self._scene, places, velocity, self._nodes[self._wet])[0]
+        if self._scene.axisymmetric:
+            flow *= np.abs(self._nodes[:, :, 1:])
         psi = self._stream_function(flow)
         least, most = psi[depth >= 0.0].min(), psi[depth >= 0.0].max()
         if most - least < _RESTING * self._scene.reference_velocity * min(self._scene.extent):

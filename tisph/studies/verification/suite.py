@@ -3,6 +3,7 @@
 from tisph.config.fields import nearest
 from tisph.errors import ConfigError
 from tisph.studies.verification import (
+    axisymmetric,
     bodies,
     cavity,
     channel,
@@ -34,6 +35,7 @@ PARTS = (
     cavity,
     bodies,
     free_bodies,
+    axisymmetric,
     two_dimensional_inelastic,
     two_dimensional_polymers,
 )

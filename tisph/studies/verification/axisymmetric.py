@@ -1,0 +1,230 @@
+"""Axisymmetric flow with swirl: pipes, spin-up, Taylor's vortices, a sphere in a tube.
+
+Exact are the Bessel series of pipes and turning cylinders, and the growth rates of ``exact/taylor_vortices.py``. The
+torque of saturated vortices was computed for this project by a Chebyshev-Galerkin method, and agrees with finite
+elements to 3e-6; the drag of the sphere by finite elements and a spectral method, which agree to 5e-9.
+"""
+
+import math
+
+import numpy as np
+
+from tisph.exact.taylor_vortices import critical_reynolds
+from tisph.measures.metrics import fitted_order
+from tisph.studies.verification.criteria import bounded
+
+FLUID = {"density": 1.0, "kinematic_viscosity": 1.0}
+
+EARLY, LATER = 2e-4, 5e-5
+"""Largest L2 of velocities at nu t/R^2 = 0.05, and later."""
+
+STEADY = 1e-6
+"""The same of the steady parabola."""
+
+WAVES = {0.5: 3.16248, 5 / 7: 3.13780, 0.883: 3.12928}
+"""Critical wavenumbers over 1/gap by the ratio of the radii: computed for this project, agreeing with S. Chandrasekhar,
+Hydrodynamic and Hydromagnetic Stability (1961)."""
+
+AROUND = (0.9, 1.0, 1.1)
+"""Reynolds numbers over the critical one from whose growth rates that is interpolated."""
+
+MARCUS = 74.924, 3.161, 0.035636
+"""Reynolds number, wavenumber, and growth rate over the inner angular velocity at ratio 0.5: P. S. Marcus, J. Fluid
+Mech. 146 (1984) 45-64."""
+
+SATURATED = {75.0049: (1.084709, 0.07666), 88.6421: (1.217751, 0.13177), 109.098: (1.364378, 0.17709)}
+"""Torque over that of laminar flow, and largest radial velocity over the inner speed, by Reynolds number; ratio 0.5."""
+
+DRAGS = {"no_flux": 5.947377, "periodic_pressure": 2.334005}
+"""Over 6 pi mu a U, of a sphere of half the tube's radius in a period of four of these."""
+
+
+def _pipe(number, end, samples, **sections):
+    return {
+        "scene": "pipe",
+        "fluid": FLUID,
+        "geometry": {"radius": 1.0, "length": 1.0, **sections.pop("geometry", {})},
+        "initial": {"jitter": 0.2, **sections.pop("initial", {})},
+        "discretisation": {"particles_across": number},
+        "time": {"end": end, "samples": samples},
+        **sections,
+    }
+
+
+def _vortices(number, ratio, reynolds, wavenumber, disturbance, end, samples):
+    """Cylinders with a gap of 1, of which the inner one has the speed 1."""
+    inner = ratio / (1.0 - ratio)
+    return {
+        "scene": "taylor_couette",
+        "fluid": {"density": 1.0, "kinematic_viscosity": 1.0 / reynolds},
+        "geometry": {"inner_radius": inner, "outer_radius": inner + 1.0, "length": 2.0 * math.pi / wavenumber},
+        "walls": {"inner": {"angular_velocity": 1.0 / inner}},
+        "initial": {"state": "developed", "disturbance": disturbance, "jitter": 0.2},
+        "discretisation": {"particles_across": number},
+        "time": {"end": end, "samples": samples},
+    }
+
+
+def _sphere(number, closure):
+    return {
+        "scene": "sphere_in_tube",
+        "fluid": {"density": 1.0, "kinematic_viscosity": 100.0},
+        "geometry": {"tube_radius": 1.0, "sphere_radius": 0.5, "length": 4.0},
+        "sphere": {"velocity": 1.0},
+        "closure": closure,
+        "discretisation": {"particles_across": number},
+        "time": {"end": 0.01},
+    }
+
+
+START = [0.05, 0.2, 0.5]
+DRIVEN, TURNING = {"acceleration": 4.0}, {"outer": {"angular_velocity": 1.0}}
+PULSE = {"amplitude": 36.0, "angular_frequency": 36.0}
+ANNULAR = {"geometry": {"inner_radius": 0.5}, "drive": DRIVEN}
+INNER = {"geometry": {"inner_radius": 0.5}, "walls": {"inner": {"angular_velocity": 2.0}}}
+DEVELOPED = {"initial": {"state": "developed"}}
+
+QUICK = {
+    "pipe_20": _pipe(20, 2.0, [*START, 2.0], drive=DRIVEN),
+    "spin_up_20": _pipe(20, 0.5, START, walls=TURNING),
+    "vortex_20": _vortices(20, 0.5, *MARCUS[:2], 1e-4, 80.0, [80.0]),
+    "sphere_16": _sphere(16, "periodic_pressure"),
+    "sphere_24": _sphere(24, "periodic_pressure"),
+}
+FULL = QUICK | {
+    "pipe_steady": _pipe(20, 1.0, [1.0], drive=DRIVEN, **DEVELOPED),
+    "womersley_20": _pipe(20, 0.349066, [0.0872665, 0.349066], drive=PULSE, **DEVELOPED),
+    "annular_20": _pipe(20, 0.1, [0.0125, 0.1], **ANNULAR),
+    "swirl_20": _pipe(20, 0.1, [0.0125, 0.1], **INNER),
+    "sphere_closed": _sphere(24, "no_flux"),
+}
+
+
+def _critical_runs():
+    """Runs below, at and above the critical Reynolds number, by name."""
+    found = {}
+    for ratio, wave in WAVES.items():
+        critical = critical_reynolds(ratio, wave)
+        for part in AROUND:
+            end = 20.0 / abs(part - 1.0) ** 0.5 if part != 1.0 else 80.0
+            found[_name(ratio, part)] = _vortices(20, ratio, part * critical, wave, 1e-4, end, [end])
+    return found
+
+
+def _name(ratio, part):
+    return f"critical_{ratio:.3g}_{part:g}"
+
+
+def runs(quick):
+    """Configs by run name, as plain dicts."""
+    if quick:
+        return QUICK
+    saturated = {
+        f"saturated_{reynolds:g}": _vortices(24, 0.5, reynolds, WAVES[0.5], 3e-2, 240.0, [240.0])
+        for reynolds in SATURATED
+    }
+    return FULL | _critical_runs() | saturated
+
+
+def criteria(quick):
+    """What the runs are held to, in the order of the table."""
+    found = [
+        *_errors("pipe_20", "force_outer"),
+        _at("pipe_20", 3, "l2", STEADY),
+        *_errors("spin_up_20", "torque_outer"),
+        _growth(),
+        _order("sphere 16/24", {"sphere_16": 16, "sphere_24": 24}),
+        _drag("sphere_24", "periodic_pressure"),
+    ]
+    if quick:
+        return found
+    return [
+        *found,
+        _at("pipe_steady", 0, "l2", STEADY),
+        *(_at("womersley_20", place, "rms", LATER) for place in (0, 1)),
+        _at("annular_20", 0, "l2", EARLY),
+        _at("annular_20", 1, "l2", LATER),
+        _at("swirl_20", 0, "l2", EARLY),
+        _at("swirl_20", 1, "l2", LATER),
+        _off("swirl_20", 1, "torque_inner", 1e-4),
+        _drag("sphere_closed", "no_flux"),
+        *(_critical(ratio) for ratio in WAVES),
+        *(row for reynolds in SATURATED for row in _saturated(reynolds)),
+    ]
+
+
+def _sample(result, place):
+    """A sample of a run, with NaN for what is not there."""
+    return result.summary["samples"][place] if result.last and place < len(result.summary["samples"]) else {}
+
+
+def _at(case, place, quantity, bound):
+    value = lambda result: _sample(result, place).get(quantity) or math.nan  # noqa: E731
+    return bounded(case, f"{quantity}, sample {place}", bound, value)
+
+
+def _off(case, place, quantity, bound):
+    """A number is the exact one within the fraction ``bound``."""
+
+    def off(result):
+        sample = _sample(result, place)
+        return abs(sample.get(quantity, math.nan) / sample.get(f"{quantity}_exact", math.nan) - 1.0)
+
+    return bounded(case, f"{quantity} off exact, sample {place}", bound, off)
+
+
+def _errors(case, load):
+    """Of a start: L2 at the three times of ``START``, and the load on the wall at the second."""
+    bounds = (EARLY, LATER, LATER)
+    return [*(_at(case, place, "l2", bound) for place, bound in enumerate(bounds)), _off(case, 1, load, 1e-3)]
+
+
+def _growth():
+    reynolds, _, rate = MARCUS
+
+    def off(result):
+        return abs(_sample(result, 0).get("growth_rate", math.nan) / rate - 1.0)
+
+    return bounded("vortex_20", f"growth rate off Marcus at Re {reynolds:g}", 1e-2, off)
+
+
+def _critical(ratio):
+    """Reynolds number at which the growth rate, a parabola through three of them, is 0."""
+    exact = critical_reynolds(ratio, WAVES[ratio])
+
+    def off(*results):
+        rates = [_sample(result, 0).get("growth_rate", math.nan) for result in results]
+        if not np.isfinite(rates).all():
+            return math.nan
+        zeros = np.roots(np.polyfit(AROUND, rates, 2))
+        return abs(zeros[np.argmin(np.abs(zeros - 1.0))] - 1.0)
+
+    names = tuple(_name(ratio, part) for part in AROUND)
+    return bounded(f"ratio {ratio:.3g}", f"critical Re off {exact:.6g}", 2e-3, off, names)
+
+
+def _saturated(reynolds):
+    torque, radial = SATURATED[reynolds]
+    case = f"saturated_{reynolds:g}"
+
+    def off(quantity, exact):
+        return lambda result: abs(_sample(result, 0).get(quantity, math.nan) / exact - 1.0)
+
+    yield bounded(case, f"torque ratio off {torque:g}", 3e-3, off("torque_ratio", torque))
+    yield bounded(case, f"radial velocity off {radial:g}", 1e-2, off("radial_velocity", radial))
+
+
+def _drag_error(result, closure):
+    return abs(_sample(result, 0).get("drag_ratio", math.nan) / DRAGS[closure] - 1.0)
+
+
+def _drag(case, closure):
+    return bounded(case, f"drag ratio off {DRAGS[closure]:g}", 5e-3, lambda result: _drag_error(result, closure))
+
+
+def _order(case, resolutions):
+    def fitted(*results):
+        errors = [_drag_error(result, "periodic_pressure") for result in results]
+        return fitted_order(resolutions.values(), errors)
+
+    return bounded(case, "drag order", 2.5, fitted, tuple(resolutions), sign=">=")

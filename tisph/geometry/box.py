@@ -29,7 +29,8 @@ def box_around(corners, spacing, periodic, margin, axisymmetric=False):
     """Box of a region from the lowest to the highest of its ``corners`` (2, 2), which is ``periodic`` (2,) or not.
 
     Where it is not, the box goes on beyond it by the ``margin`` or a little more: what lies at one end has then nothing
-    to do with what lies at the other. ``axisymmetric``: y is the distance from an axis, and nothing is beyond that.
+    to do with what lies at the other. ``axisymmetric``: y is the distance from an axis, and nothing is beyond that; by
+    what the box does not go on there, it goes on above.
     """
     low, high = np.asarray(corners, dtype=float)
     ahead = [0.0 if closed else margin for closed in periodic]
@@ -37,7 +38,7 @@ def box_around(corners, spacing, periodic, margin, axisymmetric=False):
     if axisymmetric:
         origin[1] = max(origin[1], 0.0)
     columns, rows = (
-        round((top - bottom) / spacing) if closed else int(np.ceil((top + margin - first) / spacing))
-        for bottom, top, first, closed in zip(low, high, origin, periodic, strict=True)
+        round((top - bottom) / spacing) if closed else int(np.ceil((top - bottom + 2 * margin) / spacing))
+        for bottom, top, closed in zip(low, high, periodic, strict=True)
     )
     return Box(columns=columns, rows=rows, spacing=spacing, origin=tuple(origin.tolist()))

@@ -7,7 +7,10 @@ import numpy as np
 STRESSES = ("stress_xx", "stress_xy", "stress_yy")
 """What a snapshot has of a polymer's stress."""
 
-OPTIONAL = ("w", *STRESSES, "stress_tt")
+STRESSES_AROUND = ("stress_tt", "stress_xt", "stress_yt")
+"""The components around the axis of axisymmetric flow, the last two where walls turn around it."""
+
+OPTIONAL = ("w", *STRESSES, *STRESSES_AROUND)
 """Fields that only some flows have."""
 
 
@@ -77,12 +80,12 @@ class Snapshot:
 
     All arrays have shape (particles_fluid,) and the units of the config: positions ``x`` and ``y`` in the box of the
     scene, velocities ``u`` and ``v`` along them and, in axisymmetric flow, ``w`` around the axis y = 0, else None;
-    density, pressure; polymer stresses [mass/(length time^2)] where the fluid has them, else None, and in axisymmetric
-    flow ``stress_tt`` around the axis. ``reference``: arrays of the exact solution by the name of the field, where
-    somebody has asked for them; ``bodies``, where there are any. ``steepest``: the largest change
-    of the logarithm of a conformation tensor within a particle spacing, with x and y of where it is; ``divergence``: of
-    the velocities, root mean square over that of their gradient, by the operators of the scheme; ``acceleration``: the
-    one along x that keeps a mean velocity. None where they are not known.
+    density, pressure; polymer stresses [mass/(length time^2)] where the fluid has them, else None, with ``stress_tt``
+    around the axis in axisymmetric flow, and where walls turn ``stress_xt`` and ``stress_yt``. ``reference``: arrays of
+    the exact solution by the name of the field, where somebody has asked for them; ``bodies``, where there are any.
+    ``steepest``: the largest change of the logarithm of a conformation tensor within a particle spacing, with x and y
+    of where it is; ``divergence``: of the velocities, root mean square over that of their gradient, by the operators of
+    the scheme; ``acceleration``: the one along x that keeps a mean velocity. None where they are not known.
     """
 
     t: float
@@ -98,6 +101,8 @@ class Snapshot:
     stress_yy: np.ndarray | None = None
     w: np.ndarray | None = None
     stress_tt: np.ndarray | None = None
+    stress_xt: np.ndarray | None = None
+    stress_yt: np.ndarray | None = None
     reference: dict[str, np.ndarray] | None = None
     bodies: Bodies | None = None
     steepest: tuple[float, float, float] | None = None

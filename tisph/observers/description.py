@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from tisph.snapshot import STRESSES, STRESSES_AROUND
 from tisph.version import __version__
 
 
@@ -44,7 +45,7 @@ class Description:
         """Units by the name of a field."""
         length, mass, time = (getattr(self.config.units, name) for name in ("length", "mass", "time"))
         fields = {"x": length, "y": length, "u": f"{length}/{time}", "v": f"{length}/{time}", "w": f"{length}/{time}"}
-        stresses = ("pressure", "stress_xx", "stress_xy", "stress_yy", "stress_tt", "normal_stress")
+        stresses = ("pressure", *STRESSES, *STRESSES_AROUND, "normal_stress")
         fields |= {"centre": length, "velocity": f"{length}/{time}", "angle": "rad", "angular_velocity": f"rad/{time}"}
         loads = {"force": f"{mass}/{time}^2", "torque": f"{mass} {length}/{time}^2"}  # per length across the plane
         if self.config.axisymmetric:

@@ -30,6 +30,9 @@ from tisph.scenes._initial import Initial, start_problems
 from tisph.scenes._views import TimeSeries
 from tisph.snapshot import STRESSES
 
+AROUND = ("stress_tt", "stress_yt", "stress_yy")
+"""Stresses of flow around the axis, in the order of ``Coaxial.polymer_stress``."""
+
 
 class Geometry(Model):
     """Radius and length of the pipe [length]; ``inner_radius`` of a second one inside, 0 without."""
@@ -108,11 +111,6 @@ class Config(axisymmetric.Config):
         """Time at which the run's clock starts [time]: ``initial.time`` for state ``exact``, else 0."""
         return self.initial.time
 
-    @property
-    def turns(self) -> bool:
-        """Whether a wall turns around the axis."""
-        return any(wall.angular_velocity for wall in (self.walls.outer, self.walls.inner) if wall)
-
     def problems(self) -> Iterator[Problem]:
         """What the scene has against the config."""
         yield from super().problems()
@@ -137,8 +135,10 @@ class Scene(AxisymmetricScene):
 
     @property
     def fields(self):
-        """Velocity, pressure of a fluid without normal stresses, and stresses of a polymer."""
-        return ("u", "v", "w", *(STRESSES if self.polymer else ("pressure",)))
+        """Velocity, pressure but of a polymer along the axis alone, and stresses of a polymer, in a shear flow."""
+        if not self.polymer:
+            return "u", "v", "w", "pressure"
+        return ("u", "v", "w", *STRESSES) if self._flows[0] else ("u", "v", "w", "pressure", *AROUND)
 
     @classmethod
     def from_config(cls, config):
@@ -223,8 +223,9 @@ class Scene(AxisymmetricScene):
             return around.velocity(places, t)
         if field == "pressure" and around:
             return around.pressure(places, t, density=self.density)
-        if field in STRESSES:
-            return self.density * along.polymer_stress(places, t)[STRESSES.index(field)]
+        if field not in ("u", "v", "w", "pressure"):
+            flow, names = (along, STRESSES) if along else (around, AROUND)
+            return self.density * flow.polymer_stress(places, t)[names.index(field)]
         return np.zeros(np.broadcast(places, t).shape)
 
     @property
@@ -232,11 +233,20 @@ class Scene(AxisymmetricScene):
         """C (components, n) of each mode at places x, y when the run starts; None from rest, which has none."""
         if not self.polymer or self.initial_state == "rest":
             return None
-        return lambda x, y: self._flows[0].conformation_excess(y, self.start_time)
+        return self._deviations
+
+    def _deviations(self, x, y):
+        along, around = self._flows
+        if along:
+            return along.conformation_excess(y, self.start_time)
+        modes = around.conformation_excess(y, self.start_time)
+        none = np.zeros_like(y)
+        return [(mode[3] if len(mode) > 3 else none, none, mode[2], mode[0], none, mode[1]) for mode in modes]
 
     def initial(self, x, y):
         """The exact velocity when the run starts."""
-        return {name: self.exact(name, x, y, self.start_time) for name in self.fields if name != "pressure"}
+        exact = {name: self.exact(name, x, y, self.start_time) for name in self.fields if name != "pressure"}
+        return {**super().initial(x, y), **exact}
 
     def exact_loads(self, t):
         """References of ``measures.loads`` by name, at times ``t``."""
@@ -251,9 +261,10 @@ class Scene(AxisymmetricScene):
         return found
 
     def diagnostics(self, snapshot, series):
-        """Loads on the walls, each also ``_exact``, errors of pressure or stresses, and the mean velocity.
+        """Loads on the walls, each also ``_exact``, errors ``l2_NAME`` of pressure and stresses, mean velocity.
 
-        ``force_NAME``: of the fluid on a wall of one period along the axis, ``torque_NAME`` around it.
+        That is the one along the axis. ``force_NAME``: of the fluid on a wall of one period along the axis,
+        ``torque_NAME`` around it.
         """
         exact = {f"{name}_exact": value for name, value in self.exact_loads(snapshot.t).items()}
         return {

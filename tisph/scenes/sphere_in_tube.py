@@ -103,11 +103,6 @@ class Config(axisymmetric.Config):
         """Radius of the tube [length]."""
         return self.geometry.tube_radius
 
-    @property
-    def turns(self) -> bool:
-        """Whether the sphere or the tube turns around the axis."""
-        return bool(self.sphere.angular_velocity or self.walls.tube.angular_velocity)
-
     def problems(self) -> Iterator[Problem]:
         """What the scene has against the config."""
         yield from super().problems()

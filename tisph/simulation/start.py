@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from tisph import runtime
-from tisph.snapshot import STRESSES, Bodies, Snapshot
+from tisph.snapshot import STRESSES, STRESSES_AROUND, Bodies, Snapshot
 
 PARTICLES_PER_THREAD = 512
 """Taichi does not split a loop into shorter pieces than this."""
@@ -29,11 +29,12 @@ def useful_threads(config, scene):
 def start_values(scene, initial):
     """Return positions (particles, 2), velocities (particles, components) and polymer stresses or None at the start.
 
-    Stresses have shape (particles, 3).
+    Stresses have shape (particles, numbers), with those around the axis of axisymmetric flow after the three others.
     """
     x, y = scene.jittered(initial.seed, initial.jitter)
     fields = scene.initial(x, y)
-    stress = np.stack([fields[name] for name in STRESSES], 1) if scene.polymer else None
+    stresses = [fields[name] for name in (*STRESSES, *STRESSES_AROUND) if name in fields]
+    stress = np.stack(stresses, 1) if scene.polymer else None
     return np.stack([x, y], 1), np.stack([fields[name] for name in ("u", "v", "w")[: scene.components]], 1), stress
 
 
@@ -47,7 +48,7 @@ def start_snapshot(scene, values, precision):
     kind = np.float32 if precision == "f32" else np.float64
     x, y, *velocities = (column.astype(kind) for column in (*position.T, *velocity.T))
     nothing = np.zeros(len(x))
-    stresses = {} if stress is None else dict(zip(STRESSES, stress.T, strict=True))
+    stresses = {} if stress is None else dict(zip((*STRESSES, *STRESSES_AROUND), stress.T, strict=False))
     x, y = (
         place % size if periodic else place
         for place, size, periodic in zip((x, y), scene.extent, scene.periodic, strict=True)

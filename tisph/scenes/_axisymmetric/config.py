@@ -43,17 +43,10 @@ class Config(schema.Config):
         """Particle spacing [length], which divides the length."""
         return self.geometry.length / max(1, round(self.geometry.length / super().spacing))
 
-    @property
-    def turns(self) -> bool:
-        """Whether a wall turns around the axis."""
-        return True
-
     def problems(self) -> Iterator[Problem]:
         """What the scene has against the config."""
         if self.scheme.type == "wcsph":
             yield "scheme.type", "wcsph is planar; take auto or implicit"
-        if self.fluid.polymer and self.turns:
-            yield "fluid.rheology.type", "must have no polymer where walls turn around the axis: that is not built in"
         if self.discretisation.precision == "f32":
             yield "discretisation.precision", "must be f64 in axisymmetric flow"
 

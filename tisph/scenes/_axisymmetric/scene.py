@@ -9,6 +9,7 @@ from tisph.geometry.body import Body
 from tisph.geometry.line import Line
 from tisph.geometry.region import Region
 from tisph.scenes._body_scene import BodyScene
+from tisph.snapshot import STRESSES_AROUND
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,6 +65,11 @@ class AxisymmetricScene(BodyScene):
         return self.viscous_time
 
     @property
+    def swirls(self):
+        """Whether a wall turns around the axis."""
+        return any(body.spin.largest_speed for body in self.bodies)
+
+    @property
     def volume(self):
         """Volume of the fluid in one period."""
         return np.pi * (self.outer_radius**2 - self.inner_radius**2) * self.length
@@ -74,7 +80,8 @@ class AxisymmetricScene(BodyScene):
 
     def initial(self, x, y):
         """Rest, without stress."""
-        return {**super().initial(x, y), "w": np.zeros(np.shape(x))}
+        around = STRESSES_AROUND[: None if self.swirls else 1] if self.polymer else ()
+        return {**super().initial(x, y), **dict.fromkeys(("w", *around), np.zeros(np.shape(x)))}
 
     def description(self):
         """Radii and length."""

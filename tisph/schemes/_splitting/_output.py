@@ -5,7 +5,7 @@ import numpy as np
 from tisph.neighbours.point_cloud import active
 from tisph.schemes._splitting._bdf import PRESSURES, VELOCITIES, TimeWeights
 from tisph.schemes._splitting._coordinates import velocities_of
-from tisph.snapshot import STRESSES, Snapshot
+from tisph.snapshot import STRESSES, STRESSES_AROUND, Snapshot
 
 
 def levels_in_order(scheme):
@@ -60,5 +60,5 @@ def state(scheme, time):
         steepest=scheme.log_jump,
         divergence=scheme.levels.residual,
         acceleration=scheme.mean_velocity.acceleration if scheme.mean_velocity else None,
-        **dict(zip((*STRESSES, "stress_tt"), stress, strict=False)),
+        **dict(zip((*STRESSES, *STRESSES_AROUND), stress, strict=False)),
     )

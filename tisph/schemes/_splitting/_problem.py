@@ -46,6 +46,11 @@ class _Problem(Box):
         return self.walls.bodies if self.walls else ()
 
     @property
+    def swirls(self):
+        """Whether a wall turns around the axis."""
+        return any(body.spin.largest_speed for body in self.bodies)
+
+    @property
     def solvent_viscosity(self):
         """Kinematic viscosity that is constant, without what the extra stress of the fluid has."""
         if self.rheology is None:

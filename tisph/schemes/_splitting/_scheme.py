@@ -27,6 +27,7 @@ from tisph.schemes._splitting._splitting_step import SplittingStep
 from tisph.schemes._splitting._time_levels import TimeLevels
 from tisph.schemes._splitting._viscoelastic_stress import ViscoelasticStress
 from tisph.schemes._splitting._viscoelastic_stress_of_revolution import ViscoelasticStressOfRevolution
+from tisph.schemes._splitting._viscoelastic_stress_with_swirl import ViscoelasticStressWithSwirl
 from tisph.schemes._splitting._wall_boundary import WallBoundary
 from tisph.schemes._splitting._wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
 from tisph.solvers.auxiliary_grid import PeriodicGrid
@@ -103,6 +104,7 @@ class Scheme:
         self.polymer = None
         if problem.carries_stress:
             kind = ViscoelasticStressOfRevolution if problem.axisymmetric else ViscoelasticStress
+            kind = ViscoelasticStressWithSwirl if problem.swirls else kind
             self.polymer = kind(self.levels, problem)
         self.extra_stress = self.polymer
         if problem.rheology and not self.polymer:

@@ -42,6 +42,7 @@ class ViscoelasticStress:
 
     varying = False
     velocities, gradient_numbers, stress_numbers = 2, 4, 3
+    rate = staticmethod(rate)
 
     def __init__(self, levels, problem):
         self.levels, self.operators, self.points = levels, levels.operators, levels.points
@@ -153,14 +154,18 @@ class ViscoelasticStress:
         gradient = self.gradients = view(self.gradient)[: self.points.fluid].T.astype(float)
         self.solenoidal(gradient)
         if self.walls:
-            points = gradient[:4, self.n_fluid :]
-            points[...] = self.walls.gradients(points.reshape(2, 2, -1), self.time).reshape(4, -1)
+            self.take_known(gradient[:, self.n_fluid :])
         for mode, (law, part) in enumerate(self.modes):
-            change = lambda p, law=law: rate(law, p, gradient)  # noqa: E731
+            change = lambda p, law=law: self.rate(law, p, gradient)  # noqa: E731
             known, guess = self.explicit_part[part], self.state[part]
             with np.errstate(all="ignore"):  # what is not finite has no pressure, and stops the run
                 jacobian = self.jacobians[mode] or matrix(change, guess, self.duration)
                 self.state[part], self.jacobians[mode] = solve(change, known, self.duration, guess, jacobian)
+
+    def take_known(self, gradient):
+        """Let a velocity gradient (numbers, count) at the points on walls be what is known of it there."""
+        plane = gradient[:4]
+        plane[...] = self.walls.gradients(plane.reshape(2, 2, -1), self.time).reshape(4, -1)
 
     def take_up(self, velocity, step):
         """Store the P of the ``velocity`` at the end of a ``step`` as the newest level.
@@ -180,7 +185,7 @@ class ViscoelasticStress:
 
     def log_jump(self):
         """Return the largest change of a P within a spacing, its Frobenius norm, and x and y where it is."""
-        all_points, weights = slice(self.points.fluid), np.array([1.0, 2.0, 1.0, 1.0])
+        all_points, weights = slice(self.points.fluid), np.array([1.0, 2.0, 1.0, 1.0, 2.0, 2.0])
         gradients = [view(field)[all_points, : self.size].astype(float) for field in (self.d_dx, self.d_dy)]
         squares = sum(gradient**2 for gradient in self.spatial_derivatives(*gradients))
         sums = [squares[:, part] @ weights[: part.stop - part.start] for part in self.modes.parts]

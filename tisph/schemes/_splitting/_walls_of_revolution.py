@@ -57,6 +57,11 @@ class WallsOfRevolution(WallPoints):
         across = 2.0 * (velocity[1] + radius**2 * d_dy[1])
         return np.stack([2.0 * d_dx[0], shear, across, radius * d_dx[2], radius**2 * d_dy[2]])
 
+    def gradient_around(self, gradient):
+        """Return derivatives (2, count) of w/r, by x and y, with what is known at the points: all turns with a wall."""
+        normal = np.concatenate([boundary.normal for boundary in self._kept[1]]).T
+        return normal * (normal * gradient).sum(axis=0)
+
     def sums(self, tractions, time):
         """Return force along the axis, 0, torque around it, and 0, on whole bodies (n, bodies, 4).
 

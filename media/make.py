@@ -31,6 +31,7 @@ MOVIES = {
     "eccentric_annulus": (25.0, DYED),
     "drafting_kissing_tumbling": (13.0, []),  # they tumble
     "suspension": (6.5, []),
+    "taylor_vortices": (0.8, []),  # they have saturated
     "cavity": (3.5, [*DYED, "discretisation.particles_across=64", "time.end=6.0"]),
 }
 """Configs, the t* of each preview (the first frame after it), and what is set."""

@@ -66,7 +66,7 @@ def run(scheme):
 
 def applied(scheme, name, values):
     """What an operator makes of ``values`` (points,) at the particles."""
-    points, found = scheme.points, np.zeros(scheme.points.slots + 1)
+    found = np.zeros(scheme.points.slots + 1)
     found[: len(values)] = values
     chosen = np.arange(scheme.problem.n_fluid)
     return scheme.operators.apply_to(chosen, getattr(scheme.operators, name), found)

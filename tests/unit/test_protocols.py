@@ -19,8 +19,11 @@ EXAMPLES = {
     "channel": "oldroyd_b_couette",
     "eccentric_annulus": "eccentric_annulus",
     "lattice": "cylinder_lattice",
+    "pipe": "pipe",
     "region": "turned_box",
     "shear_layer": "shear_layer",
+    "sphere_in_tube": "sphere_in_tube",
+    "taylor_couette": "taylor_vortices",
     "taylor_green": "taylor_green",
 }
 CHOICES = ["auto"]

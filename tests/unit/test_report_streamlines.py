@@ -15,7 +15,7 @@ from tisph.snapshot import Snapshot
 ACROSS = 40
 BOX = SimpleNamespace(
     extent=(1.0, 1.0), origin=(0.0, 0.0), periodic=(True, True), spacing=1 / ACROSS, reference_velocity=1.0,
-    bodies=(), walls=(), seen=lambda snapshot: BOX,
+    bodies=(), walls=(), axisymmetric=False, seen=lambda snapshot: BOX,
 )  # fmt: skip
 
 

@@ -73,7 +73,7 @@ def _sphere(number, closure):
         "sphere": {"velocity": 1.0},
         "closure": closure,
         "discretisation": {"particles_across": number},
-        "time": {"end": 0.01},
+        "time": {"end": 0.01, "samples": [0.01]},
     }
 
 

@@ -49,9 +49,9 @@ def test_a_lock_that_a_killed_process_left_is_no_obstacle(tmp_path):
 @pytest.mark.skipif(os.name == "nt", reason="Windows keeps a file that is open")
 def test_whoever_has_opened_the_file_that_goes_does_not_hold_the_folder(tmp_path, monkeypatch):
     # the moment between opening and locking, in which the holder removes the file and another one makes a new one
-    import filelock._unix as unix
+    import fcntl  # what filelock locks with
 
-    lock, third = unix.fcntl.flock, []
+    lock, third = fcntl.flock, []
 
     def flock(descriptor, operation):
         if not third:
@@ -60,7 +60,7 @@ def test_whoever_has_opened_the_file_that_goes_does_not_hold_the_folder(tmp_path
             third[0].acquire()
         return lock(descriptor, operation)
 
-    monkeypatch.setattr(unix.fcntl, "flock", flock)
+    monkeypatch.setattr(fcntl, "flock", flock)
     with pytest.raises(Timeout), held(tmp_path):
         pass
 
@@ -87,17 +87,17 @@ def test_processes_that_take_turns_are_never_inside_together(tmp_path):
 @pytest.mark.skipif(os.name == "nt", reason="interrupts a call of POSIX systems")
 @pytest.mark.parametrize("call", ["LOCK_EX", "LOCK_UN"])
 def test_interrupts_while_a_folder_is_taken_or_given_back_are_one_interrupt(tmp_path, monkeypatch, call):
-    import filelock._unix as unix
+    import fcntl  # what filelock locks with
 
-    lock, heard = unix.fcntl.flock, []
+    lock, heard = fcntl.flock, []
 
     def interrupted(descriptor, operation):
-        if operation & getattr(unix.fcntl, call) and not heard:
+        if operation & getattr(fcntl, call) and not heard:
             heard.append(operation)
             raise KeyboardInterrupt
         return lock(descriptor, operation)
 
-    monkeypatch.setattr(unix.fcntl, "flock", interrupted)
+    monkeypatch.setattr(fcntl, "flock", interrupted)
     with pytest.raises(KeyboardInterrupt), held(tmp_path):
         raise KeyboardInterrupt
     assert heard

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
+from case_from_text import started
 
-from tisph import config, runtime, scenes, schemes
 from tisph.exact.taylor_vortices import TaylorVortices
 from tisph.runtime import view
-from tisph.simulation.start import start_values
 
 PIPE = """
 scene: pipe
@@ -46,14 +45,7 @@ def make(tmp_path):
     """Return a function that builds scene and scheme from a config and changes of it."""
 
     def build(text, *changes):
-        path = tmp_path / "case.yaml"
-        path.write_text(text)
-        settings, _ = schemes.resolve(config.load(path, changes))
-        runtime.start("f64", 1)
-        scene = scenes.of(settings)
-        scheme = schemes.build(settings, scene, [settings.time.end], serial=True)
-        scheme.start(*start_values(scene, settings.initial))
-        return scene, scheme
+        return started(tmp_path, text, changes)
 
     return build
 

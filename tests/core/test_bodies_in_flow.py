@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-
-from tisph import config, runtime, scenes, schemes
-from tisph.simulation.start import start_values
+from case_from_text import started
 
 CELL = """
 scene: lattice
@@ -28,15 +26,7 @@ def make(tmp_path):
     """Return a function that builds scene and scheme from changes of the cell."""
 
     def build(*changes, text=CELL, targets=None):
-        path = tmp_path / "case.yaml"
-        path.write_text(text)
-        settings, _ = schemes.resolve(config.load(path, changes))
-        runtime.start("f64", 1)
-        scene = scenes.of(settings)
-        targets = targets or [settings.time.end]
-        scheme = schemes.build(settings, scene, targets, serial=True)
-        scheme.start(*start_values(scene, settings.initial))
-        return scene, scheme
+        return started(tmp_path, text, changes, targets)
 
     return build
 

@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-
-from tisph import config, runtime, scenes, schemes
-from tisph.simulation.start import start_values
+from case_from_text import started
 
 CASE = """
 scene: eccentric_annulus
@@ -28,14 +26,8 @@ runtime: {threads: 1}
 )
 def test_velocity_pressure_torques_and_force_are_those_of_stokes_flow(tmp_path, turning, changes):
     # measured: 7.4e-5, 2.8e-4, 7.5e-5, 2.4e-4; the errors fall with the fourth power of the spacing (tisph verify)
-    path = tmp_path / "case.yaml"
-    path.write_text(CASE)
     walls = [f"walls.{name}.angular_velocity={speed}" for name, speed in zip(("inner", "outer"), turning, strict=True)]
-    settings, _ = schemes.resolve(config.load(path, [*walls, *changes]))
-    runtime.start("f64", 1)
-    scene = scenes.of(settings)
-    scheme = schemes.build(settings, scene, [settings.time.end], serial=True)
-    scheme.start(*start_values(scene, settings.initial))
+    scene, scheme = started(tmp_path, CASE, [*walls, *changes])
     while not scheme.finished:
         scheme.advance()
     found, viscosity = scheme.snapshot(), {"dynamic_viscosity": scene.dynamic_viscosity}

@@ -2,10 +2,10 @@
 
 from dataclasses import replace
 
+import case_from_text
 import numpy as np
 import pytest
 
-from tisph import config, runtime, scenes, schemes
 from tisph.rheology import oldroyd_b
 from tisph.runtime import view
 from tisph.scenes._axisymmetric import measures
@@ -33,19 +33,8 @@ INNER = ("walls.inner={angular_velocity: 1.0}",)
 BETWEEN = ("geometry.inner_radius=0.5", "geometry.length=0.9")
 
 
-def made(folder, rheology, changes):
-    path = folder / "case.yaml"
-    path.write_text(CASE)
-    settings, _ = schemes.resolve(config.load(path, [f"fluid.rheology={rheology}", *changes]))
-    runtime.start("f64", 1)
-    return settings, scenes.of(settings)
-
-
 def started(folder, rheology, changes):
-    settings, scene = made(folder, rheology, changes)
-    scheme = schemes.build(settings, scene, [settings.time.end], serial=True)
-    scheme.start(*start_values(scene, settings.initial))
-    return scene, scheme
+    return case_from_text.started(folder, CASE, [f"fluid.rheology={rheology}", *changes])
 
 
 def off(scene, found, field):
@@ -124,7 +113,7 @@ def test_force_of_a_stress_is_its_divergence(tmp_path, turning):
 def test_flow_along_and_around_the_axis_goes_on(tmp_path):
     """Of an Oldroyd-B fluid, whose velocities are those of a Newtonian one: C has Wi of both shears, and products."""
     changes = (*BETWEEN, "walls.inner={velocity: 1.0, angular_velocity: -2.0}", "initial.state=developed")
-    settings, scene = made(tmp_path, "{type: newtonian}", changes)
+    settings, scene = case_from_text.read(tmp_path, CASE, changes)
     fluid = oldroyd_b.Parameters(relaxation_time=0.5, solvent_fraction=0.1)
 
     def excess(x, y):

@@ -1,19 +1,20 @@
 """What rows of the axisymmetric suite read from runs. Nothing is simulated."""
 
-from types import SimpleNamespace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from tisph.config import loader
+from tisph.studies.processes import Result
 from tisph.studies.store import config_text
 from tisph.studies.verification import axisymmetric
 
-STOPPED = SimpleNamespace(last=None, summary={"status": "diverged", "samples": []})
+STOPPED = Result(Path(), {"status": "diverged", "samples": []})
 
 
 def ends(**numbers):
-    return SimpleNamespace(last=numbers, summary={"status": "done", "samples": [numbers]})
+    return Result(Path(), {"status": "done", "samples": [{"t_star": 0.05, **numbers}]})
 
 
 def row(case):

@@ -85,6 +85,9 @@ def time_scale(config):
     if config["scene"] in ("annulus", "eccentric_annulus"):
         gap = geometry["outer_radius"] - geometry["inner_radius"]
         return gap**2 / config["fluid"]["kinematic_viscosity"]
+    if config["scene"] == "pipe":
+        gap = geometry["radius"] - geometry.get("inner_radius", 0.0)
+        return gap**2 / config["fluid"]["kinematic_viscosity"]
     if config["scene"] == "cavity":
         return geometry["width"] / config["walls"]["lid"]["velocity"]
     return geometry["length"] / config["initial"]["velocity"]

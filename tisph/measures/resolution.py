@@ -45,8 +45,7 @@ def unresolved(scene, t, snapshot=None):
 
     ``snapshot``: the state then, once there is one; some of it is known before the run.
     """
-    drift = 0.0 if snapshot is None else scene.drift(snapshot)
-    scene = scene if snapshot is None else scene.seen(snapshot)
+    given, scene = scene, scene if snapshot is None else scene.seen(snapshot)
     depth, layer = scene.thinnest_layer(t)
     spacings = depth / scene.spacing
     if spacings < LEAST_DEPTH:
@@ -58,13 +57,14 @@ def unresolved(scene, t, snapshot=None):
         if spacings < least * (1 - 1e-4):  # what gaps of bodies that move are good to
             text = f"{what} is {spacings:.2g} spacings; resolved from {least:g} on"
             return f"{name} {spacings:.2g} dx", text
+    return None if snapshot is None else _of_state(given, snapshot)
+
+
+def _of_state(scene, snapshot):
+    drift = scene.drift(snapshot)
     if drift > LARGEST_DRIFT:
         text = f"without walls, fluid and bodies drift together by {drift:.2g} of their velocity against each other"
         return f"drift {drift:.2g}", f"{text}; resolved up to {LARGEST_DRIFT:g}"
-    return None if snapshot is None else _of_state(snapshot)
-
-
-def _of_state(snapshot):
     if snapshot.divergence is not None and snapshot.divergence > LARGEST_DIVERGENCE:
         text = f"the divergence is {snapshot.divergence:.2g} of the velocity gradient"
         return f"div u {snapshot.divergence:.2g}", f"{text}; resolved up to {LARGEST_DIVERGENCE:g}"

@@ -55,8 +55,6 @@ class Cylinder(Model):
     velocity: Signed = 0.0
     angular_velocity: Signed = 0.0
 
-    speed_before: ClassVar[None] = None
-
 
 class Walls(Model):
     """The walls of the pipe: ``outer``, and ``inner`` where there is one."""
@@ -114,7 +112,7 @@ class Config(axisymmetric.Config):
     def problems(self) -> Iterator[Problem]:
         """What the scene has against the config."""
         yield from super().problems()
-        yield from start_problems(self, ("outer",))
+        yield from start_problems(self, ())
         inner, outer = self.walls.inner or Cylinder(), self.walls.outer
         if self.walls.inner and not self.inner_radius:
             yield "walls.inner", "needs a geometry.inner_radius above 0"
@@ -301,6 +299,10 @@ class Scene(AxisymmetricScene):
         force = area * self.dynamic_viscosity * self.reference_velocity / self.reference_length
         kinds = [("force", "whole_force") if name.startswith("force") else ("torque", "moment") for name in columns]
 
+        def measure(snapshot):
+            loads = measures.loads(self, snapshot)
+            return np.array([loads[name] for name in columns])
+
         def exact(times):
             loads = self.exact_loads(np.asarray(times))
             return np.stack([loads[name] for name in columns], axis=1)
@@ -313,7 +315,7 @@ class Scene(AxisymmetricScene):
             columns=list(columns),
             labels=[(name.replace("_", " on the ") + " wall", None) for name in columns],
             exact_columns=[f"{name}_exact" for name in columns],
-            measure=lambda snapshot: np.array([measures.loads(self, snapshot)[name] for name in columns]),
+            measure=measure,
             exact=exact,
             angular_frequency=self.drive.angular_frequency,
             sizes=[force if kind == "force" else force * self.outer_radius for kind, _ in kinds],

@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 
 from tisph.config.base import NonNegative, Positive, Problem
+from tisph.exact.taylor_vortices import coefficients
 from tisph.scenes import annulus
 from tisph.scenes._annulus.cylinders import turning_of
 from tisph.scenes._axisymmetric import config as axisymmetric
@@ -120,9 +121,7 @@ class Scene(AxisymmetricScene):
     def laminar(self):
         """A and B of the steady laminar flow A r + B/r of the present angular velocities."""
         inner, outer = (float(body.spin.velocity(self.start_time)) for body in self.bodies)
-        squares = self.inner_radius**2, self.outer_radius**2
-        width = squares[1] - squares[0]
-        return (outer * squares[1] - inner * squares[0]) / width, (inner - outer) * squares[0] * squares[1] / width
+        return coefficients((self.inner_radius, self.outer_radius), (inner, outer))
 
     @property
     def laminar_torque(self):
@@ -149,11 +148,11 @@ class Scene(AxisymmetricScene):
         over the speed of the fastest wall; ``growth_rate``: of the radial velocity, from its mean square over the last
         tenth of the time so far [1/time], None where it is 0.
         """
-        torque = measures.loads(self, snapshot)["torque_inner"]
+        loads = measures.loads(self, snapshot)
         newtonian = self.rheology is None and self.laminar_torque
         return {
-            **measures.loads(self, snapshot),
-            "torque_ratio": -torque / self.laminar_torque if newtonian else None,
+            **loads,
+            "torque_ratio": -loads["torque_inner"] / self.laminar_torque if newtonian else None,
             "radial_velocity": np.max(np.abs(snapshot.v)) / self.reference_velocity,
             "growth_rate": self._growth_rate(snapshot.t, series),
             **dict(zip(measures.ENERGIES, measures.kinetic_energies(snapshot), strict=True)),

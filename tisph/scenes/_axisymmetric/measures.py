@@ -6,8 +6,6 @@ from tisph.measures.distribution import max_void_radius, min_distance
 from tisph.measures.fits import with_walls
 from tisph.measures.mean_velocity import section_mean
 
-__all__ = ["ENERGIES", "kinetic_energies", "loads", "mean_velocity", "spread", "volume_mean"]
-
 ENERGIES = "kinetic_energy_axial", "kinetic_energy_radial", "kinetic_energy_azimuthal"
 """Names of ``kinetic_energies``."""
 

@@ -69,11 +69,6 @@ class AxisymmetricScene(BodyScene):
         """Whether a wall turns around the axis."""
         return any(body.spin.largest_speed for body in self.bodies)
 
-    @property
-    def volume(self):
-        """Volume of the fluid in one period."""
-        return np.pi * (self.outer_radius**2 - self.inner_radius**2) * self.length
-
     def open_section(self, t):
         """Place along the axis of a cross-section with no body in it."""
         return 0.0

@@ -119,7 +119,13 @@ class GeneralisedNewtonianStress:
             self.implicit_divergence[i] = dt * (d_dy[7] * d_dx[6] - d_dx[7] * d_dy[6])
             known[i] += dt * (force - self.force[i])
             self.force[i] = force
-            factor = implicit / viscosity
-            self.operators.diagonal[i] = factor * self.unweighted.diagonal[i]
-            for k in range(self.points.count[i]):
-                self.operators.laplacian[i, k] = factor * self.unweighted.laplacian[i, k]
+            self.weigh(i, implicit / viscosity)
+
+    @ti.func
+    def weigh(self, i, factor):
+        """Let the operators of a particle be ``factor`` times those without a viscosity."""
+        self.operators.diagonal[i] = factor * self.unweighted.diagonal[i]
+        for k in range(self.points.count[i]):
+            self.operators.laplacian[i, k] = factor * self.unweighted.laplacian[i, k]
+            if ti.static(self.levels.coordinates.axisymmetric):
+                self.operators.d_dy[i, k] = factor * self.unweighted.d_dy[i, k]

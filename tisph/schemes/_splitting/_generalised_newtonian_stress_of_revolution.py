@@ -86,8 +86,4 @@ class GeneralisedNewtonianStressOfRevolution(GeneralisedNewtonianStress):
             self.implicit_divergence[i] = dt * (square * d_dy[13] * d_dx[12] - d_dx[13] * vortex)
             known[i] += dt * (force - self.force[i])
             self.force[i] = force
-            factor = implicit / viscosity
-            self.operators.diagonal[i] = factor * self.unweighted.diagonal[i]
-            for k in range(self.points.count[i]):
-                self.operators.laplacian[i, k] = factor * self.unweighted.laplacian[i, k]
-                self.operators.d_dy[i, k] = factor * self.unweighted.d_dy[i, k]
+            self.weigh(i, implicit / viscosity)

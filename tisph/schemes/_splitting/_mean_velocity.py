@@ -23,7 +23,7 @@ class MeanVelocityControl:
 
     def __init__(self, scene, boundary, splitting):
         self.scene, self.boundary, self.splitting = scene, boundary, splitting
-        self.acceleration, self.response, self.levels, self.tried, self.least = 0.0, 1.0, [], None, 0.0
+        self.acceleration, self.response, self.levels = 0.0, 1.0, []
 
     def start(self, time, tolerance):
         """Give the fluid the impulse of a pressure with which it has its mean velocity at once; return whether it can.
@@ -56,9 +56,9 @@ class MeanVelocityControl:
         velocity = view(self.splitting.velocity.x)[: len(points), 0].astype(float)
         return section_mean(self.scene, points + problem.origin, velocity, self.time)
 
-    def prepare(self, dt, gamma0, time):
-        """Take up a step ``dt`` that ends at ``time``."""
-        self.time, self.scale, self.tried = time, dt / gamma0, None
+    def prepare(self, dt, gamma0, time, error):
+        """Take up a step ``dt`` that ends at ``time``, whose velocities may have an ``error``."""
+        self.time, self.scale, self.tried, self.least = time, dt / gamma0, None, SETTLED * error
         guess = self.levels[0][1] if self.levels else 0.0
         if len(self.levels) > 1:
             (newest, g), (before, other) = self.levels

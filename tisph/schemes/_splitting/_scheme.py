@@ -20,7 +20,6 @@ from tisph.schemes._splitting._coupling import Coupling
 from tisph.schemes._splitting._free_bodies import RESIDUAL
 from tisph.schemes._splitting._generalised_newtonian_stress import GeneralisedNewtonianStress
 from tisph.schemes._splitting._generalised_newtonian_stress_of_revolution import GeneralisedNewtonianStressOfRevolution
-from tisph.schemes._splitting._mean_velocity import SETTLED
 from tisph.schemes._splitting._output import levels_in_order, state
 from tisph.schemes._splitting._shift import TRAVEL, FickianShifting
 from tisph.schemes._splitting._splitting_step import SplittingStep
@@ -108,10 +107,8 @@ class Scheme:
             self.polymer = kind(self.levels, problem)
         self.extra_stress = self.polymer
         if problem.rheology and not self.polymer:
-            of_revolution = GeneralisedNewtonianStressOfRevolution
-            self.extra_stress = (of_revolution if problem.axisymmetric else GeneralisedNewtonianStress)(
-                self.levels, problem
-            )
+            kind = GeneralisedNewtonianStressOfRevolution if problem.axisymmetric else GeneralisedNewtonianStress
+            self.extra_stress = kind(self.levels, problem)
         self.splitting = SplittingStep(self.levels, self.grid, problem, boundary, self.extra_stress)
         self.control = limits.step_control(problem, targets, tolerance, courant)
         least = ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
@@ -229,8 +226,7 @@ class Scheme:
         self.assemble(self.time + dt)
         gamma0, alpha = times.bdf()
         if self.mean_velocity:
-            self.mean_velocity.prepare(dt, gamma0, self.time + dt)
-            self.mean_velocity.least = SETTLED * self.tolerance * self.error_speed
+            self.mean_velocity.prepare(dt, gamma0, self.time + dt, self.tolerance * self.error_speed)
         view(self.splitting.alpha)[...] = alpha
         view(self.splitting.beta)[...] = times.extrapolation(VELOCITIES)
         view(self.splitting.beta_pressure)[...] = times.extrapolation(PRESSURES)

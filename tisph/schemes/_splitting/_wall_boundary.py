@@ -211,12 +211,9 @@ class WallBoundary:
 
         In axisymmetric flow those around the axis follow: of x and that, and of y and that.
         """
-        parts = (view(field)[self.slots, : self.levels.components].T.astype(float) for field in self._gradients)
+        fields, components = (self.levels.d_dx, self.levels.d_dy), self.levels.components
+        parts = (view(field)[self.slots, :components].T.astype(float) for field in fields)
         return self.walls.strain(self.velocity.T, *parts)
-
-    @property
-    def _gradients(self):
-        return self.levels.d_dx, self.levels.d_dy
 
     def tractions(self, pressure, strain, extra):
         """Return the tractions (2, count, components) of all and of the pressure, per unit density."""

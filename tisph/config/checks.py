@@ -74,7 +74,7 @@ def colours(config: Any) -> list[str]:
     if not config.parallel:
         names += ["v", "vorticity", "pressure"]
     if config.axisymmetric:
-        names.append("swirl")
+        names += ["swirl", "stream_function"]
     if rheology.carries_stress:
         names += ["shear_stress", "normal_stress_difference"]
         names += ["conformation_trace"] if getattr(rheology, "linear_stress", False) else []

@@ -92,6 +92,7 @@ def unit_label(kind: str, units) -> str:
         "normal_stress_coefficient": "Pa s²" if pascal else f"{mass}/{length}",
         "time": time,
         "rate": f"1/{time}",
+        "flow_rate": f"{length}³/{time}",
         "force": "N/m" if pascal else f"{mass}/{time}²",
         "energy": f"{length}²/{time}²",
         "whole_force": "N" if pascal else f"{mass} {length}/{time}²",

@@ -7,6 +7,7 @@ import numpy as np
 
 from tisph.measures.gradients import velocity_gradients, vorticity
 from tisph.measures.reference import with_reference
+from tisph.measures.stream_function import stream_function
 from tisph.scenes._views import MovieView, Profile
 
 
@@ -34,9 +35,13 @@ def _shear_stress(scene, snapshot):
 
 
 def _conformation_trace(scene, snapshot):
-    """Return tr A = 2 + (S_xx + S_yy)/G of a polymer whose stress is the modulus G times A - 1."""
+    """Return tr A of a polymer whose stress S is the modulus G times A - 1: 2 + (S_xx + S_yy)/G in the plane.
+
+    In axisymmetric flow tr A = 3 + (S_xx + S_yy + S_tt)/G, with the stress around the axis.
+    """
     viscosity = (1.0 - scene.polymer.solvent_fraction) * scene.dynamic_viscosity
-    return 2.0 + (snapshot.stress_xx + snapshot.stress_yy) * scene.polymer.relaxation_time / viscosity
+    plane = 2.0 + (snapshot.stress_xx + snapshot.stress_yy) * scene.polymer.relaxation_time / viscosity
+    return plane + 1.0 + snapshot.stress_tt * scene.polymer.relaxation_time / viscosity if scene.axisymmetric else plane
 
 
 def _error(scene, snapshot):
@@ -58,6 +63,7 @@ COLOURS = {
     "u": Colour("u", "velocity", lambda _, snapshot: snapshot.u),
     "v": Colour("v", "velocity", lambda _, snapshot: snapshot.v),
     "swirl": Colour("swirl", "velocity", lambda _, snapshot: snapshot.w),
+    "stream_function": Colour("stream function", "flow_rate", stream_function),
     "vorticity": Colour("vorticity", "rate", lambda scene, snapshot: vorticity(scene, snapshot, degree=2)),
     "pressure": Colour("pressure", "stress", lambda _, snapshot: snapshot.pressure, fields=("pressure",)),
     "shear_stress": Colour("shear stress", "stress", _shear_stress),

@@ -156,7 +156,7 @@ class TimeSeries:
     level_name: str = "exact, when steady"
 
     def only(self, kinds, name, unit):
-        """Those of the numbers whose columns begin with one of ``kinds``, as they are measured, without references."""
+        """Those of the numbers whose columns begin with one of ``kinds``, as they are measured."""
         chosen = [index for index, column in enumerate(self.columns) if column.startswith(kinds)]
         return replace(
             self,
@@ -165,7 +165,7 @@ class TimeSeries:
             columns=[self.columns[index] for index in chosen],
             labels=[(self.columns[index].replace("_", " "), None) for index in chosen],
             measure=lambda snapshot: self.measure(snapshot)[chosen],
-            exact=lambda times: None,
+            exact=lambda times: None if (exact := self.exact(times)) is None else exact[:, chosen],
             sizes=(),
             panels=(),
             levels=(),

@@ -322,6 +322,11 @@ class Scene(AxisymmetricScene):
             panels=kinds,
         )
 
+    def movie_series(self):
+        """Forces on the walls, or torques where nothing goes along the axis."""
+        series = self.time_series()
+        return series.only(series.name, series.name, series.unit)
+
 
 def _wall(name, wall, radii, length):
     """The body of one of the walls."""

@@ -8,6 +8,7 @@ import numpy as np
 from tisph.geometry.body import Body
 from tisph.geometry.line import Line
 from tisph.geometry.region import Region
+from tisph.scenes._axisymmetric.views import NAMES
 from tisph.scenes._body_scene import BodyScene
 from tisph.snapshot import STRESSES_AROUND
 
@@ -77,6 +78,14 @@ class AxisymmetricScene(BodyScene):
         """Rest, without stress."""
         around = STRESSES_AROUND[: None if self.swirls else 1] if self.polymer else ()
         return {**super().initial(x, y), **dict.fromkeys(("w", *around), np.zeros(np.shape(x)))}
+
+    def movie_profiles(self):
+        """See ``Scene.movie_profiles``."""
+        return {"swirl" if name == NAMES["w"] else name: each for name, each in super().movie_profiles().items()}
+
+    def movie_fields(self, name):
+        """See ``Scene.movie_fields``; the trace has the stress around the axis, too."""
+        return *super().movie_fields(name), *STRESSES_AROUND[: name == "conformation_trace"]
 
     def description(self):
         """Radii and length."""

@@ -14,6 +14,7 @@ from tisph.scenes._views import MovieView, Profile
 _MARGIN = 0.08  # of the range of a panel, at both ends: overshoot stays in sight
 _SHARE, _FRAMES = 0.98, 0.9  # of the particles of a frame, and of the frames, that a range holds: corners do not count
 _WHOLE = 0.98  # of the frames, where all values of a frame count: a start may be infinite
+_ROUNDING = 1e-9  # of the largest: values of the other sign up to it are none
 
 Ends = tuple[float, float]
 
@@ -42,8 +43,9 @@ def quantity(view: MovieView, scene, limits: str | Sequence[float], ends: tuple[
     ``ends`` are the smallest and largest colour and value of the profile in the frames, where the view has none.
     """
     colours, along = ends or (view.ends, view.ends)
-    largest, signed = _largest(colours), view.signed and min(colours) < 0.0
-    diverging = signed and max(colours) > 0.0
+    largest = _largest(colours)
+    signed = view.signed and min(colours) < -_ROUNDING * largest
+    diverging = signed and max(colours) > _ROUNDING * largest
     automatic = (-largest if signed else 0.0, largest if diverging or not signed else 0.0)
     return Quantity(
         unit=unit_label(view.profile.unit, scene.units),

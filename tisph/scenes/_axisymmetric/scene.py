@@ -1,6 +1,6 @@
 """What all axisymmetric scenes are: a half-plane y >= 0 above the axis, periodic along it, with walls of revolution."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -80,8 +80,10 @@ class AxisymmetricScene(BodyScene):
         return {**super().initial(x, y), **dict.fromkeys(("w", *around), np.zeros(np.shape(x)))}
 
     def movie_profiles(self):
-        """See ``Scene.movie_profiles``."""
-        return {"swirl" if name == NAMES["w"] else name: each for name, each in super().movie_profiles().items()}
+        """See ``Scene.movie_profiles``; the velocity around the axis is called as its colour is."""
+        found = super().movie_profiles()
+        around = found.get(NAMES["w"])
+        return found | {"swirl": replace(around, name="swirl")} if around else found
 
     def movie_fields(self, name):
         """See ``Scene.movie_fields``; the trace has the stress around the axis, too."""

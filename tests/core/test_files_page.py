@@ -20,6 +20,9 @@ RUNS = {
     "shear_layer": {},
     "cavity": {},
     "eccentric_annulus": {"initial.state": "rest"},
+    "spin_up": {"fluid.rheology": {"type": "oldroyd_b", "relaxation_time": 1.0, "solvent_fraction": 0.5}},
+    "taylor_vortices": {},
+    "falling_ball": {},
 }
 
 

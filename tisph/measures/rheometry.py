@@ -4,7 +4,7 @@ A reading has a ``title``, lines of text, and curves for a picture. "Apparent" i
 stress at the moving wall over the nominal shear rate (its speed over the gap), as if the shear rate were uniform and
 the fluid had no inertia. What that is off is the difference from the linear theory of the fluid. Between cylinders
 the torque gives the stress (``_cylinders.py``). With bodies that the flow carries it is a suspension
-(``_suspension.py``).
+(``_suspension.py``). Viscometers around an axis are read at the end of a run (``_viscometers.py``).
 """
 
 import numpy as np
@@ -16,6 +16,7 @@ from tisph.measures._cylinders import as_plane
 from tisph.measures._reading import Axes, Reading, normal_curves, normal_stress, over_time
 from tisph.measures._schedules import read_schedule
 from tisph.measures._suspension import read_suspension
+from tisph.measures._viscometers import VISCOMETERS, read_viscometer
 from tisph.measures.wall_shear import integral
 
 LINEAR = 1e-2
@@ -51,11 +52,14 @@ def spectrum(rheology, channel):
     return Spectrum(channel.density * channel.solvent_viscosity, modes)
 
 
-def read(config, channel, table, contacts=None):
+def read(config, channel, table, contacts=None, last=None):
     """Return the ``Reading`` of a run; ``table`` has the columns of its history by name.
 
-    ``contacts``: how often bodies touched, if that is known. ConfigError where it is none of what a rheometer does.
+    ``contacts``: how often bodies touched, if that is known; ``last``: numbers of the last sample by name. ConfigError
+    where it is none of what a rheometer does.
     """
+    if config.scene in VISCOMETERS:
+        return read_viscometer(config.scene, channel, table, last)
     if channel.has_free_bodies:
         return read_suspension(channel, table, contacts)
     if config.scene == "annulus":

@@ -5,6 +5,7 @@ import pytest
 from case_from_text import started
 
 from tisph.exact.taylor_vortices import TaylorVortices
+from tisph.measures.resolution import resolution
 from tisph.runtime import view
 
 PIPE = """
@@ -114,6 +115,14 @@ def test_fluid_turns_as_a_solid_with_the_pressure_of_that(make):
     assert np.abs(found.w - 2.0 * found.y).max() < 1e-7
     assert np.abs(found.pressure - pressure + pressure.mean()).max() < 1e-5
     assert max(np.abs(found.u).max(), np.abs(found.v).max()) < 1e-6
+
+
+def test_uniform_flow_stays_and_counts_as_resolved(make):
+    """Linear systems leave 1e-7 of the velocity. There is no gradient that a divergence could be compared with."""
+    scene, scheme = make(PIPE, "drive.acceleration=0", "walls.outer.velocity=1", "initial.state=developed")
+    snapshot = run(scheme)
+    assert np.abs(snapshot.u - 1.0).max() < 1e-6
+    assert resolution(scene, snapshot.t, snapshot) == (True, None)
 
 
 def test_taylor_vortices_grow_as_fast_as_they_should(make):

@@ -87,12 +87,17 @@ class Cylinder(WallMotion):
         return self
 
 
-class Walls(Model):
+class Cylinders(Model):
+    """The two cylinders."""
+
+    inner: Cylinder = Cylinder()
+    outer: Cylinder = Cylinder()
+
+
+class Walls(Cylinders):
     """The two cylinders, and how scheme ``wcsph`` treats their walls: null for its own choice."""
 
     treatment: Annotated[Model, WallTreatment] | None = None
-    inner: Cylinder = Cylinder()
-    outer: Cylinder = Cylinder()
 
 
 class Config(schema.Config):

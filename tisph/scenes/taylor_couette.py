@@ -33,10 +33,6 @@ class Geometry(annulus.Radii):
     length: Positive
 
 
-class Walls(annulus.Walls):
-    """The two cylinders."""
-
-
 class Initial(RestInitial):
     """Start: at rest, or as the laminar flow of cylinders that have always turned.
 
@@ -53,7 +49,7 @@ class Config(axisymmetric.Config):
     """A whole run of Taylor-Couette flow."""
 
     geometry: Geometry
-    walls: Walls
+    walls: annulus.Cylinders
     initial: Initial = Initial()
 
     across_name = "the gap between the cylinders"

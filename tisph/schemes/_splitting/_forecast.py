@@ -35,12 +35,12 @@ class Walk:
     @property
     def speed(self):
         """As of the ``Scheme``."""
-        return courant_speed(self._fastest(), self.scene)
+        return courant_speed(self._fastest(2), self.scene)
 
     @property
     def error_speed(self):
         """As of the ``Scheme``."""
-        return error_speed(self._fastest(), self.scene)
+        return error_speed(self._fastest(3), self.scene)
 
     @property
     def longest_step(self):
@@ -63,7 +63,7 @@ class Walk:
         for _ in range(MAX_ATTEMPTS):
             dt = self.control.choose_dt(self.time)
             times = TimeWeights([dt, *self.dts], dt)
-            positions = self.positions + self._summed(times.step_integral())
+            positions = self.positions + self._summed(times.step_integral())[:, :2]
             velocities = self._velocities(positions, self.time + dt)
             away = velocities - self._summed(times.extrapolation(VELOCITIES))
             difference = math.sqrt(np.mean(np.sum(away**2, axis=1)))
@@ -78,15 +78,19 @@ class Walk:
         self.steps += 1
         self.control.step_taken(self.time, self.speed)
 
-    def _fastest(self):
-        newest = self.velocities[0]
-        return np.linalg.norm(newest - newest.mean(axis=0), axis=1).max()
+    def _fastest(self, components):
+        newest = self.velocities[0][:, :components]
+        mean = newest[:, :2].mean(axis=0)
+        mean = [mean[0], 0.0, 0.0] if self.scene.axisymmetric else mean  # as of the ``TimeLevels``
+        return np.linalg.norm(newest - mean[: newest.shape[1]], axis=1).max()
 
     def _velocities(self, positions, time):
-        if "u" in self.scene.fields:
-            return np.stack([self.scene.exact(name, *positions.T, time) for name in ("u", "v")], axis=-1)
+        """Velocities (n, 2), around an axis (n, 3)."""
+        names = ("u", "v", "w") if self.scene.axisymmetric else ("u", "v")
         start = self.scene.initial(*positions.T)
-        return np.stack([start["u"], start["v"]], axis=-1)
+        known = set(names) & set(self.scene.fields)
+        exact = {name: self.scene.exact(name, *positions.T, time) for name in known}
+        return np.stack([(start | exact)[name] for name in names], axis=-1)
 
     def _summed(self, weights):
         return sum(weight * each for weight, each in zip(weights, self.velocities, strict=False))

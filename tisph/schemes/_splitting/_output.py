@@ -58,7 +58,7 @@ def state(scheme, time):
         pressure=problem.density * (pressure - pressure.mean()),
         bodies=walls.bodies(time, times, offset) if walls else None,
         steepest=scheme.log_jump,
-        divergence=scheme.levels.residual,
+        divergence=scheme.residual,
         acceleration=scheme.mean_velocity.acceleration if scheme.mean_velocity else None,
         **dict(zip((*STRESSES, *STRESSES_AROUND), stress, strict=False)),
     )

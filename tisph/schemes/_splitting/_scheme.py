@@ -173,6 +173,11 @@ class Scheme:
         """The same that errors of steps are divided by."""
         return limits.error_speed(float(view(self.levels.largest)), self.problem)
 
+    @property
+    def residual(self):
+        """Divergence of the velocities over their gradient, where that is not too small to tell."""
+        return self.levels.residual(limits.LEAST_GRADIENT * self.error_speed / self.problem.spacing)
+
     def begin_steps(self):
         """Choose the first step, or the first one after a change."""
         self.control.dt_next = limits.FIRST * self.control.limit(self.speed)
@@ -347,7 +352,7 @@ class Scheme:
             "steps_rejected": self.rejected,
             "order_reduced": self.order_reduced,
             "neighbourhoods_dropped": self.singular,
-            "divergence": self.levels.residual,
+            "divergence": self.residual,
             "iterations_pressure": self.iterations[0] / max(self.steps, 1),
             "iterations_velocity": self.iterations[1] / max(self.steps, 1),
             **(self.wall_boundary.contacts() if self.wall_boundary else {}),

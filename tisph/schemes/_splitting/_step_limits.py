@@ -17,6 +17,10 @@ MAX_ATTEMPTS = 20
 RUNAWAY = 1e3
 """Largest velocity over the reference velocity. Bodies that close a gap press some tens of times theirs out of it."""
 
+LEAST_GRADIENT = 100 * TOLERANCE
+"""Difference of velocities within a spacing, over the largest velocity, that a divergence is compared with at least.
+One that counts as resolved (1 % of that) then alters them by less than the error of a step."""
+
 FIRST = 0.02
 """The first step, which is of first order, over what the Courant number allows."""
 

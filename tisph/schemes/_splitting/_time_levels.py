@@ -180,8 +180,7 @@ class TimeLevels:
         """Root mean square of the divergence of the newest velocities."""
         return math.sqrt(float(view(self.divergence_squared)) / int(view(self.points.n_fluid)))
 
-    @property
-    def residual(self):
-        """Divergence over the gradient of the newest velocities, both as root mean squares: 0 where all are equal."""
-        gradient = float(view(self.gradient_squared))
-        return math.sqrt(float(view(self.divergence_squared)) / gradient) if gradient > 0.0 else 0.0
+    def residual(self, least):
+        """Divergence over the gradient of the newest velocities, or over the ``least`` one, as root mean squares."""
+        gradient = math.sqrt(float(view(self.gradient_squared)) / int(view(self.points.n_fluid)))
+        return self.divergence_scale / max(gradient, least)

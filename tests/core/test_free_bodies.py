@@ -106,6 +106,15 @@ def test_cylinder_in_slow_shear_rotates_as_by_finite_elements(density):
     assert abs(bodies.torque[0]) < 1e-3  # of 0.1, what holds one that does not turn
 
 
+def test_massless_circle_at_once_rotates_as_the_fluid_around_it():
+    """Half the shear rate, clockwise, which is the circulation of a uniform shear along any circle; until it decays."""
+    config = changed({**SHEAR, "initial": {"state": "developed"}}, density=0.0)
+    start, _ = ended(config, 1e-9)
+    assert start.angular_velocity[0] == pytest.approx(-0.5, rel=1e-2)  # a layer far thinner than the spacing
+    later, _ = ended(config, 1e-3)
+    assert -0.5 < later.angular_velocity[0] < -0.48
+
+
 def test_held_freedoms_stay():
     bodies, _ = ended(changed(SHEAR, hold=["y", "angle"], velocity=[0.0, 0.0], force=[0.0, 1.0], torque=1.0), 0.01)
     assert bodies.angular_velocity[0] == 0.0

@@ -64,6 +64,7 @@ class Coupling:
         """
         bodies, boundary = self.bodies, self.boundary
         self.time = boundary.problem.start_time
+        self._take_rotations()
         before = bodies.newest
         bodies.begin(before, bodies.mass + bodies.added_mass(0.0))
         for _ in range(MOST_ITERATIONS):
@@ -73,13 +74,29 @@ class Coupling:
             residual = bodies.mass * (bodies.velocities - before) - loads
             if bodies.correct(residual, FINEST * np.abs(boundary.velocity - boundary.fluid_velocity).max()):
                 break
-            for motion, velocity in zip(bodies.motions, bodies.velocities, strict=True):
-                motion.start(self.time, velocity)
-            boundary.velocity = boundary.walls.velocities(self.time)
+            self._start(bodies.velocities)
         self.splitting.apply_impulse()
         bodies.begin_start(self.boundary.problem.acceleration)
         self._take_accelerations()
         return solved
+
+    def _take_rotations(self):
+        """Let bodies without a moment of inertia turn as the fluid at their surface does.
+
+        Else the layer that begins there, as thin as it is strong, would turn them with a torque that nothing resists.
+        """
+        bodies, boundary = self.bodies, self.boundary
+        slip = np.stack([boundary.fluid_velocity, boundary.walls.velocities(self.time)])
+        around = boundary.walls.sums(slip, self.time)[:, bodies.index, 2]
+        rate = (around[0] - around[1]) / boundary.walls.moments(self.time)[bodies.index]
+        turned = bodies.newest
+        turned[:, 2] += np.where(bodies.massless_rotation, rate, 0.0)
+        self._start(turned)
+
+    def _start(self, velocities):
+        for motion, velocity in zip(self.bodies.motions, velocities, strict=True):
+            motion.start(self.time, velocity)
+        self.boundary.velocity = self.boundary.walls.velocities(self.time)
 
     def _take_accelerations(self):
         for motion, acceleration in zip(self.bodies.motions, self.bodies.velocities, strict=True):
@@ -90,6 +107,7 @@ class Coupling:
         bodies, boundary = self.bodies, self.boundary
         loads = self._loads(boundary.strain(), None)
         residual = bodies.mass * bodies.velocities - loads - bodies.load
+        residual[bodies.massless_rotation, 2] = 0.0  # no acceleration of theirs alters a torque
         if bodies.correct(residual, FINEST * np.abs(bodies.arm * bodies.velocities).max()):
             return True
         self._take_accelerations()

@@ -51,6 +51,7 @@ class FreeBodies:
             np.array([getattr(each, name) for each in inertias]) / density for name in ("mass", "load")
         )
         self.moves = ~np.array([each.held for each in inertias])
+        self.massless_rotation = self.moves[:, 2] & (self.mass[:, 2] == 0.0)
         self.radius = np.array([walls.bodies[number].shape.length for number in self.index]) / (2 * math.pi)
         self.arm = np.stack([np.ones_like(self.radius)] * 2 + [self.radius], axis=1)
         self.converged, self.axisymmetric = 0.0, problem.axisymmetric

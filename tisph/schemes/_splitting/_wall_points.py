@@ -129,6 +129,15 @@ class WallPoints:
             result[:, number, 3] = 0.5 * (along + across).sum(axis=1)
         return result
 
+    def moments(self, time):
+        """Return the integrals (bodies,) of the squared distance from each body's centre along its surface."""
+        return np.array(
+            [
+                self.length[part] @ np.sum((boundary.point - body.at(time).centre) ** 2, axis=1)
+                for body, boundary, part in zip(self.bodies, self._placed(time), self.parts, strict=True)
+            ]
+        )
+
     def means(self, values):
         """Return the means (bodies,) along each wall of ``values`` (count,) at the points."""
         return np.array([np.average(values[part], weights=self.length[part]) for part in self.parts])

@@ -8,7 +8,9 @@ import pytest
 
 from tisph import config, scenes
 from tisph.config.checks import colours
+from tisph.report.layout import arrange
 from tisph.report.quantities import quantity
+from tisph.report.time_panel import TimePanel
 from tisph.simulation.start import start_snapshot, start_values
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -48,3 +50,11 @@ def test_trace_of_a_conformation_at_rest_is_three():
     assert scene.movie_fields("speed") == ()
     snapshot = start_snapshot(scene, start_values(scene, SimpleNamespace(jitter=0.0, seed=0)), "f64")
     assert np.all(scene.movie_view("conformation_trace", 1.0).of(snapshot) == 3.0)
+
+
+def test_torques_of_laminar_flow_are_in_sight_and_named():
+    scene = scene_of("taylor_vortices")
+    panel = TimePanel(scene, arrange(scene, 1280, 640), scene.movie_series(), 100.0, ends=(-0.1, 0.1))
+    assert panel.levels == pytest.approx([-scene.laminar_torque, scene.laminar_torque])
+    assert panel.range[0] < panel.levels[0] < panel.levels[1] < panel.range[1]
+    assert panel.series.level_name == "steady laminar flow"

@@ -123,6 +123,8 @@ class _Stage:
         axes.grid(True, linewidth=self.layout.pixels(1))
         if panel.exact is not None:
             axes.plot(panel.exact_times, panel.exact, "-", color=self.theme.exact, linewidth=self.layout.pixels(1))
+        for level in panel.levels:
+            axes.axhline(level, color=self.theme.exact, linewidth=self.layout.pixels(1))
         self._ticks(axes, rect, *exponents)
         units = self.scene.units.time, unit_label(series.unit, self.scene.units)
         self._label(axes, axis_label("t", units[0], exponents[0]), axis_label(series.name, units[1], exponents[1]))
@@ -133,6 +135,8 @@ class _Stage:
         left, row = rect.left, rect.top - px(14)
         for name, colour in zip(panel.labels, panel.colours, strict=True):
             left = px(16) + self._right_end(self._text(left, row, name, size=14, va="center", color=colour))
+        if np.isfinite(panel.levels).any():
+            self._key_line(left, row, panel.series.level_name)
 
     def legend(self, quantity: Quantity) -> None:
         """Key to the profile, above it: data can be anywhere inside."""
@@ -142,9 +146,13 @@ class _Stage:
         particles = self._text(left + px(15), row, "tisph", size=14, va="center")
         if quantity.profile.exact is None:
             return
-        start = self._right_end(particles) + px(16)
+        self._key_line(self._right_end(particles) + px(16), row, quantity.profile.reference)
+
+    def _key_line(self, start: float, row: float, name: str) -> None:
+        """Key to the thin line of what is known, from ``start`` on."""
+        px = self.layout.pixels
         self.overlay.plot([start, start + px(20)], [row, row], "-", color=self.theme.exact, linewidth=px(2))
-        self._text(start + px(26), row, quantity.profile.reference, size=14, va="center")
+        self._text(start + px(26), row, name, size=14, va="center")
 
     def titles(self, title: str) -> None:
         """Name of the run at the left, what it is at the right."""

@@ -16,7 +16,8 @@ _EXACT_TIMES = 200
 class TimePanel:
     """The first numbers of ``series`` over a run to time ``end``, as lines that end at the time of each frame.
 
-    ``ends`` is their range in the frames, None where the exact values give it.
+    ``ends`` is their range in the frames, None where the exact values give it. ``levels`` (numbers,): what they come to
+    in the steady state, where no exact values are known and those are; NaN for those that are not.
     """
 
     def __init__(self, scene, layout: Layout, series: TimeSeries, end: float, ends: Ends | None = None):
@@ -25,7 +26,10 @@ class TimePanel:
         self.exact_times = np.linspace(*self.times, _EXACT_TIMES)
         exact = exact_values(series, self.exact_times)
         self.exact = None if exact is None else exact[:, :_NUMBERS]
-        self.range = with_margin(ends or self._exact_ends(), 1.0)
+        levels = np.ravel(series.levels if exact is None else ())[:_NUMBERS]
+        self.levels = _scaled(series, levels) if len(levels) else levels
+        within = [*(ends or self._exact_ends()), *self.levels[np.isfinite(self.levels)]]
+        self.range = with_margin((min(within), max(within)), 1.0)
         self._layout, self._seen = layout, {}
         self._pen = Discs(max(0.6, 1.3 * layout.scale), layout.series.inner.shape)
 
@@ -71,4 +75,4 @@ def measured(series: TimeSeries, snapshot) -> np.ndarray:
 
 
 def _scaled(series, values):
-    return values / np.array(series.sizes) if series.sizes else values
+    return values / np.array(series.sizes)[: np.shape(values)[-1]] if series.sizes else values

@@ -168,7 +168,7 @@ class TimeSeries:
             exact=lambda times: None if (exact := self.exact(times)) is None else exact[:, chosen],
             sizes=(),
             panels=(),
-            levels=(),
+            levels=[self.levels[index] for index in chosen] if self.levels else (),
             drifting=(),
         )
 

@@ -1,4 +1,4 @@
-"""The state at any time within the last step, from the time levels of the particles."""
+"""The state at any time within the last step, from the time levels of the particles; numbers of the run."""
 
 import numpy as np
 
@@ -62,3 +62,20 @@ def state(scheme, time):
         acceleration=scheme.mean_velocity.acceleration if scheme.mean_velocity else None,
         **dict(zip((*STRESSES, *STRESSES_AROUND), stress, strict=False)),
     )
+
+
+def numbers_of(scheme):
+    """Return what ``summary.json`` says about a scheme."""
+    return {
+        "mach": 0.0,
+        "sound_speed": None,
+        "particles_wall": 0,
+        "neighbours_mean": scheme.points.mean_length(),
+        "steps_rejected": scheme.rejected,
+        "order_reduced": scheme.order_reduced,
+        "neighbourhoods_dropped": scheme.singular,
+        "divergence": scheme.residual,
+        "iterations_pressure": scheme.iterations[0] / max(scheme.steps, 1),
+        "iterations_velocity": scheme.iterations[1] / max(scheme.steps, 1),
+        **(scheme.wall_boundary.contacts() if scheme.wall_boundary else {}),
+    }

@@ -7,37 +7,25 @@ import numpy as np
 
 from tisph.errors import DivergedError
 from tisph.least_squares import SKIN
-from tisph.least_squares.axisymmetric import AxisymmetricOperators
-from tisph.least_squares.operators import LeastSquaresOperators
 from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.periodic import PeriodicDomain
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes._overflow import clustered
+from tisph.schemes._splitting import _pieces
 from tisph.schemes._splitting import _step_limits as limits
 from tisph.schemes._splitting._bdf import PRESSURES, VELOCITIES, TimeWeights
 from tisph.schemes._splitting._coordinates import unknowns_of
 from tisph.schemes._splitting._coupling import Coupling
 from tisph.schemes._splitting._free_bodies import RESIDUAL
-from tisph.schemes._splitting._generalised_newtonian_stress import GeneralisedNewtonianStress
-from tisph.schemes._splitting._generalised_newtonian_stress_of_revolution import GeneralisedNewtonianStressOfRevolution
-from tisph.schemes._splitting._output import levels_in_order, state
+from tisph.schemes._splitting._output import levels_in_order, numbers_of, state
+from tisph.schemes._splitting._pieces import SUPPORT
 from tisph.schemes._splitting._shift import TRAVEL, FickianShifting
 from tisph.schemes._splitting._splitting_step import SplittingStep
 from tisph.schemes._splitting._time_levels import TimeLevels
-from tisph.schemes._splitting._viscoelastic_stress import ViscoelasticStress
-from tisph.schemes._splitting._viscoelastic_stress_of_revolution import ViscoelasticStressOfRevolution
-from tisph.schemes._splitting._viscoelastic_stress_with_swirl import ViscoelasticStressWithSwirl
 from tisph.schemes._splitting._wall_boundary import WallBoundary
 from tisph.schemes._splitting._wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
 from tisph.solvers.auxiliary_grid import PeriodicGrid
 from tisph.solvers.walled_grid import WalledGrid
-
-SUPPORT = 2.9
-"""Support radius of the operators in particle spacings. Below it a lattice that the flow stretches makes them singular
-before it has broken up; above it the pressure has larger errors."""
-
-SMALLEST_PIVOT = 1e-3
-"""Of the operators: those of order 2, which would take over, are worse than any of order 4 that can be solved for."""
 
 DECAY = 0.3, 10.0
 """Where steps are short divergence decays at the rate 0.3 nu/spacing^2 + 10 U/spacing. A larger second number moves
@@ -82,14 +70,7 @@ class Scheme:
         if bounded:
             cutoff = cutoff, cutoff + (MAX_WALLS * WALL_SUPPORT + POINT_SUPPORT) * problem.spacing
         self.points = PointCloud(problem, PeriodicDomain(problem.length, problem.height), cutoff, 0, serial)
-        # in polar coordinates points lie in layers: near walls operators then have 70 times the rounding errors
-        curved = bounded and problem.walls.curved and real() == ti.f64
-        chosen = self.points, SUPPORT * problem.spacing, 4, SMALLEST_PIVOT, bounded, curved
-        self.operators = (
-            AxisymmetricOperators(*chosen, lowest_radius=problem.origin[1], annular=problem.annular)
-            if problem.axisymmetric
-            else LeastSquaresOperators(*chosen)
-        )
+        self.operators = _pieces.operators(problem, self.points)
         self.grid = WalledGrid(self.points, problem) if bounded else PeriodicGrid(self.points, problem, problem.height)
         self.shift = FickianShifting(
             self.points, problem.spacing, MAX_WALLS if bounded else 0, bounded and problem.contact is not None
@@ -100,15 +81,8 @@ class Scheme:
             self.points.n_fluid = integer(problem.n_fluid)
             self.wall_boundary = WallBoundary(problem, self.levels, self.shift, self.grid, SUPPORT, SKIN)
         boundary = self.wall_boundary.pressure_boundary if bounded else None
-        self.polymer = None
-        if problem.carries_stress:
-            kind = ViscoelasticStressOfRevolution if problem.axisymmetric else ViscoelasticStress
-            kind = ViscoelasticStressWithSwirl if problem.swirls else kind
-            self.polymer = kind(self.levels, problem)
-        self.extra_stress = self.polymer
-        if problem.rheology and not self.polymer:
-            kind = GeneralisedNewtonianStressOfRevolution if problem.axisymmetric else GeneralisedNewtonianStress
-            self.extra_stress = kind(self.levels, problem)
+        self.polymer = _pieces.polymer(problem, self.levels)
+        self.extra_stress = self.polymer or _pieces.stress_of_viscosity(problem, self.levels)
         self.splitting = SplittingStep(self.levels, self.grid, problem, boundary, self.extra_stress)
         self.control = limits.step_control(problem, targets, tolerance, courant)
         least = ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
@@ -344,19 +318,7 @@ class Scheme:
 
     def numbers(self):
         """Return what ``summary.json`` says about this scheme."""
-        return {
-            "mach": 0.0,
-            "sound_speed": None,
-            "particles_wall": 0,
-            "neighbours_mean": self.points.mean_length(),
-            "steps_rejected": self.rejected,
-            "order_reduced": self.order_reduced,
-            "neighbourhoods_dropped": self.singular,
-            "divergence": self.residual,
-            "iterations_pressure": self.iterations[0] / max(self.steps, 1),
-            "iterations_velocity": self.iterations[1] / max(self.steps, 1),
-            **(self.wall_boundary.contacts() if self.wall_boundary else {}),
-        }
+        return numbers_of(self)
 
     def parts(self):
         """Return everything whose fields a resumed run needs, by name."""

@@ -1,0 +1,45 @@
+"""The operators and the extra stress that a problem needs: planar or of revolution, with a polymer or without."""
+
+from tisph.least_squares.axisymmetric import AxisymmetricOperators
+from tisph.least_squares.operators import LeastSquaresOperators
+from tisph.runtime import real, ti
+from tisph.schemes._splitting._generalised_newtonian_stress import GeneralisedNewtonianStress
+from tisph.schemes._splitting._generalised_newtonian_stress_of_revolution import GeneralisedNewtonianStressOfRevolution
+from tisph.schemes._splitting._viscoelastic_stress import ViscoelasticStress
+from tisph.schemes._splitting._viscoelastic_stress_of_revolution import ViscoelasticStressOfRevolution
+from tisph.schemes._splitting._viscoelastic_stress_with_swirl import ViscoelasticStressWithSwirl
+
+SUPPORT = 2.9
+"""Support radius of the operators in particle spacings. Below it a lattice that the flow stretches makes them singular
+before it has broken up; above it the pressure has larger errors."""
+
+SMALLEST_PIVOT = 1e-3
+"""Of the operators: those of order 2, which would take over, are worse than any of order 4 that can be solved for."""
+
+
+def operators(problem, points):
+    """Return the operators of ``points`` (``PointCloud``)."""
+    bounded = problem.walls is not None
+    # in polar coordinates points lie in layers: near walls operators then have 70 times the rounding errors
+    curved = bounded and problem.walls.curved and real() == ti.f64
+    chosen = points, SUPPORT * problem.spacing, 4, SMALLEST_PIVOT, bounded, curved
+    if problem.axisymmetric:
+        return AxisymmetricOperators(*chosen, lowest_radius=problem.origin[1], annular=problem.annular)
+    return LeastSquaresOperators(*chosen)
+
+
+def polymer(problem, levels):
+    """Return the stress that ``levels`` (``TimeLevels``) carry along, None without one."""
+    if not problem.carries_stress:
+        return None
+    if problem.swirls:
+        return ViscoelasticStressWithSwirl(levels, problem)
+    return (ViscoelasticStressOfRevolution if problem.axisymmetric else ViscoelasticStress)(levels, problem)
+
+
+def stress_of_viscosity(problem, levels):
+    """Return the stress of a viscosity that varies, None without one."""
+    if not problem.rheology or problem.carries_stress:
+        return None
+    kind = GeneralisedNewtonianStressOfRevolution if problem.axisymmetric else GeneralisedNewtonianStress
+    return kind(levels, problem)

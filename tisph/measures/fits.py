@@ -57,6 +57,21 @@ def local_fits(tree, points, values, degree, near):
 
     ``tree`` holds the positions of the ``values`` (n, fields). Terms are the constant, x/R, y/R and then the rest.
     """
+    equations, weighted, nearest, radius = _normal_equations(tree, points, degree, near)
+    return np.linalg.solve(equations, weighted @ values[nearest]), radius
+
+
+def value_weights(tree, points, degree, near):
+    """Return what ``near`` values are multiplied with in the fits at ``points``: weights (points, near), and indices.
+
+    ``tree`` holds the positions of the values.
+    """
+    equations, weighted, nearest, _ = _normal_equations(tree, points, degree, near)
+    return np.linalg.solve(equations, weighted)[:, 0], nearest
+
+
+def _normal_equations(tree, points, degree, near):
+    """Return matrices (points, terms, terms) and (points, terms, near), the ``near`` values, and the radii R."""
     distance, nearest = tree.query(points, near)
     radius = distance[:, -1:]
     offset = tree.data[nearest] - points[:, None]
@@ -66,7 +81,7 @@ def local_fits(tree, points, values, degree, near):
     weight = (1 - fraction) ** 4 * (1 + 4 * fraction)
     basis = np.stack(_terms((offset / radius[..., None]).transpose(2, 0, 1), degree), axis=1)
     weighted = basis * weight[:, None]
-    return np.linalg.solve(weighted @ basis.transpose(0, 2, 1), weighted @ values[nearest]), radius
+    return weighted @ basis.transpose(0, 2, 1), weighted, nearest, radius
 
 
 def periodic_tree(scene, positions, axes=(0, 1)):

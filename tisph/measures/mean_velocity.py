@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from tisph.measures.fits import local_fits, periodic_tree, with_walls
+from tisph.measures.fits import local_fits, periodic_tree, value_weights, with_walls
 
 MOST_NODES = 1600
 """At which the velocity is taken: at most, so that a mean costs no more than a step."""
@@ -41,21 +41,22 @@ def cell_mean(scene, snapshot):
     return weights @ values
 
 
-def section_mean(scene, positions, velocity, t):
-    """Mean at time ``t`` of a ``velocity`` (n,) along x over a cross-section of ``scene``, its ``open_section``.
+def section_weights(scene, positions, t):
+    """Weights (n,) of values at ``positions`` in their mean over a cross-section of ``scene``, its ``open_section``.
 
-    ``positions`` (n, 2) are those of particles and of points on walls. In axisymmetric flow the mean is that over the
-    area of the section. NaN where a number is none.
+    ``positions`` (n, 2) are those of particles and of points on walls at time ``t``. In axisymmetric flow the mean is
+    that over the area of the section. NaN where a number is none.
     """
-    if not (np.isfinite(velocity).all() and np.isfinite(positions).all()):
-        return np.nan
+    if not np.isfinite(positions).all():
+        return np.full(len(positions), np.nan)
     tree, _ = periodic_tree(scene, positions)
     heights, weights = _rule(max(MOST_ACROSS, round(scene.extent[1] / scene.spacing)), periodic=False)
     place = scene.open_section(t) % scene.extent[0]
     nodes = np.stack([np.full_like(heights, place), scene.origin[1] + scene.extent[1] * heights], axis=1)
     if scene.axisymmetric:
         weights = weights * nodes[:, 1] / (weights @ nodes[:, 1])
-    return float(weights @ local_fits(tree, nodes, velocity[:, None], *PRECISE)[0][:, 0, 0])
+    at_nodes, nearest = value_weights(tree, nodes, *PRECISE)
+    return np.bincount(nearest.ravel(), (weights[:, None] * at_nodes).ravel(), len(positions))
 
 
 def _nodes(scene):

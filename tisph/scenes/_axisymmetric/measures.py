@@ -4,7 +4,7 @@ import numpy as np
 
 from tisph.measures.distribution import max_void_radius, min_distance
 from tisph.measures.fits import with_walls
-from tisph.measures.mean_velocity import section_mean
+from tisph.measures.mean_velocity import section_weights
 
 ENERGIES = "kinetic_energy_axial", "kinetic_energy_radial", "kinetic_energy_azimuthal"
 """Names of ``kinetic_energies``."""
@@ -32,7 +32,7 @@ def kinetic_energies(snapshot):
 def mean_velocity(scene, snapshot):
     """Mean velocity along the axis over a cross-section."""
     positions, velocity = with_walls(scene, snapshot)
-    return section_mean(scene.seen(snapshot), positions, velocity[:, 0], snapshot.t)
+    return float(section_weights(scene.seen(snapshot), positions, snapshot.t) @ velocity[:, 0])
 
 
 def spread(scene, snapshot):

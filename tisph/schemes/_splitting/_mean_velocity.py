@@ -7,7 +7,7 @@ the outer iterations of the step, dm/dg being that of the last two of them.
 
 import numpy as np
 
-from tisph.measures.mean_velocity import section_mean
+from tisph.measures.mean_velocity import section_weights
 from tisph.runtime import view
 
 SETTLED = 0.3
@@ -30,7 +30,8 @@ class MeanVelocityControl:
 
         It is that of flow past bodies at rest, as much of it as it takes.
         """
-        self.time, splitting = time, self.splitting
+        splitting = self.splitting
+        self._take_positions(time)
         fluid, newest = slice(self.boundary.problem.n_fluid), self.boundary.regular_velocities[:, 0]
         view(splitting.velocity.x)[: len(newest)] = newest
         wanted = self.scene.kept_mean_velocity - self._mean()
@@ -50,15 +51,19 @@ class MeanVelocityControl:
         newest[fluid] += wanted / self.response * unit
         return found
 
+    def _take_positions(self, time):
+        """Let the mean velocity be that of the present positions, those of ``time``."""
+        positions = self.boundary.positions + self.boundary.problem.origin
+        self.time, self.weights = time, section_weights(self.scene, positions, time)
+
     def _mean(self):
         """Return the mean velocity by what is solved for."""
-        problem, points = self.boundary.problem, self.boundary.positions
-        velocity = view(self.splitting.velocity.x)[: len(points), 0].astype(float)
-        return section_mean(self.scene, points + problem.origin, velocity, self.time)
+        return float(self.weights @ view(self.splitting.velocity.x)[: len(self.weights), 0].astype(float))
 
     def prepare(self, dt, gamma0, time, error):
         """Take up a step ``dt`` that ends at ``time``, whose velocities may have an ``error``."""
-        self.time, self.scale, self.tried, self.least = time, dt / gamma0, None, SETTLED * error
+        self._take_positions(time)
+        self.scale, self.tried, self.least = dt / gamma0, None, SETTLED * error
         guess = self.levels[0][1] if self.levels else 0.0
         if len(self.levels) > 1:
             (newest, g), (before, other) = self.levels

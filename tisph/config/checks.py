@@ -42,6 +42,9 @@ def _value(config: Any, location: tuple[str | int, ...]) -> Any:
 
 def _times(config: Any) -> Iterator[Problem]:
     start, end, samples = config.start_time, config.time.end, config.time.samples
+    if config.singular and config.time.tolerance != "auto":
+        text = "is not allowed where walls meet that slide past each other: what passes there has no error to speak of"
+        yield "time.tolerance", f"{text}; give time.cfl, or scheme.accuracy"
     if not end > start:
         yield "time.end", f"must be after the start of the run at {start:g}"
         return

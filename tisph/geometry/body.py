@@ -69,6 +69,11 @@ class Body:
         return self.motion.free
 
     @property
+    def crosses_axis(self):
+        """Whether it is on both sides of the axis y = 0 at t = 0, as half of it alone is in axisymmetric flow."""
+        return bool(self.shape.area) and self.boundary_points(self.shape.length / 100).point[:, 1].min() < 0.0
+
+    @property
     def bounding_radius(self):
         """Radius of a circle around the centre that the wall is within."""
         return float(np.linalg.norm(np.abs(self.shape.extent).max(axis=0)))

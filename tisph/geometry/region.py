@@ -17,7 +17,7 @@ class Region:
 
     Where it is not periodic walls must bound it: lines, each one period long, or a closed curve with the fluid inside.
     Everything is taken at t = 0. In ``axisymmetric`` flow it is in the half-plane above the axis y = 0, which is among
-    the ``bodies`` where the fluid reaches it: half of a closed curve whose centre is on the axis is in it. ValueError
+    the ``bodies`` where the fluid reaches it: of a closed curve on both sides of the axis half is in it. ValueError
     where a body in the fluid has not the periods of the cell.
     """
 
@@ -53,7 +53,7 @@ class Region:
 
     def _signed_area(self, body):
         """Area that a closed wall adds to the fluid's, negative where it takes it away."""
-        share = 0.5 if self.axisymmetric and body.centre[1] == 0.0 else 1.0
+        share = 0.5 if self.axisymmetric and body.crosses_axis else 1.0
         return share * body.shape.area * (1 if body.shape.fluid_side == "inside" else -1)
 
     def distance(self, points):

@@ -64,6 +64,8 @@ def rabinowitsch(readings):
 
 
 def _couette(scene, table, last):
+    if not scene.periodic[0]:
+        raise ConfigError("a Couette viscometer has no end plates here: the torque at them has no limit")
     outer, inner = (float(body.spin.velocity(table["t"][-1])) for body in reversed(scene.bodies))
     if any(body.spin.oscillates for body in scene.bodies) or inner == outer:
         raise ConfigError("a Couette viscometer has cylinders of different, constant angular velocities")

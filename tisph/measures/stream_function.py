@@ -31,8 +31,9 @@ def stream_function(scene, snapshot):
 
 
 def _velocity(scene, snapshot, positions, velocity, nodes):
-    """Return u (columns, rows) at ``nodes`` (columns, rows, 2), the last column a period behind the first."""
-    points, t = nodes[:-1].reshape(-1, 2), snapshot.t
+    """Return u (columns, rows) at ``nodes`` (columns, rows, 2); the last column may be a period behind the first."""
+    last = len(nodes) - scene.periodic[0]
+    points, t = nodes[:last].reshape(-1, 2), snapshot.t
     tree, u, wet = periodic_tree(scene, positions)[0], np.zeros(len(points)), np.ones(len(points), dtype=bool)
     for body in scene.seen(snapshot).bodies:
         within = body.nearest(points, t).distance < 0.0
@@ -40,5 +41,5 @@ def _velocity(scene, snapshot, positions, velocity, nodes):
         wet &= ~within
     fits = [local_fits(tree, part, velocity[:, :1], _DEGREE, _NEAR)[0] for part in parts(points[wet])]
     u[wet] = np.concatenate(fits)[:, 0, 0]
-    u = u.reshape(nodes[:-1].shape[:2])
-    return np.concatenate([u, u[:1]])
+    u = u.reshape(nodes[:last].shape[:2])
+    return np.concatenate([u, u[: len(nodes) - last]])

@@ -4,31 +4,38 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from tisph.geometry.body import Body
 from tisph.geometry.line import Line
 from tisph.geometry.polygon import Polygon
 
 _BEYOND = 10.0  # lengths of the box that an inner cylinder is drawn beyond it
 _EDGE = 0.1  # radius of its corners there over its own
 
+_POINTS = 400  # on the mirror image of a closed body
+
 _ODD = ("y", "v", "stress_xy")
 
 
 class FullCut:
-    """An axisymmetric ``scene`` with the box and the ``bodies`` of the whole plane, and else as it is."""
+    """An axisymmetric ``scene`` with the box and the ``bodies`` of the whole plane, and else as it is.
+
+    ``half`` is the scene, ``sides``: of a body that is in one half alone 1 or -1, the sign of y there, else 0.
+    """
 
     def __init__(self, scene):
-        self._scene, radius = scene, scene.outer_radius
-        self.origin, self.extent = (0.0, -radius), (scene.extent[0], 2.0 * radius)
-        pairs = [pair for each in enumerate(scene.bodies) for pair in _images(each, scene)]
-        self._sources, self.bodies = zip(*pairs, strict=True)
+        self.half, radius = scene, scene.outer_radius
+        self.origin, self.extent = (scene.origin[0], -radius), (scene.extent[0], 2.0 * radius)
+        found = []  # number, side and body
+        for index, body in enumerate(scene.bodies):
+            whole = body.crosses_axis
+            found += [(index, 0.0, body)] if whole else [(index, 1.0, body), (index, -1.0, _mirrored(body))]
+        self._sources, self.sides, self.bodies = zip(*found, strict=True)
 
     def __getattr__(self, name):
-        return getattr(self._scene, name)
+        return getattr(self.half, name)
 
     def seen(self, snapshot):
         """See ``Scene.seen``."""
-        return FullCut(self._scene.seen(snapshot)) if self.has_free_bodies else self
+        return FullCut(self.half.seen(snapshot)) if self.has_free_bodies else self
 
     def mirrored(self, snapshot):
         """``snapshot`` with the mirror image of each particle after all of them, and its bodies with theirs."""
@@ -38,23 +45,20 @@ class FullCut:
             for name, array in values.items()
             if isinstance(array, np.ndarray)
         }
-        given, sides = snapshot.bodies, np.array([side for _, side in self._sources])
-        chosen = [source for source, _ in self._sources]
+        given, chosen, sides = snapshot.bodies, list(self._sources), np.where(np.array(self.sides) < 0.0, -1.0, 1.0)
         ways = np.stack([np.ones_like(sides), sides], axis=1)
         moved = {name: getattr(given, name)[chosen] * ways for name in ("centre", "velocity")}
         turned = {name: getattr(given, name)[chosen] * sides for name in ("angle", "angular_velocity")}
         return replace(snapshot, **double, reference=None, bodies=replace(given, **moved, **turned))
 
 
-def _images(pair, scene):
-    """Pairs of a body's number and side, 1 or -1 in the mirror, and what is drawn of it there."""
-    index, body = pair
-    if body.shape.area:
-        return [((index, 1.0), body)]
-    height = body.shape.point[1]
-    if height > scene.inner_radius:
-        image = Body(Line((0.0, -height), (1.0, 0.0), body.shape.length), motion=body.motion)
-        return [((index, 1.0), body), ((index, -1.0), image)]
-    ends = -_BEYOND * scene.extent[0], (1.0 + _BEYOND) * scene.extent[0]
-    corners = (ends[0], -height), (ends[1], -height), (ends[1], height), (ends[0], height)
-    return [((index, 1.0), Body(Polygon(corners, _EDGE * height)))]
+def _mirrored(body):
+    """The mirror image of a ``body``: of a closed one by a polygon through points on it."""
+    across, shape = np.array([1.0, -1.0]), body.shape
+    if shape.area:
+        outline = shape.boundary_points(shape.length / _POINTS).point * across
+        image = Polygon(outline.tolist(), fluid_side=shape.fluid_side)
+    else:
+        start = np.add(shape.point, shape.length * np.array(shape.tangent)) * across
+        image = Line(start.tolist(), (-across * shape.tangent).tolist(), shape.length)
+    return replace(body, shape=image, centre=(across * body.centre).tolist(), angle=-body.angle)

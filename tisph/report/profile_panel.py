@@ -54,7 +54,8 @@ class ProfilePanel:
 
     def _curve(self, values, coordinates, snapshot):
         """Return points in the panel close to each other along a curve, which has gaps where bodies are."""
-        wet = self._quantity.profile.line.in_fluid(self._scene.seen(snapshot), coordinates, snapshot.t)
+        half = getattr(self._scene, "half", self._scene)
+        wet = self._quantity.profile.line.in_fluid(half.seen(snapshot), coordinates, snapshot.t)
         index = np.flatnonzero(wet & np.isfinite(values))
         pieces = np.split(index, np.flatnonzero(np.diff(index) > 1) + 1)
         return dense_lines(self._pixels(values[piece], coordinates[piece]) for piece in pieces if len(piece))

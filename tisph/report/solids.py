@@ -29,6 +29,9 @@ class Solids:
         self._pen = Discs(max(0.5, 0.9 * layout.scale), self._shape)
         self._solids = [_kind(body)(body, layout, _MARK * max(scene.extent)) for body in scene.bodies]
         self._position = self._covers = None
+        above = np.arange(self._shape[0])[:, None] < layout.pixel_positions(0.0, 0.0)[1]
+        halves = {0.0: above >= 0, 1.0: above, -1.0: ~above}
+        self._parts = [halves[side] for side in getattr(scene, "sides", [0.0] * len(scene.bodies))]
 
     def paint(self, panel: np.ndarray, snapshot: Snapshot) -> None:
         """Lay the bodies of ``snapshot`` over the ``panel`` of the box, RGB of uint8 (rows, columns, 3)."""
@@ -45,10 +48,10 @@ class Solids:
     def _cover(self, bodies: Bodies) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return which pixels are all within areas, the coverage of the others by areas, and of all by lines."""
         areas, lines = np.zeros(self._shape, dtype=np.uint8), []
-        for solid, centre, angle in zip(self._solids, bodies.centre, bodies.angle, strict=True):
+        for solid, part, centre, angle in zip(self._solids, self._parts, bodies.centre, bodies.angle, strict=True):
             for edge, strokes in solid.drawn(centre, float(angle)):
                 area = filled(self._layout.pixel_positions(*edge.T), self._shape)
-                areas = np.maximum(areas, area if solid.encloses else LEVELS - area)
+                areas = np.maximum(areas, part * (area if solid.encloses else LEVELS - area))
                 lines += [self._layout.pixel_positions(*stroke.T) for stroke in strokes]
         within = areas >= LEVELS
         strokes = self._pen.cover(dense_lines(lines))

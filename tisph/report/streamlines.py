@@ -64,10 +64,10 @@ class Streamlines:
 
     def _depth(self, snapshot):
         """Return how far each node is in the fluid, (rows, columns), below 0 within bodies."""
-        depth = np.full(self._nodes.shape[:2], np.inf)
-        for body in self._scene.seen(snapshot).bodies:
-            distance = body.nearest(self._nodes.reshape(-1, 2), snapshot.t).distance
-            depth = np.minimum(depth, distance.reshape(depth.shape))
+        depth, scene = np.full(self._nodes.shape[:2], np.inf), self._scene.seen(snapshot)
+        for body, side in zip(scene.bodies, getattr(scene, "sides", [0.0] * len(scene.bodies)), strict=True):
+            distance = body.nearest(self._nodes.reshape(-1, 2), snapshot.t).distance.reshape(depth.shape)
+            depth = np.minimum(depth, np.where(side * self._nodes[:, :, 1] < 0.0, np.inf, distance))
         return depth
 
     def _prepare(self, wet):

@@ -71,9 +71,6 @@ class Config(schema.Config):
         yield from _rheology(self)
         if self.walls.lid.velocity == 0:
             yield "walls.lid.velocity", "must not be 0: nothing else drives the flow"
-        if self.singular and self.time.tolerance != "auto":
-            text = "is not allowed with a sharp lid: particles that pass its corners have no error to speak of"
-            yield "time.tolerance", f"{text}; give time.cfl, or scheme.accuracy"
 
     def incommensurate(self) -> Iterator[Problem]:
         """A height that is no whole number of spacings."""

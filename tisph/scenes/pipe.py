@@ -27,7 +27,6 @@ from tisph.scenes._axisymmetric import config as axisymmetric
 from tisph.scenes._axisymmetric import measures, views
 from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder
 from tisph.scenes._initial import Initial, start_problems
-from tisph.scenes._views import TimeSeries
 from tisph.snapshot import STRESSES
 
 AROUND = ("stress_tt", "stress_yt", "stress_yy")
@@ -295,37 +294,24 @@ class Scene(AxisymmetricScene):
 
     def time_series(self):
         """Loads on the walls."""
-        columns, area = self._columns, 2.0 * np.pi * self.outer_radius * self.length
-        force = area * self.dynamic_viscosity * self.reference_velocity / self.reference_length
-        kinds = [("force", "whole_force") if name.startswith("force") else ("torque", "moment") for name in columns]
-
-        def measure(snapshot):
-            loads = measures.loads(self, snapshot)
-            return np.array([loads[name] for name in columns])
+        columns = self._columns
 
         def exact(times):
             loads = self.exact_loads(np.asarray(times))
             return np.stack([loads[name] for name in columns], axis=1)
 
-        return TimeSeries(
-            content="forces along the axis and torques around it of the fluid on the walls",
-            name=kinds[0][0],
-            unit=kinds[0][1],
-            scale=force,
-            columns=list(columns),
+        return views.loads_series(
+            self,
+            columns,
             labels=[(name.replace("_", " on the ") + " wall", None) for name in columns],
             exact_columns=[f"{name}_exact" for name in columns],
-            measure=measure,
             exact=exact,
             angular_frequency=self.drive.angular_frequency,
-            sizes=[force if kind == "force" else force * self.outer_radius for kind, _ in kinds],
-            panels=kinds,
         )
 
     def movie_series(self):
         """Forces on the walls, or torques where nothing goes along the axis."""
-        series = self.time_series()
-        return series.only(series.name, series.name, series.unit)
+        return views.only_first(self.time_series())
 
 
 def _wall(name, wall, radii, length):

@@ -5,18 +5,29 @@ about its centre. Otherwise it is in the cell 0 <= x <= length, 0 <= y <= height
 along x between the walls ``bottom`` and ``top``. Bodies of any number and shape are in the fluid, which is at rest at
 first. An acceleration along x drives it where it is periodic. No solution is known: ``tisph run --estimate-error``
 tells the errors.
+
+With ``coordinates: axisymmetric`` all of this is in the half-plane above the axis y = 0, and turned around it. A curve
+on both sides of the axis must be symmetric about it, and half of it counts; of a polygon with a side on the axis that
+side is no wall. Each side of a convex polygon with sharp corners around the fluid is a wall of its own.
 """
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from tisph.config import resolution, schema
-from tisph.config.base import Model, Positive, Problem, refusals
-from tisph.config.fields import Bodies, Member
+from tisph.config.base import Model, NonNegative, Positive, Problem, refusals
+from tisph.config.fields import Bodies, Member, nearest
+from tisph.scenes import annulus
+from tisph.scenes._axisymmetric.region import (
+    RegionOfRevolution,
+    bodies_and_walls,
+    body_of_revolution,
+    outline_problems,
+)
 from tisph.scenes._cell.scene import Cell
 from tisph.scenes._cell.sections import bodies_of, cell_problems, incommensurate_periods
 from tisph.scenes._cell.walls import farthest, plane_walls, planes
@@ -25,10 +36,11 @@ from tisph.scenes.channel import Wall
 
 
 class Geometry(Model):
-    """Period along x and distance of the walls [length]."""
+    """Period along x and distance of the walls [length]; ``inner_radius``: height of the lower one above an axis."""
 
     length: Positive
     height: Positive
+    inner_radius: NonNegative = 0.0
 
 
 class Walls(Model):
@@ -56,17 +68,32 @@ class Walls(Model):
         return self
 
 
+class Turning(annulus.Cylinder):
+    """Angular velocity around the axis of a ``wall``, one of those that results name; ``around`` is all around.
+
+    It is given as that of a cylinder is.
+    """
+
+    wall: str
+
+    def turns(self, name: str) -> bool:
+        """Whether the wall called ``name`` is meant."""
+        return name == self.wall or (self.wall == "around" and name.startswith("around_"))
+
+
 class Config(schema.Config):
     """A whole run in the region."""
 
+    coordinates: Literal["planar", "axisymmetric"] = "planar"
     geometry: Geometry | None = None
     walls: Walls = Walls.model_validate({})
     bodies: Bodies = ()
     drive: Drive = Drive()
+    turning: Annotated[tuple[Turning, ...], Field(strict=False, max_length=100)] = ()
     contact: Contact | None = None
     initial: RestInitial = RestInitial()
 
-    unset_keys = ("geometry", "bodies", "contact")
+    unset_keys = ("geometry", "bodies", "contact", "turning")
     across_name = "the region"
 
     @model_validator(mode="before")
@@ -88,14 +115,27 @@ class Config(schema.Config):
         return self.walls.around is None, False
 
     @property
+    def axisymmetric(self) -> bool:
+        """Whether y is the distance from an axis."""
+        return self.coordinates == "axisymmetric"
+
+    @property
+    def singular(self) -> bool:
+        """Whether walls meet that turn around the axis differently."""
+        sides = [wall.spin for wall in bodies_and_walls(self)[1].values()] if self.axisymmetric else []
+        return not self.periodic[0] and any(spin != sides[0] for spin in sides)
+
+    @property
     def box(self) -> np.ndarray:
         """Lowest and highest corner (2, 2) of the box."""
         if self.walls.around is None:
-            return np.array([[0.0, 0.0], [self.geometry.length, self.geometry.height]])
+            low = self.geometry.inner_radius
+            return np.array([[0.0, low], [self.geometry.length, low + self.geometry.height]])
         body = self.walls.around.body()
         if body.motion.rotation.largest_speed:
             return body.centre + farthest(body.shape) * np.array([[-1.0, -1.0], [1.0, 1.0]])
         points = body.boundary_points(body.shape.length / 1000).point if body.angle else body.shape.extent + body.centre
+        points = np.maximum(points, [-np.inf, 0.0]) if self.axisymmetric else points
         return np.stack([points.min(axis=0), points.max(axis=0)])
 
     @property
@@ -120,13 +160,21 @@ class Config(schema.Config):
 
     def problems(self) -> Iterator[Problem]:
         """What the scene has against the config."""
+        for name in ("bottom", "top"):
+            wall = getattr(self.walls, name)
+            if wall and (wall.stress_controlled or wall.velocities):
+                yield f"walls.{name}", "must have a constant velocity, or an amplitude"
+                return
+        yield from _of_coordinates(self)
         around = self.walls.around
         if around is not None and self.drive.acceleration:
             yield "drive.acceleration", "drives nothing inside a closed wall: the pressure takes it up"
         if around is not None and (around.body().motion.x.largest_speed or around.body().motion.y.largest_speed):
             yield "walls.around.motion", "may only turn: give fixed, angular_velocity or angular_amplitude"
-        walls = {f"walls.{name}": wall for name, wall in _walls(self).items()}
-        yield from cell_problems(self, bodies_of(self, walls, self.origin), walls)
+        bodies, walls = bodies_and_walls(self) if self.axisymmetric else ({}, _walls(self))
+        walls = {f"walls.{name}": wall for name, wall in walls.items()}
+        placed = list(bodies.values()) if self.axisymmetric else bodies_of(self, walls, self.origin)
+        yield from cell_problems(self, placed, walls)
 
     def incommensurate(self) -> Iterator[Problem]:
         """A length that the spacing does not divide, or that is too short."""
@@ -140,9 +188,39 @@ class Scene:
     @staticmethod
     def from_config(config):
         """The scene that a validated config describes."""
+        if config.axisymmetric:
+            return RegionOfRevolution.from_config(config)
         walls = _walls(config)
         own = {"origin": config.origin} if "around" in walls else {"planes": planes(walls)}
         return Cell.around(config, bodies_of(config, walls, config.origin), walls, **own)
+
+
+def _of_coordinates(config: Config) -> Iterator[Problem]:
+    """What the coordinates do not allow, or not in this shape."""
+    bodies, walls = bodies_and_walls(config)
+    names, lowest = (*bodies, *walls), config.geometry.inner_radius if config.geometry else 0.0
+    if not config.axisymmetric:
+        if config.turning or lowest:
+            yield "turning" if config.turning else "geometry.inner_radius", "is only for coordinates: axisymmetric"
+        return
+    if config.discretisation.precision == "f32":
+        yield "discretisation.precision", "must be f64 in axisymmetric flow"
+    if not isinstance(config.bodies, tuple) or any(body.motion == "free" for body in config.bodies):
+        yield "bodies", "must be listed, and fixed or moved along the axis, in axisymmetric flow"
+    if config.drive.gravity:
+        yield "drive.gravity", "moves free bodies alone, in planar flow"
+    if config.walls.bottom not in (None, Wall()) and "bottom" not in walls:
+        yield "walls.bottom", "is the axis where geometry.inner_radius is 0, and no wall"
+    for index, each in enumerate(config.turning):
+        if not any(map(each.turns, names)):
+            yield f"turning.{index}.wall", f"must be one of {', '.join(names)}{nearest(each.wall, names)}"
+        if each.angular_velocity_before is not None:
+            yield f"turning.{index}.angular_velocity_before", "is for scene annulus alone"
+    closed = {f"bodies.{index}": body for index, body in enumerate(bodies.values())}
+    if config.walls.around is not None:
+        closed["walls.around"] = body_of_revolution(config.walls.around.body())
+    for key, body in closed.items():
+        yield from outline_problems(key, body, config.spacing)
 
 
 def _walls(config):

@@ -1,4 +1,6 @@
-"""Taylor-Couette flow: fluid between two cylinders that turn around one axis, periodic along it; Taylor's vortices.
+"""Taylor-Couette flow: fluid between two cylinders that turn around one axis; Taylor's vortices.
+
+It is periodic along the axis, or between end plates, which make vortices of their own.
 
 The flow does not change around the axis. It starts at rest, or as the laminar flow of cylinders that have always
 turned, A r + B/r around the axis; ``disturbance`` adds vortices, one pair of them in the length, whose radial velocity
@@ -15,11 +17,14 @@ import numpy as np
 
 from tisph.config.base import NonNegative, Positive, Problem
 from tisph.exact.taylor_vortices import coefficients
+from tisph.geometry.body import Body
+from tisph.geometry.line import Line
+from tisph.geometry.motion import STILL
 from tisph.scenes import annulus
 from tisph.scenes._annulus.cylinders import turning_of
 from tisph.scenes._axisymmetric import config as axisymmetric
 from tisph.scenes._axisymmetric import measures, views
-from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder
+from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder, layer_at_plates
 from tisph.scenes._initial import RestInitial
 from tisph.scenes._views import TimeSeries
 
@@ -28,9 +33,13 @@ RECENT = 0.1
 
 
 class Geometry(annulus.Radii):
-    """Radii of the cylinders, and period along the axis [length]."""
+    """Radii of the cylinders, and period along the axis, or distance of the ``end_plates`` [length].
+
+    ``end_plates``: none where the flow is periodic, or plates at rest, or that turn with either cylinder.
+    """
 
     length: Positive
+    end_plates: Literal["none", "at_rest", "with_inner", "with_outer"] = "none"
 
 
 class Initial(RestInitial):
@@ -55,6 +64,16 @@ class Config(axisymmetric.Config):
     across_name = "the gap between the cylinders"
 
     @property
+    def periodic(self) -> tuple[bool, bool]:
+        """Whether the box is periodic in x and y."""
+        return self.geometry.end_plates == "none", False
+
+    @property
+    def singular(self) -> bool:
+        """Whether plates meet a cylinder that turns differently."""
+        return not self.periodic[0] and len(set(_spins(self).values())) > 1
+
+    @property
     def inner_radius(self) -> float:
         """Radius of the inner cylinder [length]."""
         return self.geometry.inner_radius
@@ -71,6 +90,9 @@ class Config(axisymmetric.Config):
         if not any(wall.speed or wall.amplitude or wall.angular_velocities for wall in walls.values()):
             yield "walls", "nothing moves: give walls.inner or walls.outer an angular_velocity other than 0"
         developed = self.initial.state == "developed"
+        if not self.periodic[0] and (developed or self.initial.disturbance):
+            key = "initial.state" if developed else "initial.disturbance"
+            yield key, "is for flow without geometry.end_plates: between these it starts from rest"
         for name, wall in walls.items():
             if wall.speed_before is not None:
                 yield f"walls.{name}.angular_velocity_before", "is for scene annulus alone"
@@ -87,42 +109,47 @@ class Scene(AxisymmetricScene):
     developed: bool
     disturbance: float
 
-    flow_quantities = ("torque_inner", "torque_outer", "torque_ratio", "radial_velocity")
+    @property
+    def flow_quantities(self):
+        """Torques, but where plates meet cylinders, at which they have no limit, and largest radial velocity."""
+        return (*("torque_inner", "torque_outer", "torque_ratio") * self.periodic[0], "radial_velocity")
 
     @classmethod
     def from_config(cls, config):
         """The scene that a validated config describes."""
         radii, length = (config.inner_radius, config.outer_radius), config.geometry.length
-        turning = (turning_of(wall) for wall in (config.walls.inner, config.walls.outer))
+        spins, gap = _spins(config), radii[1] - radii[0]
+        plates = Line((0.0, radii[1]), (0.0, -1.0), gap), Line((length, radii[0]), (0.0, 1.0), gap)
         return cls(
             **cls.fluid_of(config),
             length=length,
             inner_radius=radii[0],
             outer_radius=radii[1],
-            names=("inner", "outer"),
-            bodies=tuple(
-                cylinder(radius, length, outer, spin=spin)
-                for radius, outer, spin in zip(radii, (False, True), turning, strict=True)
+            periodic=config.periodic,
+            names=tuple(spins),
+            bodies=(
+                cylinder(radii[0], length, outer=False, spin=spins["inner"]),
+                cylinder(radii[1], length, outer=True, spin=spins["outer"]),
+                *(Body(plate, spin=spins[name]) for plate, name in zip(plates, tuple(spins)[2:], strict=False)),
             ),
             developed=config.initial.state == "developed",
             disturbance=config.initial.disturbance,
         )
 
     @property
-    def jump_times(self):
-        """Times above 0 at which the angular velocity of a cylinder, or its slope, jumps."""
-        return tuple(sorted({time for body in self.bodies for time in body.spin.jump_times}))
-
-    @property
     def laminar(self):
         """A and B of the steady laminar flow A r + B/r of the present angular velocities."""
-        inner, outer = (float(body.spin.velocity(self.start_time)) for body in self.bodies)
+        inner, outer = (float(body.spin.velocity(self.start_time)) for body in self.bodies[:2])
         return coefficients((self.inner_radius, self.outer_radius), (inner, outer))
 
     @property
     def laminar_torque(self):
         """Torque [mass length^2/time^2] of the steady laminar flow on the outer cylinder, of a Newtonian fluid."""
         return 4.0 * np.pi * self.dynamic_viscosity * self.laminar[1] * self.length
+
+    def thinnest_layer(self, t):
+        """See ``Scene.thinnest_layer``: that at end plates."""
+        return super().thinnest_layer(t) if self.periodic[0] else layer_at_plates(self)
 
     def initial(self, x, y):
         """Rest or laminar flow, and vortices with u_r = a(y) cos kx, without divergence, which vanish at the walls."""
@@ -173,7 +200,7 @@ class Scene(AxisymmetricScene):
 
     def profiles(self):
         """Velocities around the axis and along radii where the radial velocity of the disturbance is largest."""
-        line = views.across(self, 0.0)
+        line = views.across(self, 0.0 if self.periodic[0] else 0.5 * self.length)
         return [views.velocity(self, name, line) for name in ("w", "v")]
 
     def time_series(self):
@@ -197,11 +224,20 @@ class Scene(AxisymmetricScene):
         )
 
     def _followed(self, snapshot):
-        return np.array([*snapshot.bodies.torque, *measures.kinetic_energies(snapshot)])
+        return np.array([*snapshot.bodies.torque[:2], *measures.kinetic_energies(snapshot)])
 
     def movie_series(self):
         """Torques on the cylinders."""
         return self.time_series().only("torque", "torque", "moment")
+
+
+def _spins(config):
+    """Motions around the axis of cylinders and end plates by name."""
+    found = {"inner": turning_of(config.walls.inner), "outer": turning_of(config.walls.outer)}
+    if config.periodic[0]:
+        return found
+    plates = found.get(config.geometry.end_plates.removeprefix("with_"), STILL)
+    return found | {"left": plates, "right": plates}
 
 
 COLUMNS = ("torque_inner", "torque_outer", *measures.ENERGIES)

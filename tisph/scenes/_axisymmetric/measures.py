@@ -11,12 +11,24 @@ ENERGIES = "kinetic_energy_axial", "kinetic_energy_radial", "kinetic_energy_azim
 
 
 def loads(scene, snapshot):
-    """Force along the axis and torque around it of the fluid on each wall: ``force_NAME`` and ``torque_NAME``."""
+    """Force along the axis and torque around it of the fluid on each wall: ``force_NAME`` and ``torque_NAME``.
+
+    Forces on bodies have the part of the mean pressure gradient.
+    """
     found = {}
-    for index, name in enumerate(scene.names):
-        found[f"force_{name}"] = snapshot.bodies.force[index, 0]
+    for index, (name, body) in enumerate(zip(scene.names, scene.bodies, strict=True)):
+        found[f"force_{name}"] = snapshot.bodies.force[index, 0] + _of_gradient(scene, body)
         found[f"torque_{name}"] = snapshot.bodies.torque[index]
     return found
+
+
+def _of_gradient(scene, body):
+    """Force of the mean pressure gradient on a ``body``: density times acceleration times its volume, by Gauss."""
+    if not (body.shape.area and scene.acceleration):
+        return 0.0
+    wall = body.boundary_points(body.shape.length / 2000)
+    height = np.maximum(wall.point[:, 1], 0.0)
+    return scene.density * scene.acceleration * np.pi * np.sum(wall.length * height**2 * wall.normal[:, 1])
 
 
 def volume_mean(snapshot, values):

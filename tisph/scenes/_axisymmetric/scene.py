@@ -1,4 +1,4 @@
-"""What all axisymmetric scenes are: a half-plane y >= 0 above the axis, periodic along it, with walls of revolution."""
+"""What all axisymmetric scenes are: a half-plane y >= 0 above the axis, with walls of revolution."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -18,7 +18,8 @@ class AxisymmetricScene(BodyScene):
     """Fluid from ``inner_radius`` to ``outer_radius`` around a ``length`` of the axis; all in the config's units.
 
     ``names`` are those of ``bodies``, which are walls of revolution; the fluid reaches the axis where ``inner_radius``
-    is 0. Forces are those on whole bodies of revolution, one period long.
+    is 0. Forces are those on whole bodies of revolution, one period long. ``left`` is where the length begins along the
+    axis, ``periodic`` as of ``Scene``.
     """
 
     length: float
@@ -27,15 +28,16 @@ class AxisymmetricScene(BodyScene):
     names: tuple[str, ...]
     bodies: tuple[Body, ...]
     start_time: float = 0.0
+    left: float = 0.0
+    periodic: tuple[bool, bool] = (True, False)
 
     axisymmetric = True
-    periodic = (True, False)
     time_formula = "νt/H²"
 
     @property
     def origin(self):
         """Lowest corner of the half-plane that holds fluid."""
-        return 0.0, self.inner_radius
+        return self.left, self.inner_radius
 
     @property
     def extent(self):
@@ -45,7 +47,7 @@ class AxisymmetricScene(BodyScene):
     @cached_property
     def region(self):
         """The fluid's region at t = 0, with the axis as a wall where the fluid reaches it."""
-        high, bodies = (self.length, self.outer_radius), self.bodies
+        high, bodies = (self.left + self.length, self.outer_radius), self.bodies
         if self.inner_radius == 0.0:
             bodies = (axis(self.length), *bodies)
         return Region(bodies, self.origin, high, self.periodic, axisymmetric=True)
@@ -69,6 +71,11 @@ class AxisymmetricScene(BodyScene):
     def swirls(self):
         """Whether a wall turns around the axis."""
         return any(body.spin.largest_speed for body in self.bodies)
+
+    @property
+    def jump_times(self):
+        """Times above 0 at which the angular velocity of a wall, or its slope, jumps."""
+        return tuple(sorted({time for body in self.bodies for time in body.spin.jump_times}))
 
     def open_section(self, t):
         """Place along the axis of a cross-section with no body in it."""
@@ -105,7 +112,16 @@ def cylinder(radius, length, outer, **motion):
     return Body(line, **motion)
 
 
+def layer_at_plates(scene):
+    """Depth sqrt(nu/Omega) of layers at walls across the axis that turn, or past which fluid turns; and where it is.
+
+    Omega is that of the fastest wall: Th. von Karman, Z. Angew. Math. Mech. 1 (1921) 233-252.
+    """
+    fastest = max(body.spin.largest_speed for body in scene.bodies)
+    return np.sqrt(scene.kinematic_viscosity / fastest) if fastest else np.inf, "the layer at walls that turn"
+
+
 def wall_speed(body):
-    """Largest speed of a straight wall, along the axis and around it."""
-    turning = body.spin.largest_speed * body.shape.point[1] if body.spin.largest_speed else 0.0
+    """Largest speed of a wall, along the axis and around it."""
+    turning = body.spin.largest_speed * (body.centre[1] + body.shape.extent[1, 1]) if body.spin.largest_speed else 0.0
     return float(np.hypot(body.motion.x.largest_speed, turning))

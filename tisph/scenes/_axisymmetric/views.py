@@ -1,6 +1,9 @@
 """What is looked at in axisymmetric flow: profiles over the radius, and in words what it is."""
 
-from tisph.scenes._views import Line, Profile
+import numpy as np
+
+from tisph.scenes._axisymmetric import measures
+from tisph.scenes._views import Line, Profile, TimeSeries
 
 NAMES = {"u": "u", "v": "u_r", "w": "u_θ"}
 """Velocities along the axis, along radii and around the axis, as pictures call them."""
@@ -27,3 +30,33 @@ def across(scene, place=None):
 def velocity(scene, field, line, **reference):
     """The Profile of a velocity, the ``field`` u, v or w, on a ``line``."""
     return Profile(NAMES[field], "velocity", line, of=lambda snapshot: getattr(snapshot, field), **reference)
+
+
+def loads_series(scene, columns, **others):
+    """The TimeSeries of loads on walls, the ``columns`` of ``measures.loads``; ``others`` are of its fields."""
+    area = 2.0 * np.pi * scene.outer_radius * scene.length
+    force = area * scene.dynamic_viscosity * scene.reference_velocity / scene.reference_length
+    kinds = [("force", "whole_force") if name.startswith("force") else ("torque", "moment") for name in columns]
+
+    def measure(snapshot):
+        loads = measures.loads(scene, snapshot)
+        return np.array([loads[name] for name in columns])
+
+    labels = [(name.replace("_", " on ", 1), None) for name in columns]
+    given = {"labels": labels, "exact_columns": [], "exact": lambda times: None}
+    return TimeSeries(
+        content="forces along the axis and torques around it of the fluid on the walls",
+        name=kinds[0][0],
+        unit=kinds[0][1],
+        scale=force,
+        columns=list(columns),
+        measure=measure,
+        sizes=[force if kind == "force" else force * scene.outer_radius for kind, _ in kinds],
+        panels=kinds,
+        **given | others,
+    )
+
+
+def only_first(series):
+    """Of a TimeSeries of loads those of the first kind."""
+    return series.only(series.name, series.name, series.unit)

@@ -23,7 +23,7 @@ def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -
     """What is wrong with the ``config`` of a cell with these ``bodies``, and ``walls`` by what messages call them."""
     if config.scheme.type == "wcsph":
         yield "scheme.type", "wcsph cannot serve bodies yet; take auto or implicit"
-    moving = any(largest_speed(body) for body in (*bodies, *walls.values()))
+    moving = any(largest_speed(body) or body.spin.largest_speed for body in (*bodies, *walls.values()))
     free = [body for body in bodies if body.free]
     pulled = any(any(body.motion.inertia.load) for body in free) or (free and config.drive.gravity)
     if not moving and not pulled and not config.drive.acceleration:

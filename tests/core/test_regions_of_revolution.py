@@ -78,13 +78,13 @@ def test_a_closed_cylinder_spins_up_as_its_series_and_its_torques_balance(run):
         ),
     ],
 )
-def test_fluid_in_what_turns_as_a_whole_comes_to_turn_as_a_solid(run, around, bodies):
-    """After a viscous time of the radius, exp(-14) of the start is left; bound of solid rotation in the theory page."""
+def test_fluid_in_what_turns_as_a_whole_turns_as_a_solid(run, around, bodies):
+    """Of the start at most exp(-14.7 nu t/R^2) is left, 3e-5, as in a long cylinder; u, v have errors of a step."""
     turning = ["{wall: around, angular_velocity: 1.0}", *["{wall: body_0, angular_velocity: 1.0}"] * (bodies != "[]")]
     _, found, _ = run(
-        REGION, f"walls.around={around}", f"bodies={bodies}", f"turning=[{', '.join(turning)}]", "time.end=1.0"
+        REGION, f"walls.around={around}", f"bodies={bodies}", f"turning=[{', '.join(turning)}]", "time.end=0.7"
     )
-    assert np.abs(found.w - found.y).max() < 1e-5
+    assert np.abs(found.w - found.y).max() < 1e-4
     assert max(np.abs(found.u).max(), np.abs(found.v).max()) < 1e-4
 
 
@@ -147,4 +147,4 @@ def test_end_plates_that_turn_as_both_cylinders_leave_no_corner(run):
     both = "walls={inner: {angular_velocity: 1.0}, outer: {angular_velocity: 1.0}}"
     scene, found, _ = run(text, both, "geometry.end_plates=with_inner", "time.end=1.0")
     assert scene.names == ("inner", "outer", "left", "right")
-    assert np.abs(found.w - found.y).max() < math.exp(-math.pi**2)
+    assert np.abs(found.w - found.y).max() < math.exp(-(math.pi**2))

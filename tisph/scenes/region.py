@@ -197,12 +197,12 @@ class Scene:
 
 def _of_coordinates(config: Config) -> Iterator[Problem]:
     """What the coordinates do not allow, or not in this shape."""
-    bodies, walls = bodies_and_walls(config)
-    names, lowest = (*bodies, *walls), config.geometry.inner_radius if config.geometry else 0.0
     if not config.axisymmetric:
-        if config.turning or lowest:
+        if config.turning or (config.geometry and config.geometry.inner_radius):
             yield "turning" if config.turning else "geometry.inner_radius", "is only for coordinates: axisymmetric"
         return
+    bodies, walls = bodies_and_walls(config)
+    names = (*bodies, *walls)
     if config.discretisation.precision == "f32":
         yield "discretisation.precision", "must be f64 in axisymmetric flow"
     if not isinstance(config.bodies, tuple) or any(body.motion == "free" for body in config.bodies):

@@ -22,6 +22,7 @@ from tisph.geometry.polygon import Polygon
 from tisph.scenes._annulus.cylinders import turning_of
 from tisph.scenes._axisymmetric import measures, views
 from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder, layer_at_plates
+from tisph.scenes._cell.sections import surroundings
 
 LEAST_ANGLE = np.radians(49.9)
 """Of sharp corners, those on the axis among them: at 45 degrees there, 16 across, a can at rest that started diverged."""
@@ -34,8 +35,8 @@ def bodies_and_walls(config: Any) -> tuple[dict[str, Body], dict[str, Body]]:
     """Bodies in the fluid and walls around it by name, of a ``config``; they turn as its ``turning`` says."""
     box, bodies = config.geometry, {}
     if isinstance(config.bodies, tuple):
-        periods = (box.length if box else math.inf, math.inf)
-        bodies = {f"body_{i}": body_of_revolution(each.body(periods)) for i, each in enumerate(config.bodies)}
+        periods, given = (box.length if box else math.inf, math.inf), surroundings(config)
+        bodies = {f"body_{i}": body_of_revolution(each.body(periods, given)) for i, each in enumerate(config.bodies)}
     walls = _around(config.walls.around) if box is None else {}
     for name, height in (("bottom", 0.0), ("top", box.height)) if box else ():
         if box.inner_radius + height:

@@ -85,13 +85,16 @@ def about(scene):
         cases = (("without bodies ", plain), ("with bodies ", with_bodies))
     else:
         cases = (("", with_bodies),)
+    if "coordinates" in model.model_fields:
+        around = {name: colours(scene, name, coordinates="axisymmetric") for name in plain}
+        cases += (("with `coordinates: axisymmetric` ", around),)
     return " ".join([*texts, *(colour_text(words, by_law) for words, by_law in cases)])
 
 
-def colours(scene, law, bodies=()):
-    """What ``output.video.color_by`` takes in a scene with that fluid law."""
+def colours(scene, law, bodies=(), **given):
+    """What ``output.video.color_by`` takes in a scene with that fluid law; ``given`` are other keys of its config."""
     fluid = SimpleNamespace(rheology=registry.load("rheology", law).Parameters.model_construct())
-    given = {"bodies": bodies} if "bodies" in registry.load("scenes", scene).Config.model_fields else {}
+    given |= {"bodies": bodies} if "bodies" in registry.load("scenes", scene).Config.model_fields else {}
     return checks.colours(registry.load("scenes", scene).Config.model_construct(fluid=fluid, **given))
 
 

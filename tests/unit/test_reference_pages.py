@@ -74,10 +74,11 @@ def test_colours_are_those_that_configs_may_have():
     for path in sorted(CONFIGS.glob("*.yaml")):
         one = config.load(path)
         bodies = getattr(one, "bodies", ())
-        seen[one.scene, one.fluid.rheology.type, bool(bodies)] = one, bodies
+        seen[one.scene, one.fluid.rheology.type, one.axisymmetric, bool(bodies)] = one, bodies
     assert {scene for scene, *_ in seen} == set(registry.names("scenes"))
-    for (scene, law, _), (one, bodies) in seen.items():
-        assert reference.colours(scene, law, bodies) == checks.colours(one), (scene, law)
+    for (scene, law, *_), (one, bodies) in seen.items():
+        given = {"coordinates": one.coordinates} if scene == "region" else {}
+        assert reference.colours(scene, law, bodies, **given) == checks.colours(one), (scene, law)
 
 
 def test_page_names_the_colours_of_each_scene():

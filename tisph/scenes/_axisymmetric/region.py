@@ -25,7 +25,7 @@ from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder, layer_
 from tisph.scenes._cell.sections import surroundings
 
 LEAST_ANGLE = np.radians(49.9)
-"""Of sharp corners, those on the axis among them: at 45 degrees there, 16 across, a can at rest that started diverged."""
+"""Of sharp corners, those on the axis among them: with 45 degrees there, 16 across, fluid in a cone diverged."""
 
 POINTS = 100
 """Points on each wall from which gaps are taken."""

@@ -157,11 +157,6 @@ class Scene(AxisymmetricScene):
         return self.bodies[0]
 
     @cached_property
-    def displaced(self):
-        """Volume of the body."""
-        return volume_of_revolution(self.sphere.shape)
-
-    @cached_property
     def reference_length(self):
         """Radius of the body across the axis."""
         return float(self.sphere.shape.extent[1, 1])
@@ -218,8 +213,8 @@ class Scene(AxisymmetricScene):
         the axis; None of a fluid at rest. ``mean_velocity``: over a cross-section; ``acceleration``
         along the axis, that of the mean pressure gradient.
         """
-        found, acceleration = measures.loads(self, snapshot), self._acceleration(snapshot)
-        force = found["force_sphere"] = self._force(snapshot)
+        found = measures.loads(self, snapshot)
+        force = found["force_sphere"]
         velocity = snapshot.bodies.velocity[0, 0] - snapshot.bodies.velocity[1, 0]
         drag = -force * np.sign(velocity) if velocity else abs(force)
         speed = abs(velocity) or abs(self.kept_mean_velocity or 0.0)
@@ -230,17 +225,10 @@ class Scene(AxisymmetricScene):
             "place": snapshot.bodies.centre[0, 0],
             "velocity": snapshot.bodies.velocity[0, 0],
             **found,
-            "acceleration": acceleration,
+            "acceleration": measures.acceleration(self, snapshot),
             "mean_velocity": measures.mean_velocity(self, snapshot),
             **measures.spread(self, snapshot),
         }
-
-    def _acceleration(self, snapshot):
-        return self.acceleration if snapshot.acceleration is None else snapshot.acceleration
-
-    def _force(self, snapshot):
-        """Force on the sphere along the axis, with the part of the mean pressure gradient."""
-        return snapshot.bodies.force[0, 0] + self.density * self.displaced * self._acceleration(snapshot)
 
     def parameters(self):
         """Numbers of the flow."""
@@ -278,7 +266,14 @@ class Scene(AxisymmetricScene):
 
     def _followed(self, snapshot):
         bodies = snapshot.bodies
-        return np.array([self._force(snapshot), bodies.torque[0], bodies.centre[0, 0], bodies.velocity[0, 0]])
+        return np.array(
+            [
+                measures.loads(self, snapshot)["force_sphere"],
+                bodies.torque[0],
+                bodies.centre[0, 0],
+                bodies.velocity[0, 0],
+            ]
+        )
 
     def movie_series(self):
         """The force on the sphere, or the velocity of one that is free."""

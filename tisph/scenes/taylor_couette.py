@@ -167,12 +167,12 @@ class Scene(AxisymmetricScene):
         """Torques and forces on the cylinders, kinetic energies, and how vortices grow.
 
         ``torque_inner``, ``torque_outer``: of the fluid on a cylinder of one period; ``torque_ratio``: that on the
-        inner one over that of steady laminar flow, None where the fluid is not Newtonian; ``radial_velocity``: largest,
-        over the speed of the fastest wall; ``growth_rate``: of the radial velocity, from its mean square over the last
-        tenth of the time so far [1/time], None where it is 0.
+        inner one over that of steady laminar flow, None where the fluid is not Newtonian, or between end plates;
+        ``radial_velocity``: largest, over the speed of the fastest wall; ``growth_rate``: of the radial velocity, from
+        its mean square over the last tenth of the time so far [1/time], None where it is 0.
         """
         loads = measures.loads(self, snapshot)
-        newtonian = self.rheology is None and self.laminar_torque
+        newtonian = self.rheology is None and self.periodic[0] and self.laminar_torque
         return {
             **loads,
             "torque_ratio": -loads["torque_inner"] / self.laminar_torque if newtonian else None,
@@ -206,7 +206,7 @@ class Scene(AxisymmetricScene):
     def time_series(self):
         """Torques on the cylinders, and kinetic energies."""
         torque, energy = abs(self.laminar_torque) or 1.0, 0.5 * self.reference_velocity**2
-        newtonian, sign = self.rheology is None, -self.laminar_torque
+        newtonian, sign = self.rheology is None and self.periodic[0], -self.laminar_torque
         return TimeSeries(
             content="torques of the fluid on the cylinders, and mean kinetic energies per mass along each axis",
             name="torque",

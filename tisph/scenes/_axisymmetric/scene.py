@@ -113,10 +113,7 @@ def cylinder(radius, length, outer, **motion):
 
 
 def layer_at_plates(scene):
-    """Depth sqrt(nu/Omega) of layers at walls across the axis that turn, or past which fluid turns; and where it is.
-
-    Omega is that of the fastest wall: Th. von Karman, Z. Angew. Math. Mech. 1 (1921) 233-252.
-    """
+    """Depth sqrt(nu/Omega) of layers at walls across the axis (von Karman 1921), Omega of the fastest, and a name."""
     fastest = max(body.spin.largest_speed for body in scene.bodies)
     return np.sqrt(scene.kinematic_viscosity / fastest) if fastest else np.inf, "the layer at walls that turn"
 

@@ -31,7 +31,7 @@ Peers = Annotated[
 ]
 
 Flow = Annotated[
-    Literal["channel", "oldroyd_b", "taylor_green", "circular_couette", "cavity", "cylinder"],
+    Literal["channel", "oldroyd_b", "taylor_green", "circular_couette", "cavity", "cylinder", "pipe"],
     typer.Option("--flow", help="Whose flows."),
 ]
 
@@ -64,7 +64,7 @@ def bench(
     \b
     frontier: every flow by every method, in interleaved rounds: of the
       channel, Oldroyd-B fluids in it, Taylor-Green vortices, circular
-      Couette flow, the cavity, or cylinders in a channel
+      Couette flow, the cavity, cylinders in a channel, or starting pipes
 
     \b
     Examples:

@@ -7,6 +7,8 @@ import pytest
 from polymer_laws import oldroyd_b
 from report_scene import make_channel, make_snapshot
 
+from tisph import scenes
+from tisph.config import load
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import LEAST_DEPTH, resolution
 from tisph.report.error_label import error_label
@@ -91,3 +93,26 @@ def test_steep_stress_is_not_resolved():
     snapshot = replace(snapshot, steepest=(3.0, 0.1, 0.2))
     assert resolution(channel, 0.0, snapshot) == (False, text)
     assert sample_metrics(channel, snapshot, channel.probe_positions(3))["reason"] == text
+
+
+@pytest.mark.parametrize(
+    ("rheology", "wall", "spacings", "resolved"),
+    [
+        ("newtonian", "{angular_velocity: 4.0}", 3, True),
+        ("newtonian", "{angular_velocity: 4.0}", 2.5, False),
+        ("power_law, index: 0.5, reference_rate: 1.0, least_rate: 0.01", "{angular_velocity: 4.0}", 6, True),
+        ("power_law, index: 0.5, reference_rate: 1.0, least_rate: 0.01", "{angular_velocity: 4.0}", 4, False),
+        ("power_law, index: 0.5, reference_rate: 1.0, least_rate: 0.01", "{velocity: 4.0}", 4, True),
+    ],
+)
+def test_radius_of_an_inner_wall_is_three_spacings(tmp_path, rheology, wall, spacings, resolved):
+    """As of any wall that bulges; times the index where it turns, since the shear rate is r^(-2/n) there."""
+    path = tmp_path / "pipe.yaml"
+    path.write_text(
+        "{name: pipe, scene: pipe, geometry: {inner_radius: 0.25, radius: 1.25, length: 2.5}, time: {end: 1.0}, "
+        f"fluid: {{density: 1.0, kinematic_viscosity: 1.0, rheology: {{type: {rheology}}}}}, "
+        f"walls: {{inner: {wall}}}, discretisation: {{particles_across: {4 * spacings:g}}}}}"
+    )
+    found, reason = resolution(scenes.of(load(path)), 1.0)
+    assert found == resolved
+    assert resolved or reason.startswith("the radius of the inner wall")

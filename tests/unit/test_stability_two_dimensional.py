@@ -120,6 +120,32 @@ def test_both_stresses_of_a_suspension_have_to_agree():
         assert judge.judge(replace(VORTEX, cell=cell), run, "", run).verdict == wanted
 
 
+def test_velocity_and_loads_in_a_pipe_have_to_be_exact():
+    """Where a sample says that it is resolved; loads by a shear rate of 1 over a period of 1, or the largest."""
+    cell = Cell(flow="swirl0.5", reynolds=1.0, across=12, scheme="implicit 4")
+    for l2, torque, said, wanted in (
+        (9e-3, 10.09, True, "stable"),
+        (1.9e-2, 10.0, True, "inaccurate"),
+        (2.1e-2, 10.0, True, "silent failure"),
+        (1e-3, 10.21, True, "silent failure"),
+        (1e-3, 10.21, False, "inaccurate"),
+    ):
+        loads = {"torque_outer": torque, "torque_outer_exact": 10.0, "force_outer": 0.0, "force_outer_exact": 0.0}
+        sample = {**GOOD, **loads, "l2": l2, "resolved": said}
+        run = {"status": "done", "samples": [sample] * 4, "numbers": {"reference_velocity": 1.0}}
+        assert judge.judge(replace(VORTEX, cell=cell), run, "", run).verdict == wanted
+
+
+def test_torque_and_radial_velocity_of_vortices_are_compared():
+    cell = Cell(flow="vortices0.5", across=13, scheme="implicit 4")
+    fine = {**GOOD, "torque_inner": -2.0, "radial_velocity": 0.1}
+    baseline = {"status": "done", "samples": [fine] * 4, "numbers": {"reference_velocity": 1.0}}
+    for changes, error in (({"torque_inner": -2.02}, 0.01), ({"radial_velocity": 0.13}, 0.03)):
+        own = {**baseline, "samples": [fine, fine, fine, {**fine, **changes}]}
+        found = judge.judge(replace(VORTEX, cell=cell), own, "", baseline)
+        assert (found.verdict, found.error) == ("stable" if error < 0.02 else "silent failure", pytest.approx(error))
+
+
 def test_a_run_with_twice_the_particles_serves_every_jitter():
     fine = Cell(flow="square3", across=48, jitter=0.3)
     assert {Cell(flow="square3", across=24, jitter=jitter).baseline for jitter in (0.05, 0.3)} == {fine}

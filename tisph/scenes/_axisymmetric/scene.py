@@ -77,6 +77,16 @@ class AxisymmetricScene(BodyScene):
         """Times above 0 at which the angular velocity of a wall, or its slope, jumps."""
         return tuple(sorted({time for body in self.bodies for time in body.spin.jump_times}))
 
+    def narrowest(self, t):
+        """Radius of the inner wall, and gap between the walls.
+
+        Where that wall turns the shear rate falls as r^(-2/n), n the index of a power law: as that of a Newtonian fluid
+        does at n times the radius.
+        """
+        index = min(1.0, getattr(self.rheology, "index", 1.0)) if self.swirls else 1.0
+        what = "the radius of the inner wall" + (f" times the fluid's index {index:g}" if index < 1.0 else "")
+        return (index * self.inner_radius or np.inf, what), (self.extent[1], "the gap between the walls")
+
     def open_section(self, t):
         """Place along the axis of a cross-section with no body in it."""
         return 0.0

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from tisph.studies.flows import digits, merged, oldroyd_b, walls
-from tisph.studies.stability import free_bodies
+from tisph.studies.stability import axisymmetric, free_bodies
 from tisph.studies.stability.free_bodies import ACROSS as BODY_ACROSS
 
 SOLVENT_FRACTION = 0.1
@@ -45,10 +45,13 @@ TOO_SMALL = ("circle2", "square0")
 
 FINER = "finer"
 """Measure of a flow without a reference: the drag, over that of a run with twice the particles across; of a free body
-its velocities."""
+its velocities, of Taylor's vortices the torque and the radial velocity."""
 
 BOTH_STRESSES = "both_stresses"
 """Measure of a suspension: the shear stress by the bodies off that on the walls."""
+
+EXACT = "exact"
+"""Measure of flow in a pipe: the largest error of the velocity (L2) and of the loads on the walls."""
 
 
 @dataclass(frozen=True)
@@ -249,7 +252,9 @@ FLOWS = {
         name: Flow(change, BOTH_STRESSES if name.startswith("suspension") else FINER, curved_walls=True, largest=0.16)
         for name, change in free_bodies.flows()
     },
+    **{name: Flow(change, EXACT, curved_walls=True, largest=0.01) for name, change in axisymmetric.beside_exact()},
+    **{name: Flow(change, FINER, curved_walls=True, largest=0.16) for name, change in axisymmetric.beside_finer()},
 }
 """The number behind oldroyd, oldroyd_b and giesekus is Wi, that behind annulus the ratio of the radii, that behind
 cylinder the gap in spacings if there are ``ACROSS``; those of bodies are as ``_shapes``, ``_bodies`` and
-``free_bodies.flows`` say."""
+``free_bodies.flows`` say; of axisymmetric flow radius ratios, and spacings to a sphere's radius or gap."""

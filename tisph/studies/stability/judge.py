@@ -6,12 +6,13 @@ warnings. A two-dimensional flow has no calmer run from the lattice: it is held 
 distribution of the particles, no gain of energy unless walls drive it, and a small error.
 """
 
+import math
 import re
 from dataclasses import dataclass
 
 from tisph.scenes._cell.shear_stress import BODIES, WALLS
 from tisph.studies.stability.cells import FINISHED, FLAGGED, REFUSED, STABLE
-from tisph.studies.stability.flows import BOTH_STRESSES, FINER, FLOWS
+from tisph.studies.stability.flows import BOTH_STRESSES, EXACT, FINER, FLOWS
 
 MULTIPLE, EARLY_MULTIPLE = 2.0, 10.0
 """Error over that of the baseline, up to which a run is stable: from t* = 1 on, and before, while the flow still
@@ -130,7 +131,13 @@ def judge(plan, summary, message, baseline):
 
 
 def _off_finer(sample, fine):
-    """Error of the drags; where bodies are free that of all velocities, over the largest, in lengths and speeds."""
+    """Error of the drags; where bodies are free that of all velocities, over the largest, in lengths and speeds.
+
+    Of Taylor's vortices: that of the torque, and of the radial velocity over the inner speed.
+    """
+    if "radial_velocity" in sample:
+        torque = sample["torque_inner"] / fine["torque_inner"] - 1.0
+        return max(abs(torque), abs(sample["radial_velocity"] - fine["radial_velocity"]))
     free = any(name.startswith("angular_velocity") for name in sample)
     rates = [name for name in sample if re.fullmatch(r"(u|v|angular_velocity)(_\d+)?|superficial_velocity", name)]
     if free:
@@ -153,6 +160,8 @@ def _two_dimensional_sample(cell, sample, summary):
     error = sample.get(cell.measure)
     if cell.measure == UNBALANCED:
         error = _unbalanced(sample, summary["samples"])
+    if cell.measure == EXACT:
+        error = _off_exact(cell, sample)
     if cell.measure == BOTH_STRESSES:
         error = abs(sample[BODIES] / sample[WALLS] - 1.0)
     return {
@@ -163,6 +172,13 @@ def _two_dimensional_sample(cell, sample, summary):
         "energy": sample.get("kinetic_energy"),
         "resolved": sample.get("resolved", True),
     }
+
+
+def _off_exact(cell, sample):
+    """L2 of the velocity, or the error of the loads on walls over the largest, or over that of a shear rate of 1."""
+    loads = {name.removesuffix("_exact"): sample[name] for name in sample if name.endswith("_exact")}
+    largest = max(2.0 * math.pi / cell.reynolds, *map(abs, loads.values()))
+    return max(sample["l2"], *(abs(sample[name] - exact) / largest for name, exact in loads.items()))
 
 
 def _unbalanced(sample, samples):
@@ -186,7 +202,7 @@ def _verdict(plan, status, message, found, baseline_errors):
         return SILENT_FAILURE, f"ended without a clear error: {message or status}"
     error = found[-1]["error"]
     largest = min(max(PREDICTED_FACTOR * _predicted(plan), WARNED if plan.warnings else SILENT), LARGEST)
-    if plan.cell.measure in (FINER, BOTH_STRESSES):
+    if plan.cell.measure in (EXACT, FINER, BOTH_STRESSES):
         error, largest = max((each["error"] or 0.0 for each in found if each["resolved"]), default=0.0), SILENT
     if error is not None and not error <= largest:
         said = "none predicted" if plan.predicted is None else f"predicted {plan.predicted:.0e}"

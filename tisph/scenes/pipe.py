@@ -10,14 +10,12 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, refusals
-from tisph.config.motion import Amplitude
-from tisph.config.motion import WallMotion as Oscillation
+from tisph.config.base import Problem
 from tisph.exact.circular_start_up import CircularStartUp
 from tisph.exact.pipe_start_up import PipeStartUp
 from tisph.exact.start_up import fluid_of
@@ -25,61 +23,13 @@ from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.measures.metrics import field_error
 from tisph.scenes._axisymmetric import config as axisymmetric
 from tisph.scenes._axisymmetric import measures, views
+from tisph.scenes._axisymmetric.pipe_keys import Cylinder, Drive, Geometry, Walls
 from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder
 from tisph.scenes._initial import Initial, start_problems
 from tisph.snapshot import STRESSES
 
 AROUND = ("stress_tt", "stress_yt", "stress_yy")
 """Stresses of flow around the axis, in the order of ``Coaxial.polymer_stress``."""
-
-
-class Geometry(Model):
-    """Radius and length of the pipe [length]; ``inner_radius`` of a second one inside, 0 without."""
-
-    radius: Positive
-    length: Positive
-    inner_radius: NonNegative = 0.0
-
-    @model_validator(mode="after")
-    def _check_order(self) -> "Geometry":
-        if not self.inner_radius < self.radius:
-            text = f"must be less than geometry.radius {self.radius:g}"
-            raise refusals([(("inner_radius",), text, self.inner_radius)])
-        return self
-
-
-class Cylinder(Model):
-    """Velocity along the axis [length/time] and angular velocity around it [1/time] of a wall, from t = 0 on."""
-
-    velocity: Signed = 0.0
-    angular_velocity: Signed = 0.0
-
-
-class Walls(Model):
-    """The walls of the pipe: ``outer``, and ``inner`` where there is one."""
-
-    unset_keys = ("inner",)
-
-    outer: Cylinder = Cylinder()
-    inner: Cylinder | None = None
-
-
-class Drive(Oscillation):
-    """Acceleration along the axis [length/time^2], -(dp/dx)/density: constant, or oscillating.
-
-    ``acceleration``; or ``amplitude`` * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t.
-    """
-
-    speed_key = "acceleration"
-    exclusive_keys = ("acceleration", "amplitude")
-    unset_keys = ("angular_frequency", "phase")
-
-    acceleration: Signed | None = None
-    amplitude: Amplitude | None = None
-    angular_frequency: Positive | None = None
-    phase: Literal["cos", "sin"] | None = None
-
-    acceleration_before: ClassVar[None] = None
 
 
 class Config(axisymmetric.Config):

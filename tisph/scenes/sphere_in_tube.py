@@ -25,10 +25,10 @@ from tisph.geometry.inertia import volume_of_revolution
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.scenes._axisymmetric import config as axisymmetric
 from tisph.scenes._axisymmetric import measures, views
+from tisph.scenes._axisymmetric.pipe_keys import Cylinder
 from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder, wall_speed
 from tisph.scenes._initial import RestInitial
 from tisph.scenes._views import TimeSeries
-from tisph.scenes.pipe import Cylinder
 
 FREE_KEYS = ("density", "force")
 

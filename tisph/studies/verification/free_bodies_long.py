@@ -102,8 +102,8 @@ CASES = {
     "settling_disc": _settling(),
     "turning_ellipse": _ellipse(),
     **{f"dilute_{radius:g}": _dilute(radius) for radius in RADII},
-    "free_in_oldroyd_b_32": _viscoelastic(32),
-    "free_in_oldroyd_b_48": _viscoelastic(48),
+    "free_in_oldroyd_b_64": _viscoelastic(64),
+    "free_in_oldroyd_b_80": _viscoelastic(80),
 }
 
 
@@ -160,8 +160,8 @@ def _dilute_limit():
 
 
 def _slowed():
-    """No value is known: it turns more slowly than in a Newtonian fluid, and refined by half it does so alike."""
-    names = "free_in_oldroyd_b_32", "free_in_oldroyd_b_48"
+    """No value is known: it turns more slowly than in a Newtonian fluid, and refined by a quarter it does so alike."""
+    names = "free_in_oldroyd_b_64", "free_in_oldroyd_b_80"
 
     def off(coarse, fine):
         return abs(at_end(coarse, "angular_velocity") / at_end(fine, "angular_velocity") - 1)

@@ -157,7 +157,7 @@ def test_a_free_sphere_in_fluid_at_rest_stays_there(make):
 
 
 def test_flow_behind_a_sphere_keeps_free_of_divergence(make):
-    """At Re = 50, with 8 spacings to the radius, it grew where the wall meets the axis, e-fold in 0.05, until 1000 U."""
+    """At Re = 50, with 8 spacings to the radius, it grew near the axis, e-fold in 0.05, until 1000 U."""
     changes = ("fluid.kinematic_viscosity=0.02", "geometry.length=4.0", "discretisation.particles_across=16")
     _, scheme = make(SPHERE, *changes, "time.end=0.25")
     assert np.abs(run(scheme).u).max() < 1.2

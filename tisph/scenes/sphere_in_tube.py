@@ -13,10 +13,9 @@ from functools import cached_property
 from typing import ClassVar, Literal
 
 import numpy as np
-from pydantic import model_validator
 
 from tisph.bodies import _clearance, circle
-from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, refusals
+from tisph.config.base import Problem
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.ellipse import Ellipse
@@ -25,64 +24,14 @@ from tisph.geometry.inertia import volume_of_revolution
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.scenes._axisymmetric import config as axisymmetric
 from tisph.scenes._axisymmetric import measures, views
-from tisph.scenes._axisymmetric.pipe_keys import Cylinder
 from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder, wall_speed
+from tisph.scenes._axisymmetric.sphere_keys import Drive, Geometry, Sphere, Walls
 from tisph.scenes._initial import RestInitial
 from tisph.scenes._views import TimeSeries
 
-FREE_KEYS = ("density", "force")
-
-
-class Geometry(Model):
-    """Radii of tube and sphere, and period along the axis [length].
-
-    ``half_length``: of a spheroid, half of its axis along the tube; that of a sphere where left out.
-    """
-
-    unset_keys = ("half_length",)
-
-    tube_radius: Positive
-    sphere_radius: Positive
-    length: Positive
-    half_length: Positive | None = None
-
-
-class Sphere(Model):
-    """What the body does from t = 0 on: constant ``velocity`` along the axis, or ``free``; and what turns it.
-
-    ``angular_velocity`` around the axis [1/time]. A free body has a ``density`` [mass/length^3], that of the fluid
-    where left out, and a ``force`` along the axis from outside [mass length/time^2], as its weight less its buoyancy.
-    """
-
-    unset_keys = ("velocity", *FREE_KEYS)
-
-    velocity: Signed | None = None
-    free: bool = False
-    density: NonNegative | None = None
-    force: Signed | None = None
-    angular_velocity: Signed = 0.0
-
-    @model_validator(mode="after")
-    def _check_free(self) -> "Sphere":
-        wrong = ("velocity",) if self.free else FREE_KEYS
-        text = f"is only for a sphere that is {'not ' if self.free else ''}free"
-        found = [((key,), text, getattr(self, key)) for key in wrong if getattr(self, key) is not None]
-        if found:
-            raise refusals(found)
-        return self
-
-
-class Walls(Model):
-    """The tube."""
-
-    tube: Cylinder = Cylinder()
-
-
-class Drive(Model):
-    """Acceleration along the axis [length/time^2], or the mean velocity that closure ``no_flux`` keeps."""
-
-    acceleration: Signed = 0.0
-    mean_velocity: Signed = 0.0
+FRONT = 1.95
+"""Depth of the layer in front of the body, in sqrt(nu/a), a = (3/2) U/R being the strain rate there: the velocity is
+99 % of that outside (stagnation flow, F. Homann, Z. angew. Math. Mech. 16 (1936) 153-164)."""
 
 
 class Config(axisymmetric.Config):
@@ -198,8 +147,11 @@ class Scene(AxisymmetricScene):
         return (radius, "the smallest radius of the sphere"), (gap, "the gap between sphere and tube")
 
     def thinnest_layer(self, t):
-        """Depth of the layer at the body, and where it is."""
-        return math.sqrt(self.kinematic_viscosity * t), "the layer at the sphere"
+        """Depth of the layer at the body that started at t = 0, or of that in front of it; and where it is."""
+        strain_rate = 1.5 * self.reference_velocity / self.sphere.shape.convex_radius
+        front = FRONT * math.sqrt(self.kinematic_viscosity / strain_rate) if strain_rate else math.inf
+        started = math.sqrt(self.kinematic_viscosity * t)
+        return min((started, "the layer at the sphere"), (front, "the layer in front of the sphere"))
 
     def open_section(self, t):
         """Place along the axis that is farthest from the body at time ``t``."""

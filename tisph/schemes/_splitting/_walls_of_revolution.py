@@ -10,10 +10,10 @@ from tisph.geometry._shape import Boundary
 from tisph.schemes._splitting._wall_points import WallPoints
 
 NEAR_AXIS = 2.0
-"""Distance from the axis, in particle spacings, up to which operators do not use the curvature of walls. With 3 to 5 the
-least eigenvalue of D G L^-1, divergence, gradient and Laplacian of the pressure, is -0.08 to -0.15 beside a sphere of 8
-spacings, in place of -0.06: what removes divergence then makes it grow, and at Re = 50 a run diverged. With 0 the
-largest one is above 2."""
+"""Distance from the axis, in particle spacings, up to which operators do not use the curvature of walls. With 3 to 5
+the least eigenvalue of D G L^-1, divergence, gradient and inverse Laplacian of the pressure, is -0.08 to -0.15 beside a
+sphere of 8 spacings, in place of -0.06: what is to remove divergence then makes it grow, and at Re = 50 a run diverged.
+With 0 the largest one is above 2."""
 
 
 class WallsOfRevolution(WallPoints):

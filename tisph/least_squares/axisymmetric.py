@@ -5,7 +5,7 @@ change around the axis: none of them is singular on it. In place of r_j - r_i th
 one in which solutions are simple:
 
 * where the fluid reaches the axis, (s_j - s_i)/L, L^2 = r_i^2 + support^2, since smooth fields are even in r. Nearer to
-  the axis than ``NEAR`` supports only powers with a + 2 b <= order are in the basis, all those of that order in r:
+  the axis than the support only powers with a + 2 b <= order are in the basis, all those of that order in r:
   with half a disc of neighbours others cannot be told apart, and the Laplacian has growing modes;
 * in a gap around an inner cylinder r_i log(r_j/r_i), in which log r and the powers of r are entire functions. Circular
   Couette flow, 16 spacings across with a radius ratio of 0.5, has errors of 3.5e-4 in s, and of 8e-7 in this one.
@@ -20,10 +20,11 @@ from tisph.runtime import scalar, ti
 ACROSS = -3
 """Place of the unknown y^2 from the end; that of y is the last."""
 
-NEAR = 1.2
-"""Distance from the axis, in supports, up to which all functions are taken to be even. With 1 the equations of the
-pressure were singular for once at points on a sphere near the axis, where a polymer moved past it. With 1.3 errors of
-pipes that have just started are 1.7 times as large, and 1.1 times with 1.2."""
+NEAR_WALLS = 1.2
+"""Distance from the axis, in supports, up to which all functions are taken to be even beside walls, where supports are
+wider; elsewhere it is 1. With 1 the equations of the pressure were singular for once at points on a sphere near the
+axis, where a polymer moved past it. With 1.2 everywhere errors of pipes that have just started are largest on the axis.
+"""
 
 NUMBERS = 4
 """Of each particle: a, b, c and whether it is near the axis."""
@@ -73,7 +74,8 @@ class AxisymmetricOperators(LeastSquaresOperators):
         self.radial[block, 2][lane] = c * support / self.support[None]  # it is divided by the support twice later on
         self.radial[block, 3][lane] = 0.0
         if ti.static(not self.annular):
-            self.radial[block, 3][lane] = ti.cast(radius < NEAR * support, self.laplacian.dtype)
+            reach = ti.select(support > 1.001 * self.support[None], NEAR_WALLS, 1.0) * support
+            self.radial[block, 3][lane] = ti.cast(radius < reach, self.laplacian.dtype)
 
     @ti.func
     def set_radial_targets(self, worker, block, operator):

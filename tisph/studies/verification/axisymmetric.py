@@ -11,7 +11,7 @@ import numpy as np
 
 from tisph.exact.taylor_vortices import critical_reynolds
 from tisph.measures.metrics import fitted_order
-from tisph.studies.flows import merged
+from tisph.studies.flows import merged, oldroyd_b
 from tisph.studies.verification.axisymmetric_balance import momentum_closes
 from tisph.studies.verification.criteria import at_most, bounded, ends_at, order
 
@@ -82,6 +82,12 @@ def _sphere(number, closure):
     }
 
 
+def _sphere_in_polymer(number):
+    """Oldroyd-B, solvent fraction 0.5, at De = lambda U/a = 0.3: six relaxation times from the start."""
+    changes = {"fluid": {"kinematic_viscosity": 5.0}, "time": {"end": 0.9, "samples": [0.9]}}
+    return merged(_sphere(number, "no_flux"), oldroyd_b(0.15, 0.5), changes)
+
+
 START = [0.05, 0.2, 0.5]
 DRIVEN, TURNING = {"acceleration": 4.0}, {"outer": {"angular_velocity": 1.0}}
 PULSES = 0.0872665, 0.349066
@@ -117,6 +123,7 @@ FULL = QUICK | {
     "pipe_polymer": _pipe(20, 1.0, [1.0], drive=DRIVEN, fluid=POLYMER, scheme=HIGH),
     "spin_up_polymer": _pipe(20, 1.0, [1.0], walls=TURNING, fluid=POLYMER, scheme=HIGH),
     "pipe_uniform": merged(_pipe(20, 0.5, [0.5], walls={"outer": {"velocity": 1.0}}, **DEVELOPED), EXACT),
+    **{f"sphere_polymer_{number}": _sphere_in_polymer(number) for number in (32, 36)},
     "momentum_28": _vortices(28, 0.5, 109.098, WAVES[0.5], 0.1, 20.0, [5.0, 20.0]),
 }
 
@@ -177,6 +184,7 @@ def criteria(quick):
         *(at_most("swirl_20", 0.4, f"torque_{side} off exact", 1e-4) for side in ("inner", "outer")),
         momentum_closes("momentum_28", 1e-3),
         _drag("sphere_closed", "no_flux"),
+        _refined("sphere_polymer_32", "sphere_polymer_36"),
         *(_critical(ratio) for ratio in WAVES),
         *(row for reynolds in SATURATED for row in _saturated(reynolds)),
     ]
@@ -244,6 +252,13 @@ def _saturated(reynolds):
 
 def _drag(case, closure):
     return ends_at(case, "drag ratio", DRAGS[closure], 5e-3, lambda sample: sample["drag_ratio"])
+
+
+def _refined(case, finer):
+    def off(coarse, fine):
+        return abs(_last(coarse, "drag_ratio") / _last(fine, "drag_ratio") - 1.0)
+
+    return bounded(case, f"drag ratio off {finer}", 1e-2, off, (case, finer))
 
 
 def _order(case, resolutions):

@@ -16,9 +16,9 @@ before it has broken up; above it the pressure has larger errors."""
 SMALLEST_PIVOT = 1e-3
 """Of the operators: those of order 2, which would take over, are worse than any of order 4 that can be solved for."""
 
-SMALLEST_PIVOT_OF_REVOLUTION = 3e-3
-"""The same in axisymmetric flow, where those of even functions take over. Points on a sphere had 1.8e-3 and 2.6e-3 when
-their equations of the pressure became singular, and runs with a polymer diverged; others have 3.1e-3 and more."""
+SMALLEST_PIVOT_AT_AXIS = 3e-3
+"""The same where the fluid reaches an axis: those of even functions take over. Points on a sphere had 1.8e-3 and 2.6e-3
+when their equations of the pressure became singular, and runs with a polymer diverged; others have 3.1e-3 and more."""
 
 
 def operators(problem, points):
@@ -26,7 +26,7 @@ def operators(problem, points):
     bounded = problem.walls is not None
     # in polar coordinates points lie in layers: near walls operators then have 70 times the rounding errors
     curved = bounded and problem.walls.curved and real() == ti.f64
-    pivot = SMALLEST_PIVOT_OF_REVOLUTION if problem.axisymmetric else SMALLEST_PIVOT
+    pivot = SMALLEST_PIVOT_AT_AXIS if problem.axisymmetric and not problem.annular else SMALLEST_PIVOT
     chosen = points, SUPPORT * problem.spacing, 4, pivot, bounded, curved
     if problem.axisymmetric:
         return AxisymmetricOperators(*chosen, lowest_radius=problem.origin[1], annular=problem.annular)

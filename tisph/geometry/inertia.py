@@ -29,10 +29,12 @@ def polar_moment(shape):
     return float(around_middle + shifted)
 
 
-def volume_of_revolution(shape):
-    """Volume [length^3] of what a closed ``shape``, symmetric about the x axis, is when it is turned around it."""
-    points, normals, lengths, _ = _outline(shape)
-    return float(0.5 * np.pi * np.sum(lengths * np.abs(points[:, 1]) * points[:, 1] * normals[:, 1]))
+def volume_of_revolution(wall):
+    """Volume [length^3] of what is within a closed ``wall``, a ``Boundary``, and above y = 0, turned around that axis.
+
+    By Gauss: the integral of pi y^2 n_y along the wall, with normals outwards.
+    """
+    return float(np.pi * np.sum(wall.length * np.maximum(wall.point[:, 1], 0.0) ** 2 * wall.normal[:, 1]))
 
 
 def _first_moment(points, normals, lengths):

@@ -5,8 +5,8 @@ change around the axis: none of them is singular on it. In place of r_j - r_i th
 one in which solutions are simple:
 
 * where the fluid reaches the axis, (s_j - s_i)/L, L^2 = r_i^2 + support^2, since smooth fields are even in r. Nearer to
-  the axis than the support only powers with a + 2 b <= order are in the basis, all those of that order in r:
-  with half a disc of neighbours others cannot be told apart, and the Laplacian has growing modes;
+  the axis than the support only powers with a + 2 b <= order are in the basis, all those of that order in r: with half
+  a disc of neighbours others cannot be told apart, and the Laplacian has growing modes;
 * in a gap around an inner cylinder r_i log(r_j/r_i), in which log r and the powers of r are entire functions. Circular
   Couette flow, 16 spacings across with a radius ratio of 0.5, has errors of 3.5e-4 in s, and of 8e-7 in this one.
 

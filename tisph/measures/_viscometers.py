@@ -13,6 +13,7 @@
 import numpy as np
 
 from tisph.errors import ConfigError
+from tisph.exact.taylor_vortices import coefficients
 from tisph.geometry.circle import Circle
 from tisph.measures._reading import Axes, Reading
 
@@ -69,9 +70,9 @@ def _couette(scene, table, last):
     outer, inner = (float(body.spin.velocity(table["t"][-1])) for body in reversed(scene.bodies))
     if any(body.spin.oscillates for body in scene.bodies) or inner == outer:
         raise ConfigError("a Couette viscometer has cylinders of different, constant angular velocities")
-    squares = scene.inner_radius**2, scene.outer_radius**2
-    rate = 2.0 * (inner - outer) * squares[1] / (squares[1] - squares[0])
-    stress = -table["torque_inner"] / (2.0 * np.pi * squares[0] * scene.length)
+    square = scene.inner_radius**2
+    rate = 2.0 * coefficients((scene.inner_radius, scene.outer_radius), (inner, outer))[1] / square
+    stress = -table["torque_inner"] / (2.0 * np.pi * square * scene.length)
     numbers = {"wall_stress": float(stress[-1]), "rate": rate}
     lines = [f"at the inner cylinder: shear stress {stress[-1]:.6g}, nominal rate {rate:.6g}"]
     if table["kinetic_energy_radial"][-1] > LAMINAR * table["kinetic_energy_azimuthal"][-1]:

@@ -20,7 +20,7 @@ from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.ellipse import Ellipse
 from tisph.geometry.free_motion import FreeMotion, Inertia
-from tisph.geometry.inertia import volume_of_revolution
+from tisph.geometry.inertia import POINTS, volume_of_revolution
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.scenes._axisymmetric import config as axisymmetric
 from tisph.scenes._axisymmetric import measures, views
@@ -241,7 +241,7 @@ def _body(config):
     shape = Circle(radius) if half in (None, radius) else Ellipse((half, radius))
     motion = RigidMotion(x=WallMotion(given.velocity or 0.0))
     if given.free:
-        motion = FreeMotion(_inertia(config, volume_of_revolution(shape)))
+        motion = FreeMotion(_inertia(config, volume_of_revolution(shape.boundary_points(shape.length / POINTS))))
     centre, spin = (0.5 * geometry.length, 0.0), WallMotion(given.angular_velocity)
     return Body(shape, centre, motion=motion, periods=(geometry.length, math.inf), spin=spin)
 

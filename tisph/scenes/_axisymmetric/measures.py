@@ -16,8 +16,8 @@ def loads(scene, snapshot):
     Forces on bodies have the part of the mean pressure gradient.
     """
     found, gradient = {}, scene.density * acceleration(scene, snapshot)
-    for index, (name, body) in enumerate(zip(scene.names, scene.bodies, strict=True)):
-        pressed = gradient * _volume(body) if gradient and body.shape.area else 0.0
+    for index, name in enumerate(scene.names):
+        pressed = gradient * scene.volumes[index] if gradient else 0.0
         found[f"force_{name}"] = snapshot.bodies.force[index, 0] + pressed
         found[f"torque_{name}"] = snapshot.bodies.torque[index]
     return found
@@ -26,12 +26,6 @@ def loads(scene, snapshot):
 def acceleration(scene, snapshot):
     """That of the fluid along the axis by the mean pressure gradient."""
     return scene.acceleration if snapshot.acceleration is None else snapshot.acceleration
-
-
-def _volume(body):
-    """Volume of a closed ``body`` that is turned around the axis, by Gauss: of what is above it, by its surface."""
-    wall = body.boundary_points(body.shape.length / 2000)
-    return np.pi * np.sum(wall.length * np.maximum(wall.point[:, 1], 0.0) ** 2 * wall.normal[:, 1])
 
 
 def volume_mean(snapshot, values):

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from tisph.geometry.body import Body
+from tisph.geometry.inertia import POINTS, volume_of_revolution
 from tisph.geometry.line import Line
 from tisph.geometry.region import Region
 from tisph.scenes._axisymmetric.views import NAMES
@@ -51,6 +52,14 @@ class AxisymmetricScene(BodyScene):
         if self.inner_radius == 0.0:
             bodies = (axis(self.length), *bodies)
         return Region(bodies, self.origin, high, self.periodic, axisymmetric=True)
+
+    @cached_property
+    def volumes(self):
+        """Volumes of the closed ones of the ``bodies``, as what is turned around the axis; 0 of the others."""
+        return [
+            volume_of_revolution(body.boundary_points(body.shape.length / POINTS)) if body.shape.area else 0.0
+            for body in self.bodies
+        ]
 
     @property
     def reference_length(self):

@@ -38,10 +38,6 @@ def scheme(config, scene, targets, serial):
     tolerance, courant = _steps(config)
     built = Scheme(_problem(scene), targets, serial, tolerance, courant)
     built.body_force = scene.body_force
-    if scene.axisymmetric and not scene.periodic[0]:
-        from tisph.schemes._splitting._shift import SWEEPS_BETWEEN_PLATES
-
-        built.shift.sweeps = SWEEPS_BETWEEN_PLATES
     if scene.kept_mean_velocity is not None:
         from tisph.schemes._splitting._mean_velocity import MeanVelocityControl
 

@@ -72,9 +72,8 @@ class Scheme:
         self.points = PointCloud(problem, PeriodicDomain(problem.length, problem.height), cutoff, 0, serial)
         self.operators = _pieces.operators(problem, self.points)
         self.grid = WalledGrid(self.points, problem) if bounded else PeriodicGrid(self.points, problem, problem.height)
-        self.shift = FickianShifting(
-            self.points, problem.spacing, MAX_WALLS if bounded else 0, bounded and problem.contact is not None
-        )
+        near = (MAX_WALLS, problem.contact is not None, problem.walls.across_axis) if bounded else ()
+        self.shift = FickianShifting(self.points, problem.spacing, *near)
         self.levels = TimeLevels(self.operators, self.shift)
         self.wall_boundary = None
         if bounded:

@@ -28,10 +28,11 @@ SWEEPS = 4
 """With 2 of them the nearest two particles are nearer by 0.05 spacings, and errors larger by 4 to 10 %; 3 at a rate of
 0.5 are as even, with errors larger by up to 8 %."""
 
-SWEEPS_BETWEEN_PLATES = 16
-"""The same in axisymmetric flow that ends at walls along the axis. A particle stands for the more of the half-plane the
-nearer it comes to the axis, as 1/r: where flow along a plate met it, at Re = 300 and 990 in a cylinder with one end
-that turns, a third of the particles was missing with 4, and runs diverged; with 8 at 990."""
+SWEEPS_ACROSS_AXIS = 16
+"""The same where walls lie across the axis of the flow. A particle stands for the more of the half-plane the nearer it
+comes to the axis, as 1/r: where flow along a plate met it, at Re = 300 and 990 in a cylinder with one end that turns, a
+third of the particles was missing with 4, and runs diverged; with 8 at 990. Behind a sphere they gathered in layers,
+and in Oldroyd-B fluids 28 and 32 across were stopped that end with 16."""
 
 BEYOND = 0.4
 """Distance beyond the support, in particle spacings, up to which neighbours are listed for the sweeps of a step: more
@@ -52,12 +53,12 @@ class FickianShifting:
     ``walls``: how many walls near a particle count, with their tangents in ``planes`` (fluid, walls) as in
     ``WallPoints.nearest_walls``. There the mirror images of its neighbours, and its own, count as well: with points on
     the wall in their place particles would move to it. With ``off_walls`` none stays nearer than ``CLOSEST`` to one.
+    ``across_axis``: flow along the walls goes to the axis, or from it.
     """
 
-    sweeps = SWEEPS
-
-    def __init__(self, points, spacing, walls=0, off_walls=False):
+    def __init__(self, points, spacing, walls=0, off_walls=False, across_axis=False):
         self.points, self.scatter, self.walls, self.off_walls = points, SCATTER * spacing, walls, off_walls
+        self.sweeps = SWEEPS_ACROSS_AXIS if across_axis else SWEEPS
         self.closest = scalar(CLOSEST * spacing)
         if walls:
             self.planes = ti.field(ti.types.vector(3, real()), (points.capacity, walls))

@@ -45,6 +45,8 @@ class WallPoints:
     There are ``count``, each for a part of the wall of ``length`` (count,); ``parts`` are slices of them by body.
     """
 
+    across_axis = False
+
     def __init__(self, bodies, spacing, origin):
         self.bodies, self.spacing, self.origin = bodies, spacing, np.array(origin)
         self.outlines = [self._outline(body) for body in bodies]

@@ -17,11 +17,15 @@ With 0 the largest one is above 2."""
 
 
 class WallsOfRevolution(WallPoints):
-    """Points on walls, ``WallPoints``, that may turn around the axis as well, by the ``spin`` of their bodies."""
+    """Points on walls, ``WallPoints``, that may turn around the axis as well, by the ``spin`` of their bodies.
+
+    ``across_axis`` says whether flow along one of them goes to the axis, or from it.
+    """
 
     def __init__(self, bodies, spacing, origin):
         super().__init__(bodies, spacing, origin)
         self.near_axis = NEAR_AXIS * spacing
+        self.across_axis = any(np.abs(outline.normal[:, 0]).max() > 0.5 for outline in self.outlines)
 
     def _outline(self, body):
         """Return points on the upper half of a wall that is symmetric about the axis, none of them on it."""

@@ -116,3 +116,25 @@ def test_radius_of_an_inner_wall_is_three_spacings(tmp_path, rheology, wall, spa
     found, reason = resolution(scenes.of(load(path)), 1.0)
     assert found == resolved
     assert resolved or reason.startswith("the radius of the inner wall")
+
+
+@pytest.mark.parametrize(
+    ("rheology", "share"),
+    [
+        ("{type: newtonian}", 1.0),
+        # d^2 = t/2 sqrt(d), since the stress sqrt(1/d) of the rate 1/d has the slope sqrt(d)/2
+        ("{type: power_law, index: 0.5, reference_rate: 1.0, least_rate: 1.0e-6}", 0.5 * 0.02 ** (1 / 3)),
+        ("{type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.1}", 0.1),
+    ],
+)
+def test_layer_of_a_pipe_depends_on_the_fluid(tmp_path, rheology, share):
+    """A wall of speed 1 starts in a fluid of viscosity 1; ``share``: of it that carries motion away by t = 0.04."""
+    path = tmp_path / "pipe.yaml"
+    path.write_text(
+        "{name: pipe, scene: pipe, geometry: {radius: 1.0, length: 1.0}, walls: {outer: {angular_velocity: 1.0}}, "
+        f"time: {{end: 1.0}}, fluid: {{density: 1.0, kinematic_viscosity: 1.0, rheology: {rheology}}}, "
+        "discretisation: {particles_across: 20}}"
+    )
+    depth, place = scenes.of(load(path)).thinnest_layer(0.04)
+    assert depth == pytest.approx(math.sqrt(share * 0.04), rel=1e-5)  # of least_rate: 1e-6/(1/d)
+    assert place == "the layer at the wall"

@@ -26,6 +26,7 @@ from tisph.scenes._axisymmetric import measures, views
 from tisph.scenes._axisymmetric.pipe_keys import Cylinder, Drive, Geometry, Walls
 from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder
 from tisph.scenes._initial import Initial, start_problems
+from tisph.scenes._layers import depth
 from tisph.snapshot import STRESSES
 
 AROUND = ("stress_tt", "stress_yt", "stress_yy")
@@ -141,10 +142,10 @@ class Scene(AxisymmetricScene):
         """Depth of the layer at walls after the start, and of one that oscillates; and where it is."""
         layers = []
         if self.initial_state != "developed":
-            layers.append((math.sqrt(self.kinematic_viscosity * t), "the layer at the wall"))
+            layers.append((depth(self, t), "the layer at the wall"))
         if self.drive.oscillates:
-            depth = 0.5 * self.drive.penetration_depth(self.kinematic_viscosity)
-            layers.append((depth, "the layer at the wall of a flow that oscillates"))
+            moved = 0.5 * self.drive.penetration_depth(self.kinematic_viscosity)
+            layers.append((moved, "the layer at the wall of a flow that oscillates"))
         return min(layers, default=(math.inf, ""))
 
     @property

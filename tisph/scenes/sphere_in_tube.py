@@ -27,6 +27,7 @@ from tisph.scenes._axisymmetric import measures, views
 from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder, wall_speed
 from tisph.scenes._axisymmetric.sphere_keys import Drive, Geometry, Sphere, Walls
 from tisph.scenes._initial import RestInitial
+from tisph.scenes._layers import depth
 from tisph.scenes._views import TimeSeries
 
 FRONT = 1.95
@@ -150,8 +151,7 @@ class Scene(AxisymmetricScene):
         """Depth of the layer at the body that started at t = 0, or of that in front of it; and where it is."""
         strain_rate = 1.5 * self.reference_velocity / self.sphere.shape.convex_radius
         front = FRONT * math.sqrt(self.kinematic_viscosity / strain_rate) if strain_rate else math.inf
-        started = math.sqrt(self.kinematic_viscosity * t)
-        return min((started, "the layer at the sphere"), (front, "the layer in front of the sphere"))
+        return min((depth(self, t), "the layer at the sphere"), (front, "the layer in front of the sphere"))
 
     def open_section(self, t):
         """Place along the axis that is farthest from the body at time ``t``."""

@@ -8,8 +8,8 @@ from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.schedule import Schedule
-from tisph.scenes._annulus.flow import spreading_viscosity
 from tisph.scenes._body_scene import BodyScene
+from tisph.scenes._layers import depth, spreading_viscosity
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,14 +98,13 @@ class Cylinders(BodyScene):
         for name, wall in (("inner", self.inner), ("outer", self.outer)):
             if (self.before(wall) != wall.velocity(0.0) and not self.stays_steady) or wall.jump_times:
                 since = t - max((change for change in wall.jump_times if change < t), default=0.0)
-                depth = math.sqrt(spreading_viscosity(self, since) * since)
-                layers.append((depth, f"the layer at the {name} cylinder"))
+                layers.append((depth(self, since), f"the layer at the {name} cylinder"))
             if wall.oscillates:
                 still = self.kinematic_viscosity
                 if self.rheology and not self.polymer and wall.angular_frequency:
                     still = spreading_viscosity(self, 1 / wall.angular_frequency)
-                depth = 0.5 * wall.penetration_depth(still)
-                layers.append((depth, f"the layer at the oscillating {name} cylinder"))
+                moved = 0.5 * wall.penetration_depth(still)
+                layers.append((moved, f"the layer at the oscillating {name} cylinder"))
         return min(layers, default=(math.inf, ""))
 
     def before(self, wall):

@@ -1,16 +1,11 @@
 """Reference flow between the two cylinders of an ``Annulus``, solved for once; and stresses in polar components."""
 
-import math
 from functools import lru_cache
 
 import numpy as np
 
-from tisph.exact._sheared import STEP
 from tisph.exact.circular_start_up import CircularStartUp
 from tisph.exact.start_up import Wall, fluid_of
-
-FIXED_POINT = 20
-"""Iterations for a depth; each reduces its error to a third or less."""
 
 
 def reference_flow(annulus):
@@ -26,22 +21,6 @@ def _solved(rheology, kinematic_viscosity, density, inner_radius, outer_radius, 
     fluid = fluid_of(rheology, kinematic_viscosity, density)
     moved = any(wall.oscillates or wall.velocity(0.0) for wall in before)
     return CircularStartUp(inner_radius, outer_radius, fluid, inner, outer, before if moved else None)
-
-
-def spreading_viscosity(annulus, t):
-    """Kinematic viscosity nu by which a wall's motion has spread to a depth sqrt(nu t) in the time ``t``.
-
-    Of an inelastic fluid it is the slope of the shear stress at the rate that is the largest speed over that depth.
-    """
-    viscosity = annulus.kinematic_viscosity
-    if annulus.polymer:
-        return viscosity * annulus.polymer.diffusive_fraction(t)
-    if annulus.rheology and t > 0.0:
-        fluid = fluid_of(annulus.rheology, viscosity, annulus.density)
-        for _ in range(FIXED_POINT):
-            rate = annulus.reference_velocity / math.sqrt(viscosity * t)
-            viscosity = (fluid.flux(rate + 1j * STEP) / STEP).imag
-    return viscosity
 
 
 def cartesian(stress, x, y):

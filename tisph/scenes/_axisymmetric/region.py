@@ -23,6 +23,7 @@ from tisph.scenes._annulus.cylinders import turning_of
 from tisph.scenes._axisymmetric import measures, views
 from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder, layer_at_plates
 from tisph.scenes._cell.sections import surroundings
+from tisph.scenes._layers import depth
 
 LEAST_ANGLE = np.radians(49.9)
 """Of sharp corners, those on the axis among them: with 45 degrees there, 16 across, fluid in a cone diverged."""
@@ -148,7 +149,7 @@ class RegionOfRevolution(AxisymmetricScene):
 
     def thinnest_layer(self, t):
         """Depth of the layer at walls that started at t = 0, or turn, and where it is."""
-        started = math.sqrt(self.kinematic_viscosity * t), "the layer at walls"
+        started = depth(self, t), "the layer at walls"
         return min(started, layer_at_plates(self)) if self.count or not self.periodic[0] else started
 
     def diagnostics(self, snapshot, series):

@@ -10,6 +10,7 @@ from tisph.geometry.gaps import POINTS, smallest_gap
 from tisph.scenes._body_scene import BodyScene
 from tisph.scenes._cell import diagnostics, free_bodies, shear_stress, views
 from tisph.scenes._cell.walls import farthest, largest_speed
+from tisph.scenes._layers import depth
 
 KOZENY = 5.0
 """Constant of Kozeny and Carman: permeability = porosity^3 / (5 wetted length per area^2)."""
@@ -152,13 +153,13 @@ class Cell(BodyScene):
         """Depth of the layer at walls that started at t = 0, or oscillate, or that flow comes upon; and where it is."""
         strain_rate = 2.0 * self.reference_velocity / self._smallest_radius[0]
         front = FRONT * math.sqrt(self.kinematic_viscosity / strain_rate) if strain_rate else math.inf
-        layers = [(math.sqrt(self.kinematic_viscosity * t), "the layer at bodies and walls")]
+        layers = [(depth(self, t), "the layer at bodies and walls")]
         layers.append((front, "the layer in front of a body"))
         for body in self.bodies:
             for part in (body.motion.x, body.motion.y, body.motion.rotation):
                 if part.oscillates and part.largest_speed:
-                    depth = 0.5 * part.penetration_depth(self.kinematic_viscosity)
-                    layers.append((depth, "the layer at what oscillates"))
+                    moved = 0.5 * part.penetration_depth(self.kinematic_viscosity)
+                    layers.append((moved, "the layer at what oscillates"))
         return min(layers)
 
     def initial(self, x, y):

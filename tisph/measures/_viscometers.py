@@ -23,6 +23,9 @@ VISCOMETERS = ("taylor_couette", "pipe", "sphere_in_tube")
 STEADY = 1e-3
 """Change of what is read over the last tenth of the time above which it is called unsteady."""
 
+NEAR = 0.1
+"""Part of the viscosity at the end by which others that a picture shows may be off it."""
+
 LAMINAR = 1e-6
 """Kinetic energy along radii over that around the axis above which vortices are said to carry a part of the torque."""
 
@@ -118,7 +121,10 @@ def _falling_ball(scene, table, last):
 
 
 def _reading(title, scene, t, viscosity, lines, numbers):
-    """The viscosity at the end, beside that of the config where it is constant, and over time."""
+    """The viscosity at the end, beside that of the config where it is constant, and over time.
+
+    What a start gives, which may be twenty times as large, would flatten the curve: it begins where it is near the end.
+    """
     late = np.interp(0.9 * t[-1], t, viscosity)
     end, given = float(viscosity[-1]), scene.dynamic_viscosity
     words = f" (of the config: {given:.6g}, off by {end / given - 1.0:+.2e})" if scene.rheology is None else ""
@@ -126,7 +132,8 @@ def _reading(title, scene, t, viscosity, lines, numbers):
     if not abs(late / end - 1.0) < STEADY:
         lines.append(f"unsteady: a tenth of the time earlier it was {late:.6g}")
     axis = Axes("time", "viscosity", ("time", "viscosity"))
-    curves = [(axis, "run", t, viscosity, ".")]
+    near = np.abs(viscosity / end - 1.0) < NEAR
+    curves = [(axis, "run", t[near], viscosity[near], ".")]
     if scene.rheology is None:
         curves.append((axis, "config", t[[0, -1]], [given, given], "--"))
     return Reading(title, lines, {**numbers, "viscosity": end}, curves)

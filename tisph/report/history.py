@@ -91,8 +91,9 @@ def _lines(axes, series, chosen, times, values, resolved):
     if series.panels:  # of a force one wants to see how far it is from none, of a place how it changes
         least = _SMALLEST * max(series.sizes[index] for index in chosen)
         low, high = axes.get_ylim()
-        middle = 0.5 * (low + high) if series.panels[chosen[0]][1] in ("length", "angle") else 0.0
-        ends = [middle - least, middle + least, *(1.05 * level for level in known)]
+        kind = series.panels[chosen[0]][1]
+        middle = 0.5 * (low + high) if kind in ("length", "angle") else 0.0
+        ends = [0.0 if kind == "energy" else middle - least, middle + least, *(1.05 * level for level in known)]
         axes.set_ylim(min(low, *ends), max(high, *ends))
 
 

@@ -338,7 +338,8 @@ def test_list(case):
 @pytest.mark.parametrize(("passed", "status"), [(True, 0), (False, 1)])
 def test_verify_tells_by_its_status(monkeypatch, passed, status):
     calls = []
-    suite = types.SimpleNamespace(run=lambda **options: calls.append(options) or passed)
+    called = lambda *given: calls.append(given) or passed  # noqa: E731
+    suite = types.SimpleNamespace(run=called, run_part=called)
     monkeypatch.setitem(sys.modules, "tisph.studies.verify", suite)
     import tisph.studies
 
@@ -346,8 +347,8 @@ def test_verify_tells_by_its_status(monkeypatch, passed, status):
     assert tisph_command("verify", "--quick").exit_code == status
     assert tisph_command("verify", "free_bodies", "--long").exit_code == status
     whole, part = calls
-    assert whole == {"quick": True, "page": False, "part": None, "long": False}
-    assert part == {"quick": False, "page": False, "part": "free_bodies", "long": True}
+    assert whole == (True, False)
+    assert part == ("free_bodies", False, True, None)
 
 
 @pytest.mark.parametrize(

@@ -231,6 +231,18 @@ def test_a_diverged_run_fails_its_checks_and_says_why(fake_process, small_suite,
     assert "jitter_0.2 did not finish: diverged: velocity of particle 7" in output
 
 
+def test_a_suite_with_a_folder_takes_finished_runs_from_there(fake_process, small_suite, monkeypatch, tmp_path, capsys):
+    seen, l2 = fake_process
+    monkeypatch.setattr(suite, "one", lambda *chosen: (small_suite, suite.criteria(True)))
+    assert verify.run_part("couette", quick=True, out=tmp_path / "kept") is True
+    first = capsys.readouterr().out
+    l2["lattice"] = 1.0  # were it run again it would fail
+    assert verify.run_part("couette", quick=True, out=tmp_path / "kept") is True
+    assert capsys.readouterr().out == first
+    assert len(seen) == len(small_suite)
+    assert verify.run_part("couette", quick=True) is False  # nothing is kept without one
+
+
 def test_the_resistance_of_an_array_is_all_that_drives_its_cell():
     """Once the drag holds the drive on the liquid, the body and the falling pressure take up that on the whole cell."""
     (criterion,) = (one for one in suite.criteria(False) if one.runs == ("array_0.05",))

@@ -30,7 +30,7 @@ def verify(
             "--out",
             metavar="DIR",
             parser=folder_name,
-            help=f"With --walls: folder of its results [default: {WALLS_FOLDER}].",
+            help=f"Folder where finished runs stay, of a SUITE, and of --walls [default: {WALLS_FOLDER}].",
         ),
     ] = None,
 ) -> None:
@@ -39,14 +39,14 @@ def verify(
     Prints a table of case, error, bound, pass or FAIL; exit status 1 on a FAIL. With --walls a table of wall
     treatments, with a picture and all numbers in DIR, where finished runs are kept: an interrupted comparison goes
     on with the same command. The whole suite ends with the errors that runs state of themselves (tisph run
-    --estimate-error), over the true ones.
+    --estimate-error), over the true ones. A SUITE with --out DIR keeps its finished runs there likewise.
 
     \b
     Examples:
       tisph verify --quick
       tisph verify
       tisph verify free_bodies
-      tisph verify free_bodies --long
+      tisph verify free_bodies --long --out runs/free-bodies
       tisph verify --page
       tisph verify --walls
     """
@@ -56,8 +56,8 @@ def verify(
         raise ConfigError("a SUITE is not for --walls and --page, which have runs of their own")
     if long and (quick or not part):
         raise ConfigError("--long is for a SUITE, without --quick: tisph verify free_bodies --long")
-    if out and not walls:
-        raise ConfigError("--out is for --walls only: nothing else leaves results")
+    if out and not (walls or part):
+        raise ConfigError("--out is for --walls and for a SUITE: nothing else leaves results")
     if walls:
         from tisph.studies import walls as comparison
 
@@ -65,6 +65,6 @@ def verify(
     else:
         from tisph.studies import verify as suite
 
-        passed = suite.run(quick=quick, page=page, part=part, long=long)
+        passed = suite.run_part(part, quick, long, out) if part else suite.run(quick, page)
     if not passed:
         raise typer.Exit(1)

@@ -4,6 +4,7 @@ Each case is a fresh process, one at a time, so that no run can touch another.
 """
 
 import tempfile
+from contextlib import ExitStack
 from pathlib import Path
 
 from rich.console import Console
@@ -11,7 +12,7 @@ from rich.console import Console
 from tisph.errors import ConfigError
 from tisph.studies import estimate_quality
 from tisph.studies.processes import run_config, run_resumed
-from tisph.studies.store import config_text
+from tisph.studies.store import Store, claimed, config_text
 from tisph.studies.verification import page as page_case
 from tisph.studies.verification import suite
 from tisph.text_table import format_header, format_row, format_table
@@ -19,23 +20,33 @@ from tisph.text_table import format_header, format_row, format_table
 HEADER = ("case", "quantity", "value", "bound", "verdict")
 
 
-def run(quick=False, page=False, part=None, long=False):
+def run(quick=False, page=False):
     """Print the table of the suite (``quick``: of its short runs), or with ``page`` that of the page's case.
 
-    ``part``: name of the one of its parts that is run alone; ``long``: its runs of minutes. Returns True if every check
-    passed, for the page if every run reached its end. Raises ConfigError where the page's configs are not found, or
-    there is no such part.
+    Returns True if every check passed, for the page if every run reached its end. Raises ConfigError where the page's
+    configs are not found.
     """
-    alone = suite.one(part, quick, long) if part else None
     with tempfile.TemporaryDirectory(prefix="tisph-verify-") as folder:
         if page:
             rows = _verify_page(Path(folder))
             return _conclude(rows, "readings reached their end")
-        if alone:
-            configs, criteria = alone
-            return _conclude(_verify_suite(Runner(configs, Path(folder)), criteria), "rows passed")
         rows = _verify_suite(Runner(suite.runs(quick), Path(folder)), suite.criteria(quick))
         return _conclude(rows if quick else rows + _verify_estimates(Path(folder)), "rows passed")
+
+
+def run_part(part, quick=False, long=False, out=None):
+    """Print the table of one ``part`` of the suite; ``long``: its runs of minutes. Returns True if every check passed.
+
+    With ``out``, a folder, finished runs stay there and are not run again. Raises ConfigError where there is no such
+    part, and where the folder cannot be used.
+    """
+    configs, criteria = suite.one(part, quick, long)
+    with ExitStack() as stack:
+        if out:
+            stack.enter_context(claimed(Path(out), "another verification is writing there"))
+        folder = Path(out or stack.enter_context(tempfile.TemporaryDirectory(prefix="tisph-verify-")))
+        runner = Runner(configs, folder, Store(folder) if out else None)
+        return _conclude(_verify_suite(runner, criteria), "rows passed")
 
 
 def _conclude(rows, words):
@@ -48,10 +59,12 @@ def _conclude(rows, words):
 class Runner:
     """Runs cases when their results are first asked for, and keeps the results.
 
-    ``configs`` maps case names to configs as plain dicts; results are kept in subfolders of ``folder``.
+    ``configs`` maps case names to configs as plain dicts; results are kept in subfolders of ``folder``. With a
+    ``store`` of that folder, runs that an earlier command finished are taken from it.
     """
 
-    def __init__(self, configs, folder):
+    def __init__(self, configs, folder, store=None):
+        self._store = store
         self.failures = {}
         self._configs = configs
         self._folder = folder
@@ -60,13 +73,19 @@ class Runner:
     def result(self, name):
         """``Result`` of a case. Where the run stopped early, ``failures[name]`` has its message."""
         if name not in self._results:
-            config_path = self._folder / f"{name}.yaml"
-            config_path.write_text(config_text(name, self._configs[name]), encoding="utf-8")
-            run_case = run_resumed if name.endswith(suite.RESUMED) else run_config
-            self._results[name], message = run_case(config_path, self._folder / name)
+            self._results[name], message = self._outcome(name, self._configs[name])
             if message:
                 self.failures[name] = message
         return self._results[name]
+
+    def _outcome(self, name, config):
+        resumed = name.endswith(suite.RESUMED)
+        if self._store and not resumed:
+            [(_, result, message)] = self._store.outcomes({name: config}, 1)
+            return result, message
+        config_path = self._folder / f"{name}.yaml"
+        config_path.write_text(config_text(name, config), encoding="utf-8")
+        return (run_resumed if resumed else run_config)(config_path, self._folder / name)
 
     def judge(self, criterion):
         """``Check`` of a criterion, after running what it needs."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from tisph.exact.taylor_vortices import critical_reynolds
 from tisph.measures.metrics import fitted_order
-from tisph.studies.flows import merged, oldroyd_b
+from tisph.studies.flows import digits, merged, oldroyd_b
 from tisph.studies.verification.axisymmetric_balance import momentum_closes
 from tisph.studies.verification.criteria import at_most, bounded, ends_at, order
 
@@ -82,10 +82,11 @@ def _sphere(number, closure):
     }
 
 
-def _sphere_in_polymer(number):
-    """Oldroyd-B, solvent fraction 0.5, at De = lambda U/a = 0.3: six relaxation times from the start."""
-    changes = {"fluid": {"kinematic_viscosity": 5.0}, "time": {"end": 0.9, "samples": [0.9]}}
-    return merged(_sphere(number, "no_flux"), oldroyd_b(0.15, 0.5), changes)
+def _sphere_in_polymer(number, deborah, solvent_fraction):
+    """Oldroyd-B, De = lambda U/a: six relaxation times from the start."""
+    relaxation_time, end = digits(0.5 * deborah), digits(3.0 * deborah)
+    changes = {"fluid": {"kinematic_viscosity": 5.0}, "time": {"end": end, "samples": [end]}}
+    return merged(_sphere(number, "no_flux"), oldroyd_b(relaxation_time, solvent_fraction), changes)
 
 
 START = [0.05, 0.2, 0.5]
@@ -104,6 +105,12 @@ EXACT = {"time": {"tolerance": 1e-9}}
 """By the usual tolerance linear systems leave 1e-7, and time steps 4e-4 of a torque that decays."""
 POLYMER = {**FLUID, "rheology": {"type": "oldroyd_b", "relaxation_time": 0.5, "solvent_fraction": 0.1}}
 DEVELOPED = {"initial": {"state": "developed"}}
+SPHERES = {
+    "sphere_polymer": (0.3, 0.5, 28, 36),
+    "sphere_elastic": (0.6, 0.5, 28, 36),
+    "sphere_ucm": (0.3, 1 / 9, 36, 48),
+}
+"""Deborah number, solvent fraction, and particles across of spheres in polymers, by name."""
 
 QUICK = {
     "pipe_20": _pipe(20, 2.0, [*START, 2.0], drive=DRIVEN),
@@ -123,7 +130,11 @@ FULL = QUICK | {
     "pipe_polymer": _pipe(20, 1.0, [1.0], drive=DRIVEN, fluid=POLYMER, scheme=HIGH),
     "spin_up_polymer": _pipe(20, 1.0, [1.0], walls=TURNING, fluid=POLYMER, scheme=HIGH),
     "pipe_uniform": merged(_pipe(20, 0.5, [0.5], walls={"outer": {"velocity": 1.0}}, **DEVELOPED), EXACT),
-    **{f"sphere_polymer_{number}": _sphere_in_polymer(number) for number in (32, 36)},
+    **{
+        f"{name}_{number}": _sphere_in_polymer(number, *fluid)
+        for name, (*fluid, coarse, fine) in SPHERES.items()
+        for number in (coarse, fine)
+    },
     "momentum_28": _vortices(28, 0.5, 109.098, WAVES[0.5], 0.1, 20.0, [5.0, 20.0]),
 }
 
@@ -184,7 +195,7 @@ def criteria(quick):
         *(at_most("swirl_20", 0.4, f"torque_{side} off exact", 1e-4) for side in ("inner", "outer")),
         momentum_closes("momentum_28", 1e-3),
         _drag("sphere_closed", "no_flux"),
-        _refined("sphere_polymer_32", "sphere_polymer_36"),
+        *(_refined(f"{name}_{coarse}", f"{name}_{fine}") for name, (*_, coarse, fine) in SPHERES.items()),
         *(_critical(ratio) for ratio in WAVES),
         *(row for reynolds in SATURATED for row in _saturated(reynolds)),
     ]

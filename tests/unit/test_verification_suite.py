@@ -173,7 +173,7 @@ def test_a_number_whose_reference_a_sample_lacks_is_none():
 
 @pytest.mark.parametrize(("status", "value"), [("done", 0.1), ("diverged", math.nan)])
 def test_only_a_run_that_reached_its_end_ends_at_a_value(status, value):
-    criterion = ends_at("array", "drag", 10.0, 0.2, lambda sample: sample["drag"])
+    criterion = ends_at("array", "drag", 10.0, 0.2, lambda run: run.last["drag"])
     check = criterion.judge(Result(Path(), {"status": status, "samples": [{"drag": 5.0}, {"drag": 11.0}]}))
     assert check.value == pytest.approx(value, nan_ok=True)
     assert check.passed == (status == "done")

@@ -45,7 +45,8 @@ def walls(bottom, top):
 
 def at_times(samples):
     """Change of the times of samples, the last of which is the end."""
-    return {"time": {"end": samples[-1], "samples": list(samples)}}
+    samples = [digits(time) for time in samples]  # 1.8, not 1.7999999999999998
+    return {"time": {"end": samples[-1], "samples": samples}}
 
 
 def treatment(name):
@@ -96,8 +97,7 @@ def _flow(title, samples, measure, *changes):
 def sampled(config, sample_times):
     """The config with samples at the given t* = nu t/gap^2, which ends at the last one."""
     viscous_time = config["geometry"]["gap"] ** 2 / config["fluid"]["kinematic_viscosity"]
-    samples = [digits(t_star * viscous_time) for t_star in sample_times]  # 1.8, not 1.7999999999999998
-    return {**config, **at_times(samples)}
+    return {**config, **at_times([t_star * viscous_time for t_star in sample_times])}
 
 
 def merged(config, *changes):

@@ -10,10 +10,9 @@ import math
 import numpy as np
 
 from tisph.exact.taylor_vortices import critical_reynolds
-from tisph.measures.metrics import fitted_order
-from tisph.studies.flows import digits, merged, oldroyd_b
+from tisph.studies.flows import at_times, digits, merged, oldroyd_b
 from tisph.studies.verification.axisymmetric_balance import momentum_closes
-from tisph.studies.verification.criteria import at_most, bounded, ends_at, order
+from tisph.studies.verification.criteria import at_most, ends_as, ends_at, of_whole_runs, order, order_of
 
 FLUID = {"density": 1.0, "kinematic_viscosity": 1.0}
 
@@ -44,19 +43,19 @@ DRAGS = {"no_flux": 5.947377, "periodic_pressure": 2.334005}
 """Over 6 pi mu a U, of a sphere of half the tube's radius in a period of four of these."""
 
 
-def _pipe(number, end, samples, **sections):
+def _pipe(number, samples, **sections):
     return {
         "scene": "pipe",
         "fluid": FLUID,
         "geometry": {"radius": 1.0, "length": 1.0, **sections.pop("geometry", {})},
         "initial": {"jitter": 0.2, **sections.pop("initial", {})},
         "discretisation": {"particles_across": number},
-        "time": {"end": end, "samples": samples},
+        **at_times(samples),
         **sections,
     }
 
 
-def _vortices(number, ratio, reynolds, wavenumber, disturbance, end, samples):
+def _vortices(number, ratio, reynolds, wavenumber, disturbance, samples):
     """Cylinders with a gap of 1, of which the inner one has the speed 1."""
     inner = ratio / (1.0 - ratio)
     return {
@@ -66,7 +65,7 @@ def _vortices(number, ratio, reynolds, wavenumber, disturbance, end, samples):
         "walls": {"inner": {"angular_velocity": 1.0 / inner}},
         "initial": {"state": "developed", "disturbance": disturbance, "jitter": 0.2},
         "discretisation": {"particles_across": number},
-        "time": {"end": end, "samples": samples},
+        **at_times(samples),
     }
 
 
@@ -78,15 +77,14 @@ def _sphere(number, closure):
         "sphere": {"velocity": 1.0},
         "closure": closure,
         "discretisation": {"particles_across": number},
-        "time": {"end": 0.01, "samples": [0.01]},
+        **at_times([0.01]),
     }
 
 
 def _sphere_in_polymer(number, deborah, solvent_fraction):
     """Oldroyd-B, De = lambda U/a: six relaxation times from the start."""
-    relaxation_time, end = digits(0.5 * deborah), digits(3.0 * deborah)
-    changes = {"fluid": {"kinematic_viscosity": 5.0}, "time": {"end": end, "samples": [end]}}
-    return merged(_sphere(number, "no_flux"), oldroyd_b(relaxation_time, solvent_fraction), changes)
+    polymer, fluid = oldroyd_b(digits(0.5 * deborah), solvent_fraction), {"fluid": {"kinematic_viscosity": 5.0}}
+    return merged(_sphere(number, "no_flux"), polymer, fluid, at_times([digits(3.0 * deborah)]))
 
 
 START = [0.05, 0.2, 0.5]
@@ -113,29 +111,29 @@ SPHERES = {
 """Deborah number, solvent fraction, and particles across of spheres in polymers, by name."""
 
 QUICK = {
-    "pipe_20": _pipe(20, 2.0, [*START, 2.0], drive=DRIVEN),
-    "spin_up_20": _pipe(20, 0.5, START, walls=TURNING),
-    "vortex_20": _vortices(20, 0.5, *MARCUS[:2], 1e-4, 80.0, [80.0]),
+    "pipe_20": _pipe(20, [*START, 2.0], drive=DRIVEN),
+    "spin_up_20": _pipe(20, START, walls=TURNING),
+    "vortex_20": _vortices(20, 0.5, *MARCUS[:2], 1e-4, [80.0]),
     "sphere_16": _sphere(16, "periodic_pressure"),
     "sphere_24": _sphere(24, "periodic_pressure"),
 }
 FULL = QUICK | {
-    "pipe_steady": _pipe(20, 1.0, [1.0], drive=DRIVEN, **DEVELOPED),
-    "womersley_20": _pipe(20, PULSES[-1], [*PULSES], drive=PULSE, scheme=HIGH, **DEVELOPED),
-    "annular_20": _pipe(20, 0.1, [0.0125, 0.1], **ANNULAR),
-    "swirl_20": _pipe(20, 0.1, [0.0125, 0.1], **INNER),
+    "pipe_steady": _pipe(20, [1.0], drive=DRIVEN, **DEVELOPED),
+    "womersley_20": _pipe(20, PULSES, drive=PULSE, scheme=HIGH, **DEVELOPED),
+    "annular_20": _pipe(20, [0.0125, 0.1], **ANNULAR),
+    "swirl_20": _pipe(20, [0.0125, 0.1], **INNER),
     "sphere_closed": _sphere(24, "no_flux"),
-    **{f"pipe_high_{number}": _pipe(number, 0.05, [0.05], drive=DRIVEN, scheme=HIGH, **LONGER) for number in FINE},
-    "spin_up_fine": merged(_pipe(20, 0.2, [0.2], walls=TURNING), EXACT),
-    "pipe_polymer": _pipe(20, 1.0, [1.0], drive=DRIVEN, fluid=POLYMER, scheme=HIGH),
-    "spin_up_polymer": _pipe(20, 1.0, [1.0], walls=TURNING, fluid=POLYMER, scheme=HIGH),
-    "pipe_uniform": merged(_pipe(20, 0.5, [0.5], walls={"outer": {"velocity": 1.0}}, **DEVELOPED), EXACT),
+    **{f"pipe_high_{number}": _pipe(number, [0.05], drive=DRIVEN, scheme=HIGH, **LONGER) for number in FINE},
+    "spin_up_fine": merged(_pipe(20, [0.2], walls=TURNING), EXACT),
+    "pipe_polymer": _pipe(20, [1.0], drive=DRIVEN, fluid=POLYMER, scheme=HIGH),
+    "spin_up_polymer": _pipe(20, [1.0], walls=TURNING, fluid=POLYMER, scheme=HIGH),
+    "pipe_uniform": merged(_pipe(20, [0.5], walls={"outer": {"velocity": 1.0}}, **DEVELOPED), EXACT),
     **{
         f"{name}_{number}": _sphere_in_polymer(number, *fluid)
         for name, (*fluid, coarse, fine) in SPHERES.items()
         for number in (coarse, fine)
     },
-    "momentum_28": _vortices(28, 0.5, 109.098, WAVES[0.5], 0.1, 20.0, [5.0, 20.0]),
+    "momentum_28": _vortices(28, 0.5, 109.098, WAVES[0.5], 0.1, [5.0, 20.0]),
 }
 
 
@@ -146,7 +144,7 @@ def _critical_runs():
         critical = critical_reynolds(ratio, wave)
         for part in AROUND:
             disturbance, end = LINEAR
-            found[_name(ratio, part)] = _vortices(20, ratio, part * critical, wave, disturbance, end, [end])
+            found[_name(ratio, part)] = _vortices(20, ratio, part * critical, wave, disturbance, [end])
     return found
 
 
@@ -158,10 +156,7 @@ def runs(quick):
     """Configs by run name, as plain dicts."""
     if quick:
         return QUICK
-    saturated = {
-        f"saturated_{reynolds:g}": _vortices(24, 0.5, reynolds, WAVES[0.5], 3e-2, 240.0, [240.0])
-        for reynolds in SATURATED
-    }
+    saturated = {f"saturated_{each:g}": _vortices(24, 0.5, each, WAVES[0.5], 3e-2, [240.0]) for each in SATURATED}
     return FULL | _critical_runs() | saturated
 
 
@@ -172,7 +167,7 @@ def criteria(quick):
         at_most("pipe_20", 2.0, "l2", STEADY),
         *_errors("spin_up_20", "torque_outer"),
         _growth(),
-        _order("sphere 16/24", {"sphere_16": 16, "sphere_24": 24}),
+        order_of(_drag_error, "sphere 16/24", "drag order", {"sphere_16": 16, "sphere_24": 24}, 2.5),
         _drag("sphere_24", "periodic_pressure"),
     ]
     if quick:
@@ -195,7 +190,10 @@ def criteria(quick):
         *(at_most("swirl_20", 0.4, f"torque_{side} off exact", 1e-4) for side in ("inner", "outer")),
         momentum_closes("momentum_28", 1e-3),
         _drag("sphere_closed", "no_flux"),
-        *(_refined(f"{name}_{coarse}", f"{name}_{fine}") for name, (*_, coarse, fine) in SPHERES.items()),
+        *(
+            ends_as(f"{name}_{coarse}", f"{name}_{fine}", "drag ratio", 1e-2, _last("drag_ratio"))
+            for name, (*_, coarse, fine) in SPHERES.items()
+        ),
         *(_critical(ratio) for ratio in WAVES),
         *(row for reynolds in SATURATED for row in _saturated(reynolds)),
     ]
@@ -215,28 +213,23 @@ def _near_axis(case, place):
     """
 
     def ratio(result):
-        if not result.last:
-            return math.nan
         sample, arrays = f"sample_{place:03d}", result.arrays()
         error = np.abs(arrays[f"{sample}/u"] - arrays[f"{sample}/u_exact"])
         near = arrays[f"{sample}/y"] < 3.0 * result.summary["numbers"]["spacing"]
         return error[near].max() / error[~near].max()
 
-    return bounded(case, f"error near the axis over that elsewhere, sample {place}", 1.0, ratio)
+    return of_whole_runs(case, f"error near the axis over that elsewhere, sample {place}", 1.0, ratio)
 
 
 def _growth():
     reynolds, _, rate = MARCUS
-
-    def off(result):
-        return abs(_last(result, "growth_rate") / rate - 1.0)
-
-    return bounded("vortex_20", f"growth rate off Marcus at Re {reynolds:g}", 1e-2, off)
+    words = f"growth rate off Marcus at Re {reynolds:g}"
+    return of_whole_runs("vortex_20", words, 1e-2, lambda run: abs(run.last["growth_rate"] / rate - 1.0))
 
 
-def _last(result, quantity):
-    """A number of the sample at the end of a run; NaN where that was not reached."""
-    return result.last[quantity] if result.last else math.nan
+def _last(quantity):
+    """Function of a result: a number of the sample at the end."""
+    return lambda result: result.last[quantity]
 
 
 def _critical(ratio):
@@ -244,38 +237,26 @@ def _critical(ratio):
     exact = critical_reynolds(ratio, WAVES[ratio])
 
     def off(*results):
-        rates = [_last(result, "growth_rate") for result in results]
+        rates = [result.last["growth_rate"] for result in results]
         if not np.isfinite(rates).all():
             return math.nan
         zeros = np.roots(np.polyfit(AROUND, rates, 2))
         return abs(zeros[np.argmin(np.abs(zeros - 1.0))] - 1.0)
 
     names = tuple(_name(ratio, part) for part in AROUND)
-    return bounded(f"ratio {ratio:.3g}", f"critical Re off {exact:.6g}", 2e-3, off, names)
+    return of_whole_runs(f"ratio {ratio:.3g}", f"critical Re off {exact:.6g}", 2e-3, off, names)
 
 
 def _saturated(reynolds):
     torque, radial = SATURATED[reynolds]
     case = f"saturated_{reynolds:g}"
-    yield ends_at(case, "torque ratio", torque, 3e-3, lambda sample: sample["torque_ratio"])
-    yield ends_at(case, "radial velocity", radial, 1e-2, lambda sample: sample["radial_velocity"])
+    yield ends_at(case, "torque ratio", torque, 3e-3, _last("torque_ratio"))
+    yield ends_at(case, "radial velocity", radial, 1e-2, _last("radial_velocity"))
 
 
 def _drag(case, closure):
-    return ends_at(case, "drag ratio", DRAGS[closure], 5e-3, lambda sample: sample["drag_ratio"])
+    return ends_at(case, "drag ratio", DRAGS[closure], 5e-3, _last("drag_ratio"))
 
 
-def _refined(case, finer):
-    def off(coarse, fine):
-        return abs(_last(coarse, "drag_ratio") / _last(fine, "drag_ratio") - 1.0)
-
-    return bounded(case, f"drag ratio off {finer}", 1e-2, off, (case, finer))
-
-
-def _order(case, resolutions):
-    def fitted(*results):
-        exact = DRAGS["periodic_pressure"]
-        errors = [abs(_last(result, "drag_ratio") / exact - 1.0) for result in results]
-        return fitted_order(resolutions.values(), errors)
-
-    return bounded(case, "drag order", 2.5, fitted, tuple(resolutions), sign=">=")
+def _drag_error(result):
+    return abs(result.last["drag_ratio"] / DRAGS["periodic_pressure"] - 1.0)

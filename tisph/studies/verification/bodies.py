@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 
-from tisph.studies.flows import across, merged, walls
-from tisph.studies.verification.criteria import Criterion, ends_at
+from tisph.studies.flows import across, at_times, merged, walls
+from tisph.studies.verification.criteria import ends_at, of_whole_runs
 
 VISCOSITY = 10.0
 
@@ -42,18 +42,13 @@ def _array(fraction, number, end, centre=0.5):
     radius = round(math.sqrt(fraction / math.pi), 8)
     drive = {"drive": {"acceleration": VISCOSITY * RESISTANCES[fraction]}}
     shape = merged(_cylinder(centre, centre, radius), drive, across(number))
-    return merged(SLOW, {"scene": "lattice"}, CELL, shape, _until(end))
+    return merged(SLOW, {"scene": "lattice"}, CELL, shape, at_times([end]))
 
 
 def _in_shear(number, motion):
     """A cylinder of radius 0.1 in the middle of Couette flow of shear rate 1, one in each gap of length."""
     cell = {"scene": "channel", "geometry": {"gap": 1.0, "length": 1.0}, **_cylinder(0.5, 0.5, 0.1, motion)}
-    return merged(SLOW, cell, walls(-0.5, 0.5), across(number), _until(0.03))
-
-
-def _until(*times):
-    times = [float(f"{time:.12g}") for time in times]
-    return {"time": {"end": times[-1], "samples": times}}
+    return merged(SLOW, cell, walls(-0.5, 0.5), across(number), at_times([0.03]))
 
 
 def _ever_longer(start, end, count):
@@ -67,7 +62,7 @@ MORRIS = merged(
     {"scene": "channel", "geometry": {"gap": 0.8, "length": 1.2}, "walls": {}, "drive": {"acceleration": 2000.0}},
     _cylinder(0.6, 0.4, 0.2),
     across(40),
-    _until(0.05),
+    at_times([0.05]),
 )
 
 RESOLVED = 4.7 / (VISCOSITY * 40**2)
@@ -80,7 +75,7 @@ QUICK = {
 
 FULL = {
     **QUICK,
-    "array_0.2": merged(_array(0.2, 40, 0.03), _until(*_ever_longer(RESOLVED, 0.03, 12))),
+    "array_0.2": merged(_array(0.2, 40, 0.03), at_times(_ever_longer(RESOLVED, 0.03, 12))),
     "array_0.05": _array(0.05, 80, 0.05),
     "array_0.2_corners": _array(0.2, 40, 0.03, centre=0.0),
     "morris": MORRIS,
@@ -120,8 +115,8 @@ def _resistance(name, fraction):
     """The velocity that the drive brings about, and with it what the body and the falling pressure take up."""
     drive, area = FULL[name]["drive"]["acceleration"], _solid(name)
 
-    def resistance(sample):
-        return (sample["drag"] + drive * area) / (VISCOSITY * sample["superficial_velocity"])
+    def resistance(run):
+        return (run.last["drag"] + drive * area) / (VISCOSITY * run.last["superficial_velocity"])
 
     return ends_at(name, "drag over viscosity and velocity", RESISTANCES[fraction], 3e-3, resistance)
 
@@ -131,39 +126,28 @@ def _morris():
     velocity = MORRIS_VELOCITY * drive * 0.2**2 / VISCOSITY
     force = drive * (0.8 * 1.2 - _solid("morris"))
     return [
-        ends_at(
-            "morris",
-            "drag over viscosity and velocity",
-            MORRIS_RESISTANCE,
-            5e-3,
-            lambda sample: sample["drag"] / (VISCOSITY * sample["superficial_velocity"]),
-        ),
-        ends_at("morris", "flow rate", 0.8 * velocity, 3e-3, lambda sample: sample["flow_rate"]),
-        ends_at(
-            "morris",
-            "drag on all",
-            force,
-            1e-3,
-            lambda sample: sum(sample[f"drag{part}"] for part in ("", "_bottom", "_top")),
-        ),
+        ends_at("morris", "drag over viscosity and velocity", MORRIS_RESISTANCE, 5e-3, _drag_over_velocity),
+        ends_at("morris", "flow rate", 0.8 * velocity, 3e-3, lambda run: run.last["flow_rate"]),
+        ends_at("morris", "drag on all", force, 1e-3, _drag_on_all),
     ]
+
+
+def _drag_over_velocity(run):
+    return run.last["drag"] / (VISCOSITY * run.last["superficial_velocity"])
+
+
+def _drag_on_all(run):
+    return sum(run.last[f"drag{part}"] for part in ("", "_bottom", "_top"))
 
 
 def _shear(name, stress):
-    return [
-        ends_at(
-            name,
-            f"stress of the {side} wall",
-            stress,
-            5e-3,
-            lambda sample, side=side, way=way: way * sample[f"drag_{side}"] / VISCOSITY,
-        )
-        for side, way in (("bottom", 1.0), ("top", -1.0))
-    ]
+    for side, way in (("bottom", 1.0), ("top", -1.0)):
+        value = lambda run, side=side, way=way: way * run.last[f"drag_{side}"] / VISCOSITY  # noqa: E731
+        yield ends_at(name, f"stress of the {side} wall", stress, 5e-3, value)
 
 
 def _torque(name, bound):
-    return ends_at(name, "torque", HELD_TORQUE, bound, lambda sample: sample["torque"] / VISCOSITY)
+    return ends_at(name, "torque", HELD_TORQUE, bound, lambda run: run.last["torque"] / VISCOSITY)
 
 
 def _momentum(name, bound):
@@ -177,11 +161,9 @@ def _momentum(name, bound):
         net = drive - drag  # over each interval, whose middle is a sample too, by Simpson
         impulse = (t[2::2] - t[:-2:2]) / 6 * (net[:-2:2] + 4 * net[1::2] + net[2::2])
         rest = (momentum[2::2] - momentum[:-2:2] - impulse) / (t[2::2] - t[:-2:2])
-        return np.abs(rest).max() / max(drive, np.abs(drag).max()) if result.last else math.nan
+        return np.abs(rest).max() / max(drive, np.abs(drag).max())
 
-    return Criterion(
-        name, "momentum not accounted for, at most", f"<= {bound:g}", (name,), unbalanced, lambda value: value <= bound
-    )
+    return of_whole_runs(name, "momentum not accounted for, at most", bound, unbalanced)
 
 
 def _solid(name):

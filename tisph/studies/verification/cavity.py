@@ -5,7 +5,7 @@ steady, at Re = 100 but for the slow one, which has Re = 1. The particles start 
 arrangement.
 """
 
-from tisph.studies.flows import across, merged
+from tisph.studies.flows import across, at_times, merged
 from tisph.studies.verification.criteria import at_least, at_most, order
 
 SHARP = {
@@ -45,10 +45,7 @@ LINES = {"cavity_25": 3e-3, "cavity_50": 2e-3}
 def runs(quick):
     """Configs by run name, as plain dicts."""
     chosen = QUICK if quick else FULL
-    return {
-        name: merged(config, across(number), {"time": {"end": end, "samples": [end]}})
-        for name, (config, number, end) in chosen.items()
-    }
+    return {name: merged(config, across(number), at_times([end])) for name, (config, number, end) in chosen.items()}
 
 
 def criteria(quick):

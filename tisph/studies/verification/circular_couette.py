@@ -8,7 +8,7 @@ arrangement, and move.
 import math
 
 from tisph.studies.flows import across, at_times, merged
-from tisph.studies.verification.criteria import Criterion, at_most, order, same_bits
+from tisph.studies.verification.criteria import at_most, bounded, order, same_bits
 
 VISCOSITY = 0.02
 
@@ -148,8 +148,7 @@ def _force(name, t_star, bound):
         x, y, exact = (result.measure(t_star, f"force_{part}") for part in ("x", "y", "y_exact"))
         return math.hypot(x, y - exact) / abs(exact)
 
-    quantity = f"force off exact at t* = {t_star:g}"
-    return Criterion(name, quantity, f"<= {bound:g}", (name,), off, lambda value: value <= bound)
+    return bounded(name, f"force off exact at t* = {t_star:g}", bound, off)
 
 
 def _sampled(config, *changes_and_times):

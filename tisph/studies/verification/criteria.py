@@ -64,12 +64,17 @@ def steps_at_most(case, bound, t_star):
 
 
 def ends_at(case, quantity, expected, bound, value):
-    """At the end of the run ``value(sample)``, called ``quantity``, is ``expected`` within the fraction ``bound``."""
+    """``value(result)`` of the whole run, called ``quantity``, is ``expected`` within the fraction ``bound``."""
+    return of_whole_runs(case, f"{quantity} off {expected:g}", bound, lambda result: abs(value(result) / expected - 1))
 
-    def off(result):
-        return abs(value(result.last) / expected - 1) if result.last else math.nan
 
-    return bounded(case, f"{quantity} off {expected:g}", bound, off)
+def ends_as(case, reference, quantity, bound, value):
+    """``value(result)`` of the whole run is that of the run ``reference`` within the fraction ``bound``."""
+
+    def off(ours, other):
+        return abs(value(ours) / value(other) - 1)
+
+    return of_whole_runs(case, f"{quantity} off {reference}", bound, off, (case, reference))
 
 
 def near(case, reference, t_star, tolerance, quantity="l2"):
@@ -102,6 +107,15 @@ def order(case, resolutions, t_star, bound, quantity="l2"):
     return bounded(case, f"{quantity} order at t* = {t_star:g}", bound, fitted, tuple(resolutions), sign=">=")
 
 
+def order_of(error, case, quantity, resolutions, bound):
+    """The same of an ``error(result)`` of whole runs."""
+
+    def fitted(*results):
+        return fitted_order(resolutions.values(), [error(result) for result in results])
+
+    return of_whole_runs(case, quantity, bound, fitted, tuple(resolutions), sign=">=")
+
+
 def same_velocities(case, reference, bound):
     """Every particle has the velocity (u, v)/U of the run ``reference`` at every sample, within ``bound``."""
 
@@ -128,6 +142,15 @@ def same_bits(case, reference):
         return sum(arrays[key].tobytes() != others[key].tobytes() for key in arrays)
 
     return bounded(case, f"arrays that differ from {reference}", 0, differing_arrays, (case, reference), sign="=")
+
+
+def of_whole_runs(case, quantity, bound, value, runs=None, sign="<="):
+    """As ``bounded``; the value is NaN where one of the runs stopped early."""
+
+    def whole(*results):
+        return value(*results) if all(result.last for result in results) else math.nan
+
+    return bounded(case, quantity, bound, whole, runs, sign)
 
 
 def bounded(case, quantity, bound, value, runs=None, sign="<="):

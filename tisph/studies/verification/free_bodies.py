@@ -17,10 +17,9 @@ from itertools import pairwise
 import numpy as np
 from scipy.integrate import simpson
 
-from tisph.measures.metrics import fitted_order
 from tisph.studies.verification import free_bodies_cases as cases
 from tisph.studies.verification.bodies import HELD_STRESS, HELD_TORQUE, RESISTANCES
-from tisph.studies.verification.criteria import bounded
+from tisph.studies.verification.criteria import ends_as, ends_at, of_whole_runs, order_of
 from tisph.studies.verification.free_bodies_cases import VISCOSITY
 
 
@@ -45,7 +44,7 @@ def criteria(quick):
         *_pair(),
         *(_ellipse(degrees) for degrees in cases.ANGLES),
         *(row for density in cases.DRAWN for row in _momentum(density)),
-        *(row for reynolds in cases.REYNOLDS for row in _refined(reynolds)),
+        *(_refined(reynolds) for reynolds in cases.REYNOLDS),
         *(_slower(*pair) for pair in pairwise(cases.REYNOLDS)),
     ]
 
@@ -57,27 +56,18 @@ def added_mass(fraction):
     return (1.0 - fraction - conductivity) / fraction
 
 
-def at_end(result, field, place=0):
-    """The number at ``place`` in a ``field`` of ``tisph.snapshot.Bodies`` at the end; NaN of no whole run."""
-    return result.bodies(field)[-1][place] if result.last else math.nan
-
-
-def body_ends(name, field, expected, bound):
-    """A number of the body at the end of the run is ``expected``, within the fraction ``bound``."""
-    words = f"{field.replace('_', ' ')} off {expected:g}"
-    return bounded(name, words, bound, lambda run: abs(at_end(run, field) / expected - 1))
+def angular_velocity(run):
+    """That of the first body at the end."""
+    return run.bodies("angular_velocity")[-1][0]
 
 
 def stress_ends(name, config, expected, bound):
     """The mean stress of the walls over dynamic viscosity and shear rate is ``expected``, within ``bound`` of it."""
-    words = f"stress of the walls off {expected:g}"
-    return bounded(name, words, bound, lambda run: abs(wall_stress(run, config) / expected - 1))
+    return ends_at(name, "stress of the walls", expected, bound, lambda run: wall_stress(run, config))
 
 
 def wall_stress(run, config):
-    """Shear stress of the walls, mean of both, over dynamic viscosity and a shear rate of 1; NaN of no whole run."""
-    if not run.last:
-        return math.nan
+    """Shear stress of the walls at the end, mean of both, over dynamic viscosity and a shear rate of 1."""
     force = 0.5 * (run.last["drag_bottom"] - run.last["drag_top"])
     return force / (config["geometry"]["length"] * config["fluid"]["kinematic_viscosity"])
 
@@ -87,8 +77,6 @@ def _rest():
 
     def off(u):
         def largest(run):
-            if not run.last:
-                return math.nan
             arrays = run.arrays()
             fluid = [arrays["sample_001/u"] - u, arrays["sample_001/v"]]
             body = [run.bodies("velocity")[-1] - [u, 0.0], run.bodies("angular_velocity")[-1]]
@@ -97,9 +85,9 @@ def _rest():
         return largest
 
     return [
-        bounded("free_at_rest", "velocities over sqrt(g R)", 1e-12, off(0.0)),
-        bounded("free_falling", "velocities off g t, over sqrt(g R)", 1e-8, off(1.0)),
-        bounded("free_uniform", "velocities off those of the walls, over sqrt(g R)", 1e-8, off(1.0)),
+        of_whole_runs("free_at_rest", "velocities over sqrt(g R)", 1e-12, off(0.0)),
+        of_whole_runs("free_falling", "velocities off g t, over sqrt(g R)", 1e-8, off(1.0)),
+        of_whole_runs("free_uniform", "velocities off those of the walls, over sqrt(g R)", 1e-8, off(1.0)),
     ]
 
 
@@ -107,70 +95,58 @@ def _release(density):
     """The first acceleration, and that while no layer is resolved: what that adds is of first order in the spacing."""
     expected = -(density - 1.0) / (density + added_mass(math.pi / 16))
     return [
-        bounded(
+        of_whole_runs(
             f"released_{density:g}",
             f"mean acceleration to {time:g} off {expected:.6f}",
             bound,
-            lambda run, time=time, index=index: _mean_acceleration_off(run, index, time, expected),
+            lambda run, time=time, index=index: abs(run.bodies("velocity")[index, 0, 1] / time / expected - 1),
         )
         for index, (time, bound) in enumerate(((cases.FIRST, 1e-4), (cases.EARLY, 5e-3)))
     ]
 
 
-def _mean_acceleration_off(run, index, time, expected):
-    return abs(run.bodies("velocity")[index, 0, 1] / time / expected - 1) if run.last else math.nan
-
-
 def _resistance(fraction):
     """Force over viscosity and velocity, that against fluid and bodies on the whole."""
-    name, expected = f"driven_{fraction:g}", RESISTANCES[fraction]
+    expected = RESISTANCES[fraction]
 
-    def off(run):
-        if not run.last:
-            return math.nan
-        velocity = at_end(run, "velocity", (0, 0)) - run.last["superficial_velocity"]
-        return abs(1.0 / velocity - 1)  # the force is what this velocity asks for at 1
+    def resistance(run):
+        velocity = run.bodies("velocity")[-1, 0, 0] - run.last["superficial_velocity"]
+        return expected / velocity  # the force is what a velocity of 1 asks for
 
-    return bounded(name, f"force over viscosity and velocity off {expected:g}", 3e-3, off)
+    return ends_at(f"driven_{fraction:g}", "force over viscosity and velocity", expected, 3e-3, resistance)
 
 
 def _shear(name):
     *_, rotation, stress = cases.IN_SHEAR[name]
-    config = cases.FULL[name]
-    return [body_ends(name, "angular_velocity", rotation, 1e-3), stress_ends(name, config, stress, 5e-4)]
+    turns = ends_at(name, "angular velocity", rotation, 1e-3, angular_velocity)
+    return [turns, stress_ends(name, cases.FULL[name], stress, 5e-4)]
 
 
 def _order(*names):
     """Of the stress of the walls: its error is the one that is above the scatter by the particles' places."""
+    config, stress = cases.FULL[names[0]], cases.IN_SHEAR[names[0]][-1]
 
-    def fitted(*results):
-        pairs = zip(names, results, strict=True)
-        errors = [abs(wall_stress(run, cases.FULL[name]) / cases.IN_SHEAR[name][-1] - 1) for name, run in pairs]
-        return fitted_order([cases.IN_SHEAR[name][2] for name in names], errors)
+    def error(run):
+        return abs(wall_stress(run, config) / stress - 1)
 
-    return bounded("free_shear_large 25/50", "order of the stress of the walls", 2.5, fitted, names, sign=">=")
+    resolutions = {name: cases.IN_SHEAR[name][2] for name in names}
+    return order_of(error, "free_shear_large 25/50", "order of the stress of the walls", resolutions, 2.5)
 
 
 def _held():
     name = "held_from_turning"
-    torque = HELD_TORQUE * VISCOSITY
-    return [body_ends(name, "torque", torque, 2e-3), stress_ends(name, cases.FULL[name], HELD_STRESS, 5e-4)]
+    held = ends_at(name, "torque", HELD_TORQUE * VISCOSITY, 2e-3, lambda run: run.bodies("torque")[-1][0])
+    return [held, stress_ends(name, cases.FULL[name], HELD_STRESS, 5e-4)]
 
 
 def _settling(name):
     """Velocity, and flow rate over that which is dragged along."""
     _, velocity, flow_rate = cases.SETTLING[name]
     scale = max(each for *_, each in cases.SETTLING.values())
+    words = f"flow rate off {flow_rate:g}, over {scale:g}"
     return [
-        bounded(
-            name, f"velocity off {velocity:g}", 3e-3, lambda run: abs(at_end(run, "velocity", (0, 0)) / velocity - 1)
-        ),
-        bounded(
-            name,
-            f"flow rate off {flow_rate:g}, over {scale:g}",
-            2e-3,
-            lambda run: abs(run.last["flow_rate"] - flow_rate) / scale if run.last else math.nan,
-        ),
+        ends_at(name, "velocity", velocity, 3e-3, lambda run: run.bodies("velocity")[-1, 0, 0]),
+        of_whole_runs(name, words, 2e-3, lambda run: abs(run.last["flow_rate"] - flow_rate) / scale),
     ]
 
 
@@ -179,17 +155,15 @@ def _pair():
 
     def off(run):
         signs = np.array([[1.0], [-1.0]])
-        return (
-            np.abs(run.bodies("velocity")[-1, :2] / signs - cases.PAIR_VELOCITY).max() / speed if run.last else math.nan
-        )
+        return np.abs(run.bodies("velocity")[-1, :2] / signs - cases.PAIR_VELOCITY).max() / speed
 
     def rotation_off(run):
-        return np.abs(run.bodies("angular_velocity")[-1, :2] / cases.PAIR_ROTATION - 1).max() if run.last else math.nan
+        return np.abs(run.bodies("angular_velocity")[-1, :2] / cases.PAIR_ROTATION - 1).max()
 
     speed = math.hypot(*cases.PAIR_VELOCITY)
     return [
-        bounded("pair", "velocities off, over the speed", 1e-3, off),
-        bounded("pair", f"angular velocities off {cases.PAIR_ROTATION:g}", 1e-3, rotation_off),
+        of_whole_runs("pair", "velocities off, over the speed", 1e-3, off),
+        of_whole_runs("pair", f"angular velocities off {cases.PAIR_ROTATION:g}", 1e-3, rotation_off),
         stress_ends("pair", cases.FULL["pair"], cases.PAIR_STRESS, 5e-4),
     ]
 
@@ -202,11 +176,9 @@ def ellipse_rotation(angle):
 
 def _ellipse(degrees):
     def off(run):
-        return (
-            abs(at_end(run, "angular_velocity") / ellipse_rotation(at_end(run, "angle")) - 1) if run.last else math.nan
-        )
+        return abs(angular_velocity(run) / ellipse_rotation(run.bodies("angle")[-1][0]) - 1)
 
-    return bounded(f"ellipse_{degrees}", "angular velocity off that of its angle", 1e-2, off)
+    return of_whole_runs(f"ellipse_{degrees}", "angular velocity off that of its angle", 1e-2, off)
 
 
 def _momentum(density):
@@ -216,23 +188,19 @@ def _momentum(density):
     area, load = math.pi * 0.1**2, np.array([body["force"][0] for body in config["bodies"]])
 
     def total(run):
-        if not run.last:
-            return math.nan
         fluid = np.array([sample["superficial_velocity"] for sample in run.summary["samples"]])
         bodies = (density - 1.0) * area * run.bodies("velocity")[..., 0].sum(axis=1)
         return np.abs(fluid + bodies).max() / (load.max() * run.last["t"])
 
     def unbalanced(run):
-        if not run.last:
-            return math.nan
         times = [sample["t"] for sample in run.summary["samples"][LATER:]]
         impulse = simpson(run.bodies("force")[LATER:, :, 0] + load, x=times, axis=0)
         velocity = run.bodies("velocity")[LATER:, :, 0]
         return np.abs(density * area * (velocity[-1] - velocity[0]) - impulse).max() / (load.max() * np.ptp(times))
 
     return [
-        bounded(name, "momentum of fluid and bodies, over the impulse", 1e-3, total),
-        bounded(name, "momentum of a body off its impulse, over that of the load", 1e-4, unbalanced),
+        of_whole_runs(name, "momentum of fluid and bodies, over the impulse", 1e-3, total),
+        of_whole_runs(name, "momentum of a body off its impulse, over that of the load", 1e-4, unbalanced),
     ]
 
 
@@ -242,12 +210,8 @@ LATER = 20
 
 def _refined(reynolds):
     """Angular velocity with a spacing, and with a smaller one."""
-
-    def off(coarse, fine):
-        return abs(at_end(coarse, "angular_velocity") / at_end(fine, "angular_velocity") - 1)
-
-    names = tuple(f"free_re_{reynolds}_{number}" for number in cases.REYNOLDS[reynolds])
-    return [bounded(names[0], f"angular velocity off {names[1]}", 5e-3, off, names)]
+    names = (f"free_re_{reynolds}_{number}" for number in cases.REYNOLDS[reynolds])
+    return ends_as(*names, "angular velocity", 5e-3, angular_velocity)
 
 
 def _slower(reynolds, larger):
@@ -255,6 +219,6 @@ def _slower(reynolds, larger):
     names = tuple(f"free_re_{each}_48" for each in (larger, reynolds))
 
     def ratio(ours, other):
-        return at_end(ours, "angular_velocity") / at_end(other, "angular_velocity")
+        return angular_velocity(ours) / angular_velocity(other)
 
-    return bounded(names[0], f"angular velocity over {names[1]}'s", 1.0, ratio, names)
+    return of_whole_runs(names[0], f"angular velocity over {names[1]}'s", 1.0, ratio, names)

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from tisph.studies.flows import across, merged, state, walls
+from tisph.studies.flows import across, at_times, merged, state, walls
 from tisph.studies.verification.bodies import CELL, FREE_ROTATION, FREE_STRESS, RESISTANCES
 
 VISCOSITY = 10.0
@@ -57,12 +57,6 @@ def free_circle(x, y, radius, **keys):
     return {"type": "circle", "centre": [x, y], "radius": radius, "motion": "free", **keys}
 
 
-def until(*times):
-    """Change of the times of samples, the last of which is the end."""
-    times = [float(f"{time:.12g}") for time in times]
-    return {"time": {"end": times[-1], "samples": times}}
-
-
 def fluid(viscosity):
     """A fluid with particles off an even arrangement by up to a fifth of a spacing."""
     return {"fluid": {"density": 1.0, "kinematic_viscosity": viscosity}, "initial": {"jitter": 0.2, "seed": 0}}
@@ -79,52 +73,52 @@ def _in_lattice(viscosity, number, drive, *bodies):
 
 
 def _at_rest(drive):
-    return merged(_in_lattice(0.01, 20, drive, free_circle(0.5, 0.5, 0.2)), until(0.1, 1.0))
+    return merged(_in_lattice(0.01, 20, drive, free_circle(0.5, 0.5, 0.2)), at_times([0.1, 1.0]))
 
 
 def _released(density):
     """In a fluid of almost no viscosity, whose layer is 1e-3 of a radius thin at the end, by 4 sqrt(nu t/pi)."""
     body = free_circle(0.5, 0.5, 0.25, density=density)
-    return merged(_in_lattice(1e-8, 48, {"gravity": [0.0, -1.0]}, body), until(FIRST, EARLY))
+    return merged(_in_lattice(1e-8, 48, {"gravity": [0.0, -1.0]}, body), at_times([FIRST, EARLY]))
 
 
 def _driven(fraction, number, end):
     """A body against a fluid of opposite momentum, as fast as that of an array with a velocity of 1."""
     force, radius = VISCOSITY * RESISTANCES[fraction], round(math.sqrt(fraction / math.pi), 8)
     body = free_circle(0.5, 0.5, radius, force=[force, 0.0])
-    return merged(_in_lattice(VISCOSITY, number, {"acceleration": -force}, body), until(end))
+    return merged(_in_lattice(VISCOSITY, number, {"acceleration": -force}, body), at_times([end]))
 
 
 def _sheared(name):
     radius, length, number, *_ = IN_SHEAR[name]
-    return merged(in_shear(VISCOSITY, length, number, free_circle(0.5 * length, 0.5, radius)), until(0.02))
+    return merged(in_shear(VISCOSITY, length, number, free_circle(0.5 * length, 0.5, radius)), at_times([0.02]))
 
 
 def _settling(acceleration):
     body = free_circle(1.0, 0.5, 0.125, force=[VISCOSITY, 0.0])
-    changes = walls(0.0, 0.0), {"drive": {"acceleration": acceleration}}, until(1.0 / VISCOSITY)
+    changes = walls(0.0, 0.0), {"drive": {"acceleration": acceleration}}, at_times([1.0 / VISCOSITY])
     return merged(in_shear(VISCOSITY, 2.0, 40, body), *changes)
 
 
 def _ellipse(degrees):
     angle = round(math.radians(degrees), 10)
     body = {"type": "ellipse", "centre": [1.0, 0.5], "angle": angle, "half_axes": [0.15, 0.075], "motion": "free"}
-    return merged(in_shear(MOST_VISCOUS, 2.0, 80, body), until(SETTLED))
+    return merged(in_shear(MOST_VISCOUS, 2.0, 80, body), at_times([SETTLED]))
 
 
 def _apart(density):
     """Two circles that equal forces draw in opposite directions, past one another again and again."""
     ways = ((0.3, 0.02), (0.7, -0.02))
     bodies = [free_circle(at, at, 0.1, density=density, force=[force, 0.0]) for at, force in ways]
-    return merged(_in_lattice(0.01, 32, {}, *bodies), until(*np.linspace(0.06, 6.0, 100)))
+    return merged(_in_lattice(0.01, 32, {}, *bodies), at_times(np.linspace(0.06, 6.0, 100)))
 
 
 def _at_reynolds(reynolds, number):
-    return merged(in_shear(0.04 / reynolds, 1.0, number, free_circle(0.5, 0.5, 0.2)), until(8.0))
+    return merged(in_shear(0.04 / reynolds, 1.0, number, free_circle(0.5, 0.5, 0.2)), at_times([8.0]))
 
 
 UNIFORM = merged(
-    in_shear(0.01, 1.0, 20, free_circle(0.5, 0.5, 0.2, velocity=[1.0, 0.0])), walls(1.0, 1.0), until(0.1, 1.0)
+    in_shear(0.01, 1.0, 20, free_circle(0.5, 0.5, 0.2, velocity=[1.0, 0.0])), walls(1.0, 1.0), at_times([0.1, 1.0])
 )
 
 QUICK = {
@@ -143,11 +137,11 @@ FULL = {
     "driven_0.4": _driven(0.4, 28, 0.03),
     **{name: _sheared(name) for name in IN_SHEAR},
     "held_from_turning": merged(
-        in_shear(VISCOSITY, 1.0, 50, free_circle(0.5, 0.5, 0.1, hold=["x", "y", "angle"])), until(0.02)
+        in_shear(VISCOSITY, 1.0, 50, free_circle(0.5, 0.5, 0.1, hold=["x", "y", "angle"])), at_times([0.02])
     ),
     **{name: _settling(acceleration) for name, (acceleration, *_) in SETTLING.items()},
     "pair": merged(
-        in_shear(MOST_VISCOUS, 2.0, 50, free_circle(1.2, 0.6, 0.1), free_circle(0.8, 0.4, 0.1)), until(SETTLED)
+        in_shear(MOST_VISCOUS, 2.0, 50, free_circle(1.2, 0.6, 0.1), free_circle(0.8, 0.4, 0.1)), at_times([SETTLED])
     ),
     **{f"ellipse_{degrees}": _ellipse(degrees) for degrees in ANGLES},
     **{f"drawn_apart_{density:g}": _apart(density) for density in DRAWN},

@@ -12,7 +12,7 @@ import math
 from scipy.interpolate import CubicSpline
 
 from tisph.studies.flows import across, at_times, merged, walls
-from tisph.studies.verification.criteria import Criterion, at_most, order
+from tisph.studies.verification.criteria import at_most, of_whole_runs, order
 
 START = {
     "scene": "annulus",
@@ -67,7 +67,7 @@ CONFINED = merged(
         "bodies": [{"type": "circle", "centre": [8.0, 2.0], "radius": 1.0}],
         "drive": {"acceleration": 14.0},
         "initial": {"jitter": 0.2, "seed": 0},
-        "time": {"end": 2.0, "samples": [2.0]},
+        **at_times([2.0]),
     },
     walls(0.0, 0.0),
     across(48),
@@ -144,9 +144,7 @@ def _normal_stress(name):
         pairs = [(float(row["n1_inner"]), float(row["n1_inner_exact"])) for row in rows if int(row["resolved"])]
         return max(abs(found - exact) for found, exact in pairs) / max(exact for _, exact in pairs)
 
-    bound = STRAINED_BOUNDS["normal_stress_l2"]
-    quantity = "N1 at the inner cylinder off the largest"
-    return Criterion(name, quantity, f"<= {bound:g}", (name,), off, lambda value: value <= bound)
+    return of_whole_runs(name, "N1 at the inner cylinder off the largest", STRAINED_BOUNDS["normal_stress_l2"], off)
 
 
 def _drag(name):
@@ -156,11 +154,8 @@ def _drag(name):
     relaxation_time = config["fluid"]["rheology"]["relaxation_time"]
 
     def off(result):
-        if not result.last:
-            return math.nan
         velocity = result.last["superficial_velocity"]
         found = (result.last["drag"] + drive * math.pi) / (viscosity * velocity)
         return abs(found / float(DRAG(relaxation_time * velocity)) - 1)
 
-    quantity = "drag over viscosity and velocity off the literature"
-    return Criterion(name, quantity, "<= 0.005", (name,), off, lambda value: value <= 5e-3)
+    return of_whole_runs(name, "drag over viscosity and velocity off the literature", 5e-3, off)

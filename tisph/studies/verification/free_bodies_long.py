@@ -155,7 +155,7 @@ def _dilute_limit():
         intrinsic = np.divide(rises, fractions)
         return abs(np.polyfit(fractions, intrinsic, 1)[1] / 2 - 1)
 
-    return [of_whole_runs("dilute suspension", "intrinsic viscosity off 2", 0.05, off, names)]
+    return [of_whole_runs("dilute suspension", "intrinsic viscosity off 2", 0.02, off, names)]
 
 
 def _slowed():

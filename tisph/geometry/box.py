@@ -24,6 +24,10 @@ class Box:
         """Period along y."""
         return self.rows * self.spacing
 
+    def places(self, position):
+        """Places x and y (n,) in the box of ``position`` (n, 2), from its lowest corner on."""
+        return position[:, 0] % self.length + self.origin[0], position[:, 1] % self.height + self.origin[1]
+
 
 def box_around(corners, spacing, periodic, margin, axisymmetric=False):
     """Box of a region from the lowest to the highest of its ``corners`` (2, 2), which is ``periodic`` (2,) or not.

@@ -30,6 +30,10 @@ MARGIN = 0.2
 LEAST_MARGIN, LEAST_BOX = 3.0, 18.0
 """The same, and sides of the box with it, in spacings: half the largest support, and three times that."""
 
+OF_SCENE = ("density", "kinematic_viscosity", "reference_velocity", "start_time", "rheology", "jump_times")
+OF_SCENE += ("initial_conformation_excess", "axisymmetric")
+"""What a problem has under the same name."""
+
 
 def scheme(config, scene, targets, serial):
     """Return the Scheme for a scene."""
@@ -47,18 +51,9 @@ def scheme(config, scene, targets, serial):
 
 def _problem(scene):
     """Box and fluid of a scene, and its walls."""
-    fluid = {
-        "density": scene.density,
-        "kinematic_viscosity": scene.kinematic_viscosity,
-        "reference_velocity": scene.reference_velocity,
-        "start_time": scene.start_time,
-        "rheology": scene.rheology,
-        "initial_conformation_excess": scene.initial_conformation_excess,
-        "jump_times": scene.jump_times,
-        "axisymmetric": scene.axisymmetric,
-        "keeps_mean_velocity": scene.kept_mean_velocity is not None,
-        "annular": scene.axisymmetric and scene.origin[1] > 0.0,
-    }
+    fluid = {name: getattr(scene, name) for name in OF_SCENE}
+    fluid |= {"keeps_mean_velocity": scene.kept_mean_velocity is not None}
+    fluid |= {"annular": scene.axisymmetric and scene.origin[1] > 0.0}
     if not scene.bodies:
         return PeriodicProblem(columns=scene.columns, rows=scene.rows, spacing=scene.spacing, **fluid)
     corners = scene.origin, np.add(scene.origin, scene.extent)
@@ -66,8 +61,8 @@ def _problem(scene):
     margin = max(MARGIN * max(scene.extent), LEAST_MARGIN * scene.spacing, least)
     box = box_around(corners, scene.spacing, scene.periodic, margin, scene.axisymmetric)
     walls = (WallsOfRevolution if scene.axisymmetric else WallPoints)(scene.bodies, scene.spacing, box.origin)
-    driven = {"acceleration": (scene.acceleration, 0.0), "corners": scene.corners}
-    driven |= {"initial_velocity": scene.initial_velocity, "contact": scene.contact}
+    driven = {name: getattr(scene, name) for name in ("corners", "initial_velocity", "contact")}
+    driven |= {"acceleration": (scene.acceleration, 0.0)}
     return BoundedProblem(n_fluid=scene.particles, walls=walls, **driven, **vars(box), **fluid)
 
 

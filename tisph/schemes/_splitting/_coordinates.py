@@ -45,6 +45,22 @@ class Coordinates:
         return result
 
     @ti.func
+    def divergence(self, i, stress: ti.template(), first: ti.template(), d_dx, d_dy):
+        """Return the force of a stress whose components begin at ``first`` of a field, of its derivatives.
+
+        In axisymmetric flow xx, xr/r, rr, tt and, where there are as many, xt/r and rt/r^2; all but the first over r.
+        """
+        result = ti.Vector([0.0 for _ in range(self.components)])
+        result[0], result[1] = d_dx[first] + d_dy[first + 1], d_dx[first + 1] + d_dy[first + 2]
+        if ti.static(self.axisymmetric):
+            own, square = stress[i], self.radius(i) ** 2
+            result[0] = d_dx[first] + 2.0 * own[first + 1] + square * d_dy[first + 1]
+            result[1] += (own[first + 2] - own[first + 3]) / square
+            if ti.static(stress.n >= first + 6):
+                result[2] = d_dx[first + 4] + 4.0 * own[first + 5] + square * d_dy[first + 5]
+        return result
+
+    @ti.func
     def displacement(self, y, velocity):
         """Return the displacement per time of what is at ``y`` and has these unknowns."""
         result = ti.Vector([velocity[0], velocity[1]])
@@ -69,6 +85,19 @@ class Coordinates:
             ratio = (before.y + self.operators.lowest_radius[None]) / self.operators.radius(i)
             result.y *= ratio
             result.z *= ratio * ratio
+        return result
+
+    @ti.func
+    def gradient_product(self, i, velocity: ti.template(), d_dx, d_dy):
+        """Return grad u : grad u, of a flow without divergence minus the Laplacian of the pressure."""
+        radius = self.radius(i)
+        result = d_dx[0] ** 2 + 2.0 * radius**2 * d_dy[0] * d_dx[1]
+        if ti.static(self.axisymmetric):
+            across, around = velocity[i][1], velocity[i][2]
+            result += (across + radius**2 * d_dy[1]) ** 2 + across**2
+            result -= 2.0 * around * (around + radius**2 * d_dy[2])
+        else:
+            result += d_dy[1] ** 2
         return result
 
     @ti.func

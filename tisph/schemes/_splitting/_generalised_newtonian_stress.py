@@ -1,4 +1,4 @@
-"""Stress of a generalised Newtonian fluid in two-dimensional flow: 2 nu D, its viscosity nu a function of D.
+"""Stress of a generalised Newtonian fluid in planar and axisymmetric flow: 2 nu D, its viscosity nu a function of D.
 
 With L = grad u, D its symmetric part without trace, and q = 2 D:D, the square of the shear rate, the velocities obey
 
@@ -19,6 +19,15 @@ four levels is unstable then.
 The pressure also has to balance the divergence of nu* L u, grad nu* . lap u, with lap u = -curl of the vorticity, which
 is not 0 as that of a constant viscosity. Written as a divergence it would be unstable: errors of the pressure would
 return undiminished from one outer iteration to the next.
+
+In axisymmetric flow with swirl the components of 2 D that are odd in r are divided by it, and that of r and the
+direction t around the axis by r^2, so that all are even and the operators of ``_coordinates`` hold:
+
+    xx 2 du/dx,   xr/r du/ds + dV/dx,   rr 2 (V + r^2 dV/ds),   tt 2 V,   xt/r dW/dx,   rt/r^2 dW/ds.
+
+A stress T with such components exerts the force, the last two over r,
+
+    dT_xx/dx + 2 T_xr + r^2 dT_xr/ds,   dT_xr/dx + dT_rr/ds + (T_rr - T_tt)/r^2,   dT_xt/dx + 4 T_rt + r^2 dT_rt/ds.
 """
 
 import copy
@@ -29,18 +38,21 @@ from tisph.runtime import real, ti, view
 from tisph.schemes._local_newton import SMALL
 from tisph.schemes._splitting._time_levels import gradients
 
+XX, XR, RR, TT, XT, RT = range(6)
+"""Components of revolution."""
+
 
 @ti.data_oriented
 class GeneralisedNewtonianStress:
     """Of a fluid whose ``law`` gives a viscosity (``tisph/rheology``), per unit density as all else.
 
     ``operators`` are those that the velocities are solved with, the Laplacian of each particle times its nu* over the
-    ``viscosity``. ``derived``: what derivatives are taken of, 2 nu D and 2 D (xx, xy, yy each), vorticity and nu*;
-    ``implicit_divergence``: dt grad nu* . lap u.
+    ``viscosity``. ``derived``: what derivatives are taken of, 2 nu D and, from ``strain`` on, 2 D (xx, xy, yy
+    each), vorticity and nu*; ``implicit_divergence``: dt grad nu* . lap u.
     """
 
     varying = True
-    numbers, components = 8, 2
+    numbers, components, strain = 8, 2, 3
 
     def __init__(self, levels, problem):
         self.levels, self.points, self.n_fluid = levels, levels.points, problem.n_fluid
@@ -113,10 +125,12 @@ class GeneralisedNewtonianStress:
         ti.loop_config(serialize=self.unweighted.serial_light)
         for i in range(self.points.particles[None]):
             d_dx, d_dy = gradients(self.unweighted, self.derived, i)
-            implicit = self.implicit_viscosity(i)
-            strain = ti.Vector([d_dx[3] + d_dy[4], d_dx[4] + d_dy[5]])
-            force = ti.Vector([d_dx[0] + d_dy[1], d_dx[1] + d_dy[2]]) - implicit * strain
-            self.implicit_divergence[i] = dt * (d_dy[7] * d_dx[6] - d_dx[7] * d_dy[6])
+            implicit, square = self.implicit_viscosity(i), self.levels.coordinates.radius(i) ** 2
+            strain = self.levels.coordinates.divergence(i, self.derived, self.strain, d_dx, d_dy)
+            force = self.levels.coordinates.divergence(i, self.derived, 0, d_dx, d_dy) - implicit * strain
+            last = ti.static(self.numbers - 1)
+            vortex = self.levels.coordinates.hoop(self.derived[i][last - 1]) + square * d_dy[last - 1]
+            self.implicit_divergence[i] = dt * (square * d_dy[last] * d_dx[last - 1] - d_dx[last] * vortex)
             known[i] += dt * (force - self.force[i])
             self.force[i] = force
             self.weigh(i, implicit / viscosity)
@@ -129,3 +143,46 @@ class GeneralisedNewtonianStress:
             self.operators.laplacian[i, k] = factor * self.unweighted.laplacian[i, k]
             if ti.static(self.levels.coordinates.axisymmetric):
                 self.operators.d_dy[i, k] = factor * self.unweighted.d_dy[i, k]
+
+
+@ti.data_oriented
+class GeneralisedNewtonianStressOfRevolution(GeneralisedNewtonianStress):
+    """As ``GeneralisedNewtonianStress``; the operators that velocities are solved with have a weighted d/ds, too."""
+
+    numbers, components, strain = 14, 3, 6
+
+    def __init__(self, levels, problem):
+        super().__init__(levels, problem)
+        self.lowest_radius = problem.origin[1]
+        self.operators.d_dy = ti.field(real(), levels.operators.d_dy.shape)
+
+    @property
+    def radius(self):
+        """Distances (points,) from the axis."""
+        return view(self.points.position)[: self.points.fluid, 1].astype(float) + self.lowest_radius
+
+    def find(self, velocity, d_dx, d_dy):
+        """Find stress and viscosities; of the divergence, which is an error, 2 D has nothing."""
+        (_, v_x, w_x), (u_s, v_s, w_s) = (
+            view(field)[: self.points.fluid, :3].T.astype(float) for field in (d_dx, d_dy)
+        )
+        across, square = view(velocity)[: self.points.fluid, 1].astype(float), self.radius**2
+        radial = across + square * v_s
+        strain = np.stack([-2.0 * (across + radial), u_s + v_x, 2.0 * radial, 2.0 * across, w_x, w_s], axis=1)
+        diagonal = 0.5 * (strain[:, XX] ** 2 + strain[:, RR] ** 2 + strain[:, TT] ** 2)
+        shear = square * (strain[:, XR] ** 2 + strain[:, XT] ** 2 + square * strain[:, RT] ** 2)
+        self.derive(strain, diagonal + shear, v_x - u_s)
+
+    def wall_stress(self):
+        """Return the stress (5, count) at the points on walls: xx, xr, rr, and of x and r with t."""
+        return self._at_walls(slice(0, 6))
+
+    def implicit_wall_stress(self, strain):
+        """Return the stress (5, count) at the points on walls in a step in which 2 D is ``strain`` there."""
+        implicit = view(self.derived)[self.n_fluid : self.points.fluid, -1].astype(float)
+        return self.wall_stress() + implicit * (strain - self._at_walls(slice(6, 12)))
+
+    def _at_walls(self, part):
+        points, radius = slice(self.n_fluid, self.points.fluid), self.radius[self.n_fluid :]
+        found = view(self.derived)[points, part].T.astype(float)
+        return np.stack([found[XX], radius * found[XR], found[RR], radius * found[XT], radius**2 * found[RT]])

@@ -49,8 +49,7 @@ def state(scheme, time):
     return Snapshot(
         t=time,
         step=scheme.steps,
-        x=position[:, 0] % problem.length + problem.origin[0],
-        y=position[:, 1] % problem.height + problem.origin[1],
+        **dict(zip("xy", problem.places(position), strict=True)),
         u=velocity[:, 0].copy(),
         v=velocity[:, 1].copy(),
         w=velocity[:, 2].copy() if problem.axisymmetric else None,

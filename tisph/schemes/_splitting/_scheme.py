@@ -7,9 +7,9 @@ import numpy as np
 
 from tisph.errors import DivergedError
 from tisph.least_squares import SKIN
-from tisph.neighbours.point_cloud import PointCloud, active
-from tisph.periodic import PeriodicDomain
+from tisph.neighbours.point_cloud import active
 from tisph.runtime import integer, real, ti, view
+from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._overflow import clustered
 from tisph.schemes._splitting import _pieces
 from tisph.schemes._splitting import _step_limits as limits
@@ -23,37 +23,17 @@ from tisph.schemes._splitting._shift import TRAVEL, FickianShifting
 from tisph.schemes._splitting._splitting_step import SplittingStep
 from tisph.schemes._splitting._time_levels import TimeLevels
 from tisph.schemes._splitting._wall_boundary import WallBoundary
-from tisph.schemes._splitting._wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
-from tisph.solvers.auxiliary_grid import PeriodicGrid
-from tisph.solvers.walled_grid import WalledGrid
-
-DECAY = 0.3, 10.0
-"""Where steps are short divergence decays at the rate 0.3 nu/spacing^2 + 10 U/spacing. A larger second number moves
-errors from the velocities to the pressure, a smaller one the other way: in the vortex at Re = 100, 50 x 50, a Courant
-number of 0.15 and t = 1 they are 2.7e-5 and 7.0e-5 with 4, 1.9e-5 and 8.5e-5 with 10. With 12 the noise of a divergence
-that has to vanish at once makes coarse runs take shorter steps."""
+from tisph.schemes._splitting._wall_points import MAX_WALLS
 
 COURANT = 0.3
 """Longest step over the time in which the fastest particle goes one spacing."""
-
-PRESSURE_RESIDUAL, VELOCITY_RESIDUAL = (1.0, 1e-6), (5e-4, 1e-10)
-"""Of the linear systems: over the tolerance of a step, and the least that is asked for. That of the velocities adds up
-from step to step; with 5 times that of the pressure, forces on bodies have errors of 1e-4. With the least ones always,
-25 across between cylinders, errors of the velocities differ by 3 % (``balanced`` accuracy) and 0.1 % (``fast``)."""
-
-ROUNDING = 30.0
-"""The least residual that is asked for, in units of the rounding error."""
 
 REORDER_INTERVAL = 100
 """Steps after which particles that have become neighbours are brought near one another in memory, too. Once a flow has
 mixed 1e5 of them a step takes 1.7 times as long without."""
 
-HOST_STATE = "time", "steps", "rejected", "shortest", "longest", "order_reduced", "singular", "dts", "iterations"
-HOST_STATE += "initial_momentum", "log_jump"
-"""Attributes of a Scheme that change while it runs."""
 
-
-class Scheme:
+class Scheme(ControlledScheme):
     """Particles in a periodic box, advanced step by step; ``time`` and ``steps`` tell how far.
 
     ``problem`` is a ``PeriodicProblem`` or ``BoundedProblem``; ``targets`` are times that steps end on exactly.
@@ -61,17 +41,15 @@ class Scheme:
     of the Courant number alone.
     """
 
+    host_names = (*ControlledScheme.host_names, "dts", "iterations", "initial_momentum", "log_jump")
     body_force = None
     """Function of places x, y and a time, with the accelerations along x and y there; None without one."""
 
     def __init__(self, problem, targets, serial, tolerance=limits.TOLERANCE, courant=COURANT):
-        self.problem, self.initial_momentum = problem, 0.0
-        bounded, cutoff = problem.walls is not None, (SUPPORT + SKIN) * problem.spacing
-        if bounded:
-            cutoff = cutoff, cutoff + (MAX_WALLS * WALL_SUPPORT + POINT_SUPPORT) * problem.spacing
-        self.points = PointCloud(problem, PeriodicDomain(problem.length, problem.height), cutoff, 0, serial)
+        self.problem, self.initial_momentum, bounded = problem, 0.0, problem.walls is not None
+        self.points = _pieces.points(problem, serial)
         self.operators = _pieces.operators(problem, self.points)
-        self.grid = WalledGrid(self.points, problem) if bounded else PeriodicGrid(self.points, problem, problem.height)
+        self.grid = _pieces.grid(problem, self.points)
         near = (MAX_WALLS, problem.contact is not None, problem.walls.across_axis) if bounded else ()
         self.shift = FickianShifting(self.points, problem.spacing, *near)
         self.levels = TimeLevels(self.operators, self.shift)
@@ -84,13 +62,11 @@ class Scheme:
         self.extra_stress = self.polymer or _pieces.stress_of_viscosity(problem, self.levels)
         self.splitting = SplittingStep(self.levels, self.grid, problem, boundary, self.extra_stress)
         self.control = limits.step_control(problem, targets, tolerance, courant)
-        least = ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
+        least = limits.least_residual(np.float64 if real() == ti.f64 else np.float32)
         self.tolerance = limits.TOLERANCE if tolerance is None else tolerance
         if bounded and self.wall_boundary.free:
             self.splitting.coupling = Coupling(self.wall_boundary, self.splitting, least)
-        self.residuals = [
-            max(part * self.tolerance, lowest, least) for part, lowest in (PRESSURE_RESIDUAL, VELOCITY_RESIDUAL)
-        ]
+        self.residuals = limits.residuals(self.tolerance, least)
         self.reset()
 
     def reset(self):
@@ -119,8 +95,7 @@ class Scheme:
         self.levels.predict()
         self.assemble(self.time)
         if self.wall_boundary:
-            kept = self.mean_velocity
-            more = partial(kept.start, self.time, self.residuals[0]) if kept else None
+            more = partial(self.mean_velocity.start, self.time, self.residuals[0]) if self.mean_velocity else None
             self.require_solution(self.wall_boundary.begin(self.splitting, self.residuals[0], more))
         self.levels.measure()
         if self.extra_stress:
@@ -154,11 +129,6 @@ class Scheme:
     def begin_steps(self):
         """Choose the first step, or the first one after a change."""
         self.control.dt_next = limits.FIRST * self.control.limit(self.speed)
-
-    @property
-    def finished(self):
-        """Whether the last target is reached."""
-        return self.control.finished
 
     def advance(self):
         """Take one step, in as many attempts as its error asks for; raise DivergedError where it runs away."""
@@ -208,12 +178,11 @@ class Scheme:
         view(self.splitting.alpha)[...] = alpha
         view(self.splitting.beta)[...] = times.extrapolation(VELOCITIES)
         view(self.splitting.beta_pressure)[...] = times.extrapolation(PRESSURES)
-        nu, spacing = self.problem.solvent_viscosity, self.problem.spacing
+        nu = self.problem.solvent_viscosity
         if self.extra_stress:
             self.extra_stress.prepare(times, dt, self.time + dt)
             nu += self.extra_stress.viscosity
-        rate = DECAY[0] * nu / spacing**2 + DECAY[1] * self.speed / spacing
-        retained = max(0.0, gamma0 - rate * dt)
+        retained = max(0.0, gamma0 - limits.divergence_decay(nu, self.speed, self.problem.spacing) * dt)
         self.splitting.sum_history()
         if not self.dts:  # what is carried along as a whole is right from the first guess on, but for rounding errors
             view(self.splitting.velocity.x)[: self.problem.n_fluid, :2] += dt * np.array(self.problem.acceleration)
@@ -230,13 +199,9 @@ class Scheme:
 
     def add_body_force(self, dt):
         """Add the impulse of the body force at the end of a step to what is known of the velocities there."""
-        points, problem = int(view(self.points.particles)), self.problem
-        sides = zip(
-            problem.origin, view(self.points.position)[:points].T, (problem.length, problem.height), strict=True
-        )
-        places = (first + each % side for first, each, side in sides)
-        force = np.stack(self.body_force(*places, self.time + dt), axis=1)
-        view(self.splitting.u_history)[:points, :2] += dt * force
+        points = slice(int(view(self.points.particles)))
+        places = self.problem.places(view(self.points.position)[points])
+        view(self.splitting.u_history)[points, :2] += dt * np.stack(self.body_force(*places, self.time + dt), axis=1)
 
     def assemble(self, time):
         """Set the positions of the points at the end of a step, at ``time``, and compute the operators there."""
@@ -293,10 +258,6 @@ class Scheme:
         self.singular += int(view(self.operators.singular))
         self.iterations = [sum(pair) for pair in zip(self.iterations, self.splitting.iterations, strict=True)]
 
-    def output_times(self, due):
-        """Return the times at which there is a snapshot, of those that are ``due``: all, since steps are dense."""
-        return due
-
     def snapshot(self, time=None):
         """Return the state at ``time``, within the last step, or now, as a Snapshot.
 
@@ -327,19 +288,12 @@ class Scheme:
         """Return the numbers outside the fields that a resumed run needs."""
         walls = self.wall_boundary.host_state() if self.wall_boundary else None
         mean = self.mean_velocity.state() if self.mean_velocity else None
-        own = {name: getattr(self, name) for name in HOST_STATE}
-        return {**own, "walls": walls, "mean_velocity": mean, **self.control.host_state()}
+        return {**super().host_state(), "walls": walls, "mean_velocity": mean}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
-        for name in HOST_STATE:
-            setattr(self, name, state[name])
-        self.control.restore_host_state(state)
+        super().restore_host_state(state)
         if self.wall_boundary:
             self.wall_boundary.restore_host_state(state["walls"])
         if self.mean_velocity:
             self.mean_velocity.restore(state["mean_velocity"])
-
-    def set_targets(self, targets):
-        """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""
-        return self.control.set_targets(targets, self.time)

@@ -203,21 +203,8 @@ class SplittingStep:
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
             d_dx, d_dy = self.levels.d_dx[i], self.levels.d_dy[i]
-            self.pressure.b[i] = self.gradient_product(i, d_dx, d_dy)
+            self.pressure.b[i] = self.coordinates.gradient_product(i, self.levels.fields, d_dx, d_dy)
             self.pressure.x[i] = 0.0
-
-    @ti.func
-    def gradient_product(self, i, d_dx, d_dy):
-        """Return grad u : grad u, of a flow without divergence minus the Laplacian of the pressure."""
-        radius = self.coordinates.radius(i)
-        result = d_dx[0] ** 2 + 2.0 * radius**2 * d_dy[0] * d_dx[1]
-        if ti.static(self.swirls):
-            across, around = self.levels.fields[i][1], self.levels.fields[i][2]
-            result += (across + radius**2 * d_dy[1]) ** 2 + across**2
-            result -= 2.0 * around * (around + radius**2 * d_dy[2])
-        else:
-            result += d_dy[1] ** 2
-        return result
 
     @ti.kernel
     def add_centripetal(self, dt: float, again: bool):

@@ -38,10 +38,15 @@ MAX_LOG_JUMP = 5.0
 
 @ti.data_oriented
 class ViscoelasticStress:
-    """``tensors`` (fluid): P of all modes at the ends of the last steps, newest first."""
+    """``tensors`` (fluid): P of all modes at the ends of the last steps, newest first.
+
+    In axisymmetric flow components of P are divided by ``powers`` of the radius there, in pairs with their indices.
+    """
 
     varying = False
     velocities, gradient_numbers, stress_numbers = 2, 4, 3
+    powers, radius, ratio = (), 1.0, 1.0
+    conformation_excess, logarithm = staticmethod(conformation_excess), staticmethod(logarithm)
     rate = staticmethod(rate)
 
     def __init__(self, levels, problem):
@@ -66,7 +71,14 @@ class ViscoelasticStress:
 
     def modes_of(self, problem):
         """Return the modes of a fluid."""
-        return Modes(problem.rheology, problem.kinematic_viscosity, conformation_excess)
+        return Modes(problem.rheology, problem.kinematic_viscosity, self.conformation_excess)
+
+    def times_radius(self, values, radius):
+        """Return ``values`` (..., numbers of all modes, n) times the ``powers`` of a ``radius`` (n,)."""
+        result = np.array(values) if self.powers else values
+        for component, power in self.powers:
+            result[..., component :: self.stress_numbers, :] *= radius**power
+        return result
 
     def _three(self, numbers):
         """A field with these ``numbers`` of each point, and two for its gradients."""
@@ -88,17 +100,17 @@ class ViscoelasticStress:
             self.states[0] = self.logarithms(modes)
 
     def logarithms(self, modes):
-        """Return the P that a start with these C of the modes has."""
-        return np.concatenate([logarithm(mode) for mode in modes])
+        """Return the P that a start with these C of the modes has, as ``tensors`` have it."""
+        return self.times_radius(np.concatenate([self.logarithm(mode) for mode in modes]), 1.0 / self.radius)
 
     def on_paths(self):
         """Return P (levels, numbers, points) of the particles at the last time levels."""
-        return self.states.astype(float)
+        return self.times_radius(self.states.astype(float), self.radius * self.ratio)
 
     def store(self):
         """Store P at the end of a step as the newest level."""
-        self.states[1:] = self.states[:-1].copy()
-        self.states[0] = self.state
+        self.states[1:] = self.times_radius(self.states[:-1].copy(), self.ratio)
+        self.states[0] = self.differentiated()
 
     def solenoidal(self, gradient):
         """Take the divergence, an error, off a velocity gradient (4, points)."""
@@ -111,16 +123,12 @@ class ViscoelasticStress:
 
     def differentiated(self):
         """Return P as it is differentiated."""
-        return self.state
+        return self.times_radius(self.state, 1.0 / self.radius)
 
     def force_of_stress(self, *derivatives):
         """Return the divergence (2, points) of the stress, for the derivatives (numbers, points) of P by x and y."""
         d_dx, d_dy = (np.imag(self.modes.stress(self.state + 1j * SMALL * change)) / SMALL for change in derivatives)
         return np.stack([d_dx[0] + d_dy[1], d_dx[1] + d_dy[2]])
-
-    def spatial_derivatives(self, d_dx, d_dy):
-        """Return the derivatives (points, numbers) of P by x and y, of those of ``tensors``."""
-        return d_dx, d_dy
 
     def prepare(self, times, dt, time):
         """Take up a step of this ``dt`` that ends at ``time``."""
@@ -184,10 +192,14 @@ class ViscoelasticStress:
         return change, x, y
 
     def log_jump(self):
-        """Return the largest change of a P within a spacing, its Frobenius norm, and x and y where it is."""
+        """Return the largest change of a P within a spacing, its Frobenius norm, and x and y where it is.
+
+        Without what the ``powers`` change.
+        """
         all_points, weights = slice(self.points.fluid), np.array([1.0, 2.0, 1.0, 1.0, 2.0, 2.0])
-        gradients = [view(field)[all_points, : self.size].astype(float) for field in (self.d_dx, self.d_dy)]
-        squares = sum(gradient**2 for gradient in self.spatial_derivatives(*gradients))
+        gradients = (view(field)[all_points, : self.size].T.astype(float) for field in (self.d_dx, self.d_dy))
+        d_dx, d_dy = (self.times_radius(gradient, self.radius) for gradient in gradients)
+        squares = (d_dx**2 + (self.radius * d_dy) ** 2).T
         sums = [squares[:, part] @ weights[: part.stop - part.start] for part in self.modes.parts]
         worst = np.max(sums, axis=0)
         index = int(np.argmax(np.where(np.isnan(worst), np.inf, worst)))
@@ -195,23 +207,30 @@ class ViscoelasticStress:
         return self.spacing * math.sqrt(worst[index]), *where.tolist()
 
     def wall_stress(self):
-        """Return the stress (3, count) at the points on walls."""
-        return self.modes.stress(self.states[0][:, self.n_fluid :].astype(float))
+        """Return the stress (numbers of tractions, count) at the points on walls."""
+        state = self.times_radius(self.states[0].astype(float), self.radius)[:, self.n_fluid :]
+        return self.traction_rows(self.modes.stress(state, self.stress_numbers))
 
     def implicit_wall_stress(self, strain):
-        """Return the stress (3, count) at the points on walls in a step in which 2 D is ``strain`` there.
+        """Return the same in a step in which 2 D is ``strain`` there.
 
         As the momentum equation has it: S, with the change of the strain since then times nu*.
         """
-        points = slice(self.n_fluid, self.points.fluid)
-        stress = self.modes.stress(self.state[:, points]) - view(self.implicit_stress)[points].T.astype(float)
-        return stress + self.viscosity * strain
+        walls = slice(self.n_fluid, self.points.fluid)
+        implicit = self.times_radius(view(self.implicit_stress)[: self.points.fluid].T.astype(float), self.radius)
+        stress = self.modes.stress(self.state[:, walls], self.stress_numbers) - implicit[:, walls]
+        return self.traction_rows(stress) + self.viscosity * strain
+
+    def traction_rows(self, stress):
+        """Return the components of a stress that tractions are made of."""
+        return stress
 
     def at(self, times, offset, tensors, radius):
-        """Return the stresses (3, n) a time ``offset`` before the end of the last step, of ``tensors``."""
+        """Return the stresses (components, n) a time ``offset`` before the end of the last step, of ``tensors``."""
         levels = tensors.reshape(len(tensors), ORDER, self.size)
         weights = times.interpolation(offset, ORDER)
-        return self.modes.stress(np.einsum("a,nac->cn", weights, levels) if offset else levels[:, 0].T)
+        state = np.einsum("a,nac->cn", weights, levels) if offset else levels[:, 0].T
+        return self.modes.stress(self.times_radius(state, radius), self.stress_numbers)
 
     @ti.kernel
     def measure(self, velocity: ti.template()):
@@ -234,7 +253,8 @@ class ViscoelasticStress:
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
             d_dx, d_dy = gradients(self.operators, self.implicit_stress, i)
-            force = self.stress_divergence[i] - ti.Vector([d_dx[0] + d_dy[1], d_dx[1] + d_dy[2]])
+            implicit = self.levels.coordinates.divergence(i, self.implicit_stress, 0, d_dx, d_dy)
+            force = self.stress_divergence[i] - implicit
             known[i] += dt * (force - self.force[i])
             self.force[i] = force
 
@@ -250,4 +270,5 @@ class ViscoelasticStress:
         """Transfer all levels with a shift."""
         ti.loop_config(serialize=self.operators.serial)
         for i in range(self.points.particles[None]):
-            self.tensors[i] += transfer(self.operators, self.d_dx, self.d_dy, i, self.levels.shift.moved[i])
+            moved = self.levels.coordinates.shifted(i, self.levels.shift.moved[i])
+            self.tensors[i] += transfer(self.operators, self.d_dx, self.d_dy, i, moved)

@@ -1,4 +1,4 @@
-"""Polymer stress in axisymmetric flow without swirl: the conformation has xx, xr, rr and tt, t being around the axis.
+"""Polymer stress in axisymmetric flow: without swirl the conformation has xx, xr, rr and tt, t being around the axis.
 
 As in planar flow, with the velocity gradient L_xx, L_xr, L_rx, L_rr and L_tt = v/r. Differentiated are the logarithm P
 of the conformation with P_xr/r in place of P_xr, which is odd in r; the force of a stress T is
@@ -6,30 +6,30 @@ of the conformation with P_xr/r in place of P_xr, which is odd in r; the force o
     dT_xx/dx + dT_xr/dr + T_xr/r,   dT_xr/dx + dT_rr/dr + (T_rr - T_tt)/r.
 
 T_rr and T_tt are equal on the axis: their logarithms change by L_rr and L_tt, which differ by r^2 times d(v/r)/ds.
+
+With swirl it has all six components, xx, xr, rr, tt, xt and rt. The velocity gradient is that less the rotation w/r of
+the axes r and t along the path of a particle: it also has L_tx = dw/dx and L_tr = dw/dr - w/r, and nothing in place of
+xt and rt. Differentiated are P_xt/r and P_rt/r^2; a stress T exerts the force dT_xt/dx + dT_rt/dr + 2 T_rt/r around the
+axis.
 """
 
 import numpy as np
 
 from tisph.runtime import ti, view
 from tisph.schemes._local_newton import SMALL, Modes
-from tisph.schemes._splitting._bdf import ORDER
-from tisph.schemes._splitting._log_conformation import conformation_excess, logarithm
-from tisph.schemes._splitting._time_levels import gradients, transfer
+from tisph.schemes._splitting._log_conformation_with_swirl import ModesWithSwirl, conformation_excess, logarithm, rate
+from tisph.schemes._splitting._time_levels import gradients
 from tisph.schemes._splitting._viscoelastic_stress import ViscoelasticStress
 
-XR = 1
+XR, XT, RT = 1, 4, 5
 
 
 @ti.data_oriented
 class ViscoelasticStressOfRevolution(ViscoelasticStress):
-    """As ``ViscoelasticStress``, all modes with four components; ``tensors`` have P_xr/r in place of P_xr.
-
-    ``powers`` of r that components of P are divided by, in pairs with their indices.
-    """
+    """As ``ViscoelasticStress``, all modes with four components; ``tensors`` have P_xr/r in place of P_xr."""
 
     velocities, gradient_numbers, stress_numbers = 3, 5, 4
     kind, powers, swirls = Modes, ((XR, 1),), False
-    conformation_excess, logarithm = staticmethod(conformation_excess), staticmethod(logarithm)
 
     def modes_of(self, problem):
         """Return the modes in three dimensions."""
@@ -51,27 +51,9 @@ class ViscoelasticStressOfRevolution(ViscoelasticStress):
         ratio[fluid] = (view(self.levels.position)[fluid, 1] + self.origin[1]) / self.radius[fluid]
         return ratio
 
-    def times_radius(self, values, radius):
-        """Return ``values`` (..., numbers of all modes, n) times the ``powers`` of a ``radius`` (n,)."""
-        result = np.array(values)
-        for component, power in self.powers:
-            result[..., component :: self.stress_numbers, :] *= radius**power
-        return result
-
     def logarithms(self, modes):
         """Return the P that a start with these C of the modes has, as ``tensors`` have it."""
-        padded = [[*mode, *(self.stress_numbers - len(mode)) * [0.0 * mode[0]]] for mode in modes]
-        return self.times_radius(np.concatenate([self.logarithm(mode) for mode in padded]), 1.0 / self.radius)
-
-    def on_paths(self):
-        """Return P (levels, numbers, points) of the particles at the last time levels."""
-        return self.times_radius(self.states.astype(float), self.radius * self.ratio)
-
-    def store(self):
-        """Store P at the end of a step as the newest level."""
-        earlier = self.times_radius(self.states[:-1], self.ratio)
-        self.states[1:] = earlier
-        self.states[0] = self.times_radius(self.state, 1.0 / self.radius)
+        return super().logarithms([[*mode, *(self.stress_numbers - len(mode)) * [0.0 * mode[0]]] for mode in modes])
 
     def solenoidal(self, gradient):
         """Take the divergence, an error, off a velocity gradient (5, points)."""
@@ -81,10 +63,6 @@ class ViscoelasticStressOfRevolution(ViscoelasticStress):
         """Return 2 nu* D with its component xr over r."""
         xx, xr, rx, rr, tt = self.gradients[:5]
         return self.viscosity * np.stack([2.0 * xx, (xr + rx) / self.radius, 2.0 * rr, 2.0 * tt])
-
-    def differentiated(self):
-        """Return P as it is differentiated."""
-        return self.times_radius(self.state, 1.0 / self.radius)
 
     def force_of_stress(self, d_dx, d_ds):
         """Return the force (3, points), over r but for the first, of derivatives (numbers, points) by x and s."""
@@ -104,33 +82,9 @@ class ViscoelasticStressOfRevolution(ViscoelasticStress):
         """Return the force (points,) around the axis over r of a ``stress`` and its derivatives by x and r."""
         return np.zeros_like(self.radius)
 
-    def spatial_derivatives(self, d_dx, d_ds):
-        """Return the derivatives of P by x and r, but for those of the ``powers``, of those of ``tensors``."""
-        radius = self.radius
-        return self.times_radius(d_dx.T, radius).T, (radius * self.times_radius(d_ds.T, radius)).T
-
-    def wall_stress(self):
-        """Return the stress (5, count) at the points on walls: xx, xr, rr, and none around the axis."""
-        state = self.times_radius(self.states[0].astype(float), self.radius)[:, self.n_fluid :]
-        return self.traction_rows(self.modes.stress(state, self.stress_numbers))
-
-    def implicit_wall_stress(self, strain):
-        """Return the stress (5, count) at the points on walls in a step in which 2 D is ``strain`` there."""
-        walls = slice(self.n_fluid, self.points.fluid)
-        implicit = self.times_radius(view(self.implicit_stress)[: self.points.fluid].T.astype(float), self.radius)
-        stress = self.modes.stress(self.state[:, walls], self.stress_numbers) - implicit[:, walls]
-        return self.traction_rows(stress) + self.viscosity * strain
-
     def traction_rows(self, stress):
-        """Return the components (5, count) of a stress that tractions are made of."""
+        """Return the components (5, count) of a stress that tractions are made of: xx, xr, rr, none around the axis."""
         return np.concatenate([stress[:3], np.zeros((2, stress.shape[1]))])
-
-    def at(self, times, offset, tensors, radius):
-        """Return the stresses xx, xr, rr and tt a time ``offset`` before the end of the last step, of ``tensors``."""
-        levels = tensors.reshape(len(tensors), ORDER, self.size)
-        weights = times.interpolation(offset, ORDER)
-        state = np.einsum("a,nac->cn", weights, levels) if offset else levels[:, 0].T
-        return self.modes.stress(self.times_radius(state, radius), self.stress_numbers)
 
     @ti.kernel
     def measure(self, velocity: ti.template()):
@@ -147,25 +101,30 @@ class ViscoelasticStressOfRevolution(ViscoelasticStress):
                 self.gradient[i][5] = radius * d_dx.z
                 self.gradient[i][6] = radius * radius * d_dy.z
 
-    @ti.kernel
-    def add_stress_force(self, known: ti.template(), dt: float):
-        """Divergence of the stress less that of the implicit viscosity, instead of the one before."""
-        ti.loop_config(serialize=self.operators.serial_light)
-        for i in range(self.points.particles[None]):
-            d_dx, d_dy = gradients(self.operators, self.implicit_stress, i)
-            own, square = self.implicit_stress[i], self.levels.coordinates.radius(i) ** 2
-            implicit = ti.Vector([d_dx[0] + 2.0 * own[1] + square * d_dy[1], 0.0, 0.0])
-            implicit[1] = d_dx[1] + d_dy[2] + (own[2] - own[3]) / square
-            if ti.static(self.swirls):
-                implicit[2] = d_dx[4] + 4.0 * own[5] + square * d_dy[5]
-            force = self.stress_divergence[i] - implicit
-            known[i] += dt * (force - self.force[i])
-            self.force[i] = force
 
-    @ti.kernel
-    def remap(self):
-        """Transfer all levels with a shift."""
-        ti.loop_config(serialize=self.operators.serial)
-        for i in range(self.points.particles[None]):
-            moved = self.levels.coordinates.shifted(i, self.levels.shift.moved[i])
-            self.tensors[i] += transfer(self.operators, self.d_dx, self.d_dy, i, moved)
+@ti.data_oriented
+class ViscoelasticStressWithSwirl(ViscoelasticStressOfRevolution):
+    """As ``ViscoelasticStressOfRevolution``, with six components."""
+
+    gradient_numbers, stress_numbers = 7, 6
+    kind, powers, swirls = ModesWithSwirl, ((XR, 1), (XT, 1), (RT, 2)), True
+    conformation_excess, logarithm = staticmethod(conformation_excess), staticmethod(logarithm)
+    rate = staticmethod(rate)
+
+    def implicit(self):
+        """Return 2 nu* D with its components xr and xt over r, and rt over r^2."""
+        around = np.stack([self.gradients[5] / self.radius, self.gradients[6] / self.radius**2])
+        return np.concatenate([super().implicit(), self.viscosity * around])
+
+    def take_known(self, gradient):
+        """Let a velocity gradient (7, count) at the points on walls be what is known of it there."""
+        super().take_known(gradient)
+        gradient[5:] = self.walls.gradient_around(gradient[5:])
+
+    def force_around(self, stress, by_x, by_r):
+        """Return the force (points,) around the axis over r of a ``stress`` and its derivatives by x and r."""
+        return (by_x[XT] + by_r[RT] + 2.0 * stress[RT] / self.radius) / self.radius
+
+    def traction_rows(self, stress):
+        """Return the components (5, count) of a stress that tractions are made of."""
+        return stress[[0, 1, 2, XT, RT]]

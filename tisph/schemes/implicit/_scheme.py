@@ -10,6 +10,7 @@ from tisph.least_squares import SKIN, SUPPORT
 from tisph.least_squares.operators import LeastSquaresOperators
 from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.runtime import view
+from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._momentum import MomentumBalance
 from tisph.schemes._overflow import clustered
 from tisph.schemes._stages.esdirk import EMBEDDED_ORDER
@@ -36,16 +37,14 @@ shear flow are below 5e-3 once the layers are resolved; a flow that needs a pres
 RESOLVED = 2.0
 """Thickness sqrt(nu t) of a layer, in particle spacings, from which on derivatives of the velocities mean something."""
 
-HOST_STATE = "time", "steps", "rejected", "shortest", "longest"
-HOST_STATE += "order_reduced", "singular", "projections", "transverse"
-"""Attributes of a Scheme that change while it runs."""
 
-
-class Scheme:
+class Scheme(ControlledScheme):
     """Particles in a channel, advanced step by step; ``time`` and ``steps`` tell how far.
 
     ``targets`` are times that steps end on exactly. ``serial`` compiles loops without threads.
     """
+
+    host_names = (*ControlledScheme.host_names, "projections", "transverse")
 
     def __init__(self, config, channel, targets, serial):
         order = config.scheme.operators.order
@@ -91,11 +90,6 @@ class Scheme:
         self.stepper.begin_with(position[:, 1])
         if self.walls.obeys_momentum and self.walls.any_jump:
             self.apply_impulse()
-
-    @property
-    def finished(self):
-        """Whether the last target is reached."""
-        return self.control.finished
 
     def advance(self):
         """Take one step, in as many attempts as its error asks for; raise DivergedError where none succeeds."""
@@ -195,10 +189,6 @@ class Scheme:
         self.field.measure(self.transverse)
         self.projections += 1
 
-    def output_times(self, due):
-        """Return the times at which there is a snapshot, of those that are ``due``: all, since steps are dense."""
-        return due
-
     def snapshot(self, time=None):
         """Return the state at ``time``, within the last step, or now, as a Snapshot."""
         if time is None or time == self.time:
@@ -255,19 +245,11 @@ class Scheme:
 
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
-        state = {name: getattr(self, name) for name in HOST_STATE}
-        parts = {"momentum": vars(self.momentum), **self.control.host_state()}
-        return {**state, **parts, **self.stepper.host_state()}
+        return {**super().host_state(), "momentum": vars(self.momentum), **self.stepper.host_state()}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
-        for name in HOST_STATE:
-            setattr(self, name, state[name])
-        self.control.restore_host_state(state)
+        super().restore_host_state(state)
         vars(self.momentum).update(state["momentum"])
         self.walls.enter(self.time)
         self.stepper.restore_host_state(state)
-
-    def set_targets(self, targets):
-        """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""
-        return self.control.set_targets(targets, self.time)

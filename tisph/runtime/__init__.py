@@ -18,13 +18,14 @@ from tisph.runtime._fields import holding, integer, real, scalar, view
 from tisph.runtime._loops import unrolled
 from tisph.runtime._program import foreign_program, program
 from tisph.runtime._taichi import ti
-from tisph.runtime._threads import available_threads, processors_shared
+from tisph.runtime._threads import CHUNK, available_threads, processors_shared
 
 _clock.install()
 replacements.install()
 
 __all__ = [
     "CACHE",
+    "CHUNK",
     "PACKAGE",
     "WRITTEN_SECONDS",
     "available_threads",

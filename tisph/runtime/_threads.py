@@ -4,6 +4,9 @@ import contextlib
 import os
 from pathlib import Path
 
+CHUNK = 512
+"""Taichi gives a thread at least this many iterations of a parallel loop."""
+
 
 def available_threads():
     """Return the number of processors that this process may use."""

@@ -9,8 +9,7 @@ with whatever constant that takes: all residuals lose their mean. Sums run block
 does not depend on the number of threads.
 """
 
-from tisph.least_squares.operators import CHUNK
-from tisph.runtime import real, scalar, threads, ti, view
+from tisph.runtime import CHUNK, real, scalar, threads, ti, view
 
 MAX_ITERATIONS = 200
 

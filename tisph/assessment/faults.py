@@ -92,14 +92,11 @@ def _time(scene, times):
         return lambda field, x, y, t: scene.exact(field, x, y, t + value)
 
     def words(value):
-        return f"the clock is off: the data are of {abs(value):.4g} {scene.units.time} {_later(value)} than stated"
+        way = "later" if value > 0 else "earlier"
+        return f"the clock is off: the data are of {abs(value):.4g} {scene.units.time} {way} than stated"
 
     low = scene.start_time - earliest if scene.start_time else -0.99 * earliest
     return Fault("time", flow, words, min(low, -1e-9), 5 * latest, 0.005 * latest, (0.5 * low, 0.01 * latest, latest))
-
-
-def _later(value):
-    return "later" if value > 0 else "earlier"
 
 
 def _displaced_walls(scene):

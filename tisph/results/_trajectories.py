@@ -1,16 +1,13 @@
 """``bodies.h5`` as a mapping: what bodies in the fluid do over time."""
 
-from collections.abc import Iterator, Mapping
-from functools import cached_property
-from pathlib import Path
-
 import h5py
 import numpy as np
 
 from tisph.observers._files import readable
+from tisph.results._arrays import Arrays
 
 
-class Trajectories(Mapping[str, np.ndarray]):
+class Trajectories(Arrays):
     """Bodies in the fluid at evenly spaced times: arrays by name, read when they are asked for.
 
     ``t`` (times,); ``centre`` (times, bodies, 2), not wrapped by periods; ``angle`` [radians], ``angular_velocity``
@@ -19,29 +16,8 @@ class Trajectories(Mapping[str, np.ndarray]):
     config.
     """
 
-    def __init__(self, path: Path):
-        self._path = path
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        if name not in self.units:
-            raise KeyError(f"{name!r}; there are {', '.join(self.units)}")
-        with readable(self._path), h5py.File(self._path, "r") as file:
-            return np.asarray(file[name])
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.units)
-
-    def __len__(self) -> int:
-        return len(self.units)
-
     def __repr__(self) -> str:
         return f"<Trajectories of {len(self.names)} bodies: {', '.join(self)}>"
-
-    @cached_property
-    def units(self) -> dict[str, str]:
-        """Unit of each array by its name."""
-        with readable(self._path), h5py.File(self._path, "r") as file:
-            return {name: str(data.attrs.get("units", "")) for name, data in file.items()}
 
     @property
     def names(self) -> list[str]:

@@ -7,7 +7,7 @@ import zipfile
 import numpy as np
 from numpy.lib import format as npy
 
-from tisph.assessment.readers.frame import Frame, chosen_group, flat
+from tisph.assessment.readers.frame import Frame, flat, pysph_frame
 from tisph.errors import ConfigError
 
 SUFFIXES = (".npz",)
@@ -38,7 +38,7 @@ def read(path, select=None):
     with zipfile.ZipFile(path) as archive:
         arrays = {name.removesuffix(".npy"): _array(archive.read(name), path) for name in archive.namelist()}
     if "particles" in arrays and isinstance(arrays["particles"], dict):
-        return [_pysph(arrays, select, path)]
+        return [pysph_frame(arrays["particles"], arrays.get("solver_data", {}).get("t"), select, path)]
     times = next((np.ravel(arrays[name]) for name in ("t", "time") if name in arrays), np.zeros(0))
     if len(times) and any(array.ndim == 2 and array.shape[1] > 3 for array in arrays.values()):
         return [Frame(flat(_of_time(arrays, index)), float(time)) for index, time in enumerate(times)]
@@ -48,15 +48,6 @@ def read(path, select=None):
 def _of_time(arrays, index):
     """Arrays (points,) of one time, from those of all times (times, points)."""
     return {name: array[index] for name, array in arrays.items() if array.ndim == 2 and len(array) > index}
-
-
-def _pysph(arrays, select, path):
-    """Frame of PySPH's own output, version 2."""
-    groups = {name: len(next(iter(group["arrays"].values()))) for name, group in arrays["particles"].items()}
-    group = chosen_group(groups, select, path)
-    time = arrays.get("solver_data", {}).get("t")
-    columns = flat(arrays["particles"][group]["arrays"])
-    return Frame(columns, None if time is None else float(time), group, tuple(groups))
 
 
 def _array(content, path):

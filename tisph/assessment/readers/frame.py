@@ -39,10 +39,16 @@ def flat(arrays):
     return {name: column for name, column in columns.items() if len(column) == longest}
 
 
+def pysph_frame(particles, time, select, path):
+    """The frame of PySPH's own output, version 2: of its groups of ``particles`` by name."""
+    group = chosen_group(particles, select, path)
+    return Frame(flat(particles[group]["arrays"]), None if time is None else float(time), group, tuple(particles))
+
+
 def chosen_group(groups, wanted, path):
     """Name of the group of particles: the ``wanted`` one, else ``fluid`` or the like, else the only one.
 
-    ``groups`` are names with numbers of particles. Raises ConfigError where that leaves a choice.
+    ``groups`` are their names. Raises ConfigError where that leaves a choice.
     """
     if wanted:
         if wanted not in groups:

@@ -3,7 +3,7 @@
 import h5py
 import numpy as np
 
-from tisph.assessment.readers.frame import Frame, chosen_group, flat
+from tisph.assessment.readers.frame import Frame, chosen_group, flat, pysph_frame
 from tisph.errors import ConfigError
 
 SUFFIXES = (".h5", ".hdf5", ".hdf")
@@ -14,18 +14,10 @@ def read(path, select=None):
     try:
         with h5py.File(path, "r") as file:
             if "particles" in file and "solver_data" in file:
-                return [_pysph(file, select, path)]
+                return [pysph_frame(file["particles"], file["solver_data"].attrs.get("t"), select, path)]
             return _groups(file, select, path)
     except OSError as error:
         raise ConfigError(f"{path}: is no HDF5 file, or damaged: {error}") from None
-
-
-def _pysph(file, select, path):
-    groups = {name: len(group["arrays/x"]) for name, group in file["particles"].items()}
-    group = chosen_group(groups, select, path)
-    arrays = {name: array[()] for name, array in file["particles"][group]["arrays"].items()}
-    time = file["solver_data"].attrs.get("t")
-    return Frame(flat(arrays), None if time is None else float(time), group, tuple(groups))
 
 
 def _groups(file, select, path):
@@ -37,7 +29,7 @@ def _groups(file, select, path):
         raise ConfigError(f"{path}: has no group with arrays of one length")
     times = {name: _time(file[name or "/"]) for name in names}
     if len(names) > 1 and None in times.values():
-        names = [chosen_group({name: 0 for name in names}, select, path)]
+        names = [chosen_group(names, select, path)]
     return [Frame(flat({key: item[()] for key, item in _arrays(file[name or "/"])}), times[name]) for name in names]
 
 

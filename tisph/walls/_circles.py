@@ -79,11 +79,6 @@ class CircleImages(SolidWalls):
         """Return the number of images in use."""
         return int(view(self.images))
 
-    def overflow(self):
-        """Return the number of images if there was no room for them, else 0."""
-        needed = self.present_images()
-        return needed if needed > self.particles.slots - self.particles.first_wall else 0
-
     @ti.kernel
     def lay_out(self, now: ti.i32):
         """Find the particles that have images, after a sort, and where these are; then their mid-step values."""

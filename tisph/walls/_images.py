@@ -33,11 +33,6 @@ class ImageWalls(WallTreatment):
         """Return the number of images in use."""
         return int(view(self.images).sum())
 
-    def overflow(self):
-        """Return the number of images if there was no room for them, else 0."""
-        needed = self.present_images()
-        return needed if needed > self.particles.slots - self.particles.first_wall else 0
-
     def lay_out(self, now):
         """Lay out the images after a sort, before the lists are built."""
         self.lay_out_images(now)

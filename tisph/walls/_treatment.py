@@ -42,7 +42,8 @@ class WallTreatment:
 
     def overflow(self):
         """Return the number of images if there was no room for them, else 0."""
-        return 0
+        needed = self.present_images()
+        return needed if needed > self.particles.slots - self.particles.first_wall else 0
 
     def parts(self):
         """Return what else holds fields, by name, for checkpoints."""

@@ -9,7 +9,7 @@ import numpy as np
 from tisph import registry
 from tisph.schemes._error_estimate.images import image_shares
 from tisph.schemes._error_estimate.linear_flow import LinearFlow
-from tisph.schemes._error_estimate.stencils import kernel_sums, sliding_viscosity
+from tisph.schemes._error_estimate.stencils import banded, kernel_sums, sliding_viscosity
 
 SLOPE = 1e-4
 """Of the gap: distance over which the slope of the initial stress at the walls is taken, as in ``walls/_track.py``."""
@@ -29,8 +29,8 @@ class ExplicitLayers:
         self.standard = config.scheme.operators == "standard"
         laplacian, across = kernel_sums(self.kernel, self.ratio, self.standard)
         self.images = len(laplacian) // 2
-        self.laplacian = self._banded(laplacian) / channel.spacing**2
-        self.across = self._banded(across) / channel.spacing
+        self.laplacian = banded(laplacian, self.rows) / channel.spacing**2
+        self.across = banded(across, self.rows) / channel.spacing
         treatment = config.walls.treatment
         self.obeys_momentum = treatment.obeys_momentum
         self.shares, self.wall = image_shares(treatment, self.kernel, self.ratio, self.images, self.rows)
@@ -49,14 +49,6 @@ class ExplicitLayers:
         profile = self.channel.exact_velocity(self.heights, time)
         rate = np.mean(np.abs(np.diff(profile))) / self.channel.spacing
         return sliding_viscosity(self.kernel, self.ratio, rate * (time - self.channel.start_time))
-
-    def _banded(self, weights):
-        """Return the operator (rows, extended rows) of a row's weights."""
-        matrix = np.zeros((self.rows, self.rows + 2 * self.images))
-        for row in range(self.rows):
-            matrix[row, row : row + len(weights)] = weights
-            matrix[row, row + self.images] -= weights.sum()
-        return matrix
 
     def _extend(self, inside, bottom, top):
         """Return an extended field of ``inside`` (rows, ...) and images by layer (layers, ...)."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from tisph.schemes._error_estimate.images import mirrored
 from tisph.schemes._error_estimate.linear_flow import product
-from tisph.schemes._error_estimate.stencils import least_squares
+from tisph.schemes._error_estimate.stencils import banded, least_squares
 from tisph.schemes._stages.esdirk import EMBEDDED_ORDER
 from tisph.schemes._stages.fits import even_fit, polynomial_fit, stress_excess
 from tisph.schemes._stages.impulse import apply_impulse
@@ -148,11 +148,7 @@ class LayerOperators:
 
     def _parts(self, weights):
         """Return an operator on the images below, from the wall on, on the layers, and on the images above."""
-        rows, images = len(self.heights), self.images
-        matrix = np.zeros((rows, rows + 2 * images))
-        for row in range(rows):
-            matrix[row, row : row + len(weights)] = weights
-        matrix[np.arange(rows), np.arange(rows) + images] -= weights.sum()
+        matrix, images = banded(weights, len(self.heights)), self.images
         return matrix[:, :images][:, ::-1], matrix[:, images:-images], matrix[:, -images:]
 
     def _closed(self, name, parity):
@@ -190,10 +186,7 @@ class LayerOperators:
     def boundary_stress(self, side, slope, third):
         """Return what d/dy of the stress has more by its derivatives at a wall."""
         below, _, above = self.parts["gradient"]
-        if self.even_reflection[side]:
-            excess = 2.0 * slope + self.depths**2 * third
-        else:
-            excess = (1.0 if side == 0 else -1.0) * stress_excess(self.depths, slope, third)
+        excess = stress_excess(self.depths, side, self.even_reflection[side], slope, third)
         return product(above if side else below, excess)
 
     def solve(self, coefficient, tangent, right, guess, tolerance):

@@ -13,6 +13,19 @@ SHIFTS = 8
 """Places of sliding rows over one another, over which their viscosity is averaged."""
 
 
+def banded(weights, rows):
+    """Return the operator (rows, images + rows + images) of a row's ``weights``, as many images as these reach.
+
+    It takes differences from the row itself.
+    """
+    images = len(weights) // 2
+    matrix = np.zeros((rows, rows + 2 * images))
+    for row in range(rows):
+        matrix[row, row : row + len(weights)] = weights
+        matrix[row, row + images] -= weights.sum()
+    return matrix
+
+
 def least_squares(order):
     """Weights (rows,) of the Laplacian and of the derivative across, of the least-squares rows of ``order``."""
     support = SUPPORT[order]

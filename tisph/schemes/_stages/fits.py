@@ -9,12 +9,15 @@ EVEN_POWERS = (0, 2, 4)
 """Of the wall distance, in what is fitted for a value at a stress-controlled wall."""
 
 
-def stress_excess(depth, slope, third):
-    """Return what images at a ``depth`` beyond the lower wall have of S_xy more than their sources.
+def stress_excess(depth, side, even_reflection, slope, third):
+    """Return what images at a ``depth`` beyond the lower (``side`` 0) or upper wall have of S_xy beside their sources'.
 
-    By its first and third derivatives along y at the wall; beyond the upper one it is that with the other sign.
+    By its first and third derivatives along y at the wall; beyond one with even reflection by the stress there and its
+    second derivative.
     """
-    return depth * (-2.0 * slope - depth**2 / 3.0 * third)
+    if even_reflection:
+        return 2.0 * slope + depth**2 * third
+    return (1.0 if side == 0 else -1.0) * (depth * (-2.0 * slope - depth**2 / 3.0 * third))
 
 
 def polynomial_fit(distance, values, radius):
@@ -34,8 +37,3 @@ def even_fit(distance, radius):
     """
     near = np.flatnonzero(distance < radius)
     return near, np.linalg.pinv((distance[near, None] / radius) ** np.array(EVEN_POWERS))[0]
-
-
-def root_mean_square(values):
-    """Return the root of the mean square of an array."""
-    return float(np.sqrt(np.mean(values * values)))

@@ -13,8 +13,8 @@ from typing import Protocol
 
 import numpy as np
 
+from tisph.measures.metrics import root_mean_square
 from tisph.schemes._stages.esdirk import DEFECT, GAMMA, A, B, C, stage_predictors, weighted
-from tisph.schemes._stages.fits import root_mean_square
 
 SOLVER_TOLERANCE = 1e-3
 """Residual of a stage, over the tolerance of a step."""

@@ -22,14 +22,16 @@ class ClosedParticleOperators:
 
     def laplacian(self, values):
         """Return A of velocities."""
-        self.close(values, -1.0)
-        self.apply_laplacian()
-        return view(self.found)[self.fluid].astype(float)
+        return self.derivative(self.operators.laplacian, values, -1.0)
 
     def gradient(self, values, parity):
         """Return d/dy of ``values``, whose images have ``parity`` times theirs."""
+        return self.derivative(self.operators.d_dy, values, parity)
+
+    def derivative(self, rows, values, parity):
+        """Return that by the ``rows`` of an operator."""
         self.close(values, parity)
-        self.apply_gradient()
+        self.apply(rows)
         return view(self.found)[self.fluid].astype(float)
 
     def close(self, values, parity):
@@ -41,20 +43,12 @@ class ClosedParticleOperators:
         return ghosts
 
     @ti.kernel
-    def apply_laplacian(self):
-        """Compute the Laplacian of ``values``."""
+    def apply(self, rows: ti.template()):
+        """Compute a derivative of ``values``."""
         particles = self.points.particles[None]
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(particles):
-            self.found[i] = self.operators.apply(self.operators.laplacian, self.values, i)
-
-    @ti.kernel
-    def apply_gradient(self):
-        """Compute d/dy of ``values``."""
-        particles = self.points.particles[None]
-        ti.loop_config(serialize=self.operators.serial_light)
-        for i in range(particles):
-            self.found[i] = self.operators.apply(self.operators.d_dy, self.values, i)
+            self.found[i] = self.operators.apply(rows, self.values, i)
 
     def boundary_laplacian(self, series):
         """Return what the ``series`` of the images beyond both walls (2, 3) add to the Laplacian."""
@@ -75,11 +69,7 @@ class ClosedParticleOperators:
 
         Beyond a wall with even reflection ``slope`` is the stress there, and ``third`` its second derivative.
         """
-        depth = self.ghosts.depth
-        if self.ghosts.even_reflection[side]:
-            excess = 2.0 * slope + depth**2 * third
-        else:
-            excess = (1.0 if side == 0 else -1.0) * stress_excess(depth, slope, third)
+        excess = stress_excess(self.ghosts.depth, side, self.ghosts.even_reflection[side], slope, third)
         return np.where(self.ghosts.side == side, excess, 0.0)
 
     def from_images(self, rows, values):

@@ -31,16 +31,18 @@ FLOWS = {**POISEUILLE, **OTHERS}
 
 
 def runs(quick):
-    """Configs by run name: a flow's own name for 50 across, and with what differs behind it."""
-    return _quick_runs() if quick else _full_runs()
+    """Configs by run name: a flow's own name for 50 across, and with what differs behind it.
 
-
-def criteria(quick):
-    """What the runs are held to, in the order of the table."""
-    return _quick_criteria() if quick else _full_criteria()
-
-
-def _full_runs():
+    Quick ones are the driven flow at 25 and 50 across, and one flow with moving walls of each kind.
+    """
+    if quick:
+        return {
+            "poiseuille": flows.POISEUILLE.at(),
+            "poiseuille_25": flows.POISEUILLE.at(across(25)),
+            "poiseuille_25_comoving": flows.POISEUILLE.at(across(25), treatment("comoving_image")),
+            "backflow": flows.BACKFLOW.at(across(25)),
+            "oscillating_fast": flows.OSCILLATING_FAST.at(samples=(0.04,)),
+        }
     found = {}
     for name, flow in FLOWS.items():
         found |= {name: flow.at(), f"{name}_25": flow.at(across(25)), f"{name}_100": flow.at(across(100))}
@@ -50,7 +52,19 @@ def _full_runs():
     return found
 
 
-def _full_criteria():
+def criteria(quick):
+    """What the runs are held to, in the order of the table."""
+    if quick:
+        return [
+            share("poiseuille_25", "poiseuille_25_comoving", 0.1, 0.5),
+            order("poiseuille", {"poiseuille_25": 25, "poiseuille": 50}, 0.1, 1.9),
+            *_walls("poiseuille", flows.POISEUILLE),
+            at_most("backflow", 0.1, "rms", 2e-3),
+            *_walls("backflow", flows.BACKFLOW),
+            at_most("oscillating_fast", 0.04, "rms", 2e-3),
+            at_most("oscillating_fast", 0.04, "wall_shear", WALL_SHEAR),
+            closes("oscillating_fast", CLOSURE),
+        ]
     start_up, steady = flows.POISEUILLE.samples[0], flows.POISEUILLE_STEADY.samples[0]
     at_floor = ("poiseuille_steady_25", "poiseuille_steady", "poiseuille_steady_100", "poiseuille_steady_jitter_0.2")
     found = [
@@ -66,31 +80,6 @@ def _full_criteria():
         found += [at_most(name, t_star, "rms", 2e-3) for t_star in flow.samples]
         found += [order(name, _resolutions(name), flow.samples[0], 1.8, "rms"), *_walls(name, flow)]
     return found
-
-
-def _quick_runs():
-    """The driven flow at 25 and 50 across, and one flow with moving walls of each kind."""
-    coarse = flows.POISEUILLE.at(across(25))
-    return {
-        "poiseuille": flows.POISEUILLE.at(),
-        "poiseuille_25": coarse,
-        "poiseuille_25_comoving": flows.POISEUILLE.at(across(25), treatment("comoving_image")),
-        "backflow": flows.BACKFLOW.at(across(25)),
-        "oscillating_fast": flows.OSCILLATING_FAST.at(samples=(0.04,)),
-    }
-
-
-def _quick_criteria():
-    return [
-        share("poiseuille_25", "poiseuille_25_comoving", 0.1, 0.5),
-        order("poiseuille", {"poiseuille_25": 25, "poiseuille": 50}, 0.1, 1.9),
-        *_walls("poiseuille", flows.POISEUILLE),
-        at_most("backflow", 0.1, "rms", 2e-3),
-        *_walls("backflow", flows.BACKFLOW),
-        at_most("oscillating_fast", 0.04, "rms", 2e-3),
-        at_most("oscillating_fast", 0.04, "wall_shear", WALL_SHEAR),
-        closes("oscillating_fast", CLOSURE),
-    ]
 
 
 def _resolutions(name):

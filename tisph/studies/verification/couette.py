@@ -54,16 +54,23 @@ BEFORE_LAYERS_MEET = 0.018
 
 
 def runs(quick):
-    """Configs by run name, as plain dicts: the suite of minutes, or the quick one."""
-    return _quick_runs() if quick else _full_runs()
+    """Configs by run name, as plain dicts: the suite of minutes, or the quick one.
 
-
-def criteria(quick):
-    """What the runs are held to, in the order of the table."""
-    return _quick_criteria() if quick else _full_criteria()
-
-
-def _full_runs():
+    That has the same bounds with fewer and shorter runs: most at 25 across, where a run costs its start-up.
+    """
+    if quick:
+        bottom_wall = {"bottom": {"velocity": 0.2}, "top": {"velocity": 0.0}}
+        return {
+            "lattice": _flow(EARLY, SHORT),
+            "jitter_0.2": _flow(EARLY, SHORT, jitter(0.2)),
+            "developed": _flow(EARLY, SHORT, across(25), state("developed")),
+            "across_25": _flow(EARLY, HALF, jitter(0.1), across(25)),
+            "across_50": _flow(EARLY, HALF, jitter(0.1)),
+            "other_flow": _flow(EARLY, jitter(0.1, 1), across(25), OTHER_NUMBERS, {"walls": bottom_wall}),
+            "opposite_walls": _flow(EARLY, HALF, jitter(0.1), across(25), walls(0.5, -0.5)),
+            "si": _flow(EARLY, jitter(0.1), across(25), HALF_SI),
+            "repeat": _flow(EARLY, HALF, jitter(0.1), across(25)),
+        }
     early_and_late = (*EARLY, 0.2)
     return {
         "lattice": _flow(early_and_late),
@@ -84,7 +91,22 @@ def _full_runs():
     }
 
 
-def _full_criteria():
+def criteria(quick):
+    """What the runs are held to, in the order of the table."""
+    if quick:
+        return [
+            at_most("lattice", 0.018, "l2", 1.5e-3),
+            at_most("lattice", 0.027, "l2", 1.0e-3),
+            at_most("lattice", 0.027, "wall_shear", 0.01),
+            closes("lattice", 0.01),
+            *(near("jitter_0.2", "lattice", t_star, 0.15) for t_star in EARLY),
+            *(at_most("developed", t_star, "l2", 1e-6) for t_star in EARLY),
+            order("across_25/50", {"across_25": 25, "across_50": 50}, 0.027, 1.85),
+            *(near("other_flow", "across_25", t_star, 0.05) for t_star in EARLY),
+            near("opposite_walls", "across_25", BEFORE_LAYERS_MEET, 0.05),
+            same_velocities("si", "across_25", 1e-6),
+            same_bits("repeat", "across_25"),
+        ]
     l2_bounds = {0.018: 1.5e-3, 0.027: 1.0e-3, 0.2: 2.0e-4}
     return [
         *(at_most("lattice", t_star, "l2", bound) for t_star, bound in l2_bounds.items()),
@@ -104,38 +126,6 @@ def _full_criteria():
         at_most("long", 1.0, "l2", 5e-6),
         at_most("long", 1.0, "transverse", 1e-6),
         at_most("long", 1.0, "density_variation", 1e-4),
-    ]
-
-
-def _quick_runs():
-    """The same bounds with fewer and shorter runs: most at 25 across, where a run costs its start-up."""
-    bottom_wall = {"bottom": {"velocity": 0.2}, "top": {"velocity": 0.0}}
-    return {
-        "lattice": _flow(EARLY, SHORT),
-        "jitter_0.2": _flow(EARLY, SHORT, jitter(0.2)),
-        "developed": _flow(EARLY, SHORT, across(25), state("developed")),
-        "across_25": _flow(EARLY, HALF, jitter(0.1), across(25)),
-        "across_50": _flow(EARLY, HALF, jitter(0.1)),
-        "other_flow": _flow(EARLY, jitter(0.1, 1), across(25), OTHER_NUMBERS, {"walls": bottom_wall}),
-        "opposite_walls": _flow(EARLY, HALF, jitter(0.1), across(25), walls(0.5, -0.5)),
-        "si": _flow(EARLY, jitter(0.1), across(25), HALF_SI),
-        "repeat": _flow(EARLY, HALF, jitter(0.1), across(25)),
-    }
-
-
-def _quick_criteria():
-    return [
-        at_most("lattice", 0.018, "l2", 1.5e-3),
-        at_most("lattice", 0.027, "l2", 1.0e-3),
-        at_most("lattice", 0.027, "wall_shear", 0.01),
-        closes("lattice", 0.01),
-        *(near("jitter_0.2", "lattice", t_star, 0.15) for t_star in EARLY),
-        *(at_most("developed", t_star, "l2", 1e-6) for t_star in EARLY),
-        order("across_25/50", {"across_25": 25, "across_50": 50}, 0.027, 1.85),
-        *(near("other_flow", "across_25", t_star, 0.05) for t_star in EARLY),
-        near("opposite_walls", "across_25", BEFORE_LAYERS_MEET, 0.05),
-        same_velocities("si", "across_25", 1e-6),
-        same_bits("repeat", "across_25"),
     ]
 
 

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from tisph.cli.options import folder_name
+from tisph.cli.options import out_folder
 from tisph.errors import ConfigError
 
 FOLDER = Path("runs/bench")
@@ -39,12 +39,7 @@ Configs = Annotated[Path | None, typer.Option("--configs", hidden=True, help="Of
 
 Out = Annotated[
     Path | None,
-    typer.Option(
-        "--out",
-        metavar="DIR",
-        parser=folder_name,
-        help=f"Results [default: {FOLDER}/frontier, and {FOLDER}/frontier_FLOW of another flow than channel].",
-    ),
+    out_folder(f"Results [default: {FOLDER}/frontier, and {FOLDER}/frontier_FLOW of another flow than channel]."),
 ]
 
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tisph.cli.options import Overrides, folder_name
+from tisph.cli.options import Overrides, out_folder
 from tisph.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -35,10 +35,7 @@ Orientation = Annotated[
 ]
 Select = Annotated[str | None, typer.Option("--select", help="The group of particles that is the fluid.")]
 Bound = Annotated[float | None, typer.Option("--bound", help="Exit status 1 if an error is larger.")]
-Out = Annotated[
-    Path | None,
-    typer.Option("--out", metavar="DIR", parser=folder_name, help="Numbers and picture [default: runs/compare-NAME]."),
-]
+Out = Annotated[Path | None, out_folder("Numbers and picture [default: runs/compare-NAME].")]
 
 
 def compare(  # an argument an option

@@ -1,7 +1,7 @@
 """Arguments that several commands share."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -11,6 +11,11 @@ Overrides = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY.PATH=VALUE", help="Replace one value of the config; may be repeated."),
 ]
+
+
+def out_folder(words: str) -> Any:
+    """Return the option of the folder of results, whose help is ``words``."""
+    return typer.Option("--out", metavar="DIR", parser=folder_name, help=words)
 
 
 def folder_name(text: str) -> Path:

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from tisph.cli import check
-from tisph.cli.options import ConfigFile, Overrides, folder_name
+from tisph.cli.options import ConfigFile, Overrides, out_folder
 from tisph.cli.outcome import held_back
 from tisph.errors import DivergedError
 from tisph.folder import Folder, claimed
@@ -28,10 +28,7 @@ PRINTED = ("name", "status", "samples", "cost", "error_estimate")
 
 def run(
     config: ConfigFile,
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", parser=folder_name, help="Folder of the results [default: runs/NAME]."),
-    ] = None,
+    out: Annotated[Path | None, out_folder("Folder of the results [default: runs/NAME].")] = None,
     overrides: Overrides = None,
     no_video: Annotated[bool, typer.Option("--no-video", help="Make no movie.")] = False,
     no_pictures: Annotated[bool, typer.Option("--no-pictures", help="Make no movie and no plots.")] = False,

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from tisph.cli.options import folder_name
+from tisph.cli.options import out_folder
 
 FOLDER = Path("runs/stress")
 
@@ -19,9 +19,7 @@ def stability(
     processes: Annotated[
         int | None, typer.Option("--processes", min=1, help="Cells at a time [default: one a core].")
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", parser=folder_name, help=f"Results [default: {FOLDER}].")
-    ] = None,
+    out: Annotated[Path | None, out_folder(f"Results [default: {FOLDER}].")] = None,
 ) -> None:
     """Run the stability matrix and say what becomes of every cell.
 

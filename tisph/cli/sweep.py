@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from tisph.cli.options import folder_name
+from tisph.cli.options import out_folder
 
 
 def sweep(
@@ -16,9 +16,7 @@ def sweep(
     scheduler: Annotated[
         str | None, typer.Option("--scheduler", metavar="ADDRESS", help="Run on the workers of this Dask scheduler.")
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", parser=folder_name, help="Results [default: runs/NAME].")
-    ] = None,
+    out: Annotated[Path | None, out_folder("Results [default: runs/NAME].")] = None,
 ) -> None:
     """Run a config with all values of some of its keys.
 

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from tisph.cli.options import folder_name
+from tisph.cli.options import out_folder
 from tisph.errors import ConfigError
 
 WALLS_FOLDER = Path("runs/verify-walls")
@@ -26,12 +26,7 @@ def verify(
     ] = False,
     out: Annotated[
         Path | None,
-        typer.Option(
-            "--out",
-            metavar="DIR",
-            parser=folder_name,
-            help=f"Folder where finished runs stay, of a SUITE, and of --walls [default: {WALLS_FOLDER}].",
-        ),
+        out_folder(f"Folder where finished runs stay, of a SUITE, and of --walls [default: {WALLS_FOLDER}]."),
     ] = None,
 ) -> None:
     """Compare runs with exact solutions.

@@ -6,20 +6,25 @@ from typing import Any, ClassVar
 import numpy as np
 
 
+class Steady:
+    """What does not change in time."""
+
+    oscillates = False
+    angular_frequency = 0.0
+    jump_times = ()
+
+    def after(self, time):
+        """The same: it does not change."""
+        return self
+
+
 @dataclass(frozen=True)
-class Wall:
+class Wall(Steady):
     """A wall of constant ``speed``."""
 
     stress_controlled: ClassVar[bool] = False
-    oscillates: ClassVar[bool] = False
-    angular_frequency: ClassVar[float] = 0.0
-    jump_times: ClassVar[tuple[float, ...]] = ()
 
     speed: float = 0.0
-
-    def after(self, time):
-        """The wall itself: it does not change."""
-        return self
 
     def velocity(self, t):
         """``speed``, of the shape of ``t``."""
@@ -31,18 +36,11 @@ class Wall:
 
 
 @dataclass(frozen=True)
-class Axis:
+class Axis(Steady):
     """The axis r = 0 in the place of an inner wall, with methods of a wall of no mass and no stress."""
 
     stress_controlled: ClassVar[bool] = True
-    oscillates: ClassVar[bool] = False
-    angular_frequency: ClassVar[float] = 0.0
-    jump_times: ClassVar[tuple[float, ...]] = ()
     mass_per_area: ClassVar[float] = 0.0
-
-    def after(self, time):
-        """The axis itself."""
-        return self
 
     def stress(self, t):
         """0, of the shape of ``t``."""

@@ -5,6 +5,7 @@ positive where the centre of curvature lies in the body, so that the body is con
 cylinder in the fluid, -1/R on a cylinder that the fluid is in.
 """
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Literal, Protocol
@@ -78,10 +79,14 @@ class ClosedCurve(ABC):
         """Area that the curve encloses."""
         return self._area
 
+    @property
+    def convex_radius(self):
+        """The smallest radius with the fluid outside a curve that bulges everywhere."""
+        return self.smallest_radius if self.fluid_side == "outside" else math.inf
+
     def nearest(self, points):
         """Nearest points of the wall to ``points`` (n, 2), a ``ClosestPoint``."""
-        foot = self._nearest(np.asarray(points, dtype=float))
-        side = 1.0 if self.fluid_side == "outside" else -1.0
+        foot, side = self._nearest(np.asarray(points, dtype=float)), self._side
         return ClosestPoint(foot.point, side * foot.normal, side * foot.curvature, side * foot.distance)
 
     def images(self, points, cutoff):
@@ -91,8 +96,11 @@ class ClosedCurve(ABC):
     def boundary_points(self, spacing):
         """Points evenly along the wall, the nearest whole number to length/spacing: a ``Boundary``."""
         point, normal, curvature, length = self._spread(spacing)
-        side = 1.0 if self.fluid_side == "outside" else -1.0
-        return Boundary(point, side * normal, side * curvature, length)
+        return Boundary(point, self._side * normal, self._side * curvature, length)
+
+    @property
+    def _side(self):
+        return 1.0 if self.fluid_side == "outside" else -1.0
 
     @abstractmethod
     def _nearest(self, points):
@@ -101,6 +109,16 @@ class ClosedCurve(ABC):
     @abstractmethod
     def _spread(self, spacing):
         """Return points, normals for fluid outside, curvatures and lengths."""
+
+
+def checked_points(points, of, words):
+    """Return the ``points`` (k, 2) of a curve, which is called ``of``, as an array; ValueError for less than three."""
+    points = np.array(points, dtype=float)
+    if points.ndim != 2 or points.shape[1:] != (2,) or len(points) < 3:
+        raise ValueError(f"a {of} needs three {words} (x, y) or more, not {len(points)}")
+    if not np.isfinite(points).all():
+        raise ValueError(f"the {words} of a {of} must be finite")
+    return points
 
 
 def check_side(fluid_side):

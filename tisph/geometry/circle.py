@@ -36,11 +36,6 @@ class Circle(ClosedCurve):
         return self.radius
 
     @property
-    def convex_radius(self):
-        """The radius with the fluid outside."""
-        return self.radius if self.fluid_side == "outside" else math.inf
-
-    @property
     def _area(self):
         return math.pi * self.radius**2
 

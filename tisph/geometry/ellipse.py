@@ -54,11 +54,6 @@ class Ellipse(ClosedCurve):
         return min(self.half_axes) ** 2 / max(self.half_axes)
 
     @property
-    def convex_radius(self):
-        """The smallest radius with the fluid outside."""
-        return self.smallest_radius if self.fluid_side == "outside" else math.inf
-
-    @property
     def _area(self):
         return math.pi * self.half_axes[0] * self.half_axes[1]
 

@@ -7,10 +7,46 @@ import numpy as np
 
 
 @dataclass(frozen=True)
-class WallMotion:
-    """One component of a velocity from t = 0 on: cosine * cos(w t) + sine * sin(w t), w = ``angular_frequency``.
+class Oscillation:
+    """cosine * cos(w t) + sine * sin(w t), w = ``angular_frequency``; a constant, which is ``cosine``, has w = 0."""
 
-    A wall of constant velocity has w = 0 and its velocity as ``cosine``. ``before`` is its constant velocity
+    cosine: float
+    sine: float = 0.0
+    angular_frequency: float = 0.0
+
+    @property
+    def oscillates(self):
+        """Whether it changes with time."""
+        return self.angular_frequency != 0
+
+    @property
+    def amplitude(self):
+        """Its largest size."""
+        return float(np.hypot(self.cosine, self.sine))
+
+    def value(self, t):
+        """Itself at time(s) ``t``, of the shape of ``t``."""
+        angle = self.angular_frequency * np.asarray(t, dtype=float)
+        return self.cosine * np.cos(angle) + self.sine * np.sin(angle)
+
+    def slope(self, t):
+        """Its time derivative."""
+        angle = self.angular_frequency * np.asarray(t, dtype=float)
+        return self.angular_frequency * (self.sine * np.cos(angle) - self.cosine * np.sin(angle))
+
+    def penetration_depth(self, kinematic_viscosity):
+        """Depth sqrt(2 nu / w) [length] in which the oscillation falls by a factor e; infinite without one.
+
+        Stokes' second problem: G. K. Batchelor, An Introduction to Fluid Dynamics, section 4.3.
+        """
+        return float(np.sqrt(2 * kinematic_viscosity / self.angular_frequency)) if self.oscillates else np.inf
+
+
+@dataclass(frozen=True)
+class WallMotion(Oscillation):
+    """One component of a velocity from t = 0 on.
+
+    ``before`` is its constant velocity
     before t = 0, where that was another one (0 for one that starts from rest), else None. Velocities [length/time], or
     [1/time] of what turns, ``angular_frequency`` [1/time].
     """
@@ -19,9 +55,6 @@ class WallMotion:
     jump_times: ClassVar[tuple[float, ...]] = ()
     breakpoints: ClassVar[tuple[tuple[float, float, float], ...]] = ()
 
-    cosine: float
-    sine: float = 0.0
-    angular_frequency: float = 0.0
     before: float | None = None
 
     def after(self, time):
@@ -37,14 +70,9 @@ class WallMotion:
         return cls(cosine=cosine, sine=sine, angular_frequency=wall.angular_frequency)
 
     @property
-    def oscillates(self):
-        """Whether the velocity changes with time."""
-        return self.angular_frequency != 0
-
-    @property
     def largest_speed(self):
         """The largest speed that the wall has or had before t = 0."""
-        return max(abs(self.before or 0.0), float(np.hypot(self.cosine, self.sine)))
+        return max(abs(self.before or 0.0), self.amplitude)
 
     def relative_to(self, velocity):
         """The motion in a frame that moves along x with ``velocity``, which must be 0 where the wall oscillates."""
@@ -58,20 +86,15 @@ class WallMotion:
 
     def velocity(self, t):
         """Velocity at time(s) ``t``, of the shape of ``t``."""
-        angle = self.angular_frequency * np.asarray(t, dtype=float)
-        return self._or_before(t, self.before, self.cosine * np.cos(angle) + self.sine * np.sin(angle))
+        return self._or_before(t, self.before, self.value(t))
 
     def acceleration(self, t):
         """Time derivative of the velocity [length/time^2] at time(s) ``t``, of the shape of ``t``; without its jump."""
-        angle = self.angular_frequency * np.asarray(t, dtype=float)
-        slope = self.angular_frequency * (self.sine * np.cos(angle) - self.cosine * np.sin(angle))
-        return self._or_before(t, 0.0, slope)
+        return self._or_before(t, 0.0, self.slope(t))
 
     def jerk(self, t):
         """Second time derivative of the velocity [length/time^3] at time(s) ``t``, of the shape of ``t``."""
-        angle = self.angular_frequency * np.asarray(t, dtype=float)
-        change = -(self.angular_frequency**2) * (self.cosine * np.cos(angle) + self.sine * np.sin(angle))
-        return self._or_before(t, 0.0, change)
+        return self._or_before(t, 0.0, -(self.angular_frequency**2) * self.value(t))
 
     def displacement(self, t):
         """Way [length] from t = 0 on, negative times included, of the shape of ``t``."""
@@ -86,18 +109,6 @@ class WallMotion:
     def _or_before(self, t, before, value):
         """Return ``value``, or ``before`` at times before 0 where the velocity was another one then."""
         return value if self.before is None else np.where(np.asarray(t) < 0, before, value)[()]
-
-    def penetration_depth(self, kinematic_viscosity):
-        """Depth sqrt(2 nu / w) [length] in which the oscillation falls by a factor e; infinite without one.
-
-        Stokes' second problem: G. K. Batchelor, An Introduction to Fluid Dynamics, section 4.3.
-        """
-        return penetration_depth(kinematic_viscosity, self.angular_frequency)
-
-
-def penetration_depth(kinematic_viscosity, angular_frequency):
-    """``WallMotion.penetration_depth``."""
-    return float(np.sqrt(2 * kinematic_viscosity / angular_frequency)) if angular_frequency else np.inf
 
 
 class OfComponents:

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from tisph.geometry._crossing import crossing
-from tisph.geometry._shape import ClosedCurve, ClosestPoint, Side, check_side, evenly
+from tisph.geometry._shape import ClosedCurve, ClosestPoint, Side, check_side, checked_points, evenly
 
 STRAIGHT = 1e-12
 """Turn of the tangent, in radians, and share of a length, below which there is rounding only."""
@@ -27,11 +27,7 @@ class Polygon(ClosedCurve):
 
     def __post_init__(self):
         check_side(self.fluid_side)
-        corners = np.array(self.corners, dtype=float)
-        if corners.ndim != 2 or corners.shape[1:] != (2,) or len(corners) < 3:
-            raise ValueError(f"a polygon needs three corners (x, y) or more, not {len(corners)}")
-        if not np.isfinite(corners).all():
-            raise ValueError("the corners of a polygon must be finite")
+        corners = checked_points(self.corners, "polygon", "corners")
         if _enclosed(corners) < 0:
             corners = corners[::-1]
         object.__setattr__(self, "corners", tuple(map(tuple, corners.tolist())))
@@ -60,8 +56,7 @@ class Polygon(ClosedCurve):
     @property
     def convex_radius(self):
         """The radius of corners where the wall bulges into the fluid."""
-        side = 1.0 if self.fluid_side == "outside" else -1.0
-        return self.corner_radius if (side * self._bend > 0).any() else math.inf
+        return self.corner_radius if (self._side * self._bend > 0).any() else math.inf
 
     @property
     def _area(self):
@@ -75,8 +70,7 @@ class Polygon(ClosedCurve):
         A place has an image across each side, and each arc, that it is beside. Where the fluid fills a sharp corner, a
         place beside both sides has one across the corner too; the body's own corners fill with images of the sides.
         """
-        side = 1.0 if self.fluid_side == "outside" else -1.0
-        away = points[:, None] - self._start
+        side, away = self._side, points[:, None] - self._start
         along = np.einsum("nkc,kc->nk", away, self._tangent)
         height = side * np.einsum("nkc,kc->nk", away, self._normal)
         beside = (along >= 0) & (along <= self._lengths[1::2]) & (height < cutoff)

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from tisph.geometry._crossing import crossing
-from tisph.geometry._shape import ClosedCurve, ClosestPoint, Side, check_side, evenly
+from tisph.geometry._shape import ClosedCurve, ClosestPoint, Side, check_side, checked_points, evenly
 
 DEGREE = 5
 SAMPLES = 16
@@ -36,11 +36,7 @@ class Spline(ClosedCurve):
 
     def __post_init__(self):
         check_side(self.fluid_side)
-        points = np.array(self.points, dtype=float)
-        if points.ndim != 2 or points.shape[1:] != (2,) or len(points) < 3:
-            raise ValueError(f"a curve needs three points (x, y) or more, not {len(points)}")
-        if not np.isfinite(points).all():
-            raise ValueError("the points of a curve must be finite")
+        points = checked_points(self.points, "curve", "points")
         if not (np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1) > 0).all():
             raise ValueError("points of a curve that follow each other must be two places (the last is not the first)")
         object.__setattr__(self, "points", tuple(map(tuple, points.tolist())))

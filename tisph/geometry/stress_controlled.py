@@ -5,23 +5,20 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from tisph.geometry.motion import penetration_depth
+from tisph.geometry.motion import Oscillation
 
 
 @dataclass(frozen=True)
-class StressControlledWall:
+class StressControlledWall(Oscillation):
     """A wall that starts from rest at t = 0: mass_per_area dU/dt = stress(t) - what the fluid takes of it.
 
-    The stress on it from outside, along x, is cosine * cos(w t) + sine * sin(w t), w = ``angular_frequency``; with
-    ``steps``, pairs of a time and the stress from then on, it is constant in between (0 before the first).
+    The stress on it from outside, along x, oscillates or is constant; with ``steps``, pairs of a time and the stress
+    from then on, it is constant in between (0 before the first).
     """
 
     stress_controlled: ClassVar[bool] = True
     before: ClassVar[None] = None
 
-    cosine: float
-    sine: float = 0.0
-    angular_frequency: float = 0.0
     mass_per_area: float = 0.0
     steps: tuple[tuple[float, float], ...] = ()
 
@@ -35,11 +32,6 @@ class StressControlledWall:
             return cls(wall.shear_stress, mass_per_area=mass)
         cosine, sine = (wall.stress_amplitude, 0.0) if wall.phase == "cos" else (0.0, wall.stress_amplitude)
         return cls(cosine, sine, wall.angular_frequency, mass)
-
-    @property
-    def oscillates(self):
-        """Whether the stress does."""
-        return self.angular_frequency != 0
 
     @property
     def jump_times(self):
@@ -58,22 +50,16 @@ class StressControlledWall:
         if self.steps:
             times, stresses = zip((-np.inf, 0.0), *self.steps, strict=True)
             return np.asarray(stresses)[np.searchsorted(times, t, side="right") - 1]
-        angle = self.angular_frequency * np.asarray(t, dtype=float)
-        return self.cosine * np.cos(angle) + self.sine * np.sin(angle)
+        return self.value(t)
 
     def stress_rate(self, t):
         """Time derivative of the stress at time(s) ``t``, without its jumps, of the shape of ``t``."""
-        angle = self.angular_frequency * np.asarray(t, dtype=float)
-        return self.angular_frequency * (self.sine * np.cos(angle) - self.cosine * np.sin(angle))
-
-    def penetration_depth(self, kinematic_viscosity):
-        """Depth [length] in which the oscillation falls by a factor e, as of a wall that moves."""
-        return penetration_depth(kinematic_viscosity, self.angular_frequency)
+        return self.slope(t)
 
     @property
     def largest_stress(self):
         """The largest size of the stress."""
-        return max((abs(stress) for _, stress in self.steps), default=float(np.hypot(self.cosine, self.sine)))
+        return max((abs(stress) for _, stress in self.steps), default=self.amplitude)
 
     def over(self, density):
         """The plate with stress and mass over a ``density``."""

@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from tisph.config.base import Model, NonNegative, Positive, Signed, refusals
+from tisph.config.base import Model, NonNegative, Positive, Signed, given, refusals, refuse
 from tisph.config.fields import either
 from tisph.geometry.body import Body
 from tisph.geometry.free_motion import FREEDOMS, FreeMotion, Inertia
@@ -46,15 +46,13 @@ class Motion(Model):
             found.append(((), "give velocity or angular_velocity, amplitude or angular_amplitude, or fixed", {}))
         if swings:
             text = "is only for a body of constant velocity; this one oscillates, which has an amplitude"
-            found += [((key,), text, getattr(self, key)) for key in constant]
+            found += given(self, constant, text)
             if turns is None:
                 found.append((("angular_frequency",), "is missing: a body with an amplitude oscillates", {}))
         else:
             text = "is only for a body that oscillates, which has an amplitude"
-            alien = (key for key in ("angular_frequency", "phase") if getattr(self, key) is not None)
-            found += [((key,), text, getattr(self, key)) for key in alien]
-        if found:
-            raise refusals(found)
+            found += given(self, ("angular_frequency", "phase"), text)
+        refuse(found)
         return self
 
     def rigid(self) -> RigidMotion:
@@ -102,15 +100,11 @@ class Placed(Model):
 
     @model_validator(mode="after")
     def _check_free(self) -> "Placed":
-        given = [key for key in FREE_KEYS if getattr(self, key) not in (None, ())]
-        found = []
-        if self.motion != "free":
-            text = "is only for a body that the flow moves, with motion: free"
-            found += [((key,), text, getattr(self, key)) for key in given]
+        text = "is only for a body that the flow moves, with motion: free"
+        found = given(self, FREE_KEYS, text) if self.motion != "free" else []
         if self.density is not None and self.mass is not None:
             found.append((("mass",), "give density or mass, not both", self.mass))
-        if found:
-            raise refusals(found)
+        refuse(found)
         return self
 
     @model_validator(mode="after")

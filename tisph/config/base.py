@@ -1,5 +1,6 @@
 """The base of every parameter model: frozen, strict types, finite numbers, no unknown keys."""
 
+from collections.abc import Iterable
 from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_serializer, model_validator
@@ -41,6 +42,17 @@ def refusals(found: list[tuple[Any, ...]]) -> ValidationError:
     return ValidationError.from_exception_data("Config", details)
 
 
+def refuse(found: list[tuple[Any, ...]]) -> None:
+    """Raise the ``refusals`` of what is ``found``, if there is any."""
+    if found:
+        raise refusals(found)
+
+
+def given(model: Any, keys: Iterable[str], text: str) -> list[tuple[Any, ...]]:
+    """Findings with this ``text``, of those of the ``keys`` of a ``model`` that have a value."""
+    return [((key,), text, getattr(model, key)) for key in keys if getattr(model, key) not in (None, ())]
+
+
 class Model(BaseModel):
     """Parameters as they stand in a config: a string is no number, NaN and inf are refused.
 
@@ -59,15 +71,8 @@ class Model(BaseModel):
         if self.exclusive_keys and not given:
             raise refusals([((), f"{rule}: none is given", {})])
         if len(given) > 1:
-            raise refusals(
-                [
-                    (
-                        (given[-1],),
-                        f"{rule}: {' and '.join(given)} are given (null unsets)",
-                        getattr(self, given[-1]),
-                    )
-                ]
-            )
+            text = f"{rule}: {' and '.join(given)} are given (null unsets)"
+            raise refusals([((given[-1],), text, getattr(self, given[-1]))])
         return self
 
     @model_serializer(mode="wrap")

@@ -4,7 +4,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, Field, model_validator
 
-from tisph.config.base import Model, NonNegative, Signed, refusal, refusals
+from tisph.config.base import Model, NonNegative, Signed, given, refusal, refusals, refuse
 
 
 def _not_zero(value: float) -> float:
@@ -57,12 +57,10 @@ class WallMotion(Model):
         form = (
             f"of constant {constant}; this one oscillates" if oscillates else "that oscillates, which has an amplitude"
         )
-        values = {key: getattr(self, key) for key in alien}
-        found = [((key,), f"is only for a wall {form}", value) for key, value in values.items() if value is not None]
+        found = given(self, alien, f"is only for a wall {form}")
         if oscillates and self.angular_frequency is None:
             found.append((("angular_frequency",), "is missing: a wall with an amplitude oscillates", {}))
-        if found:
-            raise refusals(found)
+        refuse(found)
         return self
 
     @property

@@ -35,7 +35,7 @@ def wall_shear(channel, snapshot):
     if channel.polymer is None:
         return solvent
     return tuple(
-        stress + _value(channel, distance, snapshot.stress_xy)
+        stress + _coefficients(channel, distance, snapshot.stress_xy, STRESS_POWERS)[0]
         for stress, distance in zip(solvent, (bottom, top), strict=True)
     )
 
@@ -70,20 +70,11 @@ def _rate(channel, distance, wall, velocity, t):
 
 def _slope(channel, distance, slip):
     """Slope a at distance 0 of ``slip``, the velocity relative to the wall."""
-    return _first_coefficient(channel, distance, slip, SLIP_POWERS) / (RADIUS * channel.spacing)
-
-
-def _value(channel, distance, stress):
-    """Stress at distance 0."""
-    return _first_coefficient(channel, distance, stress, STRESS_POWERS)
-
-
-def _first_coefficient(channel, distance, values, powers):
-    """Least-squares coefficient of the lowest of ``powers`` of distance/radius."""
-    return _coefficients(channel, distance, values, powers)[0]
+    return _coefficients(channel, distance, slip, SLIP_POWERS)[0] / (RADIUS * channel.spacing)
 
 
 def _coefficients(channel, distance, values, powers):
+    """Least-squares coefficients of the ``powers`` of distance/radius."""
     radius = RADIUS * channel.spacing
     near = distance < radius
     fraction = distance[near] / radius

@@ -35,7 +35,8 @@ class ProfilePanel:
         panel, profile = picture[self._layout.profile.inner.slices], self._quantity.profile
         theme = self._layout.theme
         if self._grid:
-            blend(panel, self._thick.cover(self._field_line(snapshot)), style.rgb(theme.particles))
+            line = self._curve(self._grid.at(*self._places), profile.line.coordinates(_FIELD_POINTS), snapshot)
+            blend(panel, self._thick.cover(line), style.rgb(theme.particles))
             self._strokes.paint(picture[self._layout.box.slices], self._mark)
         else:
             near = profile.line.near(snapshot)
@@ -45,12 +46,6 @@ class ProfilePanel:
             exact = profile.exact(*profile.line.points(self._coordinates), snapshot.t)
             curve = self._curve(exact, self._coordinates, snapshot)
             blend(panel, self._line.cover(curve), style.rgb(theme.exact))
-
-    def _field_line(self, snapshot):
-        """Return points of the line of the field."""
-        return self._curve(
-            self._grid.at(*self._places), self._quantity.profile.line.coordinates(_FIELD_POINTS), snapshot
-        )
 
     def _curve(self, values, coordinates, snapshot):
         """Return points in the panel close to each other along a curve, which has gaps where bodies are."""

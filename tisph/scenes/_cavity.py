@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tisph.exact.cavity import RegularCavity, centre_lines
+from tisph.exact.cavity import LID, RegularCavity, centre_lines
 from tisph.exact.cavity import extremes as tabulated_extremes
 from tisph.exact.sliding_corner import CornerSingularity
 from tisph.geometry.body import Body
@@ -65,16 +65,13 @@ class Cavity(BodyScene):
         """Bottom, right wall, lid and left wall."""
         width, height = self.extent
         lid = Line((width, height), (-1.0, 0.0), width)
+        profile = LID if self.regular else np.polynomial.Polynomial([1.0])
         return (
             Body(Line((0.0, 0.0), (1.0, 0.0), width)),
             Body(Line((width, 0.0), (0.0, 1.0), height)),
-            SlidingWall(lid, speed=self.velocity, width=width, profile=self._profile),
+            SlidingWall(lid, speed=self.velocity, width=width, profile=profile),
             Body(Line((0.0, height), (0.0, -1.0), height)),
         )
-
-    @property
-    def _profile(self):
-        return np.polynomial.Polynomial([0.0, 0.0, 16.0, -32.0, 16.0] if self.regular else [1.0])
 
     @cached_property
     def corners(self):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from tisph.measures.distribution import max_void_radius, min_distance
-from tisph.measures.gradients import velocity_gradients
+from tisph.measures.gradients import velocity_gradients, vorticity
 from tisph.scenes._views import Line, Profile, TimeSeries
 
 
@@ -48,6 +48,12 @@ def pressure_profile(scene, line):
     return Profile(name="p", unit="stress", line=line, of=of, exact=exact, scale=scale)
 
 
+def vorticity_profile(scene, line):
+    """Return the Profile of the vorticity on a ``line``."""
+    exact = scene.exact_vorticity
+    return Profile("vorticity", "rate", line, of=lambda snapshot: vorticity(scene, snapshot, degree=2), exact=exact)
+
+
 def followed_energy(scene):
     """Return the ``TimeSeries`` of the kinetic energy, without a reference."""
     return TimeSeries(
@@ -57,9 +63,7 @@ def followed_energy(scene):
         scale=0.5 * scene.reference_velocity**2,
         columns=["kinetic_energy"],
         labels=[("mean over the particles", None)],
-        exact_columns=[],
         measure=lambda snapshot: np.array([kinetic_energy(snapshot)]),
-        exact=lambda times: None,
     )
 
 

@@ -143,9 +143,9 @@ class TimeSeries:
     scale: float
     columns: Sequence[str]
     labels: Sequence[str]
-    exact_columns: Sequence[str]
     measure: Callable
-    exact: Callable
+    exact_columns: Sequence[str] = ()
+    exact: Callable = lambda times: None
     places: Sequence[float] = ()
     angular_frequency: float = 0.0
     probes: Any = None

@@ -14,11 +14,10 @@ from pydantic import Field
 from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem
 from tisph.exact import taylor_green
-from tisph.measures.gradients import vorticity
 from tisph.measures.metrics import field_error, velocities
 from tisph.scenes import _two_dimensional
 from tisph.scenes._scene import Scene as AnyScene
-from tisph.scenes._views import Profile, TimeSeries
+from tisph.scenes._views import TimeSeries
 
 Cells = Annotated[int, Field(ge=1, le=1000)]
 
@@ -184,7 +183,8 @@ class Scene(AnyScene):
 
     def movie_profiles(self):
         """Also vorticity and pressure along the vertical centre line."""
-        return {**super().movie_profiles(), "vorticity": self._vorticity(), "pressure": self._pressure()}
+        vorticity = _two_dimensional.vorticity_profile(self, _two_dimensional.centre_line(self, "y"))
+        return {**super().movie_profiles(), "vorticity": vorticity, "pressure": self._pressure()}
 
     @property
     def _flow(self):
@@ -200,12 +200,3 @@ class Scene(AnyScene):
 
     def _pressure(self):
         return _two_dimensional.pressure_profile(self, _two_dimensional.centre_line(self, "y"))
-
-    def _vorticity(self):
-        return Profile(
-            name="vorticity",
-            unit="rate",
-            line=_two_dimensional.centre_line(self, "y"),
-            of=lambda snapshot: vorticity(self, snapshot, degree=2),
-            exact=lambda x, y, t: self.exact_vorticity(x, y, t),
-        )

@@ -4,23 +4,27 @@ import math
 
 import numpy as np
 
-from tisph.measures.gradients import vorticity
 from tisph.scenes import _two_dimensional
 from tisph.scenes._views import ExtraSeries, Profile, Radius, TimeSeries
 
 MINUS = "\N{MINUS SIGN}"
 
 
+def scales(scene, gap, speed):
+    """Pairs (label, text) of what a flow between radii is, its ``gap`` and ``speed`` in words."""
+    length, time = scene.units.length, scene.units.time
+    return [
+        ("Reynolds number", f"{scene.reynolds:.6g}  (U H / nu, H {gap})"),
+        (f"{speed} U", f"{scene.reference_velocity:.6g} {length}/{time}"),
+        ("kinematic viscosity nu", f"{scene.kinematic_viscosity:.6g} {length}^2/{time}"),
+        ("radii", f"{scene.inner_radius:.6g} and {scene.outer_radius:.6g} {length}"),
+        ("viscous time", f"{scene.viscous_time:.6g} {time}  (H^2 / nu)"),
+    ]
+
+
 def parameters(annulus):
     """Pairs (label, text) of what the flow is, independent of particles."""
-    length, time = annulus.units.length, annulus.units.time
-    lines = [
-        ("Reynolds number", f"{annulus.reynolds:.6g}  (U H / nu, H the gap)"),
-        ("fastest wall U", f"{annulus.reference_velocity:.6g} {length}/{time}"),
-        ("kinematic viscosity nu", f"{annulus.kinematic_viscosity:.6g} {length}^2/{time}"),
-        ("radii", f"{annulus.inner_radius:.6g} and {annulus.outer_radius:.6g} {length}"),
-        ("viscous time", f"{annulus.viscous_time:.6g} {time}  (H^2 / nu)"),
-    ]
+    lines = scales(annulus, "the gap", "fastest wall")
     if annulus.polymer:
         elasticity = annulus.polymer.relaxation_time / annulus.viscous_time
         lines.append(("Weissenberg number", f"{annulus.weissenberg:.4g}  (relaxation time * U / H)"))
@@ -71,7 +75,8 @@ def extra_series(annulus):
 def movie_profiles(annulus):
     """Velocity around the axis, vorticity and pressure over the radius, and the stresses of a polymer."""
     pressure = _two_dimensional.pressure_profile(annulus, _radius(annulus))
-    flow = {"speed": _velocity(annulus), "vorticity": _vorticity(annulus), "pressure": pressure}
+    vorticity = _two_dimensional.vorticity_profile(annulus, _radius(annulus))
+    flow = {"speed": _velocity(annulus), "vorticity": vorticity, "pressure": pressure}
     if not annulus.polymer:
         return flow
     return {**flow, "shear_stress": _shear_stress(annulus), "normal_stress_difference": _normal_stress(annulus)}
@@ -96,16 +101,6 @@ def _radius(annulus):
 def _velocity(annulus):
     scale = (annulus.reference_velocity, "speed of the fastest wall")
     return Profile("u_θ", "velocity", _radius(annulus), of=annulus.around, exact=annulus.exact_around, scale=scale)
-
-
-def _vorticity(annulus):
-    return Profile(
-        name="vorticity",
-        unit="rate",
-        line=_radius(annulus),
-        of=lambda snapshot: vorticity(annulus, snapshot, degree=2),
-        exact=annulus.exact_vorticity,
-    )
 
 
 def _shear_stress(annulus):

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from tisph.scenes._annulus.views import scales
 from tisph.scenes._axisymmetric import measures
 from tisph.scenes._views import Line, Profile, TimeSeries
 
@@ -11,14 +12,7 @@ NAMES = {"u": "u", "v": "u_r", "w": "u_θ"}
 
 def parameters(scene):
     """Pairs (label, text) of what the flow is, independent of particles."""
-    length, time = scene.units.length, scene.units.time
-    return [
-        ("Reynolds number", f"{scene.reynolds:.6g}  (U H / nu, H the difference of the radii)"),
-        ("velocity U", f"{scene.reference_velocity:.6g} {length}/{time}"),
-        ("kinematic viscosity nu", f"{scene.kinematic_viscosity:.6g} {length}^2/{time}"),
-        ("radii", f"{scene.inner_radius:.6g} and {scene.outer_radius:.6g} {length}"),
-        ("viscous time", f"{scene.viscous_time:.6g} {time}  (H^2 / nu)"),
-    ]
+    return scales(scene, "the difference of the radii", "velocity")
 
 
 def across(scene, place=None):
@@ -43,7 +37,6 @@ def loads_series(scene, columns, **others):
         return np.array([loads[name] for name in columns])
 
     labels = [(name.replace("_", " on ", 1), None) for name in columns]
-    given = {"labels": labels, "exact_columns": [], "exact": lambda times: None}
     return TimeSeries(
         content="forces along the axis and torques around it of the fluid on the walls",
         name=kinds[0][0],
@@ -53,7 +46,7 @@ def loads_series(scene, columns, **others):
         measure=measure,
         sizes=[force if kind == "force" else force * scene.outer_radius for kind, _ in kinds],
         panels=kinds,
-        **given | others,
+        **{"labels": labels} | others,
     )
 
 

@@ -111,7 +111,5 @@ def movie_series(cell):
         scale=sizes(cell)[kinds[0]],
         columns=chosen,
         labels=[(words(*each), None) for each in found],
-        exact_columns=[],
         measure=measure,
-        exact=lambda times: None,
     )

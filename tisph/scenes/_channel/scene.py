@@ -7,8 +7,7 @@ import numpy as np
 from tisph.exact.linear_viscoelasticity import apparent_viscosity
 from tisph.geometry.schedule import Schedule
 from tisph.geometry.stress_controlled import StressControlledWall
-from tisph.scenes._channel import diagnostics, driving, extra_series, layers, views
-from tisph.scenes._channel.flow import reference_flow
+from tisph.scenes._channel import diagnostics, extra_series, flow, layers, views
 from tisph.scenes._motion import PolymerParameters, WallMotion
 from tisph.scenes._scene import Scene
 
@@ -34,7 +33,7 @@ class Channel(Scene):
     @classmethod
     def from_config(cls, config):
         """The scene that a validated config describes."""
-        bottom, top = (driving.wall(wall) for wall in (config.walls.bottom, config.walls.top))
+        bottom, top = (flow.wall(wall) for wall in (config.walls.bottom, config.walls.top))
         return cls(
             **cls.fluid_of(config),
             gap=config.geometry.gap,
@@ -62,7 +61,7 @@ class Channel(Scene):
     @property
     def walls(self):
         """Both walls, the upper one first; of a stress-controlled one, how it moves in the reference."""
-        return tuple((side, driving.reference_motion(self, getattr(self, side))) for side in ("top", "bottom"))
+        return tuple((side, flow.reference_motion(self, getattr(self, side))) for side in ("top", "bottom"))
 
     @property
     def driven_side(self):
@@ -92,7 +91,7 @@ class Channel(Scene):
     @property
     def wall_speed(self):
         """The largest speed that a wall has, or had before t = 0, relative to ``frame_velocity``."""
-        return max(driving.largest_speed(self, wall) for wall in (self.bottom, self.top))
+        return max(flow.largest_speed(self, wall) for wall in (self.bottom, self.top))
 
     @property
     def reference_velocity(self):
@@ -265,4 +264,4 @@ class Channel(Scene):
 
     @property
     def _flow(self):
-        return reference_flow(self)
+        return flow.reference_flow(self)

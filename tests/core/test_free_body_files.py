@@ -5,7 +5,7 @@ import re
 import h5py
 import numpy as np
 import pytest
-from test_files_page import missing
+from test_files_page import missing, run
 
 import tisph
 
@@ -29,10 +29,7 @@ CASE = {
 @pytest.fixture(scope="module")
 def results(tmp_path_factory, kept_program):
     """The results of that run."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("tisph.observers.history.RECORDS", 21)
-        patch.setattr("tisph.simulation.drawing.begin_pictures", lambda *_: [])
-        return tisph.run(CASE, tmp_path_factory.mktemp("free") / "run")
+    return run(CASE, tmp_path_factory.mktemp("free") / "run")
 
 
 def test_trajectories_are_those_of_samples_and_history(results):

@@ -1,15 +1,15 @@
 """The commands of docs/getting-started.md work in the order in which they stand there, and leave what it says."""
 
 import json
-import os
 import re
 import shlex
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
+
+from tisph import cli
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "getting-started.md").read_text(encoding="utf-8")
@@ -26,18 +26,22 @@ def commands():
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """Return a folder in which all commands of the page were run, with fewer particles and for a short time."""
+def folder(tmp_path_factory, kept_program):
+    """Return a folder in which all commands of the page were run, with fewer particles and for a short time.
+
+    In this process: what a process of its own adds is in the tests of other files, test_run.py first.
+    """
     folder = tmp_path_factory.mktemp("clone")
     shutil.copytree(ROOT / "configs", folder / "configs")
     name, text = re.search(r"`(\w+\.yaml)`[^`]*```yaml\n(.*?)```", PAGE, flags=re.DOTALL).groups()
     (folder / name).write_text(text, encoding="utf-8")
-    for line in commands():
-        coarse = [word for change in COARSE for word in ("--set", change)] if line.startswith("tisph run") else []
-        command = [sys.executable, "-m", *shlex.split(line), *coarse]
-        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, encoding="utf-8")
-        assert done.returncode == 0, f"{line}: {done.stderr}"
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        monkeypatch.chdir(folder)
+        monkeypatch.setattr("tisph.observers.history.RECORDS", 21)  # the page reads none
+        for line in commands():
+            coarse = [word for change in COARSE for word in ("--set", change)] if line.startswith("tisph run") else []
+            done = CliRunner().invoke(cli.app, [*shlex.split(line)[1:], *coarse])
+            assert done.exit_code == 0, f"{line}: {done.stderr}"
     return folder
 
 

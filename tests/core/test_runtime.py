@@ -1,5 +1,6 @@
 """The one place where Taichi is initialised."""
 
+import json
 import os
 import re
 import subprocess
@@ -274,9 +275,19 @@ def test_parts_of_taichi_are_replaced_in_its_known_version_alone(version, switch
 
 
 SMALL = ("discretisation.particles_across=12", "output.video=null")
-IMPLICIT = (*SMALL, "time={end: 1.8, samples: [1.8]}")
-EXPLICIT = (*SMALL, "time={end: 0.2, samples: [0.2]}")
-BOX = (*SMALL, "time={end: 0.02, samples: [0.02]}")
+RUNS = {
+    "couette": "time={end: 1.8, samples: [1.8]}",
+    "couette_adami": "time={end: 0.2, samples: [0.2]}",
+    "taylor_green": "time={end: 0.02, samples: [0.02]}",
+}
+ALL_RUNS = """
+import json, sys
+from tisph import cli
+from tisph.observers import history
+history.RECORDS = 21
+for arguments in json.loads(sys.argv[1]):
+    cli.app(arguments, standalone_mode=False)
+"""
 
 
 def arrays(path):
@@ -286,23 +297,32 @@ def arrays(path):
     return found
 
 
-@replaced
-@pytest.mark.parametrize(
-    ("config", "changes"), [("couette", IMPLICIT), ("couette_adami", EXPLICIT), ("taylor_green", BOX)]
-)
-def test_a_plain_run_is_bitwise_reproducible_and_says_that_it_is_one(tmp_path, config, changes):
-    path = Path(__file__).parents[2] / "configs" / f"{config}.yaml"
-    changes = [argument for change in changes for argument in ("--set", change)]
-    states = []
+@pytest.fixture(scope="module")
+def plain_and_not(tmp_path_factory):
+    """Folders of all ``RUNS`` of a process with the replaced parts of Taichi, and of one without."""
+    configs, roots = Path(__file__).parents[2] / "configs", {}
     for switch in ("", "1"):
-        folder = tmp_path / f"out{switch}"
+        roots[switch] = tmp_path_factory.mktemp("runs")
+        commands = [
+            ["run", str(configs / f"{config}.yaml"), "--out", str(roots[switch] / config), "--no-pictures"]
+            + [word for change in (*SMALL, time) for word in ("--set", change)]
+            for config, time in RUNS.items()
+        ]
         subprocess.run(
-            [sys.executable, "-m", "tisph", "run", path, "--out", folder, "--no-pictures", *changes],
+            [sys.executable, "-c", ALL_RUNS, json.dumps(commands)],
             env={**os.environ, "TISPH_PLAIN_TAICHI": switch},
             capture_output=True,
             check=True,
         )
-        assert ("no part of it is replaced" in (folder / "run.log").read_text()) == bool(switch)
-        states.append(arrays(folder / "samples.h5"))
+    return roots
+
+
+@replaced
+@pytest.mark.parametrize("config", RUNS)
+def test_a_plain_run_is_bitwise_reproducible_and_says_that_it_is_one(plain_and_not, config):
+    states = []
+    for switch, root in plain_and_not.items():
+        assert ("no part of it is replaced" in (root / config / "run.log").read_text()) == bool(switch)
+        states.append(arrays(root / config / "samples.h5"))
     assert states[0].keys() == states[1].keys()
     assert all(np.array_equal(states[0][name], states[1][name]) for name in states[0])

@@ -47,8 +47,10 @@ def test_a_picture_is_the_one_that_is_drawn_here(drawing, channel):
     assert np.array_equal(np.asarray(Image.open(io.BytesIO(image))), here)
 
 
-def test_a_movie_has_every_frame_once_it_is_closed(drawing, channel, tmp_path):
-    movie = RemoteMovie(drawing, tmp_path / "movie.mp4", channel, VIDEO, "test", END)
+def test_a_movie_has_every_frame_once_it_is_closed(drawing, channel, tmp_path, monkeypatch):
+    """Also where this process has gone to another folder since that one was started."""
+    monkeypatch.chdir(tmp_path)
+    movie = RemoteMovie(drawing, "movie.mp4", channel, VIDEO, "test", END)
     for t in TIMES:
         movie.add(make_snapshot(channel, t))
     movie.close()

@@ -32,6 +32,8 @@ LONG = (
     "fene_p_couette",
     "two_modes_poiseuille",
     "free_shear",
+    "sphere 16/24",
+    "sphere_24",
 )
 """Quick rows that take longest. The order of the explicit scheme is that of poiseuille, with the same operators and
 walls, and lattice bounds the error at 50 across of the wall that moves. The vortex of 50 across has the same bounds in
@@ -41,7 +43,8 @@ tests/core/test_eccentric_cylinders.py; the steady flow under a regular lid and 
 in tests/core/test_cavity.py; a coarser cylinder is held in shear in tests/core/test_bodies_in_flow.py, to the same
 stress of the walls; between the same cylinders a Giesekus fluid starts in
 tests/core/test_polymer_in_two_dimensions.py.
-What turns a free circle in shear is in tests/core/test_free_bodies.py.
+What turns a free circle in shear is in tests/core/test_free_bodies.py, the drag of a sphere in
+tests/core/test_axisymmetric_loads.py.
 What the two laws say in kernels is compared with NumPy in tests/core/test_laws_in_kernels.py, that with the literature
 in tests/unit/test_laws.py; how a law is stepped is in other rows here, and two modes in
 tests/core/test_polymer_steps.py, to the same bound."""

@@ -16,6 +16,7 @@ from collections import deque
 from concurrent.futures import Future
 from dataclasses import replace
 from itertools import count
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -104,7 +105,8 @@ class RemoteMovie:
         self._process = process
         shown = scene.movie_fields(video.color_by)
         self._not_drawn = {name: nothing for name, nothing in _NOT_DRAWN.items() if name not in shown}
-        process.send("movie", path, *described(scene, video), title, end)
+        place = Path(path).absolute()  # the process stays where it started
+        process.send("movie", place, *described(scene, video), title, end)
 
     def add(self, snapshot) -> None:
         """Append the picture of ``snapshot``, some time."""

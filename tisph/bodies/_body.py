@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from tisph.config.base import Model, NonNegative, Positive, Signed, given, refusals, refuse
+from tisph.config.base import Model, NonNegative, Positive, Signed, findings, refusals, refuse
 from tisph.config.fields import either
 from tisph.geometry.body import Body
 from tisph.geometry.free_motion import FREEDOMS, FreeMotion, Inertia
@@ -46,12 +46,12 @@ class Motion(Model):
             found.append(((), "give velocity or angular_velocity, amplitude or angular_amplitude, or fixed", {}))
         if swings:
             text = "is only for a body of constant velocity; this one oscillates, which has an amplitude"
-            found += given(self, constant, text)
+            found += findings(self, constant, text)
             if turns is None:
                 found.append((("angular_frequency",), "is missing: a body with an amplitude oscillates", {}))
         else:
             text = "is only for a body that oscillates, which has an amplitude"
-            found += given(self, ("angular_frequency", "phase"), text)
+            found += findings(self, ("angular_frequency", "phase"), text)
         refuse(found)
         return self
 
@@ -101,7 +101,7 @@ class Placed(Model):
     @model_validator(mode="after")
     def _check_free(self) -> "Placed":
         text = "is only for a body that the flow moves, with motion: free"
-        found = given(self, FREE_KEYS, text) if self.motion != "free" else []
+        found = findings(self, FREE_KEYS, text) if self.motion != "free" else []
         if self.density is not None and self.mass is not None:
             found.append((("mass",), "give density or mass, not both", self.mass))
         refuse(found)

@@ -48,8 +48,8 @@ def refuse(found: list[tuple[Any, ...]]) -> None:
         raise refusals(found)
 
 
-def given(model: Any, keys: Iterable[str], text: str) -> list[tuple[Any, ...]]:
-    """Findings with this ``text``, of those of the ``keys`` of a ``model`` that have a value."""
+def findings(model: Any, keys: Iterable[str], text: str) -> list[tuple[Any, ...]]:
+    """What ``refuse`` takes, with this ``text``, of those of the ``keys`` of a ``model`` that have a value."""
     return [((key,), text, getattr(model, key)) for key in keys if getattr(model, key) not in (None, ())]
 
 

@@ -4,7 +4,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, Field, model_validator
 
-from tisph.config.base import Model, NonNegative, Signed, given, refusal, refusals, refuse
+from tisph.config.base import Model, NonNegative, Signed, findings, refusal, refusals, refuse
 
 
 def _not_zero(value: float) -> float:
@@ -57,7 +57,7 @@ class WallMotion(Model):
         form = (
             f"of constant {constant}; this one oscillates" if oscillates else "that oscillates, which has an amplitude"
         )
-        found = given(self, alien, f"is only for a wall {form}")
+        found = findings(self, alien, f"is only for a wall {form}")
         if oscillates and self.angular_frequency is None:
             found.append((("angular_frequency",), "is missing: a wall with an amplitude oscillates", {}))
         refuse(found)

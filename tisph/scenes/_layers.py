@@ -18,9 +18,9 @@ def spreading_viscosity(scene, t):
     if scene.polymer:
         return viscosity * scene.polymer.diffusive_fraction(t)
     if scene.rheology and t > 0.0:
-        fluid = fluid_of(scene.rheology, viscosity, scene.density)
+        fluid, speed = fluid_of(scene.rheology, viscosity, scene.density), scene.reference_velocity
         for _ in range(FIXED_POINT):
-            rate = scene.reference_velocity / math.sqrt(viscosity * t)
+            rate = speed / math.sqrt(viscosity * t)
             viscosity = (fluid.flux(rate + 1j * STEP) / STEP).imag
     return viscosity
 

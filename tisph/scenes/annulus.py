@@ -13,7 +13,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from tisph.config import schema
-from tisph.config.base import Model, Positive, Problem, Signed, given, refusals, refuse
+from tisph.config.base import Model, Positive, Problem, Signed, findings, refusals, refuse
 from tisph.config.fields import Member
 from tisph.config.motion import Amplitude, Times, Values, WallMotion, check_as_many, check_schedule
 from tisph.scenes._annulus.scene import Annulus
@@ -76,7 +76,7 @@ class Cylinder(WallMotion):
         scheduled = self.angular_velocities is not None
         alien = ("angular_velocity_before", "angular_frequency", "phase") if scheduled else ("times",)
         word = "not" if scheduled else "only"
-        refuse(given(self, alien, f"is {word} for a wall with angular_velocities at times"))
+        refuse(findings(self, alien, f"is {word} for a wall with angular_velocities at times"))
         if scheduled:
             check_as_many(self, "angular_velocities")
             check_schedule(self, "angular_velocities")

@@ -31,8 +31,8 @@ SWEEPS = 4
 SWEEPS_ACROSS_AXIS = 16
 """The same where walls lie across the axis of the flow. A particle stands for the more of the half-plane the nearer it
 comes to the axis, as 1/r: where flow along a plate met it, at Re = 300 and 990 in a cylinder with one end that turns, a
-third of the particles was missing with 4, and runs diverged; with 8 at 990. Behind a sphere they gathered in layers,
-and in Oldroyd-B fluids 28 and 32 across were stopped that end with 16."""
+third of the particles was missing with 4, and runs diverged; with 8 at 990. Behind a sphere they gathered in layers
+with 4, and in Oldroyd-B fluids runs with 28 and 32 across were stopped; with 16 they reach their end."""
 
 BEYOND = 0.4
 """Distance beyond the support, in particle spacings, up to which neighbours are listed for the sweeps of a step: more

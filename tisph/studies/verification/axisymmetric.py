@@ -102,7 +102,7 @@ def _sphere(number, closure):
 def _sphere_in_polymer(number, deborah, solvent_fraction):
     """Oldroyd-B, De = lambda U/a: six relaxation times from the start."""
     polymer, fluid = oldroyd_b(digits(0.5 * deborah), solvent_fraction), {"fluid": {"kinematic_viscosity": 5.0}}
-    return merged(_sphere(number, "no_flux"), polymer, fluid, at_times([digits(3.0 * deborah)]))
+    return merged(_sphere(number, "no_flux"), polymer, fluid, at_times([3.0 * deborah]))
 
 
 START = [0.05, 0.2, 0.5]

@@ -24,7 +24,8 @@ class PressureBoundaryCondition:
 
     ``closing``: bodies may come so close that between them there is no particle, but points on both, whose equations
     are one and the same: what the pressure is there they leave open. ``continued`` is the part, 0 to 1, in which it is
-    the mean of the pressures around instead, which continues it into the gap.
+    the mean of the pressures around instead, which continues it into the gap. ``narrow`` tells whether a particle is in
+    a gap in which divergence is left as it is.
     """
 
     def __init__(self, levels, walls, spacing, closing=False):
@@ -38,6 +39,7 @@ class PressureBoundaryCondition:
         self.closing = closing
         if closing:
             self.continued = ti.field(real(), capacity)
+            self.narrow = ti.field(ti.i32, capacity)
             self.per_spacing = scalar(1.0 / spacing)
 
     def set_normals(self, normal):

@@ -81,7 +81,7 @@ class SplittingStep:
             if self.swirls:
                 self.add_centripetal(dt, outer > 0)
             if self.extra_stress or self.swirls or outer == 0:
-                self.poisson_rhs(dt, retained)
+                self.poisson_rhs(dt, retained, gamma0)
             if self.bounded:
                 if outer > 0 and not self.coupling:
                     self.find_normal_curls()
@@ -240,7 +240,7 @@ class SplittingStep:
             self.pressure.x[i] = pressure
 
     @ti.kernel
-    def poisson_rhs(self, dt: float, retained: float):
+    def poisson_rhs(self, dt: float, retained: float, gamma0: float):
         """Right side of the pressure's equation."""
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None]):
@@ -252,7 +252,10 @@ class SplittingStep:
                 divergence += self.operators.d_dx[i, k] * difference.x + d_dy * difference.y
             if ti.static(self.varying):
                 divergence += self.extra_stress.implicit_divergence[i]
-            self.pressure.b[i] = (retained * self.levels.divergence[i] - divergence) / dt
+            kept = retained
+            if ti.static(self.bounded and self.pressure_boundary.closing):
+                kept = ti.select(self.pressure_boundary.narrow[i] > 0, gamma0, retained)
+            self.pressure.b[i] = (kept * self.levels.divergence[i] - divergence) / dt
 
     @ti.kernel
     def wall_rhs(self, dt: float, gamma0: float, viscosity: float):

@@ -26,6 +26,10 @@ CONTINUED = 1.0, 0.5
 """Distances from a wall to the other one, in particle spacings, between which the pressure becomes one that is
 continued from around the gap, as bodies approach."""
 
+NARROW = 2.0
+"""Width of a gap, in particle spacings, below which divergence in it is left as it is. There its removal lets it grow:
+the gradient of a pressure that is to remove it has the opposite divergence."""
+
 LOAD_LEVELS = 3
 """Levels of forces, torques and normal stresses, for values within a step."""
 
@@ -76,6 +80,8 @@ class WallBoundary:
         if self.free:
             nearness = (CONTINUED[0] - distances[self.slots, 1] / spacing) / (CONTINUED[0] - CONTINUED[1])
             view(self.pressure_boundary.continued)[self.slots] = np.clip(nearness, 0.0, 1.0)
+            narrow = distances[: self.problem.n_fluid].sum(axis=1) < NARROW * spacing
+            view(self.pressure_boundary.narrow)[: self.problem.n_fluid] = narrow
         inwards = np.abs(self.inwards(self.velocity)).max()
         if self.grid_time is None or inwards * abs(time - self.grid_time) > spacing:
             self.set_grid(time)

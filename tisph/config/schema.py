@@ -228,6 +228,12 @@ class Config(Model):
         return False
 
     @property
+    def has_free_bodies(self) -> bool:
+        """Whether the flow carries a body."""
+        bodies = getattr(self, "bodies", ())
+        return any(body.motion == "free" for body in (bodies if isinstance(bodies, tuple) else (bodies,)))
+
+    @property
     def columns(self) -> int:
         """Particles along x."""
         return round(self.extent[0] / self.spacing)

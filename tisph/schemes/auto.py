@@ -76,6 +76,8 @@ def resolve(config):
             most = UNESTIMATED_COURANT[config.scheme.accuracy]
         else:
             tolerance = min(tolerance, of_the_spacing / config.particles_across**4)
+        if config.has_free_bodies:  # across which there are some ten particles, however many are across the gap
+            tolerance = (ELASTIC_STEPS if elastic else STEPS)[config.scheme.accuracy][0]
     else:
         tolerance, most = (ELASTIC_STEPS if elastic else STEPS)[config.scheme.accuracy]
     candidate = implicit.Parameters(**{"largest_courant" if two_dimensional else "largest_strain": most})

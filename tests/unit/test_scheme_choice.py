@@ -9,7 +9,8 @@ from tisph import cli, schemes
 from tisph.config import load
 from tisph.errors import ConfigError
 
-VORTEX = Path(__file__).parents[2] / "configs" / "taylor_green.yaml"
+CONFIGS = Path(__file__).parents[2] / "configs"
+VORTEX = CONFIGS / "taylor_green.yaml"
 POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.5}"
 
 
@@ -65,6 +66,15 @@ def test_the_steps_are_those_of_the_documentation(resolved, liquid, accuracy, st
 def test_steps_of_two_dimensional_flows_are_those_of_the_documentation(accuracy, steps):
     _, reason = schemes.resolve(load(VORTEX, (f"scheme={{type: auto, accuracy: {accuracy}}}",)))
     assert reason.endswith(f"accuracy, {steps} a step")
+
+
+@pytest.mark.parametrize(("liquid", "tolerance"), [((), 3e-5), ((POLYMER,), 1e-5)])
+def test_steps_of_free_bodies_do_not_depend_on_particles_across(liquid, tolerance):
+    """As docs/theory/two-dimensional.md says: errors of the spacing are those of the bodies."""
+    for number in (32, 64):
+        finer = (f"discretisation.particles_across={number}", "initial.state=rest", *liquid)
+        config, _ = schemes.resolve(load(CONFIGS / "free_cylinder.yaml", finer))
+        assert config.time.tolerance == tolerance
 
 
 def test_a_viscoelastic_fluid_gets_the_implicit_one_with_steps_of_its_own(resolved):

@@ -72,7 +72,8 @@ class Coupling:
             impulse = -view(self.splitting.pressure.x)[boundary.slots].astype(float)[:, None] * boundary.normal
             loads = boundary.walls.sums(impulse[None], self.time)[0, bodies.index, :3]
             residual = bodies.mass * (bodies.velocities - before) - loads
-            if bodies.correct(residual, FINEST * np.abs(boundary.velocity - boundary.fluid_velocity).max()):
+            apart = np.abs(boundary.velocity - boundary.fluid_velocity).max()
+            if bodies.correct(residual, max(FINEST, tolerance) * apart):
                 break
             self._start(bodies.velocities)
         self.splitting.apply_impulse()
@@ -102,13 +103,17 @@ class Coupling:
         for motion, acceleration in zip(self.bodies.motions, self.bodies.velocities, strict=True):
             motion.change = acceleration
 
-    def correct_start(self):
-        """Change the first accelerations of the bodies by what the first pressure does; return whether it need not."""
+    def correct_start(self, tolerance):
+        """Change the first accelerations of the bodies by what the first pressure does; return whether it need not.
+
+        Loads of a pressure that was solved to a ``tolerance`` tell no more: where it changes no longer, extrapolating
+        from its changes would lead anywhere.
+        """
         bodies, boundary = self.bodies, self.boundary
         loads = self._loads(boundary.strain(), None)
         residual = bodies.mass * bodies.velocities - loads - bodies.load
         residual[bodies.massless_rotation, 2] = 0.0  # no acceleration of theirs alters a torque
-        if bodies.correct(residual, FINEST * np.abs(bodies.arm * bodies.velocities).max()):
+        if bodies.correct(residual, max(FINEST, tolerance) * np.abs(bodies.arm * bodies.velocities).max()):
             return True
         self._take_accelerations()
         boundary.set_acceleration(self.splitting)

@@ -125,7 +125,7 @@ class SplittingStep:
             if self.bounded:
                 self.wall_rhs(1.0, 0.0, viscosity)
             solved = self.solve_pressure(tolerance)
-            if self.coupling and self.coupling.correct_start():
+            if self.coupling and self.coupling.correct_start(tolerance):
                 break
         self.store_pressure()
         return solved

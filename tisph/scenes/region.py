@@ -205,7 +205,7 @@ def _of_coordinates(config: Config) -> Iterator[Problem]:
     names = (*bodies, *walls)
     if config.discretisation.precision == "f32":
         yield "discretisation.precision", "must be f64 in axisymmetric flow"
-    if not isinstance(config.bodies, tuple) or any(body.motion == "free" for body in config.bodies):
+    if not isinstance(config.bodies, tuple) or config.has_free_bodies:
         yield "bodies", "must be listed, and fixed or moved along the axis, in axisymmetric flow"
     if config.drive.gravity:
         yield "drive.gravity", "moves free bodies alone, in planar flow"

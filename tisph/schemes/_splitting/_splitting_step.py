@@ -47,6 +47,7 @@ class SplittingStep:
         self.coordinates = levels.coordinates
         vector = ti.types.vector(levels.components, real())
         self.spacing, self.pressure_boundary, self.bounded = problem.spacing, boundary, boundary is not None
+        self.closing = self.bounded and boundary.closing
         self.coupling, self.mean_velocity, self.rounding = None, None, 0.0
         self.extra_stress, self.varying = extra_stress, extra_stress is not None and extra_stress.varying
         self.has_body_force = any(problem.acceleration) or problem.keeps_mean_velocity
@@ -253,7 +254,7 @@ class SplittingStep:
             if ti.static(self.varying):
                 divergence += self.extra_stress.implicit_divergence[i]
             kept = retained
-            if ti.static(self.bounded and self.pressure_boundary.closing):
+            if ti.static(self.closing):
                 kept = ti.select(self.pressure_boundary.narrow[i] > 0, gamma0, retained)
             self.pressure.b[i] = (kept * self.levels.divergence[i] - divergence) / dt
 

@@ -58,7 +58,8 @@ def test_a_pipe_that_jumps_carries_its_fluid_along():
         decay = UNIT * np.exp(-(ROOTS**2) * t)
         assert apart(found.velocity(RADII, t), 1 - (decay * jv(0, ROOTS * RADII)).sum(axis=0)) < 1e-11
         error = found.shear_rate(RADII, t) - (decay * ROOTS * jv(1, ROOTS * RADII)).sum(axis=0)
-        assert np.max(np.abs(error)) < 1e-11 / min(1.0, np.sqrt(t))
+        # round-off, of a polynomial's slope at the axis: up to 1.7e-11 at t = 1, on some processors
+        assert np.max(np.abs(error)) < 5e-11 / min(1.0, np.sqrt(t))
 
 
 @pytest.mark.parametrize("frequency", [1.0, 400.0])

@@ -70,6 +70,7 @@ def resolve(config):
         chosen = registry.load("schemes", "wcsph").Parameters()
         return config.model_copy(update={"scheme": chosen}), f"wcsph, since {obstacle}"
     elastic = config.fluid.rheology.carries_stress
+    of_parallel_flow, strain = (ELASTIC_STEPS if elastic else STEPS)[config.scheme.accuracy]
     if two_dimensional:
         tolerance, of_the_spacing, most = TWO_DIMENSIONAL_STEPS[config.scheme.accuracy]
         if elastic or config.singular:
@@ -77,9 +78,9 @@ def resolve(config):
         else:
             tolerance = min(tolerance, of_the_spacing / config.particles_across**4)
         if config.has_free_bodies:  # across which there are some ten particles, however many are across the gap
-            tolerance = (ELASTIC_STEPS if elastic else STEPS)[config.scheme.accuracy][0]
+            tolerance = of_parallel_flow
     else:
-        tolerance, most = (ELASTIC_STEPS if elastic else STEPS)[config.scheme.accuracy]
+        tolerance, most = of_parallel_flow, strain
     candidate = implicit.Parameters(**{"largest_courant" if two_dimensional else "largest_strain": most})
     given = config.time.tolerance
     time = config.time.model_copy(update={"tolerance": tolerance if given == "auto" else given})

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from tisph.runtime import view
-from tisph.schemes._splitting._free_bodies import FINEST, MOST_ITERATIONS
+from tisph.schemes._splitting._free_bodies import MOST_ITERATIONS
 
 
 class Coupling:
@@ -72,8 +72,7 @@ class Coupling:
             impulse = -view(self.splitting.pressure.x)[boundary.slots].astype(float)[:, None] * boundary.normal
             loads = boundary.walls.sums(impulse[None], self.time)[0, bodies.index, :3]
             residual = bodies.mass * (bodies.velocities - before) - loads
-            apart = np.abs(boundary.velocity - boundary.fluid_velocity).max()
-            if bodies.correct(residual, max(FINEST, tolerance) * apart):
+            if bodies.correct(residual, tolerance * np.abs(boundary.velocity - boundary.fluid_velocity).max()):
                 break
             self._start(bodies.velocities)
         self.splitting.apply_impulse()
@@ -113,7 +112,7 @@ class Coupling:
         loads = self._loads(boundary.strain(), None)
         residual = bodies.mass * bodies.velocities - loads - bodies.load
         residual[bodies.massless_rotation, 2] = 0.0  # no acceleration of theirs alters a torque
-        if bodies.correct(residual, max(FINEST, tolerance) * np.abs(bodies.arm * bodies.velocities).max()):
+        if bodies.correct(residual, tolerance * np.abs(bodies.arm * bodies.velocities).max()):
             return True
         self._take_accelerations()
         boundary.set_acceleration(self.splitting)

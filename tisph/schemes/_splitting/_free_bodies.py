@@ -33,9 +33,6 @@ MOST_ITERATIONS = 20
 RESIDUAL = 0.3
 """Change of the velocities of bodies up to which they have converged, over the tolerance of a step."""
 
-FINEST = 1e-10
-"""The same at the start, over the largest change."""
-
 
 class FreeBodies:
     """The free ones of the bodies of ``walls``, a ``WallPoints``: n of them, with velocities (n, 3)."""

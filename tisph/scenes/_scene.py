@@ -55,10 +55,19 @@ class Scene:
     """Mean velocity along x that a pressure gradient keeps; None where the acceleration is given."""
 
     body_force = None
-    """Function of places x, y and a time, with the accelerations along x and y there; None without one."""
+    """Function of places x, y and a time, with the ``components`` of the acceleration there; None without one."""
+
+    conformation_source = None
+    """Function of places x, y and a time, with the components of a source of the conformation tensor; None without."""
 
     initial_velocity = None
-    """Function of x, y with the velocities (2, ...) of the fluid before bodies start; None where it is at rest."""
+    """Function of x, y with the velocities (components, ...) of the fluid before bodies start; None at rest."""
+
+    has_own_start = False
+    """Whether a user gave the initial velocity, which may have a divergence."""
+
+    swirls = False
+    """Whether the fluid may turn around the axis of symmetry."""
 
     contact = None
     """Distance [length] and pressure [mass/(length time^2)] at which free bodies push each other off."""

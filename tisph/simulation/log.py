@@ -1,11 +1,19 @@
 """``run.log``: start, end and errors of a run."""
 
 import logging
+import sys
 from contextlib import contextmanager, suppress
 
 from tisph.errors import TisphError
 
 log = logging.getLogger("tisph")
+log.addHandler(logging.NullHandler())  # else Python prints warnings a second time
+
+
+def warn(text: str) -> None:
+    """Print a warning and write it to ``run.log``."""
+    log.warning(text)
+    print(f"warning: {text}", file=sys.stderr)
 
 
 @contextmanager

@@ -1,12 +1,10 @@
 """Whether a checkpoint fits a config: the one that it was made with, or one that goes on for longer."""
 
 import json
-import sys
 
 from tisph.config import yaml_text
 from tisph.config.yaml_text import in_one_line
 from tisph.errors import ConfigError
-from tisph.simulation.log import log
 
 OF_LATER_TIMES = ("time.end", "time.samples", "output.video.frames")
 """Keys that may differ where the end is later: up to the old end they decide nothing but what is looked at."""
@@ -17,12 +15,6 @@ OTHER_STEPS = (
     "the steps before the checkpoint led to the old time.end, so that the bits are not those of a run that had the "
     "later one from the start"
 )
-
-
-def warn_of_other_steps():
-    """Say that steps to an earlier end are not those of a run that had the later one from the start."""
-    log.warning(OTHER_STEPS)
-    print(f"warning: {OTHER_STEPS}", file=sys.stderr)
 
 
 def require_fit(path, made_with, asked, time):

@@ -23,21 +23,27 @@ from tisph.simulation.costs import Costs
 from tisph.simulation.functions import with_functions
 from tisph.simulation.interrupts import interrupts_after
 from tisph.simulation.last_step import LastStep
-from tisph.simulation.log import log
-from tisph.simulation.resumption import warn_of_other_steps
+from tisph.simulation.log import log, warn
+from tisph.simulation.resumption import OTHER_STEPS
 from tisph.simulation.start import start_snapshot, start_values, useful_threads
 from tisph.simulation.state import State
 
-Field: TypeAlias = "Callable[[np.ndarray, np.ndarray, float], tuple[Any, Any]]"
-"""A vector field, x and y components, of places and a time."""
+Field: TypeAlias = "Callable[[np.ndarray, np.ndarray, float], tuple[Any, ...]]"
+"""A field of places x, y and a time: its physical components, one array (or number) each."""
+
+REMOVED = 1e-3
+"""Part of the largest velocity from which on a user is told that the divergence of an initial velocity was removed."""
 
 
 class Simulation:
     """A run that goes on step by step, in this process; ``config`` is a YAML file, a dict or a ``Config``.
 
     ``overrides`` are values by dotted key, as for ``tisph.run``. Nothing is written, unless ``save`` or ``results``
-    asks for it. ``initial_velocity`` and ``body_force`` (an acceleration) are functions of (x, y, t), arrays of places
-    and a time, that return two components; there is no reference then.
+    asks for it. ``initial_velocity``, ``body_force`` (an acceleration) and ``conformation_source`` are functions of
+    (x, y, t), arrays of places and a time. They return physical components: of the first two along x and y, in
+    axisymmetric flow (along the axis, radial) around the axis as well; of the source of the conformation tensor [1/time]
+    xx, xy, yy, in axisymmetric flow xx, xr, rr, tt, xt, rt. There is no reference then. The divergence of an initial
+    velocity is removed in two-dimensional flow of scheme ``implicit``; a warning says so where that changes it.
 
     Its steps are those of ``tisph run``, bitwise: whoever looks does not change them. Ctrl-C takes effect after the
     step that is being taken, and the simulation can go on from there. There can be one open simulation in a process;
@@ -51,9 +57,10 @@ class Simulation:
         *,
         initial_velocity: "Field | None" = None,
         body_force: "Field | None" = None,
+        conformation_source: "Field | None" = None,
         **overrides: Any,
     ):
-        self._set_up(loaded(config, overrides), None, initial_velocity, body_force)
+        self._set_up(loaded(config, overrides), None, initial_velocity, body_force, conformation_source)
 
     @classmethod
     def restore(
@@ -63,24 +70,25 @@ class Simulation:
         /,
         *,
         body_force: "Field | None" = None,
+        conformation_source: "Field | None" = None,
         **overrides: Any,
     ) -> "Simulation":
         """Return the simulation that was saved in ``path``; it goes on bitwise as it would have.
 
         ``config`` is the one that it was made with if none is given; ``time.end`` may be later, with samples after the
-        old end. A ``body_force`` is to be given again. ConfigError where the checkpoint does not fit.
+        old end. ``body_force`` and ``conformation_source`` are to be given again. ConfigError where the checkpoint does not fit.
         """
         simulation = cls.__new__(cls)
         if config is None:
             config = checkpoint.config_of(Path(path))
-        simulation._set_up(loaded(config, overrides), Path(path), None, body_force)
+        simulation._set_up(loaded(config, overrides), Path(path), None, body_force, conformation_source)
         return simulation
 
-    def _set_up(self, config: Config, restored_from: Path | None, velocity: Any, force: Any) -> None:
+    def _set_up(self, config: Config, restored_from: Path | None, *functions: Any) -> None:
         self.config = config
         self.resolved, self.reason = schemes.resolve(config)
-        self.scene = with_functions(scenes.of(config), self.resolved.scheme.type, velocity, force)
-        self.functions = velocity is not None or force is not None
+        self.scene = with_functions(scenes.of(config), self.resolved.scheme.type, *functions)
+        self.functions = any(function is not None for function in functions)
         self.threads = useful_threads(config, self.scene)
         self.costs = Costs()
         self.about = Description(config, self.scene)
@@ -107,7 +115,7 @@ class Simulation:
         self.scheme = schemes.build(config, self.scene.in_flow_frame(), targets, serial=self.threads == 1)
         log.info("scheme %s", self.reason)
         if restored_from and not checkpoint.restore(restored_from, self.scheme, self.about.resolved, targets):
-            warn_of_other_steps()
+            warn(OTHER_STEPS)
         self.first_step = self.scheme.steps
         log.info("%s: %d particles, %d threads", self.config.name, self.scene.particles, self.threads)
 
@@ -254,6 +262,11 @@ class Simulation:
         with self.costs.timed("compile"):
             values = start_values(self.scene.in_flow_frame(), self.config.initial)
             self.scheme.start(*values)
+        if self.scene.has_own_start and self.scheme.removed_divergence > REMOVED:
+            warn(
+                "the divergence of the initial velocity, and the flow through walls, was removed: it changes by up to "
+                f"{100 * self.scheme.removed_divergence:.2g} % of the largest velocity"
+            )
         self._start = start_snapshot(self.scene, values, self.config.discretisation.precision)
 
     def _advance(self) -> None:

@@ -59,8 +59,9 @@ def _conclude(rows, words):
 class Runner:
     """Runs cases when their results are first asked for, and keeps the results.
 
-    ``configs`` maps case names to configs as plain dicts; results are kept in subfolders of ``folder``. With a
-    ``store`` of that folder, runs that an earlier command finished are taken from it.
+    ``configs`` maps case names to configs as plain dicts, or to functions that run a case in this process and return
+    its ``Result`` and message. Results are kept in subfolders of ``folder``. With a ``store`` of that folder, runs of
+    configs that an earlier command finished are taken from it.
     """
 
     def __init__(self, configs, folder, store=None):
@@ -73,7 +74,8 @@ class Runner:
     def result(self, name):
         """``Result`` of a case. Where the run stopped early, ``failures[name]`` has its message."""
         if name not in self._results:
-            self._results[name], message = self._outcome(name, self._configs[name])
+            config = self._configs[name]
+            self._results[name], message = config() if callable(config) else self._outcome(name, config)
             if message:
                 self.failures[name] = message
         return self._results[name]

@@ -31,7 +31,8 @@ LEAST_MARGIN, LEAST_BOX = 3.0, 18.0
 """The same, and sides of the box with it, in spacings: half the largest support, and three times that."""
 
 OF_SCENE = ("density", "kinematic_viscosity", "reference_velocity", "start_time", "rheology", "jump_times")
-OF_SCENE += ("initial_conformation_excess", "axisymmetric")
+OF_SCENE += ("initial_conformation_excess", "axisymmetric", "swirls")
+OF_SCENE += ("body_force", "conformation_source", "initial_velocity", "has_own_start")
 """What a problem has under the same name."""
 
 
@@ -41,7 +42,6 @@ def scheme(config, scene, targets, serial):
 
     tolerance, courant = _steps(config)
     built = Scheme(_problem(scene), targets, serial, tolerance, courant)
-    built.body_force = scene.body_force
     if scene.kept_mean_velocity is not None:
         from tisph.schemes._splitting._mean_velocity import MeanVelocityControl
 
@@ -61,7 +61,7 @@ def _problem(scene):
     margin = max(MARGIN * max(scene.extent), LEAST_MARGIN * scene.spacing, least)
     box = box_around(corners, scene.spacing, scene.periodic, margin, scene.axisymmetric)
     walls = (WallsOfRevolution if scene.axisymmetric else WallPoints)(scene.bodies, scene.spacing, box.origin)
-    driven = {name: getattr(scene, name) for name in ("corners", "initial_velocity", "contact")}
+    driven = {name: getattr(scene, name) for name in ("corners", "contact")}
     driven |= {"acceleration": (scene.acceleration, 0.0)}
     return BoundedProblem(n_fluid=scene.particles, walls=walls, **driven, **vars(box), **fluid)
 

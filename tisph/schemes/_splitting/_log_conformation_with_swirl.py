@@ -43,12 +43,25 @@ def conformation_excess(state):
     excess = _components(axes * np.expm1(values)[:, None, :] @ _transposed(axes))
     if not np.iscomplexobj(state):
         return excess
+    change = _transposed(axes) @ _matrix(state.imag) @ axes
+    return excess + 1j * _components(axes @ (_slope(values) * change) @ _transposed(axes))
+
+
+def _slope(values):
+    """Return (exp p_i - exp p_j)/(p_i - p_j) (n, 3, 3) of the eigenvalues (n, 3) of P."""
     half = 0.5 * (values[:, :, None] - values[:, None, :])
     near = np.abs(half) < NEAR
     slope = np.where(near, 1.0 + half**2 / 6.0, np.sinh(half) / np.where(near, 1.0, half))
-    slope *= np.exp(0.5 * (values[:, :, None] + values[:, None, :]))
-    change = _transposed(axes) @ _matrix(state.imag) @ axes
-    return excess + 1j * _components(axes @ (slope * change) @ _transposed(axes))
+    return slope * np.exp(0.5 * (values[:, :, None] + values[:, None, :]))
+
+
+def change_of_logarithm(state, change):
+    """Return the change of P that a ``change`` of A has, both in the components of ``state``, real, from xx on."""
+    full, moved = np.zeros((2, 6, state.shape[1]))
+    full[: len(state)], moved[: len(change)] = state, change
+    values, axes = _axes(full)
+    moved = _transposed(axes) @ _matrix(moved) @ axes
+    return _components(axes @ (moved / _slope(values)) @ _transposed(axes))[: len(state)]
 
 
 def logarithm(conformation_excess):

@@ -16,7 +16,10 @@ class _Problem(Box):
     those (``exact/sliding_corner.py``) where the velocities of two of them differ. ``kinematic_viscosity`` is the total
     one, of solvent and polymer; ``rheology``: parameters of the fluid where it is not Newtonian, else None, and
     ``initial_conformation_excess`` of the conformation tensors of its modes at x, y, None where it starts from rest.
-    ``initial_velocity``: function of x, y with the velocities (2, ...) before bodies start; None where it is at rest.
+    ``initial_velocity``: function of x, y with the velocities (components, ...) before bodies start; None where the
+    fluid is at rest. ``has_own_start``: whether these may have a divergence, which is removed. ``body_force``,
+    ``conformation_source``: functions of places and time, see ``Scene``. ``swirls``: whether the fluid may turn around
+    the axis.
     ``axisymmetric``: whether y is the distance from an axis, and not planar flow; ``annular``: whether an inner wall
     keeps the fluid from that.
     ``keeps_mean_velocity``: whether the acceleration changes from step to step.
@@ -34,6 +37,10 @@ class _Problem(Box):
     rheology: object = None
     initial_conformation_excess: object = None
     initial_velocity: object = None
+    has_own_start: bool = False
+    body_force: object = None
+    conformation_source: object = None
+    swirls: bool = False
     contact: tuple[float, float] | None = None
     jump_times: tuple[float, ...] = ()
     axisymmetric: bool = False
@@ -44,11 +51,6 @@ class _Problem(Box):
     def bodies(self):
         """The bodies whose walls there are."""
         return self.walls.bodies if self.walls else ()
-
-    @property
-    def swirls(self):
-        """Whether a wall turns around the axis."""
-        return any(body.spin.largest_speed for body in self.bodies)
 
     @property
     def solvent_viscosity(self):

@@ -42,8 +42,6 @@ class Scheme(ControlledScheme):
     """
 
     host_names = (*ControlledScheme.host_names, "dts", "iterations", "initial_momentum", "log_jump")
-    body_force = None
-    """Function of places x, y and a time, with the accelerations along x and y there; None without one."""
 
     def __init__(self, problem, targets, serial, tolerance=limits.TOLERANCE, courant=COURANT):
         self.problem, self.initial_momentum, bounded = problem, 0.0, problem.walls is not None
@@ -94,13 +92,26 @@ class Scheme(ControlledScheme):
         view(self.levels.step_weights)[...] = 0.0
         self.levels.predict()
         self.assemble(self.time)
+        if self.problem.has_own_start:
+            if self.wall_boundary:
+                self.wall_boundary.regular_velocities[self.wall_boundary.slots, 0] = self.wall_boundary.fluid_velocity
+            self.levels.measure()
         if self.wall_boundary:
             more = partial(self.mean_velocity.start, self.time, self.residuals[0]) if self.mean_velocity else None
             self.require_solution(self.wall_boundary.begin(self.splitting, self.residuals[0], more))
+        elif self.problem.has_own_start:
+            self.require_solution(self.splitting.find_impulse(self.residuals[0], diverges=True))
+            self.splitting.apply_impulse()
+        if self.problem.has_own_start:
+            change = np.abs(active(self.levels.fields)[:fluid, : self.levels.components] - unknowns).max()
+            self.removed_divergence = float(change / (np.abs(unknowns).max() or 1.0))
         self.levels.measure()
         if self.extra_stress:
             self.extra_stress.begin()
-        self.require_solution(self.splitting.begin(self.problem.solvent_viscosity, self.residuals[0]))
+        forced = self.problem.body_force is not None
+        if forced:
+            view(self.splitting.u_history)[:fluid] = self.body_force(self.time)[:fluid]
+        self.require_solution(self.splitting.begin(self.problem.solvent_viscosity, self.residuals[0], forced))
         if self.wall_boundary:
             self.wall_boundary.measure(self.time, self.extra_stress)
             self.wall_boundary.find_fastest()
@@ -186,8 +197,9 @@ class Scheme(ControlledScheme):
         self.splitting.sum_history()
         if not self.dts:  # what is carried along as a whole is right from the first guess on, but for rounding errors
             view(self.splitting.velocity.x)[: self.problem.n_fluid, :2] += dt * np.array(self.problem.acceleration)
-        if self.body_force:
-            self.add_body_force(dt)
+        if self.problem.body_force:
+            force = self.body_force(self.time + dt)
+            view(self.splitting.u_history)[: len(force)] += dt * force
         if self.wall_boundary:
             self.wall_boundary.set_wall_velocities(self.splitting, times)
             self.wall_boundary.add_corner_force(self.splitting, times, dt)
@@ -197,11 +209,12 @@ class Scheme(ControlledScheme):
             self.require_solution(False)
         return times.step_error(error, gamma0, self.error_speed)
 
-    def add_body_force(self, dt):
-        """Add the impulse of the body force at the end of a step to what is known of the velocities there."""
-        points = slice(int(view(self.points.particles)))
-        places = self.problem.places(view(self.points.position)[points])
-        view(self.splitting.u_history)[points, :2] += dt * np.stack(self.body_force(*places, self.time + dt), axis=1)
+    def body_force(self, time):
+        """Return the body force (points, components) at ``time`` at the points, divided as the unknowns are."""
+        x, y = self.problem.places(view(self.points.position)[: int(view(self.points.particles))].astype(float))
+        return unknowns_of(
+            np.stack(self.problem.body_force(x, y, time), axis=1), y if self.problem.axisymmetric else None
+        )
 
     def assemble(self, time):
         """Set the positions of the points at the end of a step, at ``time``, and compute the operators there."""

@@ -119,9 +119,12 @@ class SplittingStep:
         """Return the root mean square of the difference of the new from the extrapolated velocities."""
         return math.sqrt(float(view(self.difference_squared)) / int(view(self.points.n_fluid)))
 
-    def begin(self, viscosity, tolerance):
-        """Solve L p = - grad u : grad u for the pressure of the present velocities; return whether it could be."""
-        self.initial_pressure_rhs()
+    def begin(self, viscosity, tolerance, forced=False):
+        """Solve L p = div f - grad u : grad u for the pressure of the present velocities; return whether it could be.
+
+        ``forced``: whether ``u_history`` holds a body force f.
+        """
+        self.initial_pressure_rhs(forced)
         for _ in range(MOST_ITERATIONS if self.coupling else 1):
             if self.bounded:
                 self.wall_rhs(1.0, 0.0, viscosity)
@@ -131,12 +134,13 @@ class SplittingStep:
         self.store_pressure()
         return solved
 
-    def find_impulse(self, tolerance):
+    def find_impulse(self, tolerance, diverges=False):
         """Solve for the impulse of walls that start to move at ``velocity`` U against the fluid; return whether it is.
 
-        It is that of a pressure, phi per unit density: u - grad phi, with L phi = 0 and n . grad phi = -n . U.
+        The impulse is that of a pressure, phi per unit density: u - grad phi, with L phi = 0 and n . grad phi = -n . U.
+        Where the velocities u before the start have a divergence (``diverges``), as measured, L phi = div u.
         """
-        self.impulse_rhs()
+        self.impulse_rhs(diverges)
         return self.solve_pressure(tolerance)
 
     @ti.kernel
@@ -170,15 +174,16 @@ class SplittingStep:
         self.pressure_boundary.find_normal_curls()
 
     @ti.kernel
-    def impulse_rhs(self):
+    def impulse_rhs(self, diverges: bool):
         """Right side of the equation for the impulse."""
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
             self.pressure.x[i] = 0.0
-            self.pressure.b[i] = 0.0
-        ti.loop_config(serialize=self.operators.serial_light)
-        for i in range(self.points.n_fluid[None], self.points.particles[None]):
-            self.pressure.b[i] = self.pressure_boundary.right_side(i, -self.velocity.x[i], 0.0)
+            self.pressure.b[i] = -self.levels.divergence[i] if diverges else 0.0
+        if ti.static(self.bounded):
+            ti.loop_config(serialize=self.operators.serial_light)
+            for i in range(self.points.n_fluid[None], self.points.particles[None]):
+                self.pressure.b[i] = self.pressure_boundary.right_side(i, -self.velocity.x[i], 0.0)
 
     @ti.kernel
     def apply_impulse(self):
@@ -199,13 +204,15 @@ class SplittingStep:
         return gradient
 
     @ti.kernel
-    def initial_pressure_rhs(self):
+    def initial_pressure_rhs(self, forced: bool):
         """Right side of the pressure's equation at the start."""
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
             d_dx, d_dy = self.levels.d_dx[i], self.levels.d_dy[i]
             self.pressure.b[i] = self.coordinates.gradient_product(i, self.levels.fields, d_dx, d_dy)
             self.pressure.x[i] = 0.0
+            if forced:
+                self.pressure.b[i] -= self.history_divergence(i)
 
     @ti.kernel
     def add_centripetal(self, dt: float, again: bool):
@@ -245,18 +252,24 @@ class SplittingStep:
         """Right side of the pressure's equation."""
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None]):
-            own, metric = self.u_history[i], self.coordinates.radius(i) ** 2
-            divergence = self.coordinates.hoop(own.y)
-            for k in range(self.points.count[i]):
-                difference = self.u_history[self.points.neighbours[i, k]] - own
-                d_dy = metric * self.operators.d_dy[i, k]
-                divergence += self.operators.d_dx[i, k] * difference.x + d_dy * difference.y
+            divergence = self.history_divergence(i)
             if ti.static(self.varying):
                 divergence += self.extra_stress.implicit_divergence[i]
             kept = retained
             if ti.static(self.closing):
                 kept = ti.select(self.pressure_boundary.narrow[i] > 0, gamma0, retained)
             self.pressure.b[i] = (kept * self.levels.divergence[i] - divergence) / dt
+
+    @ti.func
+    def history_divergence(self, i):
+        """Return the divergence of ``u_history`` at a particle."""
+        own, metric = self.u_history[i], self.coordinates.radius(i) ** 2
+        divergence = self.coordinates.hoop(own.y)
+        for k in range(self.points.count[i]):
+            difference = self.u_history[self.points.neighbours[i, k]] - own
+            d_dy = metric * self.operators.d_dy[i, k]
+            divergence += self.operators.d_dx[i, k] * difference.x + d_dy * difference.y
+        return divergence
 
     @ti.kernel
     def wall_rhs(self, dt: float, gamma0: float, viscosity: float):

@@ -30,6 +30,7 @@ from tisph.runtime import real, ti, view
 from tisph.schemes._local_newton import SMALL, Modes, matrix, solve
 from tisph.schemes._splitting._bdf import ORDER
 from tisph.schemes._splitting._log_conformation import conformation_excess, logarithm, rate
+from tisph.schemes._splitting._log_conformation_with_swirl import change_of_logarithm
 from tisph.schemes._splitting._time_levels import gradients, transfer
 
 MAX_LOG_JUMP = 5.0
@@ -54,6 +55,7 @@ class ViscoelasticStress:
         self.walls, self.n_fluid = problem.walls, problem.n_fluid
         self.origin, self.spacing = problem.origin, problem.spacing
         self.initial_conformation_excess = problem.initial_conformation_excess
+        self.source, self.places = problem.conformation_source, problem.places
         self.modes = self.modes_of(problem)
         self.size = self.modes.components
         self.tensors, self.d_dx, self.d_dy = self._three(ORDER * self.size)
@@ -143,6 +145,9 @@ class ViscoelasticStress:
         self.viscosity = sum(
             law.modulus * self.duration / (1.0 + self.duration / law.relaxation_time) for law in self.modes.laws
         )
+        if self.source:
+            positions = view(self.points.position)[: self.points.fluid].astype(float)
+            self.produced = np.stack(self.source(*self.places(positions), time))[: len(self.state)]
         view(self.force)[...] = 0.0
 
     def add_stress(self, velocity, known, dt):
@@ -164,11 +169,18 @@ class ViscoelasticStress:
         if self.walls:
             self.take_known(gradient[:, self.n_fluid :])
         for mode, (law, part) in enumerate(self.modes):
-            change = lambda p, law=law: self.rate(law, p, gradient)  # noqa: E731
+            change = lambda p, law=law: self._rate(law, p, gradient)  # noqa: E731
             known, guess = self.explicit_part[part], self.state[part]
             with np.errstate(all="ignore"):  # what is not finite has no pressure, and stops the run
                 jacobian = self.jacobians[mode] or matrix(change, guess, self.duration)
                 self.state[part], self.jacobians[mode] = solve(change, known, self.duration, guess, jacobian)
+
+    def _rate(self, law, state, gradient):
+        """Return dP/dt with what a ``conformation_source`` produces; slopes by a complex ``state`` leave that out."""
+        change = self.rate(law, state, gradient)
+        if self.source:
+            change = np.stack(change) + change_of_logarithm(state.real, self.produced)
+        return change
 
     def take_known(self, gradient):
         """Let a velocity gradient (numbers, count) at the points on walls be what is known of it there."""

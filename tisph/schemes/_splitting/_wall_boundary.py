@@ -8,6 +8,7 @@ import numpy as np
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import view
 from tisph.schemes._splitting._bdf import VELOCITIES
+from tisph.schemes._splitting._coordinates import unknowns_of
 from tisph.schemes._splitting._corner_singularities import CornerSingularities
 from tisph.schemes._splitting._free_bodies import FreeBodies
 from tisph.schemes._splitting._pressure_boundary import PressureBoundaryCondition
@@ -150,7 +151,7 @@ class WallBoundary:
         regular, started, against = self.regular_velocities, True, self.velocity - self.fluid_velocity
         if splitting.coupling:
             started = splitting.coupling.begin(tolerance)
-        elif np.abs(self.inwards(against)).max() > STRAIGHT * np.abs(against).max():
+        elif self.problem.has_own_start or np.abs(self.inwards(against)).max() > STRAIGHT * np.abs(against).max():
             started = self.find_impulse(splitting, tolerance)
             splitting.apply_impulse()
         if more_impulse:
@@ -166,9 +167,12 @@ class WallBoundary:
 
     @property
     def fluid_velocity(self):
-        """Velocities (count, 2) at the points of the fluid before the start."""
+        """Velocities (count, components) at the points of the fluid before the start, as unknowns."""
         start = self.problem.initial_velocity
-        return start(*(self.positions[self.slots] + self.problem.origin).T).T if start else np.zeros_like(self.velocity)
+        if not start:
+            return np.zeros_like(self.velocity)
+        x, y = (self.positions[self.slots] + self.problem.origin).T
+        return unknowns_of(start(x, y).T, y if self.problem.axisymmetric else None)
 
     def inwards(self, velocity):
         """Return the parts (count,) into the fluid of velocities (count, 2) at the points."""
@@ -177,11 +181,15 @@ class WallBoundary:
     def find_impulse(self, splitting, tolerance):
         """Find the impulse of a pressure with which the fluid starts as the walls do; return whether there is one."""
         view(splitting.velocity.x)[self.slots] = self.velocity - self.fluid_velocity
-        return splitting.find_impulse(tolerance)
+        return splitting.find_impulse(tolerance, self.problem.has_own_start)
 
     def set_acceleration(self, splitting):
         """Give the accelerations of the walls at the start to the solver of the pressure."""
         acceleration = -self.walls.acceleration(self.problem.start_time)
+        if self.problem.body_force:
+            x, y = (self.positions[self.slots] + self.problem.origin).T
+            force = np.stack(self.problem.body_force(x, y, self.problem.start_time), axis=1)
+            acceleration += unknowns_of(force, y if self.problem.axisymmetric else None)
         if self.corners:
             acceleration -= self.corners.force(0.0, (1.0, 0.0))[self.slots]
         view(splitting.u_history)[self.slots] = acceleration

@@ -12,6 +12,7 @@ from tisph.studies.verification import (
     free_bodies,
     free_bodies_long,
     implicit,
+    manufactured,
     rheologies,
     rheometry,
     two_dimensional,
@@ -40,13 +41,16 @@ PARTS = (
     two_dimensional_polymers,
 )
 
+ALONE = {"manufactured": manufactured}
+"""Parts that run when they are asked for by name, and not with the others: they need sympy."""
+
 LONG = {"free_bodies": free_bodies_long}
 """Parts of runs that take minutes each, by the name of the short one."""
 
 
 def names():
     """Names of the parts."""
-    return [part.__name__.rpartition(".")[2] for part in PARTS]
+    return [*(part.__name__.rpartition(".")[2] for part in PARTS), *ALONE]
 
 
 def one(name, quick=False, long=False):
@@ -57,7 +61,7 @@ def one(name, quick=False, long=False):
     if name not in names():
         raise ConfigError(f"no suite {name!r}{nearest(name, names())}; there are {', '.join(names())}")
     if not long:
-        part = PARTS[names().index(name)]
+        part = ALONE[name] if name in ALONE else PARTS[names().index(name)]
         return part.runs(quick), part.criteria(quick)
     if name not in LONG:
         raise ConfigError(f"--long: {name} has no runs of minutes; those that have: {', '.join(LONG)}")

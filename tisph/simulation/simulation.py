@@ -37,7 +37,8 @@ class Simulation:
 
     ``overrides`` are values by dotted key, as for ``tisph.run``. Nothing is written, unless ``save`` or ``results``
     asks for it. ``initial_velocity`` and ``body_force`` (an acceleration) are functions of (x, y, t), arrays of places
-    and a time, that return two components; there is no reference then.
+    and a time, that return two components; there is no reference then. Where they alone move the fluid, give
+    ``reference.velocity``.
 
     Its steps are those of ``tisph run``, bitwise: whoever looks does not change them. Ctrl-C takes effect after the
     step that is being taken, and the simulation can go on from there. There can be one open simulation in a process;

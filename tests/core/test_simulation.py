@@ -9,7 +9,7 @@ import pytest
 import tisph
 from tisph import runtime, simulation
 from tisph.config.from_python import loaded
-from tisph.errors import ConfigError, TisphError
+from tisph.errors import ConfigError, DivergedError, TisphError
 from tisph.runtime import ti
 
 CASE = {
@@ -145,6 +145,23 @@ def test_a_flow_of_functions_is_kept_steady_by_its_force(scheme):
         state = sim.run_until(0.1)  # without the force it decays
     decayed = speed * np.exp(-0.05 * wave**2 * 0.1)
     assert np.abs(state.u).max() == pytest.approx(decayed, rel=0.03)
+
+
+def test_a_given_reference_velocity_serves_flow_that_a_force_drives():
+    def force(x, y, t):
+        return np.sin(2 * np.pi * y), 0.0
+
+    slow = {"initial.velocity": 1e-6}  # by which the flow runs away: the force makes it 3e4 times as fast
+    with (
+        tisph.Simulation(VORTICES, body_force=force, **slow) as sim,
+        pytest.raises(DivergedError, match=r"1000 times the reference velocity.* reference\.velocity, if"),
+    ):
+        sim.run_until(0.1)
+    with tisph.Simulation(VORTICES, body_force=force, **slow, reference={"velocity": 0.1}) as sim:
+        state = sim.run_until(0.1)
+    rate = 0.05 * (2 * np.pi) ** 2  # u = sin(2 pi y) (1 - exp(-rate t)) / rate
+    exact = np.sin(2 * np.pi * state.y) * -np.expm1(-rate * 0.1) / rate
+    assert np.abs(state.u - exact).max() < 1e-3 * np.abs(exact).max()  # as of the steady flow above
 
 
 def test_functions_are_refused_where_nothing_asks_for_them(tmp_path):

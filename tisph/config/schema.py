@@ -110,6 +110,12 @@ class Time(Model):
         return data
 
 
+class Reference(Model):
+    """Velocity [length/time] that numbers and errors refer to, in place of the one by walls, bodies and drive."""
+
+    velocity: Positive
+
+
 class Output(Model):
     """Movie (null or false for none), simulated time between checkpoints [time] (null for none), and whether the
     samples are also written for ParaView while the run goes on."""
@@ -141,10 +147,12 @@ class Config(Model):
     fluid: Fluid
     discretisation: Discretisation = Discretisation.model_validate({})
     scheme: Annotated[Model, Scheme] = Field(default_factory=Scheme.default)
+    reference: Reference | None = None
     time: Time
     output: Output = Output()
     runtime: Runtime = Runtime()
 
+    unset_keys = ("reference",)
     parallel: ClassVar[bool] = False
     """Whether all flow is along x."""
     axisymmetric: ClassVar[bool] = False
@@ -283,8 +291,8 @@ class Config(Model):
 
 
 ORDER = (
-    "name", "scene", "units", "fluid", "geometry", "walls", "drive", "initial", "discretisation", "scheme", "time",
-    "probes", "output", "runtime",
+    "name", "scene", "units", "fluid", "geometry", "walls", "drive", "initial", "reference", "discretisation",
+    "scheme", "time", "probes", "output", "runtime",
 )  # fmt: skip
 """Keys as a resolved config gives them; others come with ``geometry``."""
 

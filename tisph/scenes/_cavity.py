@@ -78,7 +78,7 @@ class Cavity(BodyScene):
         """The two upper corners, past which a sharp lid slides."""
         if self.regular:
             return ()
-        cell = self.reference_velocity * self.spacing / self.kinematic_viscosity
+        cell = self.velocity_scale * self.spacing / self.kinematic_viscosity
         viscous = max(VISCOUS_DECAY_LENGTH * self.spacing / cell, LEAST_DECAY_LENGTH * self.spacing)
         same = {
             "inward": (0.0, -1.0),
@@ -98,14 +98,19 @@ class Cavity(BodyScene):
         return self.width
 
     @property
-    def reference_velocity(self):
+    def velocity_scale(self):
         """The largest speed of the lid."""
         return abs(self.velocity)
+
+    @property
+    def _lid_reynolds(self):
+        """Reynolds number by the speed of the lid, to which references belong."""
+        return self.velocity_scale * self.width / self.kinematic_viscosity
 
     @cached_property
     def _exact(self):
         """The flow under the regular lid, None where there is no reference."""
-        if not self.regular or self.rheology or self.reynolds > LARGEST_REYNOLDS:
+        if not self.regular or self.rheology or self._lid_reynolds > LARGEST_REYNOLDS:
             return None
         return RegularCavity(self.width, self.height, self.velocity, self.kinematic_viscosity)
 
@@ -115,7 +120,7 @@ class Cavity(BodyScene):
         if self.regular or self.width != self.height:
             return []
         try:
-            return centre_lines(round(self.reynolds, 9))
+            return centre_lines(round(self._lid_reynolds, 9))
         except ValueError:
             return []
 
@@ -161,7 +166,7 @@ class Cavity(BodyScene):
         """References of the extremes over the speed of the lid, by the names of ``diagnostics``; none without one."""
         if not (self._exact or self._tables):
             return {}
-        known = self._exact.extremes() if self._exact else tabulated_extremes(round(self.reynolds, 9))
+        known = self._exact.extremes() if self._exact else tabulated_extremes(round(self._lid_reynolds, 9))
         return {"u_extreme": known["u_min"], "v_min": known["v_min"], "v_max": known["v_max"]}
 
     def _errors(self, snapshot):
@@ -200,6 +205,7 @@ class Cavity(BodyScene):
         references = ["spectral solution"] if self._exact else sorted({table.source for table in self._tables})
         return [
             ("Reynolds number", f"{self.reynolds:.6g}  (U W / nu)"),
+            (self.velocity_name("speed of the lid U"), f"{self.reference_velocity:.6g} {length}/{time}"),
             ("velocity of the lid", f"{self.velocity:.6g} {length}/{time}, {kind}"),
             ("kinematic viscosity nu", f"{self.kinematic_viscosity:.6g} {length}^2/{time}"),
             ("cavity", f"{self.width:.6g} x {self.height:.6g} {length}"),
@@ -218,7 +224,7 @@ class Cavity(BodyScene):
         flow, table = self._exact, self._table(field)
         reference = {}
         if flow:
-            scale = self.reference_velocity, "speed of the lid"
+            scale = self.reference_velocity, self.velocity_name("speed of the lid")
             reference = {"exact": lambda x, y, t: flow.velocity(x, y)["uv".index(field)], "scale": scale}
         elif table:
             reference = {"exact": self._curve(table), "reference": table.source}

@@ -32,6 +32,13 @@ class Contact(Model):
     distance: Positive
 
 
+def still_problem(config: Any, key: str, remedy: str) -> Iterator[Problem]:
+    """Problem of a ``config`` in which nothing moves, at ``key``: none where a velocity is given for other causes."""
+    if not config.reference:
+        text = "nothing moves: " + remedy
+        yield key, f"{text}; or a reference.velocity, for a fluid that functions given from Python move"
+
+
 class RestInitial(Model):
     """The fluid is at rest at first. ``jitter``: uniform random displacement of every particle, +- that many spacings
     in x and y, after they have been spread evenly; the same ``seed`` gives the same displacements."""

@@ -36,6 +36,9 @@ class Scene:
     rheology: Any = None
     """Parameters of a fluid that is not Newtonian, else None."""
 
+    given_velocity: float | None = None
+    """Reference velocity that the config gives; None where ``velocity_scale`` serves."""
+
     columns: int = 0
     """Particles along x at the start, in a box without ``bodies``."""
 
@@ -125,6 +128,7 @@ class Scene:
             "spacing": config.spacing,
             "units": config.units,
             "rheology": None if config.fluid.rheology.type == "newtonian" else config.fluid.rheology,
+            "given_velocity": config.reference.velocity if config.reference else None,
         }
 
     @property
@@ -163,14 +167,23 @@ class Scene:
         raise NotImplementedError
 
     @property
-    def reference_velocity(self):
-        """Velocity over which errors are given."""
+    def velocity_scale(self):
+        """Velocity that walls, bodies, the drive or the start set; 0 where they do not move the fluid."""
         raise NotImplementedError
+
+    @property
+    def reference_velocity(self):
+        """Velocity over which errors are given: that of the config, else ``velocity_scale``."""
+        return self.given_velocity or self.velocity_scale
+
+    def velocity_name(self, own):
+        """Name of the reference velocity in tables and pictures: ``own`` where it is the ``velocity_scale``."""
+        return "reference velocity U" if self.given_velocity else own
 
     @property
     def peak_velocity(self):
         """Bound of the speed in the flow."""
-        return self.reference_velocity
+        return max(self.reference_velocity, self.velocity_scale)
 
     @property
     def time_scale(self):

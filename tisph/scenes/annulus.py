@@ -17,11 +17,14 @@ from tisph.config.base import Model, Positive, Problem, Signed, findings, refusa
 from tisph.config.fields import Member
 from tisph.config.motion import Amplitude, Times, Values, WallMotion, check_as_many, check_schedule
 from tisph.scenes._annulus.scene import Annulus
-from tisph.scenes._initial import Initial, start_problems
+from tisph.scenes._initial import Initial, start_problems, still_problem
 
 __all__ = ["Annulus", "Config", "Scene"]
 
 WallTreatment = Member("walls", usual="adami")
+
+TURN = "give walls.inner or walls.outer an angular_velocity other than 0"
+"""Remedy where no cylinder moves."""
 
 Scene = Annulus
 """The name under which a run asks a module of this folder for its scene."""
@@ -143,7 +146,7 @@ class Config(schema.Config):
         walls = self.walls.inner, self.walls.outer
         speeds = {speed for wall in walls for speed in (wall.speed, wall.speed_before)} - {None}
         if speeds <= {0.0} and not any(wall.amplitude or wall.angular_velocities for wall in walls):
-            yield "walls", "nothing moves: give walls.inner or walls.outer an angular_velocity other than 0"
+            yield from still_problem(self, "walls", TURN)
         yield from start_problems(self, ("inner", "outer"))
         scheduled = [name for name in ("inner", "outer") if getattr(self.walls, name).angular_velocities]
         if scheduled and self.initial.state != "rest":

@@ -19,7 +19,7 @@ from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, ref
 from tisph.config.fields import Bodies, Member, number_or
 from tisph.config.motion import Amplitude, Times, Values, WallMotion, check_as_many, check_schedule
 from tisph.scenes._channel.scene import Channel
-from tisph.scenes._initial import Contact, Drive, Initial, start_problems
+from tisph.scenes._initial import Contact, Drive, Initial, start_problems, still_problem
 
 __all__ = ["Channel", "Config", "Scene"]
 
@@ -135,7 +135,7 @@ class Config(schema.Config):
     initial: Initial = Initial()
     probes: Probes = Probes()
 
-    unset_keys = ("bodies", "contact")
+    unset_keys = (*schema.Config.unset_keys, "bodies", "contact")
     periodic = (True, False)
     across_name = "the gap"
 
@@ -225,9 +225,9 @@ def _motion(config: Config) -> Iterator[Problem]:
     velocities = {velocity for wall in walls for velocity in (wall.velocity, wall.velocity_before)} - {None}
     developed = config.initial.state == "developed" or any(wall.velocity_before is not None for wall in walls)
     if len(velocities | (set() if developed else {0.0})) == 1:
-        text = "nothing moves: give walls.bottom or walls.top a velocity other than 0, or drive.acceleration"
-        together = f"{text}; walls and fluid move together at {walls[0].velocity:g}"
-        yield "walls", together if walls[0].velocity else text
+        remedy = "give walls.bottom or walls.top a velocity other than 0, or drive.acceleration"
+        together = f"{remedy}; walls and fluid move together at {walls[0].velocity:g}"
+        yield from still_problem(config, "walls", together if walls[0].velocity else remedy)
 
 
 def _driven(config: Config) -> Iterator[Problem]:

@@ -79,7 +79,8 @@ class Scene(Cylinders):
 
     @property
     def _creeps(self):
-        return self.rheology is None and self.reynolds <= CREEPING
+        reynolds = self.velocity_scale * self.reference_length / self.kinematic_viscosity
+        return self.rheology is None and reynolds <= CREEPING
 
     def stokes(self, inner, outer):
         """The Stokes flow of cylinders that turn at ``inner`` and ``outer``."""
@@ -138,7 +139,7 @@ class Scene(Cylinders):
 
     def profiles(self):
         """The velocity across the line of centres."""
-        scale = self.reference_velocity, "speed of the fastest wall"
+        scale = self.reference_velocity, self.velocity_name("speed of the fastest wall")
         stokes = {"exact": self._across, "scale": scale, "reference": "Stokes flow"} if self._creeps else {}
         return [_two_dimensional.velocity_profile(self, "v", "x", **stokes)]
 

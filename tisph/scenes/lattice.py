@@ -35,7 +35,7 @@ class Config(schema.Config):
     contact: Contact | None = None
     initial: RestInitial = RestInitial()
 
-    unset_keys = ("contact",)
+    unset_keys = (*schema.Config.unset_keys, "contact")
     periodic = (True, True)
     across_name = "the height"
 

@@ -25,7 +25,7 @@ from tisph.scenes._axisymmetric import config as axisymmetric
 from tisph.scenes._axisymmetric import measures, views
 from tisph.scenes._axisymmetric.pipe_keys import Cylinder, Drive, Geometry, Walls
 from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder
-from tisph.scenes._initial import Initial, start_problems
+from tisph.scenes._initial import Initial, start_problems, still_problem
 from tisph.scenes._layers import depth
 from tisph.snapshot import STRESSES
 
@@ -69,7 +69,7 @@ class Config(axisymmetric.Config):
         along = bool(inner.velocity or outer.velocity or self.drive.acceleration or self.drive.amplitude)
         around = bool(inner.angular_velocity or outer.angular_velocity)
         if not along and not around:
-            yield "drive", "nothing moves: give an acceleration, or let a wall move"
+            yield from still_problem(self, "drive", "give an acceleration, or let a wall move")
         if along and around and self.fluid.rheology.type != "newtonian":
             yield "fluid.rheology.type", "must be newtonian where fluid flows both along the axis and around it"
 
@@ -120,13 +120,13 @@ class Scene(AxisymmetricScene):
         return self.drive.velocity(t) + np.zeros_like(x), np.zeros_like(x)
 
     @property
-    def reference_velocity(self):
+    def velocity_scale(self):
         """Speed of the fastest wall, or the largest velocity that the drive may give a Newtonian fluid."""
         width, strength = self.reference_length, self.drive.largest_speed
         driven = strength * width**2 / (self.kinematic_viscosity * (8.0 if self.inner_radius else 4.0))
         if self.drive.oscillates:
             driven = min(driven, strength / self.drive.angular_frequency)
-        return max(super().reference_velocity, driven)
+        return max(super().velocity_scale, driven)
 
     @property
     def vanishing_scale(self):
@@ -273,12 +273,12 @@ def _wall(name, wall, radii, length):
 
 @lru_cache(maxsize=8)
 def _solved(rheology, kinematic_viscosity, density, radii, axial, turning, drive, developed):
-    """The flows along and around the axis, each None where nothing moves that way."""
+    """The flows along and around the axis, each None where nothing moves that way alone."""
     fluid = fluid_of(rheology, kinematic_viscosity, density)
     along = around = None
-    if drive.largest_speed or any(wall.largest_speed for wall in axial):
-        given = {"pulsation": drive} if drive.oscillates else {"acceleration": drive.cosine}
-        along = PipeStartUp(radii, fluid, axial, axial if developed else None, **given)
     if any(wall.largest_speed for wall in turning):
         around = CircularStartUp(*radii, fluid, *turning, turning if developed else None)
+    if not around or drive.largest_speed or any(wall.largest_speed for wall in axial):
+        given = {"pulsation": drive} if drive.oscillates else {"acceleration": drive.cosine}
+        along = PipeStartUp(radii, fluid, axial, axial if developed else None, **given)
     return along, around

@@ -93,7 +93,7 @@ class Config(schema.Config):
     contact: Contact | None = None
     initial: RestInitial = RestInitial()
 
-    unset_keys = ("geometry", "bodies", "contact", "turning")
+    unset_keys = (*schema.Config.unset_keys, "geometry", "bodies", "contact", "turning")
     across_name = "the region"
 
     @model_validator(mode="before")

@@ -114,14 +114,14 @@ class Scene(AnyScene):
         return self.length
 
     @property
-    def reference_velocity(self):
+    def velocity_scale(self):
         """The speed of the streams."""
         return self.speed
 
     @property
     def peak_velocity(self):
         """The speed that the vortices may add to, roughly."""
-        return ROLLING_UP * self.speed
+        return ROLLING_UP * super().peak_velocity
 
     def thinnest_layer(self, t):
         """The layers as they are at the start: what they lack then comes at no later time."""
@@ -168,7 +168,7 @@ class Scene(AnyScene):
         spacings = f"{self.thickness / self.spacing:.3g} spacings"
         return [
             ("Reynolds number", f"{self.reynolds:.6g}  (U L / nu)"),
-            ("speed U of the streams", f"{self.speed:.6g} {length}/{time}"),
+            (self.velocity_name("speed U of the streams"), f"{self.reference_velocity:.6g} {length}/{time}"),
             ("kinematic viscosity nu", f"{self.kinematic_viscosity:.6g} {length}^2/{time}"),
             ("side L", f"{self.length:.6g} {length}"),
             ("thickness of a layer", f"{self.thickness:.6g} {length}, {spacings}"),

@@ -26,7 +26,7 @@ from tisph.scenes._axisymmetric import config as axisymmetric
 from tisph.scenes._axisymmetric import measures, views
 from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder, wall_speed
 from tisph.scenes._axisymmetric.sphere_keys import Drive, Geometry, Sphere, Walls
-from tisph.scenes._initial import RestInitial
+from tisph.scenes._initial import RestInitial, still_problem
 from tisph.scenes._layers import depth
 from tisph.scenes._views import TimeSeries
 
@@ -61,8 +61,9 @@ class Config(axisymmetric.Config):
             yield "drive.acceleration", "is only for the closure periodic_pressure; give a mean_velocity"
         if not closed and self.drive.mean_velocity:
             yield "drive.mean_velocity", "is only for the closure no_flux; give an acceleration"
-        if not Scene.from_config(self).reference_velocity:
-            yield "sphere", "nothing moves: give a velocity or an angular_velocity, or let it be free under a force"
+        if not Scene.from_config(self).velocity_scale:
+            remedy = "give a velocity or an angular_velocity, or let it be free under a force"
+            yield from still_problem(self, "sphere", remedy)
         yield from self._sizes()
 
     def _sizes(self) -> Iterator[Problem]:
@@ -112,7 +113,7 @@ class Scene(AxisymmetricScene):
         return float(self.sphere.shape.extent[1, 1])
 
     @cached_property
-    def reference_velocity(self):
+    def velocity_scale(self):
         """Speed of the body or of the tube, by the load of one that is free, or of the driven fluid, roughly."""
         body, radius = self.sphere, self.reference_length
         speeds = [abs(self.kept_mean_velocity or 0.0), wall_speed(self.bodies[1])]
@@ -129,7 +130,7 @@ class Scene(AxisymmetricScene):
     @property
     def peak_velocity(self):
         """What may become of it beside the body, roughly."""
-        return 2.0 * self.reference_velocity
+        return 2.0 * super().peak_velocity
 
     @property
     def time_scale(self):
@@ -149,7 +150,7 @@ class Scene(AxisymmetricScene):
 
     def thinnest_layer(self, t):
         """Depth of the layer at the body that started at t = 0, or of that in front of it; and where it is."""
-        strain_rate = 1.5 * self.reference_velocity / self.sphere.shape.convex_radius
+        strain_rate = 0.75 * self.peak_velocity / self.sphere.shape.convex_radius
         front = FRONT * math.sqrt(self.kinematic_viscosity / strain_rate) if strain_rate else math.inf
         return min((depth(self, t), "the layer at the sphere"), (front, "the layer in front of the sphere"))
 

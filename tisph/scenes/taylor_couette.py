@@ -25,7 +25,7 @@ from tisph.scenes._annulus.cylinders import turning_of
 from tisph.scenes._axisymmetric import config as axisymmetric
 from tisph.scenes._axisymmetric import measures, views
 from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder, layer_at_plates
-from tisph.scenes._initial import RestInitial
+from tisph.scenes._initial import RestInitial, still_problem
 from tisph.scenes._views import TimeSeries
 
 RECENT = 0.1
@@ -88,7 +88,7 @@ class Config(axisymmetric.Config):
         yield from super().problems()
         walls = {"inner": self.walls.inner, "outer": self.walls.outer}
         if not any(wall.speed or wall.amplitude or wall.angular_velocities for wall in walls.values()):
-            yield "walls", "nothing moves: give walls.inner or walls.outer an angular_velocity other than 0"
+            yield from still_problem(self, "walls", annulus.TURN)
         developed = self.initial.state == "developed"
         if not self.periodic[0] and (developed or self.initial.disturbance):
             key = "initial.state" if developed else "initial.disturbance"
@@ -156,7 +156,7 @@ class Scene(AxisymmetricScene):
         fields = super().initial(x, y)
         gap, inner, outer = self.reference_length, y - self.inner_radius, self.outer_radius - y
         shape, slope = 16.0 * (inner * outer) ** 2, 32.0 * inner * outer * (outer - inner)
-        speed, wave = self.disturbance * self.reference_velocity / gap**4, 2.0 * np.pi / self.length
+        speed, wave = self.disturbance * self.velocity_scale / gap**4, 2.0 * np.pi / self.length
         fields["u"] = -speed / wave * (slope + shape / y) * np.sin(wave * x)
         fields["v"] = speed * shape * np.cos(wave * x)
         if self.developed:

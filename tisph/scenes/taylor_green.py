@@ -102,7 +102,7 @@ class Scene(AnyScene):
         return self.length
 
     @property
-    def reference_velocity(self):
+    def velocity_scale(self):
         """The largest speed at t = 0."""
         return self.speed
 
@@ -142,7 +142,7 @@ class Scene(AnyScene):
             "kinetic_energy_exact": taylor_green.kinetic_energy(t, **flow),
             "dissipation": dissipation * square / exact_square,
             "dissipation_exact": dissipation,
-            "momentum_drift": np.linalg.norm(np.mean(values - exact, axis=1)) / self.speed,
+            "momentum_drift": np.linalg.norm(np.mean(values - exact, axis=1)) / self.reference_velocity,
             **others,
         }
 
@@ -157,7 +157,7 @@ class Scene(AnyScene):
         width, height = self.extent
         return [
             ("Reynolds number", f"{self.reynolds:.6g}  (U L / nu)"),
-            ("largest speed U", f"{self.speed:.6g} {length}/{time}"),
+            (self.velocity_name("largest speed U"), f"{self.reference_velocity:.6g} {length}/{time}"),
             ("kinematic viscosity nu", f"{self.kinematic_viscosity:.6g} {length}^2/{time}"),
             ("period L", f"{self.length:.6g} {length}, in a box of {width:.6g} x {height:.6g} {length}"),
             ("velocities decay in", f"{2 / rate:.6g} {time}  (by a factor e: 1 / (2 nu k^2))"),
@@ -195,7 +195,8 @@ class Scene(AnyScene):
         return taylor_green.kinetic_energy(snapshot.t, **self._flow) * np.sum(values**2) / np.sum(exact**2)
 
     def _velocity(self, field, along):
-        exact, scale = lambda x, y, t: self.exact(field, x, y, t), (self.speed, "largest speed U at the start")
+        exact = lambda x, y, t: self.exact(field, x, y, t)  # noqa: E731
+        scale = self.reference_velocity, self.velocity_name("largest speed U at the start")
         return _two_dimensional.velocity_profile(self, field, along, exact=exact, scale=scale)
 
     def _pressure(self):

@@ -40,10 +40,11 @@ class Simulation:
 
     ``overrides`` are values by dotted key, as for ``tisph.run``. Nothing is written, unless ``save`` or ``results``
     asks for it. ``initial_velocity``, ``body_force`` (an acceleration) and ``conformation_source`` are functions of
-    (x, y, t), arrays of places and a time. They return physical components: of the first two along x and y, in
-    axisymmetric flow (along the axis, radial) around the axis as well; of the source of the conformation tensor [1/time]
-    xx, xy, yy, in axisymmetric flow xx, xr, rr, tt, xt, rt. There is no reference then. The divergence of an initial
-    velocity is removed in two-dimensional flow of scheme ``implicit``; a warning says so where that changes it.
+    (x, y, t), arrays of places and a time, that return physical components. The first two have them along x and y, in
+    axisymmetric flow along the axis, along the radius and around the axis; the source of the conformation tensor
+    [1/time] has xx, xy, yy, in axisymmetric flow xx, xr, rr, tt, xt, rt. There is no reference then; where functions
+    alone move the fluid, give ``reference.velocity``. Scheme ``implicit`` removes the divergence of an initial velocity
+    in two-dimensional flow; a warning says so where that changes it.
 
     Its steps are those of ``tisph run``, bitwise: whoever looks does not change them. Ctrl-C takes effect after the
     step that is being taken, and the simulation can go on from there. There can be one open simulation in a process;
@@ -76,7 +77,7 @@ class Simulation:
         """Return the simulation that was saved in ``path``; it goes on bitwise as it would have.
 
         ``config`` is the one that it was made with if none is given; ``time.end`` may be later, with samples after the
-        old end. ``body_force`` and ``conformation_source`` are to be given again. ConfigError where the checkpoint does not fit.
+        old end. Functions are to be given again. ConfigError where the checkpoint does not fit.
         """
         simulation = cls.__new__(cls)
         if config is None:

@@ -77,7 +77,7 @@ class Cylinders(BodyScene):
         return self.outer_radius - self.inner_radius
 
     @property
-    def reference_velocity(self):
+    def velocity_scale(self):
         """Speed of the fastest wall, now or before."""
         return max(self.inner_radius * self.inner.largest_speed, self.outer_radius * self.outer.largest_speed)
 

@@ -15,7 +15,7 @@ def scales(scene, gap, speed):
     length, time = scene.units.length, scene.units.time
     return [
         ("Reynolds number", f"{scene.reynolds:.6g}  (U H / nu, H {gap})"),
-        (f"{speed} U", f"{scene.reference_velocity:.6g} {length}/{time}"),
+        (scene.velocity_name(f"{speed} U"), f"{scene.reference_velocity:.6g} {length}/{time}"),
         ("kinematic viscosity nu", f"{scene.kinematic_viscosity:.6g} {length}^2/{time}"),
         ("radii", f"{scene.inner_radius:.6g} and {scene.outer_radius:.6g} {length}"),
         ("viscous time", f"{scene.viscous_time:.6g} {time}  (H^2 / nu)"),
@@ -99,7 +99,7 @@ def _radius(annulus):
 
 
 def _velocity(annulus):
-    scale = (annulus.reference_velocity, "speed of the fastest wall")
+    scale = (annulus.reference_velocity, annulus.velocity_name("speed of the fastest wall"))
     return Profile("u_θ", "velocity", _radius(annulus), of=annulus.around, exact=annulus.exact_around, scale=scale)
 
 

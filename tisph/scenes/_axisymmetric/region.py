@@ -129,11 +129,11 @@ class RegionOfRevolution(AxisymmetricScene):
         )
 
     @property
-    def reference_velocity(self):
+    def velocity_scale(self):
         """Speed of the fastest wall or body, or of the fluid that the acceleration drives, roughly."""
         drive, width = abs(self.acceleration), self.reference_length
         driven = min(drive * width**2 / (4.0 * self.kinematic_viscosity), math.sqrt(drive * width))
-        return max(super().reference_velocity, driven)
+        return max(super().velocity_scale, driven)
 
     @property
     def flow_quantities(self):

@@ -67,7 +67,7 @@ class AxisymmetricScene(BodyScene):
         return self.extent[1]
 
     @property
-    def reference_velocity(self):
+    def velocity_scale(self):
         """Speed of the fastest wall."""
         return max(map(wall_speed, self.bodies))
 

@@ -121,7 +121,7 @@ class Cell(BodyScene):
         return min(drive * permeability / self.kinematic_viscosity, math.sqrt(drive * smaller))
 
     @property
-    def reference_velocity(self):
+    def velocity_scale(self):
         """The larger of ``fastest_body`` and ``driven_velocity``."""
         known = max(self.fastest_body, self.driven_velocity)
         # where nothing is driven, as a body that is as heavy as the fluid: any speed serves, 0 does not
@@ -130,7 +130,7 @@ class Cell(BodyScene):
     @property
     def peak_velocity(self):
         """What may become of it in gaps, roughly."""
-        return 2.0 * self.reference_velocity
+        return 2.0 * super().peak_velocity
 
     @property
     def force_scale(self):
@@ -151,7 +151,7 @@ class Cell(BodyScene):
 
     def thinnest_layer(self, t):
         """Depth of the layer at walls that started at t = 0, or oscillate, or that flow comes upon; and where it is."""
-        strain_rate = 2.0 * self.reference_velocity / self._smallest_radius[0]
+        strain_rate = self.peak_velocity / self._smallest_radius[0]
         front = FRONT * math.sqrt(self.kinematic_viscosity / strain_rate) if strain_rate else math.inf
         layers = [(depth(self, t), "the layer at bodies and walls")]
         layers.append((front, "the layer in front of a body"))

@@ -14,6 +14,7 @@ from tisph.config.resolution import LEAST_IN_PERIOD
 from tisph.geometry.body import Body
 from tisph.geometry.region import Region
 from tisph.scenes._cell.walls import largest_speed
+from tisph.scenes._initial import still_problem
 
 MOMENTS = 25
 """Times at which it is looked whether bodies that move keep apart."""
@@ -27,7 +28,8 @@ def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -
     free = [body for body in bodies if body.free]
     pulled = any(any(body.motion.inertia.load) for body in free) or (free and config.drive.gravity)
     if not moving and not pulled and not config.drive.acceleration:
-        yield "drive.acceleration", "nothing moves: give an acceleration, or let a body or a wall move"
+        remedy = "give an acceleration, or let a body or a wall move"
+        yield from still_problem(config, "drive.acceleration", remedy)
     if config.drive.gravity and not free:
         yield "drive.gravity", "moves free bodies alone: give one the motion free, or leave it out"
     given = config.bodies

@@ -105,6 +105,8 @@ def parameters(cell):
 
 def _cause(cell):
     """What has the reference velocity, in words."""
+    if cell.given_velocity:
+        return "given by the config"
     if max(cell.driven_wall, cell.driven_velocity) >= cell.fastest_body:
         fastest = cell.driven_wall >= cell.driven_velocity
         known = "of the fastest body or wall" if fastest else "that the acceleration causes, roughly"

@@ -94,14 +94,15 @@ class Channel(Scene):
         return max(flow.largest_speed(self, wall) for wall in (self.bottom, self.top))
 
     @property
-    def reference_velocity(self):
+    def velocity_scale(self):
         """The largest of ``wall_speed`` and of |acceleration| gap^2 / (12 nu), the mean speed of the driven flow."""
         return max(self.wall_speed, abs(self.acceleration) * self.gap**2 / (12 * self.kinematic_viscosity))
 
     @property
     def peak_velocity(self):
-        """Bound of the developed flow's speed: ``wall_speed`` + |acceleration| gap^2 / (8 nu)."""
-        return self.wall_speed + abs(self.acceleration) * self.gap**2 / (8 * self.kinematic_viscosity)
+        """Bound of the developed flow's speed: ``wall_speed`` + |acceleration| gap^2 / (8 nu), or a given velocity."""
+        developed = self.wall_speed + abs(self.acceleration) * self.gap**2 / (8 * self.kinematic_viscosity)
+        return max(developed, self.given_velocity or 0.0)
 
     @property
     def reference_length(self):

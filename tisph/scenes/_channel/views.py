@@ -75,12 +75,12 @@ def vanishing_scale(channel):
 def parameters(channel):
     """Pairs (label, text) of what the flow is, independent of particles."""
     length, time = channel.units.length, channel.units.time
-    by_walls = channel.reference_velocity == channel.wall_speed
+    own = "wall speed U" if channel.velocity_scale == channel.wall_speed else "mean speed U"
     moving = f", in a frame that moves with {channel.frame_velocity:.6g} {length}/{time}"
     frame = moving if channel.frame_velocity else ""
     lines = [
         ("Reynolds number", f"{channel.reynolds:.6g}  (U H / nu)"),
-        (f"{'wall' if by_walls else 'mean'} speed U", f"{channel.reference_velocity:.6g} {length}/{time}{frame}"),
+        (channel.velocity_name(own), f"{channel.reference_velocity:.6g} {length}/{time}{frame}"),
         ("kinematic viscosity nu", f"{channel.kinematic_viscosity:.6g} {length}^2/{time}"),
         ("viscous time H^2/nu", f"{channel.viscous_time:.6g} {time}"),
     ]

@@ -375,7 +375,8 @@ def _explicit_channel():
 
 def _explicit_annulus():
     """Return the flow u_theta = B(r) g(t) whose B and viscous force both vanish at r = 1 and 2, without other forces."""
-    from sympy import Matrix, integrate, linsolve, sqrt, symbols as named
+    from sympy import integrate, linsolve, sqrt
+    from sympy import symbols as named
 
     x, y, t = symbols()
     r, a, b = named("r a b", positive=True)

@@ -259,10 +259,8 @@ class Scheme(ControlledScheme):
             self.wall_boundary.find_fastest()
         if self.speed > limits.RUNAWAY * self.problem.reference_velocity:
             text = f"{limits.RUNAWAY:g} times the reference velocity at step {self.steps + 1}, t = {self.time:.6g}"
-            needed = (
-                "a reference.velocity, if it is the body force that drives it, else " if self.problem.body_force else ""
-            )
-            raise DivergedError(f"u, v: above {text}: the flow needs {needed}a smaller spacing")
+            cure = "a reference.velocity, if the body force drives it, else " if self.problem.body_force else ""
+            raise DivergedError(f"u, v: above {text}: the flow needs {cure}a smaller spacing")
         if (self.steps + 1) % REORDER_INTERVAL == 0:
             self.levels.reorder([self.polymer.tensors] if self.polymer else [])
         self.time = self.control.end(self.time, dt)

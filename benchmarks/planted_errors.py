@@ -1,0 +1,89 @@
+"""Change one term of the equations by a few per cent, and see which rows of ``tisph verify manufactured`` fail.
+
+    python benchmarks/planted_errors.py                 # all terms, some minutes
+    python benchmarks/planted_errors.py hoop body       # those whose name contains one of the words
+
+Each error is planted in a copy of the package, in which the two coarser runs of one case are made and judged as with
+``--quick``. A term whose error no row notices makes the exit status 1.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+PACKAGE = Path(__file__).parents[1] / "tisph"
+SCHEME, WALLS = "_splitting/_scheme.py", "_splitting/_pressure_boundary.py"
+LOG = "_splitting/_log_conformation"
+STEP, COORDINATES = "_splitting/_splitting_step.py", "_splitting/_coordinates.py"
+POLYMER, REVOLVED = "_splitting/_viscoelastic_stress.py", "_splitting/_viscoelastic_stress_of_revolution.py"
+
+ERRORS = {
+    "none": ("pipe", STEP, "", ""),
+    "convection along paths": ("square", "_splitting/_time_levels.py", "+= self.step_w", "+= 0.95 * self.step_w"),
+    "pressure gradient": ("channel", STEP, "x -= dt * gradient", "x -= 0.95 * dt * gradient"),
+    "viscosity": ("square", SCHEME, "nu = self.problem", "nu = 0.95 * self.problem"),
+    "hoop term of the divergence": ("pipe", COORDINATES, "result = 2.0 * value", "result = 1.9 * value"),
+    "hoop terms of viscosity": ("pipe", "../least_squares/axisymmetric.py", "2.0 * self.app", "1.9 * self.app"),
+    "radius along paths": ("pipe", COORDINATES, "result.y *= ratio\n", "result.y *= 0.95 + 0.05 * ratio\n"),
+    "circulation along paths": ("taylor_couette", COORDINATES, "ratio * ratio", "ratio ** 1.9"),
+    "centripetal term": ("taylor_couette", STEP, "self.velocity.x[i].z ** 2", "0.95 * self.velocity.x[i].z ** 2"),
+    "body force along x": ("pipe", SCHEME, "dt * force\n", "dt * force * [0.95, 1.0, 1.0]\n"),
+    "body force along r": ("pipe", SCHEME, "dt * force\n", "dt * force * [1.0, 0.95, 1.0]\n"),
+    "body force around the axis": ("pipe", SCHEME, "dt * force\n", "dt * force * [1.0, 1.0, 0.95]\n"),
+    "body force along y": ("annulus", SCHEME, "dt * force\n", "dt * force * [1.0, 0.95]\n"),
+    "Neumann rows, viscous part": ("annulus", WALLS, "along - viscosity", "along - 0.9 * viscosity"),
+    "Neumann rows, acceleration": ("annulus", WALLS, "(along -", "(0.95 * along -"),
+    "stress divergence": ("annulus_oldroyd_b", POLYMER, "d_dx[0] + d_dy[1]", "d_dx[0] + 0.95 * d_dy[1]"),
+    "hoop stress": ("pipe_oldroyd_b", REVOLVED, "stress[2] - stress[3]", "stress[2] - 0.95 * stress[3]"),
+    "stress around the axis": ("pipe_oldroyd_b", REVOLVED, "2.0 * stress[RT]", "1.9 * stress[RT]"),
+    "upper-convected, planar": ("annulus_oldroyd_b", LOG + ".py", "2.0 * scaled * strain", "1.9 * scaled * strain"),
+    "upper-convected, with swirl": ("pipe_oldroyd_b", LOG + "_with_swirl.py", "* scaled -", "* 0.95 * scaled -"),
+    "power law": ("square_power_law", "../rheology/power_law.py", "0.5 * (par", "0.48 * (par"),
+}  # fmt: skip
+"""By the name of a term: the case that is run, a file (below tisph/schemes), a text in it and what replaces it."""
+
+JUDGE = """
+import sys
+from pathlib import Path
+from tisph.studies.verification import manufactured
+from tisph.studies.verify import Runner
+runner = Runner(manufactured.runs(False), Path())
+for each in map(runner.judge, manufactured.bounds(sys.argv[1], quick=True)):
+    print(f"{each.quantity} {each.value:.3g} ({each.bound})" if not each.passed else "", end=";")
+"""
+
+
+def failed_rows(name: str, folder: Path) -> list[str]:
+    """Return the rows that fail with the error ``name`` planted in a copy of the package in ``folder``."""
+    case, file, text, other = ERRORS[name]
+    shutil.copytree(PACKAGE, folder / "tisph", ignore=shutil.ignore_patterns("__pycache__"))
+    path = folder / "tisph" / "schemes" / file
+    source = path.read_text(encoding="utf-8")
+    if text not in source:
+        raise SystemExit(f"{path.name} no longer has {text!r}: name the term as it is now")
+    path.write_text(source.replace(text, other) if text else source, encoding="utf-8")
+    command = [sys.executable, "-c", JUDGE, case]
+    ended = subprocess.run(command, env={**os.environ, "PYTHONPATH": str(folder)}, capture_output=True, text=True)
+    rows = [row for row in ended.stdout.rpartition("\n")[2].split(";") if row]
+    return rows if ended.returncode == 0 else [f"the run fails: {ended.stderr.strip().splitlines()[-1]}"]
+
+
+def main() -> int:
+    """Print a table of terms, cases and rows that fail; return whether an error goes unnoticed."""
+    print("| term | case | rows that fail |\n|---|---|---|")
+    unnoticed = False
+    for name in ERRORS:
+        if sys.argv[1:] and not any(word in name for word in sys.argv[1:]):
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            rows = failed_rows(name, Path(folder))
+        unnoticed |= bool(rows) == (name == "none")
+        print(f"| {name} | {ERRORS[name][0]} | {', '.join(rows) or '-'} |", flush=True)
+    return int(unnoticed)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

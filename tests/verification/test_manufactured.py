@@ -1,0 +1,44 @@
+"""Manufactured solutions: the quick part of ``tisph verify manufactured``, and what it asks for."""
+
+import sys
+
+import pytest
+
+from tisph.errors import ConfigError
+from tisph.studies.verification import manufactured, suite
+from tisph.studies.verify import Runner
+
+pytestmark = pytest.mark.verification
+
+
+@pytest.mark.parametrize("name", manufactured.QUICK)
+def test_errors_fall_with_the_order_of_the_scheme(name, tmp_path):
+    """Orders are bounded by ``Case.orders``: those of operators of order 4, and of the explicit scheme's."""
+    runner = Runner(manufactured.runs(quick=True), tmp_path)
+    checks = [runner.judge(criterion) for criterion in manufactured.bounds(name, quick=True)]
+    assert not [check for check in checks if not check.passed], runner.failures
+
+
+def test_every_case_is_in_the_whole_suite_and_every_run_is_needed():
+    runs, criteria = suite.one("manufactured")
+    assert {name for criterion in criteria for name in criterion.runs} == set(runs)
+    assert {run.rpartition("_")[0] for run in runs} == set(manufactured.CASES)
+
+
+@pytest.mark.parametrize("name", ["moving_circle", "pipe", "sphere", "eccentric"])
+def test_solutions_have_no_divergence(name):
+    """Exactly, but for rounding, which the largest of the slopes has some 1e-14 of."""
+    solution, (x, y, t) = manufactured.CASES[name].solution(), manufactured.symbols()
+    u, v, _ = solution.velocity
+    slopes = [u.diff(x), v.diff(y), v / y if solution.axisymmetric else 0]
+    along, *others = (
+        float(manufactured.sympy().N(each.subs({x: 1.03, y: 0.66, t: 0.4})))
+        for each in map(manufactured.sympy().sympify, slopes)
+    )
+    assert abs(along + sum(others)) < 1e-12 * abs(along)
+
+
+def test_without_sympy_the_suite_says_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "sympy", None)
+    with pytest.raises(ConfigError, match=r"pip install 'tisph\[test\]'"):
+        manufactured.criteria(quick=True)

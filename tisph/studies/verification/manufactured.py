@@ -49,7 +49,7 @@ def symbols() -> tuple[Any, Any, Any]:
 
 @dataclass(frozen=True)
 class Solution:
-    """Expressions of x, y and t: ``velocity`` (u, v, w), ``pressure`` per unit density, ``conformation`` (3 x 3 or None).
+    """Expressions of x, y and t: ``velocity`` (u, v, w), ``pressure`` per unit density, 3 x 3 ``conformation`` or None.
 
     ``viscosity``: nu as an expression of 2 D:D, of the solvent where there is a polymer. ``centre``: expression of t;
     expressions hold for the periodic copy of a place that is nearest to it along x, in a period of 1.

@@ -302,7 +302,7 @@ def _parallel_annulus():
     profile = (r - 1) * (2 - r) * (1 + a * r + b * r**2)
     pull = profile.diff(r, 2) + profile.diff(r) / r
     ((first, second),) = sp.linsolve([pull.subs(r, 1), pull.subs(r, 2)], a, b)
-    profile = 8 * profile.subs({a: first, b: second})
+    profile = profile.subs({a: first, b: second})
     pressure = sp.integrate((profile**2 / r).expand(), r)
     swirl, pressure = (each.subs(r, sp.sqrt(x**2 + y**2)) for each in (_from_rest(t) * profile / r, pressure))
     return Solution((-y * swirl, x * swirl, 0), _from_rest(t) ** 2 * pressure)

@@ -51,7 +51,10 @@ BAD = [
     ("geometry.cells=2", ["geometry.cells = 2: must be a list"]),
     ("geometry.lenght=2.0", ["geometry.lenght = 2.0: unknown key; nearest: length; allowed: length, cells"]),
     ("geometry.gap=2.0", ["geometry.gap = 2.0: unknown key; allowed: length, cells"]),
-    ("walls={}", ["walls: unknown key; allowed: name, scene, units, fluid, geometry, initial, discretisation"]),
+    (
+        "walls={}",
+        ["walls: unknown key; allowed: name, scene, units, fluid, geometry, initial, reference, discretisation"],
+    ),
     ("initial.velocity=0", ["initial.velocity = 0: must be greater than 0"]),
     ("initial={}", ["initial.velocity: is missing"]),
     ("initial.jitter=0.5", ["initial.jitter = 0.5: must be less than 0.5"]),

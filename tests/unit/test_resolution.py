@@ -9,6 +9,7 @@ from report_scene import make_channel, make_snapshot
 
 from tisph import scenes
 from tisph.config import load
+from tisph.config.from_python import loaded
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import LEAST_DEPTH, resolution
 from tisph.report.error_label import error_label
@@ -138,3 +139,30 @@ def test_layer_of_a_pipe_depends_on_the_fluid(tmp_path, rheology, share):
     depth, place = scenes.of(load(path)).thinnest_layer(0.04)
     assert depth == pytest.approx(math.sqrt(share * 0.04), rel=1e-5)  # of least_rate: 1e-6/(1/d)
     assert place == "the layer at the wall"
+
+
+TABLE = [0.02 * i for i in range(101)]
+SINE = [math.sin(math.pi * time) for time in TABLE]  # with nu = 0.01 half the penetration depth is 0.04
+FLOW = {"fluid": {"density": 1.0, "kinematic_viscosity": 0.01}, "time": {"end": 2.0}}
+BETWEEN = {"inner_radius": 1.0, "outer_radius": 2.0}
+CHANNEL = {**FLOW, "scene": "channel", "geometry": {"gap": 1.0, "length": 1.0}}
+
+
+@pytest.mark.parametrize("scene", ["channel", "annulus", "eccentric_annulus"])
+@pytest.mark.parametrize(("across", "resolved"), [(100, True), (30, False)])
+def test_kinks_of_a_table_are_no_impulsive_starts(scene, across, resolved):
+    moved = {"times": TABLE, "velocities" if scene == "channel" else "angular_velocities": SINE}
+    between = BETWEEN | ({"eccentricity": 0.3} if scene.startswith("eccentric") else {})
+    case = CHANNEL if scene == "channel" else {**FLOW, "scene": scene, "geometry": between}
+    walls = {"top" if scene == "channel" else "outer": moved}
+    flow = scenes.of(loaded({**case, "walls": walls, "discretisation": {"particles_across": across}}, {}))
+    assert all(resolution(flow, time)[0] for time in (0.3, 0.71, 1.011, 1.5, 2.0)) == resolved
+
+
+def test_a_jump_in_a_table_and_a_drive_are_starts():
+    jump = {"times": [0.0, 0.5, 0.5, 2.0], "velocities": [0.0, 0.1, 1.0, 1.0]}
+    channel = scenes.of(loaded({**CHANNEL, "walls": {"top": jump}}, {}))
+    assert channel.thinnest_layer(0.54) == (pytest.approx(0.02, rel=1e-12), "the layer at the top wall")  # 1e-4^(1/2)
+    slow = {"walls": {"top": {"times": [0.0, 2.0], "velocities": [0.0, 1e-3]}}, "drive": {"acceleration": 1.0}}
+    driven = scenes.of(loaded({**CHANNEL, **slow}, {}))
+    assert driven.thinnest_layer(0.04) == (pytest.approx(0.02, rel=1e-12), "the layer at each wall")

@@ -50,3 +50,22 @@ def test_a_wall_that_stops_leaves_the_difference_of_two_starts():
     starts = [couette.velocity(HEIGHTS, t, **LIQUID, bottom=0.0, top=3.0) for t in (0.16, 0.06)]
     assert found == pytest.approx(starts[0] - starts[1], abs=1e-14)
     assert scheduled_wall.velocity(0.5, 0.1, **LIQUID, breakpoints=breakpoints) == 3.0  # not stopped yet
+
+
+def test_the_age_counts_from_jumps_and_from_steep_changes_not_from_kinks():
+    assert WALL.age(0.05) == np.inf  # at rest until 0.1
+    assert WALL.age(0.35) == pytest.approx(0.05)  # the jump at 0.3
+    assert WALL.age(2.0) == pytest.approx(2.0 - 0.75)  # 1, half the largest speed, off 0 last at 0.75
+    assert Schedule((0.0, 1.0), (3.0, 3.0)).age(0.4) == pytest.approx(0.4)  # started from rest
+    assert Schedule((0.0, 1.0), (3.0, 3.0)).age(0.0) == 0.0
+    assert Schedule((1.0, 1.0, 2.0), (0.0, 3.0, 3.0)).age(1.0) == np.inf  # it jumps after that
+    assert Schedule((0.0, 1.0), (0.0, 0.0)).age(1.0) == np.inf
+    assert Schedule((0.0, 1e-9), (0.0, 1.0)).age(0.5) == pytest.approx(0.5)  # as good as a jump
+
+
+def test_a_sine_s_table_ages_as_the_layer_of_the_sine():
+    w, t = 2.0 * np.pi, np.linspace(0.0, 2.0, 201)
+    table = Schedule(tuple(t), tuple(np.sin(w * t)))
+    # at its steepest it takes 2 arcsin(1/4) / w to change by half the amplitude; chords err by 1e-3
+    youngest = min(table.age(time) for time in np.linspace(0.3, 2.0, 500))
+    assert youngest == pytest.approx(2 * np.arcsin(0.25) / w, rel=2e-3)

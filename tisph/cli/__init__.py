@@ -49,7 +49,7 @@ app = typer.Typer(
 
 def _show_version(wanted: bool) -> None:
     if wanted:
-        typer.echo(f"tisph {__version__}")
+        print(f"tisph {__version__}")
         raise typer.Exit
 
 

@@ -4,8 +4,6 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-import typer
-
 from tisph.cli.options import ConfigFile, Overrides
 from tisph.errors import ConfigError
 from tisph.measures.resolution import resolution
@@ -52,7 +50,7 @@ def check(config: ConfigFile, overrides: Overrides = None) -> None:
 
     loaded = load(config, overrides or ())
     for line in described(loaded, *forecast(loaded)):
-        typer.echo(line)
+        print(line)
 
 
 def described(config: Any, numbers: dict[str, Any], warnings: Sequence[str]) -> Iterator[str]:

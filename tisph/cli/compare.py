@@ -70,9 +70,9 @@ def compare(  # an argument an option
     loaded = load(config, overrides or ())
     question = judge.Question(time or (), columns or (), unit or (), orientation, _place(origin), select)
     found = judge.judge(loaded, data, question)
-    typer.echo(report.text(found, loaded.name))
+    print(report.text(found, loaded.name))
     for path in report.write(found, out or Path("runs") / f"compare-{data[0].stem or data[0].name}"):
-        typer.echo(f"{path}")
+        print(f"{path}")
     if bound is not None and not _within(bound, found.samples):
         raise typer.Exit(1)
 
@@ -80,7 +80,7 @@ def compare(  # an argument an option
 def _within(bound: float, samples: "list[Sample]") -> bool:
     """Say and return whether all errors are known and no larger than ``bound``."""
     over = [each for each in samples if each.error is None or each.error > bound]
-    typer.echo(f"{len(over)} of {len(samples)} errors above {bound:g}: {'FAIL' if over else 'pass'}")
+    print(f"{len(over)} of {len(samples)} errors above {bound:g}: {'FAIL' if over else 'pass'}")
     return not over
 
 

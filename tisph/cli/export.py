@@ -30,4 +30,4 @@ def export(
     from tisph.results import open_run
     from tisph.results.export import export as write
 
-    typer.echo(write(open_run(run_dir), to, out, frames=frames))
+    print(write(open_run(run_dir), to, out, frames=frames))

@@ -24,6 +24,6 @@ def list_families(
     if family is not None and family not in registry.FAMILIES:
         raise ConfigError(f"FAMILY {family!r}: must be one of {', '.join(registry.FAMILIES)}")
     for shown in [family] if family else registry.FAMILIES:
-        typer.echo(shown)
+        print(shown)
         for name in registry.names(shown):
-            typer.echo(f"  {name:16} {registry.summary(shown, name)}")
+            print(f"  {name:16} {registry.summary(shown, name)}")

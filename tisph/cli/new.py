@@ -31,11 +31,11 @@ def new(
     """
     if show:
         for path in menu():
-            typer.echo(f"{path.stem:32} {first_words(path)}")
+            print(f"{path.stem:32} {first_words(path)}")
         return
     if name is None:
         raise ConfigError("NAME is missing; tisph new --list shows the menu")
-    typer.echo(copied(name))
+    print(copied(name))
 
 
 def menu() -> list[Path]:

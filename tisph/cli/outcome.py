@@ -3,6 +3,7 @@
 import atexit
 import functools
 import signal
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -22,10 +23,10 @@ def reported(command: Callable[..., None]) -> Callable[..., None]:
         try:
             command(*arguments, **options)
         except TisphError as error:
-            typer.echo(f"error: {error}", err=True)
+            print(f"error: {error}", file=sys.stderr)
             raise typer.Exit(error.exit_status) from None
         except KeyboardInterrupt:
-            typer.echo("interrupted", err=True)
+            print("interrupted", file=sys.stderr)
             raise typer.Exit(INTERRUPTED) from None
         finally:
             for number, handler in previous.items():

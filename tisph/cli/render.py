@@ -30,4 +30,4 @@ def render(
     from tisph import simulation
 
     for path in simulation.render(run_dir, overrides or (), gif):
-        typer.echo(path)
+        print(path)

@@ -30,4 +30,4 @@ def report(
     path = out or Path(run_dirs[0] if len(run_dirs) == 1 else ".") / "report.html"
     with replaced(path) as new:
         new.write_text(text, encoding="utf-8")
-    typer.echo(path)
+    print(path)

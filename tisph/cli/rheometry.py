@@ -53,11 +53,11 @@ def rheometry(
             raise ConfigError(f"{run_dir}: {error}") from None
         if reading.title == "capillary":
             capillaries.setdefault(repr(config.fluid), []).append(reading)
-        typer.echo(f"{config.name}: {reading.title}")
+        print(f"{config.name}: {reading.title}")
         for line in reading.lines:
-            typer.echo(f"  {line}")
+            print(f"  {line}")
         plot_reading(run_dir / PICTURE, config.name, reading, config.units)
-        typer.echo(f"  picture {run_dir / PICTURE}")
+        print(f"  picture {run_dir / PICTURE}")
     for readings in capillaries.values():
         for line in rabinowitsch(readings):
-            typer.echo(line)
+            print(line)

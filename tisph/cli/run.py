@@ -2,6 +2,7 @@
 
 import json
 import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext, redirect_stderr
 from pathlib import Path
@@ -69,17 +70,17 @@ def run(
         _silence() if quiet else nullcontext(),
     ):
         for text in warnings:
-            typer.echo(f"warning: {text}", err=True)
+            print(f"warning: {text}", file=sys.stderr)
         drawn = {"pictures": not no_pictures, "video": not (no_video or no_pictures)}
         _simulate(loaded, folder, coarser, resume=resume, **drawn)
         estimate = coarser.report() if coarser else None
     if as_json:
         summary = Folder(folder).read_summary()
-        typer.echo(json.dumps({key: summary[key] for key in PRINTED if key in summary}, indent=2))
+        print(json.dumps({key: summary[key] for key in PRINTED if key in summary}, indent=2))
     elif not quiet:
         _show_results(loaded, folder)
         if estimate:
-            typer.echo(f"\n{estimate}")
+            print(f"\n{estimate}")
 
 
 def _simulate(config: Any, folder: Path, coarser: Any, *, pictures: bool, video: bool, resume: bool) -> None:
@@ -110,7 +111,7 @@ def _partial_results_named(folder: Path, coarser: Any) -> Iterator[None]:
     except KeyboardInterrupt:
         if coarser or any(path.is_file() for path in Folder(folder).files()):
             how = "--resume goes on" if Folder(folder).checkpoint.is_file() else "--overwrite begins again"
-            typer.echo(f"partial results are in {folder}; the same command with {how}", err=True)
+            print(f"partial results are in {folder}; the same command with {how}", file=sys.stderr)
         raise
     except DivergedError as error:
         raise DivergedError(f"{error}\npartial results are in {folder}") from None
@@ -126,8 +127,8 @@ def _show_results(config: Any, folder: Path) -> None:
     from tisph import scenes
     from tisph.cli.result_table import result_text
 
-    typer.echo(result_text(config, scenes.of(config), Folder(folder).read_summary()))
-    typer.echo(f"results in {folder}")
+    print(result_text(config, scenes.of(config), Folder(folder).read_summary()))
+    print(f"results in {folder}")
     for what, name in SHOWN.items():
         if (folder / name).is_file():
-            typer.echo(f"  {what:9} {folder / name}")
+            print(f"  {what:9} {folder / name}")

@@ -49,6 +49,6 @@ def stability(
     cells = json.loads((folder / NUMBERS).read_text(encoding="utf-8"))["cells"]
     missed = [cell["name"] for cell in cells if not cell["met"]]
     failed = f"; FAIL: {', '.join(missed)}" if missed else ""
-    typer.echo(f"\n{len(cells) - len(missed)} of {len(cells)} cells meet their requirement{failed}")
+    print(f"\n{len(cells) - len(missed)} of {len(cells)} cells meet their requirement{failed}")
     if not passed:
         raise typer.Exit(1)

@@ -1,4 +1,4 @@
-"""Standard output and error that outlive who reads them: a closed pipe or terminal ends no command."""
+"""Standard output and error that take all text, and outlive who reads them: a closed pipe ends no command."""
 
 import errno
 import io
@@ -40,12 +40,15 @@ class Lasting(io.RawIOBase):
 
 
 def lasting(stream: TextIO | None) -> TextIO:
-    """Return a text stream that writes to where ``stream`` does, as long as somebody takes it."""
+    """Return a text stream that writes to where ``stream`` does, as long as somebody takes it.
+
+    Letters that its encoding does not have are escaped, as in ``\\u0142``. Each line is written at once.
+    """
     if stream is None:  # it was closed from the start
         return open(os.devnull, "w", encoding="utf-8")
     stream.flush()
-    kept = {key: getattr(stream, key) for key in ("encoding", "errors", "line_buffering", "write_through")}
-    return io.TextIOWrapper(io.BufferedWriter(Lasting(stream)), **kept)
+    shown = {"encoding": stream.encoding, "errors": "backslashreplace", "line_buffering": True}
+    return io.TextIOWrapper(io.BufferedWriter(Lasting(stream)), write_through=stream.write_through, **shown)
 
 
 def outlive_readers() -> None:

@@ -110,6 +110,24 @@ class Schedule:
         """Times above 0 at which velocity or acceleration jump."""
         return tuple(time for time, _, _ in self.breakpoints if time > 0.0)
 
+    def age(self, t):
+        """Time up to ``t`` since the velocity last jumped, or changed by half the largest speed; else infinite.
+
+        It jumps at t = 0 from that of a wall at rest. Kinks are no jumps: of a sine the age is what makes the layer
+        half a penetration depth, 1/(2 w) to 1 %.
+        """
+        times, speeds = np.array([0.0, 0.0, *self.times]), np.array([0.0, self.velocities[0], *self.velocities])
+        past = (times < t) | (times == 0.0)
+        times, off = np.append(times[past], t), np.append(speeds[past] - self.velocity(t), 0.0)
+        changes = times[:-1][(np.diff(times) == 0.0) & (np.diff(off) != 0.0)].tolist()
+        half = 0.5 * self.largest_speed
+        far = np.flatnonzero(np.abs(off) >= half) if half else []
+        if len(far):
+            last = far[-1]
+            part = (abs(off[last]) - half) / abs(off[last] - off[last + 1])
+            changes.append(times[last] + part * (times[last + 1] - times[last]))
+        return float(t - max(changes, default=-np.inf))
+
     def relative_to(self, velocity):
         """The schedule in a frame that moves along x with ``velocity``."""
         return replace(self, velocities=tuple(speed - velocity for speed in self.velocities))

@@ -12,7 +12,7 @@ import logging
 import os
 
 from tisph.runtime import _clock, _fields, _package, _program, replacements
-from tisph.runtime._cache import CACHE, CACHE_BYTES, WRITTEN_SECONDS, unlock
+from tisph.runtime._cache import CACHE, CACHE_BYTES, GENERATION, WRITTEN_SECONDS, unlock
 from tisph.runtime._clock import compile_seconds
 from tisph.runtime._fields import holding, integer, real, scalar, view
 from tisph.runtime._loops import unrolled
@@ -56,13 +56,14 @@ def start(precision, threads):
 
     ``precision`` is "f64" or "f32". Without ``fast_math``: it re-associates sums and folds away NaN tests.
     Compiled kernels are kept apart for one thread and for several, because Taichi 1.7.4 takes a loop compiled
-    with ``serialize`` for the same as one without, and would run it on one thread ever after.
+    with ``serialize`` for the same as one without, and would run it on one thread ever after. Without
+    ``cache_loop_invariant_global_vars``: it reads a[0] before an inner loop that writes a[i], where it runs serially.
     """
     global _threads
     if replacements.OFF:
         _log.info("%s %s: %s", _package.NAME, _package.version(), replacements.OFF)
     os.environ.pop(f"{_package.PREFIX}_ARCH", None)  # a run depends on its config alone
-    cache = CACHE / ("serial" if threads == 1 else "parallel")
+    cache = CACHE / GENERATION / ("serial" if threads == 1 else "parallel")
     unlock(cache)
     with processors_shared(threads), contextlib.redirect_stdout(io.StringIO()):
         ti.init(
@@ -73,6 +74,7 @@ def start(precision, threads):
             default_fp=ti.f64 if precision == "f64" else ti.f32,
             cpu_max_num_threads=threads,
             fast_math=False,
+            cache_loop_invariant_global_vars=False,
             log_level=ti.ERROR,
         )
     _fields.begin(precision)

@@ -12,6 +12,10 @@ CACHE_BYTES = 2**30
 """Room for compiled kernels in each of the two folders: a config needs 1 to 5 MB, and Taichi's 100 MB made a study of
 some dozens compile everything again and again."""
 
+GENERATION = "2"
+"""Folder of the kernels within that: another one with each option of ``ti.init`` that Taichi 1.7.4 leaves out of the
+key by which it finds a kernel again, as it does ``cache_loop_invariant_global_vars``."""
+
 LOCKS = "ticache.lock", "qdcache.lock"
 """Of Taichi and of Quadrants: who finds its own adds nothing to the cache."""
 

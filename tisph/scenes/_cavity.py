@@ -202,10 +202,11 @@ class Cavity(BodyScene):
         """Numbers of the flow."""
         length, time = self.units.length, self.units.time
         kind = "regular: 16 X^2 (1 - X)^2 of it" if self.regular else "sharp"
+        given = [("reference velocity U", f"{self.given_velocity:.6g} {length}/{time}")] if self.given_velocity else []
         references = ["spectral solution"] if self._exact else sorted({table.source for table in self._tables})
         return [
             ("Reynolds number", f"{self.reynolds:.6g}  (U W / nu)"),
-            (self.velocity_name("speed of the lid U"), f"{self.reference_velocity:.6g} {length}/{time}"),
+            *given,
             ("velocity of the lid", f"{self.velocity:.6g} {length}/{time}, {kind}"),
             ("kinematic viscosity nu", f"{self.kinematic_viscosity:.6g} {length}^2/{time}"),
             ("cavity", f"{self.width:.6g} x {self.height:.6g} {length}"),

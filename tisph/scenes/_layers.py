@@ -4,9 +4,17 @@ import math
 
 from tisph.exact._sheared import STEP
 from tisph.exact.start_up import fluid_of
+from tisph.geometry.schedule import Schedule
 
 FIXED_POINT = 20
 """Iterations for a depth; each reduces its error to a third or less."""
+
+
+def age(wall, t):
+    """Time since a ``wall`` that starts at t = 0 changed last before ``t``; infinite where it has only kinks."""
+    if isinstance(wall, Schedule):
+        return wall.age(t)
+    return t - max((change for change in wall.jump_times if change < t), default=0.0)
 
 
 def spreading_viscosity(scene, t):

@@ -47,5 +47,6 @@ def _be(arguments, messages):
         file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         os.dup2(file, descriptor)
         os.close(file)
+    sys.stderr.reconfigure(encoding="utf-8")  # as which messages are read
     sys.argv[1:] = arguments
     runpy.run_module("tisph", run_name="__main__")

@@ -9,7 +9,7 @@ from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.schedule import Schedule
 from tisph.scenes._body_scene import BodyScene
-from tisph.scenes._layers import depth, spreading_viscosity
+from tisph.scenes._layers import age, depth, spreading_viscosity
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,8 +96,9 @@ class Cylinders(BodyScene):
         """Depth of the thinnest layer at time ``t`` and where it is: that of a wall that started, or oscillates."""
         layers = []
         for name, wall in (("inner", self.inner), ("outer", self.outer)):
-            if (self.before(wall) != wall.velocity(0.0) and not self.stays_steady) or wall.jump_times:
-                since = t - max((change for change in wall.jump_times if change < t), default=0.0)
+            started = self.before(wall) != wall.velocity(0.0) and not self.stays_steady
+            since = age(wall, t) if started or wall.jump_times else math.inf
+            if since < math.inf:
                 layers.append((depth(self, since), f"the layer at the {name} cylinder"))
             if wall.oscillates:
                 still = self.kinematic_viscosity

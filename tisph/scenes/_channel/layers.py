@@ -8,19 +8,19 @@ is at first the front of a shear wave, see ``Polymer.diffusive_fraction``.
 
 import math
 
+from tisph.scenes._layers import age
+
 
 def thinnest_layer(channel, t):
     """Depth [length] of the thinnest layer at time ``t`` on the run's clock, and where it is, in words.
 
     Infinite, and nothing, in a developed flow that goes on as it was.
     """
-    started = {name: _has_started(channel, wall) for name, wall in _walls(channel)}
-    layers = []
-    if any(started.values()):
-        names = [name for name, has in started.items() if has]
+    ages = {name: _age(channel, wall, t) for name, wall in _walls(channel)}
+    layers, since = [], min(ages.values())
+    if since < math.inf:
+        names = [name for name, time in ages.items() if time < math.inf]
         place = f"the layer at the {names[0]} wall" if len(names) == 1 else "the layer at each wall"
-        jumps = [time for _, wall in _walls(channel) for time in wall.jump_times if time < t]
-        since = t - max(jumps, default=0.0)
         share = channel.polymer.diffusive_fraction(since) if channel.polymer else 1.0
         depth = math.sqrt(share * channel.kinematic_viscosity * since)
         in_the_fluid = share < 1.0 and channel.elastic_speed * since > depth
@@ -36,8 +36,10 @@ def _walls(channel):
     return (("bottom", channel.bottom), ("top", channel.top))
 
 
-def _has_started(channel, wall):
-    """Whether velocity or acceleration of the fluid at a wall has jumped at t = 0."""
+def _age(channel, wall, t):
+    """Time at ``t`` since what drives the fluid at a wall has jumped; infinite where it never has."""
     if channel.starts_developed:
-        return wall.before is not None and wall.before != wall.cosine
-    return wall.oscillates or wall.stress_controlled or wall.cosine != 0.0 or channel.acceleration != 0.0
+        return t if wall.before is not None and wall.before != wall.cosine else math.inf
+    still = not (wall.oscillates or wall.stress_controlled or wall.cosine)
+    found = math.inf if still else age(wall, t)
+    return min(found, t) if channel.acceleration else found

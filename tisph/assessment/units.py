@@ -1,4 +1,9 @@
-"""From the units of the data to those of the config: a factor a quantity."""
+"""From the units of the data to those of the config: as the file's header states them, or as the user says."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
 
 from tisph.errors import ConfigError
 
@@ -9,58 +14,94 @@ SIZES = {
 }
 """Units by name, in those of the SI."""
 
-DERIVED = {
+PASCALS = {"Pa": 1.0, "hPa": 1e2, "kPa": 1e3, "MPa": 1e6, "mPa": 1e-3, "bar": 1e5}
+"""Units of pressure by name, in kg/(m s^2)."""
+
+POWERS = {
+    **{base: {base: 1} for base in SIZES},
     "velocity": {"length": 1, "time": -1},
     "density": {"mass": 1, "length": -3},
     "pressure": {"mass": 1, "length": -1, "time": -2},
 }
-"""What follows from length, time and mass: powers of each. Stresses are pressures."""
+"""Powers of length, time and mass that a quantity is made of. Stresses are pressures."""
 
-QUANTITIES = {"x": "length", "y": "length", "u": "velocity", "v": "velocity", "density": "density", "time": "time"}
+QUANTITIES = {"x": "length", "y": "length", "z": "length", "u": "velocity", "v": "velocity", "w": "velocity"}
+QUANTITIES |= {"density": "density", "time": "time"}
 """What a column is; all others are pressures."""
 
+KNOWN = {name: (size, {base: 1}) for base, sizes in SIZES.items() for name, size in sizes.items()}
+KNOWN |= {name: (size, POWERS["pressure"]) for name, size in PASCALS.items()}
+"""Size in the SI and powers of length, time and mass of every symbol."""
 
-def factors(texts, labels):
-    """Factor of every quantity from texts such as ``length=cm`` or ``velocity=0.01``.
+ATOM = re.compile(r"([^\W\d_]+)\^?([-+]?\d+)?")
+SIGNS = str.maketrans("²³⁻¹−·⋅×µμ", "23-1-***uu")
+"""One symbol of a unit and its power; signs that are written in several ways."""
 
-    ``labels`` are the units of the config. A quantity that is derived follows from those it is made of, unless it is
-    given itself. ConfigError for a quantity or a unit that is not known.
+
+def in_config(frame, texts, labels, path):
+    """The frame, with columns by quantity, in the units of the config, which are called ``labels``.
+
+    ``texts`` such as ``length=cm`` or ``velocity=0.01`` take precedence over units that the file states. A quantity
+    without either is derived from the texts. ConfigError for a quantity or a unit that is not known.
     """
     given = {}
     for text in texts or ():
         quantity, equals, unit = (part.strip() for part in text.partition("="))
-        if not equals or quantity not in (*SIZES, *DERIVED):
-            raise ConfigError(f"--unit {text}: must look like length=cm, for one of {', '.join((*SIZES, *DERIVED))}")
-        given[quantity] = _factor(quantity, unit, labels)
-    found = {quantity: given.get(quantity, 1.0) for quantity in SIZES}
-    for quantity, powers in DERIVED.items():
-        value = 1.0
-        for base, power in powers.items():
-            value *= found[base] ** power
-        found[quantity] = given.get(quantity, value)
-    return found
+        if not equals or quantity not in POWERS:
+            raise ConfigError(f"--unit {text}: must look like length=cm, for one of {', '.join(POWERS)}")
+        given[quantity] = _given(quantity, unit, labels)
+    factors, notes, bare = {}, [], []
+    for name in (*frame.columns, "time"):
+        quantity, unit = QUANTITIES.get(name, "pressure"), frame.units.get(name, "").strip(" -1")
+        derived = np.prod([given.get(base, 1.0) ** power for base, power in POWERS[quantity].items()])
+        factors[name] = given.get(quantity, float(derived))
+        if unit and quantity in given:
+            notes.append(f"the file says that {name} is in {unit}, --unit {quantity} was taken")
+        elif unit:
+            try:
+                factors[name] = _factor(quantity, unit, labels)
+            except ConfigError as error:
+                raise ConfigError(f"{path}: {name} is in {unit}: {error}; --unit {quantity}= gives another") from None
+            notes += [f"{name} is in {unit}, as the file says"] if factors[name] != 1.0 else []
+        elif quantity not in given and name in "xyuv":
+            bare.append(name)
+    if bare and notes and not given:
+        notes.append(f"{' and '.join(bare)}, without a unit in the file, is taken as in the config")
+    columns = {name: column * factors[name] for name, column in frame.columns.items()}
+    time = None if frame.time is None else frame.time * factors["time"]
+    return replace(frame, columns=columns, time=time, notes=(*frame.notes, *notes))
 
 
-def _factor(quantity, unit, labels):
+def _given(quantity, unit, labels):
     try:
         return float(unit)
     except ValueError:
         pass
-    if quantity in SIZES:
-        return _size(quantity, unit) / _size(quantity, getattr(labels, quantity))
-    numerator, slash, denominator = unit.partition("/")
-    if quantity == "velocity" and slash:
-        return _factor("length", numerator, labels) / _factor("time", denominator, labels)
-    raise ConfigError(f"--unit {quantity}={unit}: give a number, what one of the data's is in the config's units")
+    try:
+        return _factor(quantity, unit, labels)
+    except ConfigError as error:
+        raise ConfigError(f"--unit {quantity}={unit}: {error}") from None
 
 
-def _size(quantity, unit):
-    if unit not in SIZES[quantity]:
-        known = ", ".join(SIZES[quantity])
-        raise ConfigError(f"--unit {quantity}: {unit} is not known; give a number, or one of {known}")
-    return SIZES[quantity][unit]
-
-
-def converted(columns, factor):
-    """Columns by quantity in the units of the config."""
-    return {name: array * factor[QUANTITIES.get(name, "pressure")] for name, array in columns.items()}
+def _factor(quantity, unit, labels):
+    """One ``unit`` of the data, such as ``mm`` or ``kg/m^3``, in the unit of the config."""
+    own = {getattr(labels, base): base for base in SIZES}
+    value, powers = 1.0, dict.fromkeys(SIZES, 0)
+    for number, part in enumerate(unit.translate(SIGNS).replace("**", "^").split("/")):
+        if not re.fullmatch(rf"(?:{ATOM.pattern}|[\s().*1])*", part):
+            raise ConfigError(f"{unit} is not known; give a number")
+        for symbol, power in ATOM.findall(part):
+            sign = int(power or 1) * (-1 if number else 1)
+            size, made = (1.0, {own[symbol]: 1}) if symbol in own else KNOWN.get(symbol, (0.0, {}))
+            if not made:
+                raise ConfigError(f"{symbol} is not known; give a number, or one of {', '.join(KNOWN)}")
+            for base, exponent in made.items():
+                label = getattr(labels, base)
+                if symbol != label and label not in SIZES[base]:
+                    raise ConfigError(f"the size of {label}, the config's unit of {base}, is not known; give a number")
+                size /= 1.0 if symbol == label else SIZES[base][label] ** exponent
+                powers[base] += sign * exponent
+            value *= size**sign
+    if powers != dict.fromkeys(SIZES, 0) | POWERS[quantity]:
+        raise ConfigError(f"{unit} is no unit of {quantity}")
+    return value

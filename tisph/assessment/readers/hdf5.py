@@ -1,9 +1,8 @@
 """HDF5: tisph's own samples, PySPH's output, and any file whose arrays lie together in one group."""
 
 import h5py
-import numpy as np
 
-from tisph.assessment.readers.frame import Frame, chosen_group, flat, pysph_frame
+from tisph.assessment.readers.frame import chosen_group, pysph_frame, split, time_of
 from tisph.errors import ConfigError
 
 SUFFIXES = (".h5", ".hdf5", ".hdf")
@@ -21,25 +20,30 @@ def read(path, select=None):
 
 
 def _groups(file, select, path):
-    """A frame of every group that holds arrays; one time each, or particles of several kinds."""
+    """Frames of every group that holds arrays; one time each, or particles of several kinds."""
     found = []
     file.visititems(lambda name, item: found.append(name) if _holds_arrays(item) else None)
     names = [name for name in ([""] if _holds_arrays(file) else []) + found if name.rpartition("/")[2] != "bodies"]
     if not names:
         raise ConfigError(f"{path}: has no group with arrays of one length")
-    times = {name: _time(file[name or "/"]) for name in names}
-    if len(names) > 1 and None in times.values():
-        names = [chosen_group(names, select, path)]
-    return [Frame(flat({key: item[()] for key, item in _arrays(file[name or "/"])}), times[name]) for name in names]
+    groups = {name: _arrays(file[name or "/"]) for name in names}
+    if len(names) > 1 and any(time_of(arrays) is None for arrays in groups.values()):
+        groups = {name: groups[name] for name in [chosen_group(names, select, path)]}
+    return [frame for arrays in groups.values() for frame in split(arrays, path)]
 
 
 def _holds_arrays(item):
-    return isinstance(item, h5py.Group) and len(flat({key: np.empty(array.shape) for key, array in _arrays(item)})) > 1
+    return (
+        isinstance(item, h5py.Group)
+        and sum(array.ndim > 0 and array.dtype.kind in "fiu" for array in _datasets(item).values()) > 1
+    )
+
+
+def _datasets(group):
+    return {name: item for name, item in group.items() if isinstance(item, h5py.Dataset)}
 
 
 def _arrays(group):
-    return [(key, item) for key, item in group.items() if isinstance(item, h5py.Dataset) and item.ndim in (1, 2)]
-
-
-def _time(group):
-    return next((float(group.attrs[name]) for name in ("t", "time") if name in group.attrs), None)
+    """Arrays by name, and the time where an attribute has it."""
+    time = time_of(group.attrs)
+    return {name: item[()] for name, item in _datasets(group).items()} | ({} if time is None else {"t": time})

@@ -80,7 +80,8 @@ def _frames(paths, question, scene):
     if len(paths) > 1 and len(times) > 1 and len(times) != len(paths):
         raise ConfigError(f"--time: give one, or one for each of the {len(paths)} files")
     for index, path in enumerate(paths):
-        found = columns.frames(readers.frames(path, question.select), chosen, path)
+        found = [columns.by_quantity(frame, chosen, path) for frame in readers.frames(path, question.select)]
+        found = [part for frame in found for part in columns.by_time(columns.in_plane(frame, chosen), path)]
         found = [units.in_config(frame, question.units, scene.units, path) for frame in found]
         own = times if len(paths) == 1 or len(times) < 2 else [times[index]]
         paired = _paired(found, own, path)

@@ -22,7 +22,7 @@ def frames(path, select=None):
     path = Path(path)
     try:
         with open(path, "rb") as file:
-            begins = file.read(16)
+            begins = file.read(32)
         return _reader(path, begins).read(path, select)
     except UnicodeDecodeError:
         known = ", ".join(suffix for reader in READERS for suffix in reader.SUFFIXES if suffix)
@@ -32,7 +32,7 @@ def frames(path, select=None):
 
 
 def _reader(path, begins):
-    if begins.startswith(b"ITEM: "):
+    if begins.startswith((lammps.BEGINS.encode(), lammps.CHUNKS.encode())):
         return lammps
     if begins.startswith(HDF5) and path.suffix != ".vtkhdf":
         return hdf5

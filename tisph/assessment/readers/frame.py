@@ -11,15 +11,12 @@ from tisph.errors import ConfigError
 class Frame:
     """Columns of one time by name, arrays (points,), as the file has them: its names, units and axes.
 
-    ``time`` is None where the file does not say it; ``label`` then tells the frames of the file apart. ``groups`` are
-    the names of the groups of particles that the file had, of which this is ``group``: both empty where it has none.
-    ``units`` has the unit of a column, or of ``time``, where the file states one. ``notes`` say how it was read.
+    ``time`` is None where the file does not say it; ``label`` then tells the frames of the file apart. ``units`` has
+    the unit of a column, or of ``time``, where the file states one. ``notes`` say in words how it was read.
     """
 
     columns: dict[str, np.ndarray]
     time: float | None = None
-    group: str = ""
-    groups: tuple[str, ...] = ()
     label: str = ""
     units: dict[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
@@ -39,47 +36,30 @@ def decoded(path):
 
 
 def time_of(entries):
-    """The entry called ``t``, ``time`` or ``TimeValue`` of a mapping; capitals of the long names do not count."""
-    return next(
-        (value for name, value in entries.items() if name == "t" or name.lower() in ("time", "timevalue")), None
-    )
+    """The entry of a mapping that is called ``t``, ``time``, ``TIME`` or ``TimeValue``; None without one."""
+    return next((entries[name] for name in entries if name == "t" or name.lower() in ("time", "timevalue")), None)
 
 
 def split(arrays, path):
-    """Frames of named arrays (points,), (points, components), (times, points), (times, points, components).
+    """Frames of named arrays (points,), (points, components), (times, points) or (times, points, components).
 
-    Arrays (points, times) are accepted beside more than three times. Raises ConfigError where it is not clear which
-    index is the time.
+    Raises ConfigError where it is not clear which index is the time.
     """
-    arrays = {name: np.asarray(array) for name, array in arrays.items()}
-    arrays = {name: array for name, array in arrays.items() if array.dtype.kind in "fiub"}
+    arrays = {name: array for name, each in arrays.items() if (array := np.asarray(each)).dtype.kind in "fiub"}
     times = np.ravel([] if (found := time_of(arrays)) is None else found)
-    lengths = [len(each) for each in arrays.values() if each.ndim == 1 or (each.ndim == 2 and each.shape[1] <= 3)]
-    points = max((length for length in lengths if length != len(times)), default=0)
-    if len(times) > 3:
-        arrays = {name: each.T if each.shape == (points, len(times)) else each for name, each in arrays.items()}
-    series = {
-        name: each
-        for name, each in arrays.items()
-        if each.ndim == 3 or (each.ndim == 2 and each.shape[1] > 3 and len(each) != points)
-    }
-    if not series and (len(times) < 2 or not points):
+    one = {len(each) for each in arrays.values() if each.ndim == 1 or (each.ndim == 2 and each.shape[1] <= 3)}
+    one -= {len(times)}  # lengths of arrays of one time; longer second indices in arrays of these lengths are no points
+    many = {name: each for name, each in arrays.items() if each.ndim > 1 and each.shape[1] > 3 and len(each) not in one}
+    if not many and (len(times) < 2 or not one):
         return [Frame(flat(arrays), float(times[0]) if len(times) == 1 else None)]
-    shapes = {each.shape[:2] for each in series.values()}
-    count, points = next(iter(shapes), (0, 0))
-    if (
-        len(shapes) != 1
-        or (len(times) and len(times) != count)
-        or (points == count and 1 in map(np.ndim, arrays.values()))
-    ):
-        text = ", ".join(f"{name} {each.shape}" for name, each in arrays.items())
-        raise ConfigError(f"{path}: which index is the time? The arrays are {text}; the time must be the first index")
-    fixed = {name: each for name, each in arrays.items() if name not in series and each.ndim and len(each) == points}
-    rows = [flat(fixed | {name: each[index] for name, each in series.items()}) for index in range(count)]
-    return [
-        Frame(row, float(times[index]) if len(times) else None, label=f"row {index + 1}")
-        for index, row in enumerate(rows)
-    ]
+    (count, points), *others = {each.shape[:2] for each in many.values()} or {(0, 0)}
+    if others or count == points or len(times) not in (0, count):
+        shapes = ", ".join(f"{name} {each.shape}" for name, each in arrays.items())
+        raise ConfigError(f"{path}: which index is the time? It must be the first one; the arrays are {shapes}")
+    fixed = {name: each for name, each in arrays.items() if name not in many and each.ndim and len(each) == points}
+    found = [flat(fixed | {name: each[index] for name, each in many.items()}) for index in range(count)]
+    labels = [f"row {index + 1}" for index in range(count)]
+    return [Frame(*each) for each in zip(found, times if len(times) else [None] * count, labels, strict=True)]
 
 
 def flat(arrays):
@@ -103,7 +83,7 @@ def flat(arrays):
 def pysph_frame(particles, time, select, path):
     """The frame of PySPH's own output, version 2: of its groups of ``particles`` by name."""
     group = chosen_group(particles, select, path)
-    return Frame(flat(particles[group]["arrays"]), None if time is None else float(time), group, tuple(particles))
+    return Frame(flat(particles[group]["arrays"]), None if time is None else float(time))
 
 
 def chosen_group(groups, wanted, path):

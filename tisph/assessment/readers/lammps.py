@@ -1,29 +1,53 @@
-"""LAMMPS' dumps as text (``dump custom``, ``write_dump``): a frame a time step.
+"""LAMMPS' dumps as text (``dump custom``, ``write_dump``) and profiles (``fix ave/chunk``): a frame a time step.
 
 Where a dump has atoms of several types, walls may be among them: the types of the fluid must be said.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
-from tisph.assessment.readers.frame import Frame
+from tisph.assessment.readers.frame import Frame, decoded
 from tisph.errors import ConfigError
 
 SUFFIXES = (".dump", ".lammpstrj")
 
 BEGINS = "ITEM: "
+CHUNKS = "# Chunk-averaged data"
 
 
 def read(path, select=None):
-    """Frames in the order of the file; times where it has them (``dump_modify ... time yes``).
+    """Frames in the order of the file; times where a dump has them (``dump_modify ... time yes``).
 
     ``select`` are the types of the fluid, such as ``1`` or ``1,2``.
     """
-    lines = path.read_text(encoding="utf-8").splitlines()
+    lines = decoded(path).splitlines()
+    if lines[0].startswith(CHUNKS):
+        return _profiles(lines, path)
     starts = [_start(lines, index) for index, line in enumerate(lines) if line.startswith("ITEM: TIMESTEP")]
     ends = [*starts[1:], len(lines)]
     if not starts:
         raise ConfigError(f"{path}: has no line 'ITEM: TIMESTEP'")
     return [_frame(lines[start:end], path, select) for start, end in zip(starts, ends, strict=True)]
+
+
+def _profiles(lines, path):
+    """Frames of the chunks that hold atoms, from blocks "step, number of chunks, number of atoms" and their rows.
+
+    Chunks along one axis only are along y, whatever its name in LAMMPS is: the file does not say it.
+    """
+    names = lines[2].lstrip("# ").split()
+    names = ["y" if name == "Coord1" and "Coord2" not in names else name for name in names]
+    rows, frames = [line.split() for line in lines if not line.startswith("#")], []
+    try:
+        while rows:
+            (step, count, *_), table = rows[0], np.array(rows[1 : int(rows[0][1]) + 1], dtype=float)
+            columns = dict(zip(names, table[table[:, names.index("Ncount")] > 0].T, strict=True))
+            frames.append(Frame(columns, label=f"step {step}"))
+            rows = rows[int(count) + 1 :]
+    except (ValueError, IndexError) as error:
+        raise ConfigError(f"{path}: is damaged after {len(frames)} blocks of chunks: {error}") from None
+    return frames
 
 
 def _start(lines, index):
@@ -45,7 +69,7 @@ def _frame(lines, path, select):
         except ValueError:
             continue
     before = next((float(lines[index + 1]) for name, index in found.items() if name == "TIME"), None)
-    return _selected(Frame(columns, before), select, path)
+    return _selected(Frame(columns, before, label=f"step {lines[found['TIMESTEP'] + 1]}"), select, path)
 
 
 def _selected(frame, select, path):
@@ -61,4 +85,4 @@ def _selected(frame, select, path):
         raise ConfigError(f"{path}: has no atoms of type {select}; it has {', '.join(known) or 'no types'}")
     chosen = np.isin(types, np.array(wanted, dtype=float))
     columns = {name: column[chosen] for name, column in frame.columns.items()}
-    return Frame(columns, frame.time, select, tuple(known))
+    return replace(frame, columns=columns)

@@ -213,6 +213,14 @@ def test_frames_without_times_are_paired_in_order_or_listed(errors, tmp_path, na
             errors(name, None, times)
 
 
+@pytest.mark.parametrize("name", ["a.dump", "chunks.dat", "a.xyz"])
+def test_files_that_end_in_the_middle_of_a_frame_are_refused(errors, name):
+    with pytest.raises(ConfigError, match=r"is damaged|is no extended XYZ"):
+        errors(name, WITHOUT_TIMES[name].rstrip().rpartition("\n")[0], TIMES)
+    with pytest.raises(ConfigError):
+        errors(name, "", TIMES)
+
+
 @pytest.mark.parametrize(
     "arrays",
     [

@@ -15,7 +15,7 @@ def read(path, select=None):
             if "particles" in file and "solver_data" in file:
                 return [pysph_frame(file["particles"], file["solver_data"].attrs.get("t"), select, path)]
             return _groups(file, select, path)
-    except OSError as error:
+    except (OSError, RuntimeError, KeyError) as error:
         raise ConfigError(f"{path}: is no HDF5 file, or damaged: {error}") from None
 
 

@@ -8,21 +8,17 @@ import numpy as np
 from tisph.config.fields import nearest
 from tisph.errors import ConfigError
 
-PLACES = ("pos", "position", "positions", "points", "coordinates", "coords", "r")
-SPEEDS = ("u", "v", "vel", "velo", "velocity", "velocities")
-
-NAMES = {
-    axis: [axis, f"p{axis}", f"pos{axis}", *(f"{base}_{axis}" for base in PLACES), f"{axis}u", f"{axis}_coordinate"]
-    for axis in "xyz"
-}
+PLACE = "(pos|positions?|points|coordinates|coords|r)_?"
+NAMES = {axis: f"{axis}|{PLACE}{axis}|p{axis}|{axis}u|{axis}_coordinate" for axis in "xyz"}
+NAMES |= {u: f"{u}|(u|v|vel|velo|velocity|velocities)_?{x}|{x}_velocity" for u, x in zip("uvw", "xyz", strict=True)}
+NAMES |= {f"stress_{pair}": f"(stress_|s){pair}" for pair in ("xx", "xy", "yy")}
 NAMES |= {
-    speed: [speed, f"v{axis}", f"u{axis}", f"vel{axis}", *(f"{base}_{axis}" for base in SPEEDS), f"{axis}_velocity"]
-    for speed, axis in zip("uvw", "xyz", strict=True)
+    "density": "density|(c_)?rho|rhop",
+    "pressure": "pressure|p",
+    "time": "t|time|timevalue",
+    "step": "(time_?)?step",
 }
-NAMES |= {f"stress_{pair}": [f"stress_{pair}", f"s{pair}"] for pair in ("xx", "xy", "yy")}
-NAMES |= {"density": ["density", "rho", "c_rho", "rhop"], "pressure": ["pressure", "p"]}
-NAMES |= {"time": ["t", "time", "timevalue"], "step": ["step", "timestep", "time_step"]}
-"""What a quantity is called, the most likely name first, in small letters and with ``_`` for all that is no letter."""
+"""Patterns of names of quantities, in small letters and with ``_`` for all that is no letter and no digit."""
 
 UNIT = re.compile(r"(.+?)\s*(?:\[([^\[\]]*[^\W\d_][^\[\]]*)\]|\((.*[^\W\d_].*)\))")
 """A name and its unit, ``y [m]`` or ``u (m/s)``."""
@@ -69,14 +65,16 @@ def by_quantity(frame, chosen, path):
 
 def recognised(quantity, names):
     """The column that is called like a quantity, None without one; ``names`` are the columns' without their units."""
-    plain = {name: re.sub("[^a-z0-9]+", "_", name.lower()).strip("_") for name in names.values() if name != "T"}
-    counted = any(f"{base}_0" in plain.values() for base in PLACES)  # components from 0, as ParaView has them
+    plain = {
+        column: re.sub("[^a-z0-9]+", "_", name.lower()).strip("_") for column, name in names.items() if name != "T"
+    }
+    counted = any(re.fullmatch(f"{PLACE}0", name) for name in plain.values())  # components, as ParaView counts them
     for index, axis in enumerate("xyz"):
-        component = f"_[{'ijk'[index]}{index if counted else ''}]$"
-        plain = {name: re.sub(component, f"_{axis}", text) for name, text in plain.items()}
-    called = {plain.get(name): column for column, name in reversed(names.items())}
-    called |= {name: column for column, name in names.items()}  # T is a temperature, and PySPH's V is not its v
-    return next((called[name] for name in NAMES[quantity] if name in called), None)
+        end = f"_[{'ijk'[index]}{index if counted else ''}]$"
+        plain = {column: re.sub(end, f"_{axis}", name) for column, name in plain.items()}
+    found = [column for column, name in plain.items() if re.fullmatch(NAMES[quantity], name)]
+    # PySPH's V is not its v, and the shortest name is that of the quantity alone
+    return min(found, key=lambda column: (names[column] != quantity, len(names[column])), default=None)
 
 
 def in_plane(frame, chosen):

@@ -80,6 +80,12 @@ def test_texts_as_people_write_them(errors, name):
         assert "y is in" in notes[0][0]
 
 
+def test_a_velocity_without_a_unit_beside_heights_that_have_one_is_said(errors):
+    found, notes = errors("half.csv", table("y [mm],u", ",", [1e3 * Y, exact(Y)]), (TIME,))
+    assert found[TIME] < DIGITS
+    assert "u, without a unit in the file, is taken to be in that of the config" in notes[0]
+
+
 def test_cross_sections_keep_the_velocity_along_the_flow(errors):
     content = table("x,y,z,vx,vy,vz", ",", [FLAT, Y, Y[::-1] ** 2, exact(Y), FLAT, FLAT])
     found, notes = errors("slice.csv", content, (TIME,))

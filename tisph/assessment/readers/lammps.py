@@ -24,10 +24,12 @@ def read(path, select=None):
     lines = decoded(path).splitlines()
     if lines and lines[0].startswith(CHUNKS):
         return _profiles(lines, path)
-    starts = [_start(lines, index) for index, line in enumerate(lines) if line.startswith("ITEM: TIMESTEP")]
-    ends = [*starts[1:], len(lines)]
+    starts = [index for index, line in enumerate(lines) if line.startswith("ITEM: TIMESTEP")]
     if not starts:
         raise ConfigError(f"{path}: has no line 'ITEM: TIMESTEP'")
+    # the time of a frame is written before its step
+    starts = [index - 2 if lines[index - 2].strip() == "ITEM: TIME" else index for index in starts]
+    ends = [*starts[1:], len(lines)]
     return [_frame(lines[start:end], path, select) for start, end in zip(starts, ends, strict=True)]
 
 
@@ -49,11 +51,6 @@ def _profiles(lines, path):
     except (ValueError, IndexError) as error:
         raise ConfigError(f"{path}: is damaged after {len(frames)} blocks of chunks: {error}") from None
     return frames
-
-
-def _start(lines, index):
-    """First line of the frame whose time step stands at ``index``: LAMMPS writes its time before it."""
-    return index - 2 if index >= 2 and lines[index - 2].startswith("ITEM: TIME") else index
 
 
 def _frame(lines, path, select):

@@ -23,7 +23,7 @@ def read(path, select=None):
             arrays = {name: group.astype(float) for name, kind, group in groups if kind in "RI"}
             columns = flat({name: group[:, 0] if group.shape[1] == 1 else group for name, group in arrays.items()})
             time = re.search(r"\btime=(\S+)", about, re.IGNORECASE)
-            frames.append(Frame(columns, float(time[1]) if time else None, label=f"frame {len(frames) + 1}"))
+            frames.append(Frame(columns, float(time[1]) if time else None))
             lines = lines[count + 2 :]
     except (ValueError, IndexError, TypeError) as error:
         raise ConfigError(f"{path}: frame {len(frames) + 1} is no extended XYZ: {error}") from None

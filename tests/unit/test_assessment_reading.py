@@ -209,6 +209,15 @@ def test_every_time_of_a_file_is_a_profile_of_its_own(errors, tmp_path, name):
         errors(name, None, (2.0,), **settings)
 
 
+@pytest.mark.parametrize("x", [[], [np.tile(Y, 3)]])
+def test_times_that_are_not_recognised_are_suspected(errors, x):
+    content = table("Zeit,x,y,u" if x else "Zeit,y,u", ",", [LONG[0], *x, *LONG[1:]])
+    assert "data of several times need --columns time=NAME" in errors("a.csv", content, (TIME,))[1][0][0]
+    found, notes = errors("a.csv", None, columns=["time=Zeit"])
+    assert max(found.values()) < DIGITS
+    assert notes == [()] * 3
+
+
 @pytest.mark.parametrize("name", WITHOUT_TIMES)
 def test_frames_without_times_are_paired_in_order_or_listed(errors, tmp_path, name):
     found, _ = errors(name, written(tmp_path, name, WITHOUT_TIMES[name]), TIMES)

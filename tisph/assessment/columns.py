@@ -27,6 +27,10 @@ FLAT = 1e-6
 """Part of the size of the data below which a coordinate does not vary: round-off of single precision."""
 
 
+REPEATED = 0.01
+"""Part of the largest velocity by which velocities at one place differ where they are of several times."""
+
+
 def parsed(texts, path="--columns"):
     """Map of quantities to names of columns from texts such as ``x=1,y=2,u=3``; ConfigError for any other."""
     chosen = {}
@@ -106,6 +110,13 @@ def by_time(frame, path):
     """Frames for every value of the column of times, or of steps where there are no times."""
     columns = {name: column for name, column in frame.columns.items() if name not in ("time", "step")}
     key = next((name for name in ("time", "step") if name in frame.columns), None)
+    if key is None and {"y", "u"} <= columns.keys():
+        places = np.stack([columns[name] for name in "xyz" if name in columns])
+        order = np.lexsort(places)
+        same, steps = (np.diff(places[:, order]) == 0).all(axis=0), np.abs(np.diff(columns["u"][order]))
+        if np.any(steps[same] > REPEATED * np.max(np.abs(columns["u"]), initial=0.0)):
+            note = "velocities differ at one and the same place: data of several times need --columns time=NAME"
+            return [replace(frame, notes=(*frame.notes, note))]
     if key is None:
         return [frame]
     values, first, which = np.unique(frame.columns[key], return_index=True, return_inverse=True)

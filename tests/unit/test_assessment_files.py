@@ -82,7 +82,7 @@ def lammps(path, particles):
     header = "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n{}\nITEM: BOX BOUNDS pp ff pp\n0 1\n-1 2\n-1 1\n"
     atoms = "ITEM: ATOMS id type x y z vx vy element\n"
     count = len(particles["x"])
-    path.write_text(header.format(0, 1) + atoms + "1 1 0.5 0.5 0 9 9 H\n" + header.format(2700, count) + atoms + rows)
+    path.write_text(header.format(2700, count) + atoms + rows)
 
 
 def lists(path, particles):
@@ -266,10 +266,10 @@ def test_an_error_of_round_off_has_no_place(tmp_path, config):
     ("content", "settings", "says"),
     [
         ("y,u\n", {}, "no line of numbers"),
-        ("y,u\n0.5,1\n0.6\n", {}, "row 2"),
+        ("y,u\n0.5,1\n0.6\n", {}, "line 3 is no row of numbers"),
         ("a,b\n0.5,1\n", {}, "no column is recognised as y or u"),
         ("y,u\n0.5,1\n", {"columns": ["y=height"]}, "no column height"),
-        ("y,u\n0.5,1\n", {"columns": ["w=1"]}, "the quantities are"),
+        ("y,u\n0.5,1\n", {"columns": ["height=1"]}, "the quantities are"),
         ("y,u\n0.5,1\n", {}, "fewer than five points"),
         ("y,u\n" + "".join(f"{y},1\n" for y in range(50)), {}, "do not fit between the walls"),
         ("y,u\n" + "".join(f"{y / 9},1\n" for y in range(9)), {"units": ["length=parsec"]}, "parsec is not known"),

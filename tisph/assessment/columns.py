@@ -1,20 +1,34 @@
-"""Which column is which quantity: by names that codes use, or as the user says."""
+"""Which column is which quantity: by names that codes use, or as the user says; a frame for every time of a table."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
 
 from tisph.config.fields import nearest
 from tisph.errors import ConfigError
 
-NAMES = {
-    "x": "x px pos_x position_x positions_x points_x coordinates_x coords_x r_x xu points:0 x_coordinate",
-    "y": "y py pos_y position_y positions_y points_y coordinates_y coords_y r_y yu points:1 y_coordinate",
-    "u": "u vx ux u_x v_x vel_x velocity_x velocities_x velocity:0 u:0 vel:0 x_velocity",
-    "v": "v vy uy u_y v_y vel_y velocity_y velocities_y velocity:1 u:1 vel:1 y_velocity",
-    "density": "density rho c_rho",
-    "pressure": "pressure p",
-    "stress_xx": "stress_xx sxx",
-    "stress_xy": "stress_xy sxy",
-    "stress_yy": "stress_yy syy",
+PLACE = "(pos|positions?|points|coordinates|coords|r)_?"
+NAMES = {axis: f"{axis}|{PLACE}{axis}|p{axis}|{axis}u|{axis}_coordinate" for axis in "xyz"}
+NAMES |= {u: f"{u}|(u|v|vel|velo|velocity|velocities)_?{x}|{x}_velocity" for u, x in zip("uvw", "xyz", strict=True)}
+NAMES |= {f"stress_{pair}": f"(stress_|s){pair}" for pair in ("xx", "xy", "yy")}
+NAMES |= {
+    "density": "density|(c_)?rho|rhop",
+    "pressure": "pressure|p",
+    "time": "t|time|timevalue",
+    "step": "(time_?)?step",
 }
-"""What a quantity is called, the most likely name first; capitals do not count."""
+"""Patterns of names of quantities, in small letters and with ``_`` for all that is no letter and no digit."""
+
+UNIT = re.compile(r"(.+?)\s*(?:\[([^\[\]]*[^\W\d_][^\[\]]*)\]|\((.*[^\W\d_].*)\))")
+"""A name and its unit, ``y [m]`` or ``u (m/s)``."""
+
+FLAT = 1e-6
+"""Part of the size of the data below which a coordinate does not vary: round-off of single precision."""
+
+
+REPEATED = 0.01
+"""Part of the largest velocity by which velocities at one place differ where they are of several times."""
 
 
 def parsed(texts, path="--columns"):
@@ -29,36 +43,96 @@ def parsed(texts, path="--columns"):
     return chosen
 
 
-def quantities(frame, chosen, path):
-    """Arrays (points,) of a frame by quantity; ``chosen`` are names, or numbers from 1, of columns by quantity.
+def by_quantity(frame, chosen, path):
+    """The frame with columns (points,) and units by quantity; ``chosen`` are names, or numbers from 1, of columns.
 
-    Without it columns are recognised by their names. ConfigError where a chosen one is missing.
+    Without it columns are recognised by their names. ConfigError where a chosen or a needed one is missing.
     """
+    stated = {column: UNIT.fullmatch(column) for column in frame.columns}
+    names = {column: match[1] if match else column for column, match in stated.items()}
+    units = {column: match[2] or match[3] for column, match in stated.items() if match} | frame.units
     found = {}
-    numbered = list(frame.columns.values())
-    for quantity, names in NAMES.items():
-        name = chosen.get(quantity)
-        if name in frame.columns:
-            found[quantity] = frame.columns[name]
-        elif name and name.isdigit() and 0 < int(name) <= len(numbered):
-            found[quantity] = numbered[int(name) - 1]
-        elif name:
-            raise ConfigError(f"{path}: has no column {name}; it has {_shown(frame)}")
-        elif match := _recognised(frame, names, chosen):
-            found[quantity] = frame.columns[match]
-    missing = [name for name in ("y", "u") if name not in found]
-    if missing:
+    for quantity in NAMES:
+        wanted, numbered = chosen.get(quantity), enumerate(names.items(), 1)
+        called = [column for number, (column, name) in numbered if wanted in (column, name, str(number))]
+        if wanted and not called:
+            raise ConfigError(f"{path}: has no column {wanted}; it has {shown(names)}")
+        free = {column: name for column, name in names.items() if not {column, name} & set(chosen.values())}
+        if column := called[0] if wanted else recognised(quantity, free):
+            found[quantity] = column
+    if missing := [name for name in ("y", "u") if name not in found and not (name == "y" and "z" in found)]:
         text = f"no column is recognised as {' or '.join(missing)}; say which it is with --columns {missing[0]}=NAME"
-        raise ConfigError(f"{path}: {text}; the columns are {_shown(frame)}")
+        raise ConfigError(f"{path}: {text}; the columns are {shown(names)}")
+    units = {quantity: units[column] for quantity, column in ({"time": "time"} | found).items() if column in units}
+    return replace(frame, columns={quantity: frame.columns[column] for quantity, column in found.items()}, units=units)
+
+
+def recognised(quantity, names):
+    """The column that is called like a quantity, None without one; ``names`` are the columns' without their units."""
+    plain = {
+        column: re.sub("[^a-z0-9]+", "_", name.lower()).strip("_") for column, name in names.items() if name != "T"
+    }
+    counted = any(re.fullmatch(f"{PLACE}0", name) for name in plain.values())  # components, as ParaView counts them
+    for index, axis in enumerate("xyz"):
+        end = f"_[{'ijk'[index]}{index if counted else ''}]$"
+        plain = {column: re.sub(end, f"_{axis}", name) for column, name in plain.items()}
+    found = [column for column, name in plain.items() if re.fullmatch(NAMES[quantity], name)]
+    # PySPH's V is not its v, and the shortest name is that of the quantity alone
+    return min(found, key=lambda column: (names[column] != quantity, len(names[column])), default=None)
+
+
+def in_plane(frame, chosen):
+    """The frame, by quantity, with its plane as x and y: it has neither extent nor velocity along the axis left out.
+
+    A velocity along z may be that around the axis of an axisymmetric flow.
+    """
+    columns, nothing = frame.columns, np.zeros(len(next(iter(frame.columns.values()))))
+    table = np.stack([columns.get(name, nothing) for name in "xyzuvw"])
+    table = table[:, np.isfinite(table).all(axis=0)]
+    if "z" not in columns or chosen.keys() & {"x", "y"} or not table.size:
+        return frame
+    extent, speed = np.ptp(table[:3], axis=1), np.abs(table[3:]).max(axis=1)
+    still = (speed <= FLAT * speed.max()) | np.array([False, False, True])
+    flat = [axis for axis, each in zip("xyz", still & (extent <= FLAT * extent.max()), strict=True) if each]
+    dropped = max(flat, default=None) if "y" in columns else "y"
+    if dropped in (None, "z"):
+        note = "z varies, too, and is left out: x and y of the data are taken"
+        return frame if dropped else replace(frame, notes=(*frame.notes, note))
+    kept = [name for name in "xyzuvw" if name not in (dropped, {"x": "u", "y": "v"}[dropped])]
+    names = dict(zip(kept, "xyuv", strict=True)) | {name: name for name in {*columns, "time"} if name not in "xyzuvw"}
+    columns = {names[name]: column for name, column in columns.items() if name in names}
+    units = {names[name]: unit for name, unit in frame.units.items() if name in names}
+    note = f"{kept[0]} and {kept[1]} of the data are taken as x and y"
+    return replace(frame, columns=columns, units=units, notes=(*frame.notes, note))
+
+
+def by_time(frame, path):
+    """Frames for every value of the column of times, or of steps where there are no times."""
+    columns = {name: column for name, column in frame.columns.items() if name not in ("time", "step")}
+    key = next((name for name in ("time", "step") if name in frame.columns), None)
+    if key is None and {"y", "u"} <= columns.keys():
+        places = np.stack([columns[name] for name in "xyz" if name in columns])
+        order = np.lexsort(places)
+        same, steps = (np.diff(places[:, order]) == 0).all(axis=0), np.abs(np.diff(columns["u"][order]))
+        if np.any(steps[same] > REPEATED * np.max(np.abs(columns["u"]), initial=0.0)):
+            note = "velocities differ at one and the same place: data of several times need --columns time=NAME"
+            return [replace(frame, notes=(*frame.notes, note))]
+    if key is None:
+        return [frame]
+    values, first, which = np.unique(frame.columns[key], return_index=True, return_inverse=True)
+    if not np.isfinite(values).all():
+        raise ConfigError(f"{path}: has points without a {key}")
+    if frame.time is not None and (len(values) > 1 or (key == "time" and values[0] != frame.time)):
+        raise ConfigError(f"{path}: says t = {frame.time:g}, but its column of {key}s has {shown(map(str, values))}")
+    found = []
+    for index in np.argsort(first):
+        part = {name: column[which == index] for name, column in columns.items()}
+        time, label = float(values[index]) if key == "time" else frame.time, f"{key} {values[index]:.12g}"
+        found.append(replace(frame, columns=part, time=time, label=label))
     return found
 
 
-def _recognised(frame, names, chosen):
-    free = [name for name in frame.columns if name not in chosen.values()]
-    found = {name.lower(): name for name in free} | {name: name for name in free}  # PySPH's V is not its v
-    return next((found[name] for name in names.split() if name in found), None)
-
-
-def _shown(frame):
-    names = list(frame.columns)
+def shown(names):
+    """The first twelve names in words."""
+    names = list(names)
     return ", ".join(names[:12]) + (f" and {len(names) - 12} more" if len(names) > 12 else "")

@@ -75,31 +75,43 @@ def judge(config, paths, question):
 
 
 def _frames(paths, question, scene):
-    """Yield (path, frame, time) of all that is to be compared."""
-    factor = units.factors(question.units, scene.units)["time"]
-    times = list(question.times)
+    """Yield (path, frame, time) of all data to compare: columns by quantity, in the units of the config."""
+    chosen, times = columns.parsed(question.columns), list(question.times)
     if len(paths) > 1 and len(times) > 1 and len(times) != len(paths):
         raise ConfigError(f"--time: give one, or one for each of the {len(paths)} files")
     for index, path in enumerate(paths):
-        frames = readers.frames(path, question.select)
+        found = [columns.by_quantity(frame, chosen, path) for frame in readers.frames(path, question.select)]
+        found = [part for frame in found for part in columns.by_time(columns.in_plane(frame, chosen), path)]
+        found = [units.in_config(frame, question.units, scene.units, path) for frame in found]
         own = times if len(paths) == 1 or len(times) < 2 else [times[index]]
-        if own:
-            yield from ((path, _nearest(frames, t, factor, path), t) for t in own)
-            continue
-        if any(frame.time is None for frame in frames):
-            raise ConfigError(f"{path}: does not say of which time it is; give --time")
-        yield from ((path, frame, frame.time * factor) for frame in frames if frame.time * factor > 0)
+        paired = _paired(found, own, path)
+        if not paired:
+            raise ConfigError(f"{path}: has t = 0 alone, where no reference is compared; give data of a later time")
+        yield from ((path, frame, t) for frame, t in paired)
 
 
-def _nearest(frames, t, factor, path):
-    """The frame of time ``t``: the only one, the last of those without times, or the nearest one."""
-    if len(frames) == 1 or any(frame.time is None for frame in frames):
-        return frames[-1]
-    found = min(frames, key=lambda frame: abs(frame.time * factor - t))
-    if abs(found.time * factor - t) > 1e-3 * abs(t):
-        known = ", ".join(f"{frame.time * factor:.6g}" for frame in frames)
-        raise ConfigError(f"{path}: has no data of t = {t:g}; it has {known}")
-    return found
+def _paired(frames, times, path):
+    """Pairs (frame, time): of each of ``times`` the nearest frame, or the frames in order where they have no times.
+
+    Without ``times`` all frames after t = 0. ConfigError, which lists the frames, where that leaves a choice.
+    """
+    if len(frames) == len(times) == 1:
+        return [(frames[0], times[0])]
+    if any(frame.time is None for frame in frames):
+        if len(frames) == len(times):
+            return list(zip(frames, times, strict=True))
+        if len(frames) == 1:
+            raise ConfigError(f"{path}: does not say of which time it is; give --time once")
+        labels = columns.shown([frame.label or f"frame {number}" for number, frame in enumerate(frames, 1)])
+        raise ConfigError(f"{path}: has {len(frames)} frames without times, {labels}; give --time for each, in order")
+    if not times:
+        return [(frame, frame.time) for frame in frames if frame.time > 0]
+    nearest = [(min(frames, key=lambda frame, t=t: abs(frame.time - t)), t) for t in times]
+    for frame, t in nearest:
+        if abs(frame.time - t) > 1e-3 * abs(t):
+            known = columns.shown([f"{each.time:.6g}" for each in frames])
+            raise ConfigError(f"{path}: has no data of t = {t:g}; it has {known}")
+    return nearest
 
 
 def _sample(path, frame, t, scene, question, config):
@@ -114,19 +126,19 @@ def _sample(path, frame, t, scene, question, config):
 def _aligned(path, frame, t, scene, question):
     if t < scene.start_time:
         raise ConfigError(f"--time {t:g}: is before the start of the run, {scene.start_time:g}")
-    named = columns.quantities(frame, columns.parsed(question.columns), path)
-    needed = [named[name] for name in ("xyu" if scene.parallel else "xyuv") if name in named]
+    needed = [frame.columns[name] for name in ("xyu" if scene.parallel else "xyuv") if name in frame.columns]
     finite = np.all([np.isfinite(column) for column in needed], axis=0)
     if finite.sum() < 5:
         raise ConfigError(f"{path}: has fewer than five points with a place and a velocity")
-    factors = units.factors(question.units, scene.units)
-    values = {name: array[finite] for name, array in units.converted(named, factors).items()}
+    values = {name: array[finite] for name, array in frame.columns.items()}
     axes = alignment.orientation(question.orientation) if question.orientation else None
     aligned = alignment.align(values, scene, t, axes=axes, origin=question.origin)
     lost = len(finite) - int(finite.sum())
     if lost:
         aligned = aligned.noted(f"{lost} points without a number are left out")
-    if frame.time is not None and not np.isclose(frame.time * factors["time"], t):
+    for text in frame.notes:
+        aligned = aligned.noted(text)
+    if frame.time is not None and not np.isclose(frame.time, t):
         aligned = aligned.noted(f"the file says t = {frame.time:g}, --time {t:g} was taken")
     return aligned
 

@@ -4,12 +4,13 @@
 """
 
 import zipfile
+import zlib
 from pathlib import Path
 
-from tisph.assessment.readers import arrays, hdf5, json_text, lammps, text, vtk_files
+from tisph.assessment.readers import arrays, hdf5, json_text, lammps, text, vtk_files, xyz
 from tisph.errors import ConfigError
 
-READERS = (arrays, hdf5, json_text, lammps, text, vtk_files)
+READERS = (arrays, hdf5, json_text, lammps, text, vtk_files, xyz)
 
 HDF5 = b"\x89HDF\r\n\x1a\n"
 
@@ -22,17 +23,19 @@ def frames(path, select=None):
     path = Path(path)
     try:
         with open(path, "rb") as file:
-            begins = file.read(16)
-        return _reader(path, begins).read(path, select)
+            begins = file.read(32)
+        if found := _reader(path, begins).read(path, select):
+            return found
+        raise ConfigError(f"{path}: is empty")
     except UnicodeDecodeError:
         known = ", ".join(suffix for reader in READERS for suffix in reader.SUFFIXES if suffix)
         raise ConfigError(f"{path}: is no text, and its ending {path.suffix} is none of {known}") from None
-    except (OSError, zipfile.BadZipFile) as error:
+    except (OSError, EOFError, NotImplementedError, zipfile.BadZipFile, zlib.error) as error:
         raise ConfigError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
 
 
 def _reader(path, begins):
-    if begins.startswith(b"ITEM: "):
+    if begins.startswith((lammps.BEGINS.encode(), lammps.CHUNKS.encode())):
         return lammps
     if begins.startswith(HDF5) and path.suffix != ".vtkhdf":
         return hdf5

@@ -7,7 +7,7 @@ import zipfile
 import numpy as np
 from numpy.lib import format as npy
 
-from tisph.assessment.readers.frame import Frame, flat, pysph_frame
+from tisph.assessment.readers.frame import pysph_frame, split
 from tisph.errors import ConfigError
 
 SUFFIXES = (".npz",)
@@ -34,20 +34,12 @@ class _Unpickler(pickle.Unpickler):
 
 
 def read(path, select=None):
-    """One frame; ``t`` or ``time``, one number, is its time. With several, arrays (times, points): a frame each."""
+    """Frames of the arrays, as ``frame.split`` has them."""
     with zipfile.ZipFile(path) as archive:
         arrays = {name.removesuffix(".npy"): _array(archive.read(name), path) for name in archive.namelist()}
     if "particles" in arrays and isinstance(arrays["particles"], dict):
         return [pysph_frame(arrays["particles"], arrays.get("solver_data", {}).get("t"), select, path)]
-    times = next((np.ravel(arrays[name]) for name in ("t", "time") if name in arrays), np.zeros(0))
-    if len(times) and any(array.ndim == 2 and array.shape[1] > 3 for array in arrays.values()):
-        return [Frame(flat(_of_time(arrays, index)), float(time)) for index, time in enumerate(times)]
-    return [Frame(flat(arrays), float(times[0]) if len(times) == 1 else None)]
-
-
-def _of_time(arrays, index):
-    """Arrays (points,) of one time, from those of all times (times, points)."""
-    return {name: array[index] for name, array in arrays.items() if array.ndim == 2 and len(array) > index}
+    return split(arrays, path)
 
 
 def _array(content, path):

@@ -1,6 +1,6 @@
-"""What a reader makes of a file: the particles, or points, of one time."""
+"""The particles, or points, of one time, as every reader returns them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -11,14 +11,52 @@ from tisph.errors import ConfigError
 class Frame:
     """Columns of one time by name, arrays (points,), as the file has them: its names, units and axes.
 
-    ``time`` is None where the file does not say it. ``groups`` are the names of the groups of particles that the file
-    had, of which this is ``group``: both empty where it has no groups.
+    ``time`` is None where the file does not say it; ``label`` may tell such frames of a file apart. ``units`` has the
+    unit of a column, or of ``time``, where the file states one. ``notes`` say in words how it was read.
     """
 
     columns: dict[str, np.ndarray]
     time: float | None = None
-    group: str = ""
-    groups: tuple[str, ...] = ()
+    label: str = ""
+    units: dict[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+def decoded(path):
+    """Text of a file in UTF-16 with a byte-order mark, in UTF-8 or in Windows' cp1252; UnicodeDecodeError for none."""
+    content = path.read_bytes()
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return content.decode("utf-16")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("cp1252")
+
+
+def time_of(entries):
+    """The entry of a mapping that is called ``t``, ``time``, ``TIME`` or ``TimeValue``; None without one."""
+    return next((entries[name] for name in entries if name == "t" or name.lower() in ("time", "timevalue")), None)
+
+
+def split(arrays, path):
+    """Frames of named arrays (points,), (points, components), (times, points) or (times, points, components).
+
+    Raises ConfigError where it is not clear which index is the time.
+    """
+    arrays = {name: array for name, each in arrays.items() if (array := np.asarray(each)).dtype.kind in "fiub"}
+    times = np.ravel([] if (found := time_of(arrays)) is None else found)
+    one = {len(each) for each in arrays.values() if each.ndim == 1 or (each.ndim == 2 and each.shape[1] <= 3)}
+    one -= {len(times)}  # numbers of points in arrays without a time; arrays as long as these have none either
+    many = {name: each for name, each in arrays.items() if each.ndim > 1 and each.shape[1] > 3 and len(each) not in one}
+    if not many and (len(times) < 2 or not one):
+        return [Frame(flat(arrays), float(times[0]) if len(times) == 1 else None)]
+    (count, points), *others = {each.shape[:2] for each in many.values()} or {(0, 0)}
+    if others or count == points or len(times) not in (0, count):
+        shapes = ", ".join(f"{name} {each.shape}" for name, each in arrays.items())
+        raise ConfigError(f"{path}: which index is the time? It must be the first one; the arrays are {shapes}")
+    fixed = {name: each for name, each in arrays.items() if name not in many and each.ndim and len(each) == points}
+    found = [flat(fixed | {name: each[index] for name, each in many.items()}) for index in range(count)]
+    return [Frame(*each) for each in zip(found, times.tolist() or [None] * count, strict=True)]
 
 
 def flat(arrays):
@@ -42,7 +80,7 @@ def flat(arrays):
 def pysph_frame(particles, time, select, path):
     """The frame of PySPH's own output, version 2: of its groups of ``particles`` by name."""
     group = chosen_group(particles, select, path)
-    return Frame(flat(particles[group]["arrays"]), None if time is None else float(time), group, tuple(particles))
+    return Frame(flat(particles[group]["arrays"]), None if time is None else float(time))
 
 
 def chosen_group(groups, wanted, path):

@@ -1,9 +1,8 @@
 """HDF5: tisph's own samples, PySPH's output, and any file whose arrays lie together in one group."""
 
 import h5py
-import numpy as np
 
-from tisph.assessment.readers.frame import Frame, chosen_group, flat, pysph_frame
+from tisph.assessment.readers.frame import chosen_group, pysph_frame, split, time_of
 from tisph.errors import ConfigError
 
 SUFFIXES = (".h5", ".hdf5", ".hdf")
@@ -16,30 +15,22 @@ def read(path, select=None):
             if "particles" in file and "solver_data" in file:
                 return [pysph_frame(file["particles"], file["solver_data"].attrs.get("t"), select, path)]
             return _groups(file, select, path)
-    except OSError as error:
+    except (OSError, RuntimeError, KeyError) as error:
         raise ConfigError(f"{path}: is no HDF5 file, or damaged: {error}") from None
 
 
 def _groups(file, select, path):
-    """A frame of every group that holds arrays; one time each, or particles of several kinds."""
-    found = []
-    file.visititems(lambda name, item: found.append(name) if _holds_arrays(item) else None)
-    names = [name for name in ([""] if _holds_arrays(file) else []) + found if name.rpartition("/")[2] != "bodies"]
-    if not names:
+    """Frames of every group that holds arrays; one time each, or particles of several kinds."""
+    items, groups = {"": file}, {}
+    file.visititems(lambda name, item: items.update({name: item}))
+    for name, item in items.items():
+        if isinstance(item, h5py.Group) and name.rpartition("/")[2] != "bodies":
+            data = {key: each for key, each in item.items() if isinstance(each, h5py.Dataset)}
+            if sum(each.ndim > 0 and each.dtype.kind in "fiu" for each in data.values()) > 1:
+                time = time_of(item.attrs)
+                groups[name] = {key: each[()] for key, each in data.items()} | ({} if time is None else {"t": time})
+    if not groups:
         raise ConfigError(f"{path}: has no group with arrays of one length")
-    times = {name: _time(file[name or "/"]) for name in names}
-    if len(names) > 1 and None in times.values():
-        names = [chosen_group(names, select, path)]
-    return [Frame(flat({key: item[()] for key, item in _arrays(file[name or "/"])}), times[name]) for name in names]
-
-
-def _holds_arrays(item):
-    return isinstance(item, h5py.Group) and len(flat({key: np.empty(array.shape) for key, array in _arrays(item)})) > 1
-
-
-def _arrays(group):
-    return [(key, item) for key, item in group.items() if isinstance(item, h5py.Dataset) and item.ndim in (1, 2)]
-
-
-def _time(group):
-    return next((float(group.attrs[name]) for name in ("t", "time") if name in group.attrs), None)
+    if len(groups) > 1 and any(time_of(arrays) is None for arrays in groups.values()):
+        groups = {name: groups[name] for name in [chosen_group(list(groups), select, path)]}
+    return [frame for arrays in groups.values() for frame in split(arrays, path)]

@@ -18,8 +18,14 @@ NAMES |= {
 }
 NAMES |= {f"stress_{pair}": [f"stress_{pair}", f"s{pair}"] for pair in ("xx", "xy", "yy")}
 NAMES |= {"density": ["density", "rho", "c_rho", "rhop"], "pressure": ["pressure", "p"]}
+NAMES |= {"r": ["r", "radius"], "u_r": ["u_r", "ur", "v_r", "vr"]}
+NAMES |= {"u_theta": ["u_theta", "utheta", "u_t", "v_theta", "vtheta", "u_phi", "v_phi"]}
+NAMES |= {f"stress_{pair}": [f"stress_{pair}"] for pair in ("tt", "xt", "yt")}
 NAMES |= {"time": ["t", "time", "timevalue"], "step": ["step", "timestep", "time_step"]}
 """What a quantity is called, the most likely name first, in small letters and with ``_`` for all that is no letter."""
+
+NEEDED = {"y": ("z", "r"), "u": ("u_theta",)}
+"""Quantities that data must have, and others in their place."""
 
 UNIT = re.compile(r"(.+?)\s*(?:\[([^\[\]]*[^\W\d_][^\[\]]*)\]|\((.*[^\W\d_].*)\))")
 """A name and its unit, ``y [m]`` or ``u (m/s)``."""
@@ -57,7 +63,7 @@ def by_quantity(frame, chosen, path):
         free = {column: name for column, name in names.items() if not {column, name} & set(chosen.values())}
         if column := called[0] if wanted else recognised(quantity, free):
             found[quantity] = column
-    if missing := [name for name in ("y", "u") if name not in found and not (name == "y" and "z" in found)]:
+    if missing := [name for name, others in NEEDED.items() if not {name, *others} & found.keys()]:
         text = f"no column is recognised as {' or '.join(missing)}; say which it is with --columns {missing[0]}=NAME"
         raise ConfigError(f"{path}: {text}; the columns are {shown(names)}")
     units = {quantity: units[column] for quantity, column in ({"time": "time"} | found).items() if column in units}

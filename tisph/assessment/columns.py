@@ -8,21 +8,19 @@ import numpy as np
 from tisph.config.fields import nearest
 from tisph.errors import ConfigError
 
-PLACES = ("pos", "position", "positions", "points", "coordinates", "coords", "r")
-SPEEDS = ("u", "v", "vel", "velo", "velocity", "velocities")
-
-NAMES = {axis: [axis, f"p{axis}", f"pos{axis}", *(f"{base}_{axis}" for base in PLACES), f"{axis}u"] for axis in "xyz"}
+PLACE = "(pos|positions?|points|coordinates|coords|r)_?"
+NAMES = {axis: f"{axis}|{PLACE}{axis}|p{axis}|{axis}u|{axis}_coordinate" for axis in "xyz"}
+NAMES |= {u: f"{u}|(u|v|vel|velo|velocity|velocities)_?{x}|{x}_velocity" for u, x in zip("uvw", "xyz", strict=True)}
+NAMES |= {f"stress_{pair}": f"(stress_|s){pair}" for pair in ("xx", "xy", "yy")}
 NAMES |= {
-    speed: [speed, f"v{axis}", f"u{axis}", f"vel{axis}", *(f"{base}_{axis}" for base in SPEEDS), f"{axis}_velocity"]
-    for speed, axis in zip("uvw", "xyz", strict=True)
+    "density": "density|(c_)?rho|rhop",
+    "pressure": "pressure|p",
+    "time": "t|time|timevalue",
+    "step": "(time_?)?step",
 }
-NAMES |= {f"stress_{pair}": [f"stress_{pair}", f"s{pair}"] for pair in ("xx", "xy", "yy")}
-NAMES |= {"density": ["density", "rho", "c_rho", "rhop"], "pressure": ["pressure", "p"]}
-NAMES |= {"r": ["r", "radius"], "u_r": ["u_r", "ur", "v_r", "vr"]}
-NAMES |= {"u_theta": ["u_theta", "utheta", "u_t", "v_theta", "vtheta", "u_phi", "v_phi"]}
-NAMES |= {f"stress_{pair}": [f"stress_{pair}"] for pair in ("tt", "xt", "yt")}
-NAMES |= {"time": ["t", "time", "timevalue"], "step": ["step", "timestep", "time_step"]}
-"""What a quantity is called, the most likely name first, in small letters and with ``_`` for all that is no letter."""
+NAMES |= {"r": "r|radius", "u_r": "[uv]_?r", "u_theta": "[uv]_?(theta|phi)"}
+NAMES |= {f"stress_{pair}": f"stress_{pair}" for pair in ("tt", "xt", "yt")}
+"""Patterns of names of quantities, in small letters and with ``_`` for all that is no letter and no digit."""
 
 NEEDED = {"y": ("z", "r"), "u": ("u_theta",)}
 """Quantities that data must have, and others in their place."""
@@ -72,46 +70,62 @@ def by_quantity(frame, chosen, path):
 
 def recognised(quantity, names):
     """The column that is called like a quantity, None without one; ``names`` are the columns' without their units."""
-    found = {}
-    for column, name in names.items():
-        plain = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
-        found.setdefault("T" if name == "T" else plain, column)  # a temperature
-    if any({f"{base}_0", f"{base}_1"} <= found.keys() for base in PLACES):  # ParaView numbers components
-        found = {re.sub("_([012])$", lambda end: f"_{'xyz'[int(end[1])]}", name): each for name, each in found.items()}
-    found |= {name: column for column, name in names.items()}  # PySPH's V is not its v
-    return next((found[name] for name in NAMES[quantity] if name in found), None)
+    plain = {
+        column: re.sub("[^a-z0-9]+", "_", name.lower()).strip("_") for column, name in names.items() if name != "T"
+    }
+    counted = any(re.fullmatch(f"{PLACE}0", name) for name in plain.values())  # components, as ParaView counts them
+    for index, axis in enumerate("xyz"):
+        end = f"_[{'ijk'[index]}{index if counted else ''}]$"
+        plain = {column: re.sub(end, f"_{axis}", name) for column, name in plain.items()}
+    found = [column for column, name in plain.items() if re.fullmatch(NAMES[quantity], name)]
+    # PySPH's V is not its v, and the shortest name is that of the quantity alone
+    return min(found, key=lambda column: (names[column] != quantity, len(names[column])), default=None)
 
 
 def in_plane(frame, chosen):
-    """The frame, by quantity, with the axes of its plane as x and y: without the axis along which it has no extent."""
-    places = {axis: frame.columns[axis] for axis in "xyz" if axis in frame.columns}
-    if "z" not in places or chosen.keys() & {"x", "y"}:
+    """The frame, by quantity, with its plane as x and y: it has neither extent nor velocity along the axis left out.
+
+    A velocity along z may be that around the axis of an axisymmetric flow.
+    """
+    columns = frame.columns
+    finite = np.all([np.isfinite(column) for name, column in columns.items() if name in "xyzuvw"], axis=0)
+    if "z" not in columns or chosen.keys() & {"x", "y"} or not finite.any():
         return frame
-    extent = {axis: np.ptp(np.nan_to_num(place, nan=np.nanmean(place))) for axis, place in places.items()}
-    flat = [axis for axis in "zyx" if extent.get(axis, 0.0) <= FLAT * max(extent.values())]
-    if not flat:
-        return replace(frame, notes=(*frame.notes, "z varies, too, and is left out: x and y of the data are taken"))
-    if (dropped := "y" if "y" not in places else flat[0]) == "z":
-        return frame
+    extent = {axis: np.ptp(columns[axis][finite]) if axis in columns else 0.0 for axis in "xyz"}
+    speed = {name: np.abs(columns[name][finite]).max() if name in columns else 0.0 for name in "uvw"}
+    still = [
+        axis for axis, name in zip("xyz", "uvz", strict=True) if speed.get(name, 0.0) <= FLAT * max(speed.values())
+    ]
+    flat = [axis for axis in still if extent[axis] <= FLAT * max(extent.values())]
+    dropped = ([None, *flat] if "y" in columns else ["y"])[-1]
+    if dropped in (None, "z"):
+        note = "z varies, too, and is left out: x and y of the data are taken"
+        return frame if dropped else replace(frame, notes=(*frame.notes, note))
     kept = [name for name in "xyzuvw" if name not in (dropped, {"x": "u", "y": "v"}[dropped])]
-    names = {name: name for name in {*frame.columns, "time"} if name not in "xyzuvw"} | dict(
-        zip(kept, "xyuv", strict=True)
+    names = dict(zip(kept, "xyuv", strict=True)) | {name: name for name in {*columns, "time"} if name not in "xyzuvw"}
+    return replace(
+        frame,
+        columns={names[name]: column for name, column in columns.items() if name in names},
+        units={names[name]: unit for name, unit in frame.units.items() if name in names},
+        notes=(*frame.notes, f"{kept[0]} and {kept[1]} of the data are taken as x and y"),
     )
-    columns = {names[name]: column for name, column in frame.columns.items() if name in names}
-    units = {names[name]: unit for name, unit in frame.units.items() if name in names}
-    note = f"{kept[0]} and {kept[1]} of the data are taken as x and y"
-    return replace(frame, columns=columns, units=units, notes=(*frame.notes, note))
 
 
 def by_time(frame, path):
     """Frames for every value of the column of times, or of steps where there are no times."""
     columns = {name: column for name, column in frame.columns.items() if name not in ("time", "step")}
     key = next((name for name in ("time", "step") if name in frame.columns), None)
-    if key is None or frame.time is not None:
-        return [replace(frame, columns=columns)]
-    if not np.isfinite(frame.columns[key]).all():
-        raise ConfigError(f"{path}: has points without a {key}")
+    if key is None:
+        return [frame]
     values, first, which = np.unique(frame.columns[key], return_index=True, return_inverse=True)
+    if not np.isfinite(values).all():
+        raise ConfigError(f"{path}: has points without a {key}")
+    if frame.time is not None:
+        if len(values) > 1 or (key == "time" and values[0] != frame.time):
+            raise ConfigError(
+                f"{path}: says t = {frame.time:g}, but its column of {key}s has {shown(map(str, values))}"
+            )
+        return [replace(frame, columns=columns)]
     found = []
     for index in np.argsort(first):
         part = {name: column[which == index] for name, column in columns.items()}
@@ -122,4 +136,5 @@ def by_time(frame, path):
 
 def shown(names):
     """The first twelve names in words."""
-    return ", ".join(list(names)[:12]) + (f" and {len(names) - 12} more" if len(names) > 12 else "")
+    names = list(names)
+    return ", ".join(names[:12]) + (f" and {len(names) - 12} more" if len(names) > 12 else "")

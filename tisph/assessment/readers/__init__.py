@@ -6,10 +6,10 @@
 import zipfile
 from pathlib import Path
 
-from tisph.assessment.readers import arrays, hdf5, json_text, lammps, text, vtk_files
+from tisph.assessment.readers import arrays, hdf5, json_text, lammps, text, vtk_files, xyz
 from tisph.errors import ConfigError
 
-READERS = (arrays, hdf5, json_text, lammps, text, vtk_files)
+READERS = (arrays, hdf5, json_text, lammps, text, vtk_files, xyz)
 
 HDF5 = b"\x89HDF\r\n\x1a\n"
 

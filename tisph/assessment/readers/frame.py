@@ -30,8 +30,6 @@ def decoded(path):
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:
-        if b"\0" in content:
-            raise
         return content.decode("cp1252")
 
 
@@ -59,7 +57,7 @@ def split(arrays, path):
     fixed = {name: each for name, each in arrays.items() if name not in many and each.ndim and len(each) == points}
     found = [flat(fixed | {name: each[index] for name, each in many.items()}) for index in range(count)]
     labels = [f"row {index + 1}" for index in range(count)]
-    return [Frame(*each) for each in zip(found, times if len(times) else [None] * count, labels, strict=True)]
+    return [Frame(*each) for each in zip(found, times.tolist() or [None] * count, labels, strict=True)]
 
 
 def flat(arrays):

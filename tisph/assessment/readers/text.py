@@ -17,7 +17,7 @@ SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".xy", "")
 SEPARATORS = (";", "\t", ",", " ")
 """In the order in which they are tried: the first one that makes a row of numbers out of a line is taken."""
 
-TIME = re.compile(r"(?:t|time)\s*[=:]?\s*([-+.,\d]+(?:[ed][-+]?\d+)?)\s*\[?([a-z]*)\]?", re.IGNORECASE)
+TIME = re.compile(r"[#% ]*(?:t|time)\s*[=:]?\s*([-+.,\d]+(?:e[-+]?\d+)?)\s*\[?([a-z]*)\]?", re.IGNORECASE)
 """A line with the time of a block, such as ``# t = 0.5`` or ``# time: 3 ms``."""
 
 NAME = re.compile(r"(?:\"[^\"]*\"|'[^']*'|\S+)(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?")
@@ -30,26 +30,30 @@ def read(path, select=None):
     An empty line or one without numbers ends a block. Lines that begin with ``#`` or ``%`` are comments; the last one
     before the numbers may be the header, with a row of units below it. Blocks share the last header before them.
     """
-    lines = [line.strip() for line in decoded(path).replace("\r\r\n", "\n").splitlines()]
+    text = re.sub(r"(?<=[\d.])[dD](?=[-+\d]\d)", "e", decoded(path).replace("\r\r\n", "\n"))
+    lines = [line.strip() for line in text.splitlines()]
     separator = next((each for line in lines for each in SEPARATORS if _row(_cells(line, each))), None)
     if separator is None:
         raise ConfigError(f"{path}: has no line of numbers")
-    frames, header, head, rows, points = [], ([], {}), [], [], set()
+    frames, header, head, rows, cells, signs = [], ([], {}), [], [], [], set()
     for number, line in enumerate([*lines, ""], 1):
-        cells = _cells(line, separator)
+        above, cells = cells, _cells(line, separator)
         row = _row(cells)
-        if row and (not rows or len(row) == len(rows[0])):
+        fits = row and len(row) == len(rows[0] if rows else row)
+        damaged = cells if rows and not fits else above if fits and not rows and len(above) == len(row) else []
+        if any(cell and _number(cell) is not None for cell in damaged):
+            line_of = number if rows else number - 1
+            raise ConfigError(f"{path}: line {line_of} is no row of numbers as the others: {separator.join(damaged)}")
+        if fits:
             rows.append(row)
-            points |= {sign for sign in ".," if sign in "".join(cells)}
+            signs |= {sign for sign in ".," if any(sign in cell for cell in cells)}
             continue
-        if rows and any(map(_is_number, cells)):
-            raise ConfigError(f"{path}: line {number} is no row of {len(rows[0])} numbers: {line}")
         if rows:
             header = _header(head, separator, len(rows[0])) or header
             frames.append(_frame(*header, head, rows, f"lines {number - len(rows)} to {number - 1}"))
             head, rows = [], []
         head += [line] if line else []
-    if len(points) > 1:
+    if len(signs) > 1:
         raise ConfigError(f"{path}: some numbers have a decimal point, others a comma")
     return frames
 
@@ -58,9 +62,9 @@ def _frame(names, units, head, rows, label):
     table = np.array(rows).T
     names = names if len(names) == len(table) else [""] * len(table)
     called = [name if name and names.count(name) == 1 else str(index) for index, name in enumerate(names, 1)]
-    match = next((match for line in head if (match := TIME.fullmatch(line.lstrip("#% ")))), None)
-    units = units | ({"time": match[2]} if match else {})
-    return Frame(dict(zip(called, table, strict=True)), _number(match[1]) if match else None, label=label, units=units)
+    time = next((match for line in head if (match := TIME.fullmatch(line))), None)
+    units = units | ({"time": time[2]} if time else {})
+    return Frame(dict(zip(called, table, strict=True)), time and _number(time[1]), label=label, units=units)
 
 
 def _header(head, separator, width):
@@ -76,34 +80,25 @@ def _names(line, separator, width):
     """The ``width`` names in a header, however it separates them; None for any other line."""
     ways = [_cells(line, each) for each in (separator, *SEPARATORS)] + [NAME.findall(line), re.split(r"\s{2,}", line)]
     found = [[cell.strip(" \t,;\"'") for cell in cells] for cells in ways if len(cells) == width]
-    return next((names for names in found if not any(map(_is_number, names))), None)
+    return next((names for names in found if {_number(name) for name in names if name} == {None}), None)
 
 
 def _cells(line, separator):
     """Texts of the columns of a line; none of a comment."""
     if line.startswith(("#", "%")):
         return []
-    cells = (
-        line.split() if separator == " " else next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
-    )
-    return [cell.strip(" \t\"'") for cell in cells]
+    split = [line.split()] if separator == " " else csv.reader([line], delimiter=separator, skipinitialspace=True)
+    return [cell.strip(" \t\"'") for cell in next(iter(split), [])]
 
 
 def _row(cells):
     """Numbers of two or more columns, NaN in an empty one; None where one is no number, or all are empty."""
-    try:
-        row = [_number(cell) if cell else np.nan for cell in cells]
-    except ValueError:
-        return None
-    return row if len(row) > 1 and any(cells) else None
+    row = [_number(cell) for cell in cells]
+    return row if len(row) > 1 and any(cells) and None not in row else None
 
 
 def _number(text):
-    return float(re.sub(r"(?<=[\d.])[dD](?=[-+\d])", "e", text).replace(",", "."))
-
-
-def _is_number(text):
     try:
-        return _number(text) is not None
+        return float(text.replace(",", ".") or "nan")
     except ValueError:
-        return False
+        return None

@@ -14,8 +14,9 @@ from tisph.measures.metrics import root_mean_square, velocities
 EXPLAINS = 0.3
 """A fault explains an error of which no more than that part remains with it: a tenth of its square."""
 
-EQUAL = 1.05
-"""Faults are told apart where one leaves that many times as much as the best."""
+EQUAL, EQUAL_UNIT = 1.05, 2**0.5
+"""Faults are told apart where one leaves that many times as much as the best; a unit where its factor, in place of the
+best one, makes as much error as remains anyway."""
 
 LEFT = 0.1
 """Part of the size of the velocities that may remain: more is no error of a discretisation, but another fault."""
@@ -73,8 +74,9 @@ def diagnose(aligned):
     times = [each.snapshot.t for each in aligned]
     fits = sorted((_fitted(fault, scene, samples) for fault in faults(scene, times)), key=lambda each: each.remain)
     size = root_mean_square(np.concatenate([u.ravel() for _, u, _ in samples])) / scene.reference_velocity
-    most = min(EXPLAINS * error, LEFT * size, EQUAL * fits[0].remain + TOO_SMALL)
-    explaining = [each for each in fits if each.remain <= most and each.significant]
+    most = min(EXPLAINS * error, LEFT * size)
+    equal = {each: (EQUAL_UNIT if each.fault.name == "unit" else EQUAL) * fits[0].remain + TOO_SMALL for each in fits}
+    explaining = [each for each in fits if each.remain <= min(most, equal[each]) and each.significant]
     if any(each.fault.name in ("unit", "sign") for each in explaining):  # which say more than their factor
         explaining = [each for each in explaining if each.fault.name != "factor"]
     explaining.sort(key=lambda each: each.fault.name != "factor")  # the plainest of those that cannot be told apart
@@ -97,7 +99,9 @@ def _fitted(fault, scene, samples):
 
     def residuals(value):
         flow = fault.flow(scene, float(value))
-        parts = [u - np.array([np.broadcast_to(flow(name, *at), at[1].shape) for name in names]) for at, u, _ in samples]
+        parts = [
+            u - np.array([np.broadcast_to(flow(name, *at), at[1].shape) for name in names]) for at, u, _ in samples
+        ]
         return np.nan_to_num(np.concatenate([part.ravel() for part in parts]) / scene.reference_velocity, nan=1e3)
 
     if fault.choices:

@@ -90,24 +90,35 @@ def _series(scene, y, t):
     return developed + np.sin(np.pi / gap * y[..., None] * n) @ amplitude
 
 
+def _linear(name, towards, words, low=-np.inf, high=np.inf):
+    """Fault of the flow that is 1 - value times the exact one, and value times the flow ``towards(scene)``."""
+
+    def flow(scene, value):
+        own, other = exact(scene), towards(scene)
+        return lambda *at: (1 - value) * own(*at) + value * other(*at)
+
+    return Fault(name, flow, words, low, high, 0.002, linear=True)
+
+
 def _factors(units):
     """Velocities that are a factor times those of the config; one of their sign, or of a unit of length, by name."""
 
-    def flow(scene, value):
-        return lambda field, x, y, t: (1 + value) * scene.exact(field, x, y, t)
-
-    names = {size / SIZES["length"].get(units.length, np.nan): name for name, size in SIZES["length"].items()}
-    own = {1 / size - 1: name for size, name in names.items() if np.isfinite(size) and size != 1}
+    def twice(scene):
+        return lambda *at: 2 * exact(scene)(*at)
 
     def times(value):
         return f"the velocities are {1 + value:.4g} times those of the config"
 
     def unit(value):
-        return f"{times(value)}: they are in {own[value]}/{units.time}, --unit velocity={own[value]}/{units.time}"
+        return f"{times(value)}: they are in {names[value]}/{units.time}, --unit velocity={names[value]}/{units.time}"
 
-    yield Fault("factor", flow, times, least=0.002, linear=True)
-    yield Fault("sign", flow, lambda _: "the velocities have the wrong sign", choices=(-2.0,))
-    yield Fault("unit", flow, unit, choices=tuple(own))
+    plain = _linear("factor", twice, times)
+    size = SIZES["length"].get(units.length, np.nan)
+    names = {size / other - 1: name for name, other in SIZES["length"].items() if abs(np.log10(size / other)) >= 1}
+    yield plain
+    yield replace(plain, name="sign", words=lambda _: "the velocities have the wrong sign", choices=(-2.0,))
+    if names:
+        yield replace(plain, name="unit", words=unit, choices=tuple(names))
 
 
 def _origin(scene):
@@ -129,16 +140,12 @@ def _origin(scene):
 
 def _drive(scene):
     """Another acceleration of the fluid."""
-    if not scene.acceleration:
-        return
 
-    def flow(scene, value):
-        return exact(replace(scene, acceleration=(1 + value) * scene.acceleration))
+    def twice(scene):
+        return exact(replace(scene, acceleration=2 * scene.acceleration))
 
-    def words(value):
-        return f"the drive is {1 + value:.4g} times that of the config"
-
-    yield Fault("drive", flow, words, least=0.002, linear=True)
+    if scene.acceleration:
+        yield _linear("drive", twice, lambda value: f"the drive is {1 + value:.4g} times that of the config")
 
 
 def _viscosity(scene):
@@ -204,54 +211,46 @@ def _displaced(scene, name, outward, subject, limit):
 
 def _slip(scene):
     """The fluid at moving walls is slower than they are by a part of their velocity."""
-    if not any(wall.largest_speed for _, wall in scene.walls):
-        return
 
-    def flow(scene, value):
-        return exact(replace(scene, bottom=scene.bottom.scaled(1 - value), top=scene.top.scaled(1 - value)))
+    def at_rest(scene):
+        return exact(replace(scene, bottom=scene.bottom.scaled(0.0), top=scene.top.scaled(0.0)))
 
     def words(value):
         if value < 0:
             return f"the walls move {-100 * value:.3g} % faster than the config says"
         return f"the fluid slips: at a moving wall it has {100 * (1 - value):.4g} % of the wall's velocity"
 
-    yield Fault("slip", flow, words, -1.0, 1.0, 0.002, linear=True)
+    if any(wall.largest_speed for _, wall in scene.walls):
+        yield _linear("slip", at_rest, words, -1.0, 1.0)
 
 
 def _start(scene, times):
     """The start was not at rest, or not the developed flow: superpositions, so of fluids with linear laws only."""
-    other = replace(scene, initial_state="rest" if scene.starts_developed else "developed", start_time=0.0)
     stops = any(wall.before is not None for _, wall in scene.walls)
     swings = scene.polymer and any(wall.oscillates for _, wall in scene.walls)
     scheduled = any(wall.jump_times for _, wall in scene.walls)  # nothing has developed before
     if stops or swings or scheduled or scene.start_time:
         return
 
-    def mixed(scene, value):
-        own, another = exact(scene), exact(other)
-        return lambda *at: (1 - value) * own(*at) + value * another(*at)
+    def other(scene):
+        return exact(replace(scene, initial_state="rest" if scene.starts_developed else "developed", start_time=0.0))
 
     def words(value):
         if scene.starts_developed:
             return f"the start was not the developed flow, but {100 * (1 - value):.4g} % of it"
         return f"the start was not at rest, but with {100 * value:.4g} % of the developed flow"
 
-    yield Fault("start", mixed, words, -1.5, 1.5, 0.002, linear=True)
+    yield _linear("start", other, words, -1.5, 1.5)
     if not scene.starts_developed and not scene.polymer:
-        yield _uniform_start(scene)
+        yield _linear("uniform_start", _dragged, lambda value: _uniform(scene, value), -2.0, 2.0)
 
 
-def _uniform_start(scene):
-    dragged = replace(scene, top=WallMotion(1.0), bottom=WallMotion(1.0), acceleration=0.0)
-    speed = scene.reference_velocity
+def _dragged(scene):
+    """The flow, and the remainder of the reference velocity: that of the frame in which both walls start."""
+    dragged = exact(replace(scene, top=WallMotion(1.0), bottom=WallMotion(1.0), acceleration=0.0))
+    return lambda *at: exact(scene)(*at) + scene.reference_velocity * (1 - dragged(*at))
 
-    def flow(scene, value):
-        # the remainder of a uniform velocity: the flow in a frame in which both walls start
-        return lambda *at: exact(scene)(*at) + value * speed * (1 - exact(dragged)(*at))
 
-    def words(value):
-        return (
-            f"the start was not at rest, but with a uniform velocity of {value * speed:.4g} ({100 * value:.4g} % of U)"
-        )
-
-    return Fault("uniform_start", flow, words, -2.0, 2.0, 0.002, linear=True)
+def _uniform(scene, value):
+    speed = value * scene.reference_velocity
+    return f"the start was not at rest, but with a uniform velocity of {speed:.4g} ({100 * value:.4g} % of U)"

@@ -134,8 +134,8 @@ def _aligned(path, frame, t, scene, question):
     needed = [frame.columns[name] for name in names if name in frame.columns]
     finite = np.all([np.isfinite(column) for column in needed], axis=0)
     if finite.sum() < alignment.LEAST:
-        text = f"has fewer than {alignment.LEAST} points with a place and a velocity"
-        raise ConfigError(f"{path}: {text}, {finite.sum()}, and at least {alignment.LEAST} are compared")
+        text = f"has fewer than five points with a place and a velocity, {finite.sum()}"
+        raise ConfigError(f"{path}: {text}: at least {alignment.LEAST} are compared")
     values = {name: array[finite] for name, array in frame.columns.items()}
     axes = alignment.orientation(question.orientation) if question.orientation else None
     aligned = alignment.align(values, scene, t, axes=axes, origin=question.origin)

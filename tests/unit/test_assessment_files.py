@@ -266,7 +266,7 @@ def test_an_error_of_round_off_has_no_place(tmp_path, config):
     ("content", "settings", "says"),
     [
         ("y,u\n", {}, "no line of numbers"),
-        ("y,u\n0.5,1\n0.6\n", {}, "row 2"),
+        ("y,u\n0.5,1\n0.6\n", {}, "line 3 is no row of numbers"),
         ("a,b\n0.5,1\n", {}, "no column is recognised as y or u"),
         ("y,u\n0.5,1\n", {"columns": ["y=height"]}, "no column height"),
         ("y,u\n0.5,1\n", {"columns": ["height=1"]}, "the quantities are"),

@@ -80,6 +80,12 @@ def test_texts_as_people_write_them(errors, name):
         assert "y is in" in notes[0][0]
 
 
+def test_a_velocity_without_a_unit_beside_heights_that_have_one_is_said(errors):
+    found, notes = errors("half.csv", table("y [mm],u", ",", [1e3 * Y, exact(Y)]), (TIME,))
+    assert found[TIME] < DIGITS
+    assert "u, without a unit in the file, is taken to be in that of the config" in notes[0]
+
+
 def test_cross_sections_keep_the_velocity_along_the_flow(errors):
     content = table("x,y,z,vx,vy,vz", ",", [FLAT, Y, Y[::-1] ** 2, exact(Y), FLAT, FLAT])
     found, notes = errors("slice.csv", content, (TIME,))
@@ -211,6 +217,14 @@ def test_frames_without_times_are_paired_in_order_or_listed(errors, tmp_path, na
     for times in ((), (TIME,), (1.8, TIME)):
         with pytest.raises(ConfigError, match=r"has 3 frames without times, \w+ .*give --time for each, in order"):
             errors(name, None, times)
+
+
+@pytest.mark.parametrize("name", ["a.dump", "chunks.dat", "a.xyz"])
+def test_files_that_end_in_the_middle_of_a_frame_are_refused(errors, name):
+    with pytest.raises(ConfigError, match=r"is damaged|is no extended XYZ"):
+        errors(name, WITHOUT_TIMES[name].rstrip().rpartition("\n")[0], TIMES)
+    with pytest.raises(ConfigError):
+        errors(name, "", TIMES)
 
 
 @pytest.mark.parametrize(

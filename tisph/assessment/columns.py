@@ -87,28 +87,24 @@ def in_plane(frame, chosen):
 
     A velocity along z may be that around the axis of an axisymmetric flow.
     """
-    columns = frame.columns
-    finite = np.all([np.isfinite(column) for name, column in columns.items() if name in "xyzuvw"], axis=0)
-    if "z" not in columns or chosen.keys() & {"x", "y"} or not finite.any():
+    columns, nothing = frame.columns, np.zeros(len(next(iter(frame.columns.values()))))
+    table = np.stack([columns.get(name, nothing) for name in "xyzuvw"])
+    table = table[:, np.isfinite(table).all(axis=0)]
+    if "z" not in columns or chosen.keys() & {"x", "y"} or not table.size:
         return frame
-    extent = {axis: np.ptp(columns[axis][finite]) if axis in columns else 0.0 for axis in "xyz"}
-    speed = {name: np.abs(columns[name][finite]).max() if name in columns else 0.0 for name in "uvw"}
-    still = [
-        axis for axis, name in zip("xyz", "uvz", strict=True) if speed.get(name, 0.0) <= FLAT * max(speed.values())
-    ]
-    flat = [axis for axis in still if extent[axis] <= FLAT * max(extent.values())]
-    dropped = ([None, *flat] if "y" in columns else ["y"])[-1]
+    extent, speed = np.ptp(table[:3], axis=1), np.abs(table[3:]).max(axis=1)
+    still = (speed <= FLAT * speed.max()) | np.array([False, False, True])
+    flat = [axis for axis, each in zip("xyz", still & (extent <= FLAT * extent.max()), strict=True) if each]
+    dropped = max(flat, default=None) if "y" in columns else "y"
     if dropped in (None, "z"):
         note = "z varies, too, and is left out: x and y of the data are taken"
         return frame if dropped else replace(frame, notes=(*frame.notes, note))
     kept = [name for name in "xyzuvw" if name not in (dropped, {"x": "u", "y": "v"}[dropped])]
     names = dict(zip(kept, "xyuv", strict=True)) | {name: name for name in {*columns, "time"} if name not in "xyzuvw"}
-    return replace(
-        frame,
-        columns={names[name]: column for name, column in columns.items() if name in names},
-        units={names[name]: unit for name, unit in frame.units.items() if name in names},
-        notes=(*frame.notes, f"{kept[0]} and {kept[1]} of the data are taken as x and y"),
-    )
+    columns = {names[name]: column for name, column in columns.items() if name in names}
+    units = {names[name]: unit for name, unit in frame.units.items() if name in names}
+    note = f"{kept[0]} and {kept[1]} of the data are taken as x and y"
+    return replace(frame, columns=columns, units=units, notes=(*frame.notes, note))
 
 
 def by_time(frame, path):
@@ -120,16 +116,12 @@ def by_time(frame, path):
     values, first, which = np.unique(frame.columns[key], return_index=True, return_inverse=True)
     if not np.isfinite(values).all():
         raise ConfigError(f"{path}: has points without a {key}")
-    if frame.time is not None:
-        if len(values) > 1 or (key == "time" and values[0] != frame.time):
-            raise ConfigError(
-                f"{path}: says t = {frame.time:g}, but its column of {key}s has {shown(map(str, values))}"
-            )
-        return [replace(frame, columns=columns)]
+    if frame.time is not None and (len(values) > 1 or (key == "time" and values[0] != frame.time)):
+        raise ConfigError(f"{path}: says t = {frame.time:g}, but its column of {key}s has {shown(map(str, values))}")
     found = []
     for index in np.argsort(first):
         part = {name: column[which == index] for name, column in columns.items()}
-        time, label = float(values[index]) if key == "time" else None, f"{key} {values[index]:.12g}"
+        time, label = float(values[index]) if key == "time" else frame.time, f"{key} {values[index]:.12g}"
         found.append(replace(frame, columns=part, time=time, label=label))
     return found
 

@@ -102,7 +102,7 @@ def _paired(frames, times, path):
             return list(zip(frames, times, strict=True))
         if len(frames) == 1:
             raise ConfigError(f"{path}: does not say of which time it is; give --time once")
-        labels = columns.shown([frame.label if frame.time is None else f"t = {frame.time:.6g}" for frame in frames])
+        labels = columns.shown([frame.label or f"frame {number}" for number, frame in enumerate(frames, 1)])
         raise ConfigError(f"{path}: has {len(frames)} frames without times, {labels}; give --time for each, in order")
     if not times:
         return [(frame, frame.time) for frame in frames if frame.time > 0]

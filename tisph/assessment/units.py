@@ -53,6 +53,9 @@ def in_config(frame, texts, labels, path):
         elif quantity not in given:
             for base, power in POWERS[quantity].items():
                 factors[name] *= given.get(base, 1.0) ** power
+    bare = [name for name in frame.columns if name in "xyuv" and not frame.units.get(name)]
+    if bare and any(factors[name] != 1.0 for name in frame.columns if frame.units.get(name)) and not given:
+        notes.append(f"{' and '.join(bare)}, without a unit in the file, is taken to be in that of the config")
     columns = {name: column * factors[name] for name, column in frame.columns.items()}
     time = None if frame.time is None else frame.time * factors["time"]
     return replace(frame, columns=columns, time=time, notes=(*frame.notes, *notes))

@@ -4,6 +4,7 @@
 """
 
 import zipfile
+import zlib
 from pathlib import Path
 
 from tisph.assessment.readers import arrays, hdf5, json_text, lammps, text, vtk_files, xyz
@@ -23,11 +24,13 @@ def frames(path, select=None):
     try:
         with open(path, "rb") as file:
             begins = file.read(32)
-        return _reader(path, begins).read(path, select)
+        if found := _reader(path, begins).read(path, select):
+            return found
+        raise ConfigError(f"{path}: is empty")
     except UnicodeDecodeError:
         known = ", ".join(suffix for reader in READERS for suffix in reader.SUFFIXES if suffix)
         raise ConfigError(f"{path}: is no text, and its ending {path.suffix} is none of {known}") from None
-    except (OSError, zipfile.BadZipFile) as error:
+    except (OSError, EOFError, NotImplementedError, zipfile.BadZipFile, zlib.error) as error:
         raise ConfigError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
 
 

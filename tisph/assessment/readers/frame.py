@@ -11,8 +11,8 @@ from tisph.errors import ConfigError
 class Frame:
     """Columns of one time by name, arrays (points,), as the file has them: its names, units and axes.
 
-    ``time`` is None where the file does not say it; ``label`` then tells the frames of the file apart. ``units`` has
-    the unit of a column, or of ``time``, where the file states one. ``notes`` say in words how it was read.
+    ``time`` is None where the file does not say it; ``label`` may tell such frames of a file apart. ``units`` has the
+    unit of a column, or of ``time``, where the file states one. ``notes`` say in words how it was read.
     """
 
     columns: dict[str, np.ndarray]
@@ -46,7 +46,7 @@ def split(arrays, path):
     arrays = {name: array for name, each in arrays.items() if (array := np.asarray(each)).dtype.kind in "fiub"}
     times = np.ravel([] if (found := time_of(arrays)) is None else found)
     one = {len(each) for each in arrays.values() if each.ndim == 1 or (each.ndim == 2 and each.shape[1] <= 3)}
-    one -= {len(times)}  # lengths of arrays of one time; longer second indices in arrays of these lengths are no points
+    one -= {len(times)}  # numbers of points in arrays without a time; arrays as long as these have none either
     many = {name: each for name, each in arrays.items() if each.ndim > 1 and each.shape[1] > 3 and len(each) not in one}
     if not many and (len(times) < 2 or not one):
         return [Frame(flat(arrays), float(times[0]) if len(times) == 1 else None)]
@@ -56,8 +56,7 @@ def split(arrays, path):
         raise ConfigError(f"{path}: which index is the time? It must be the first one; the arrays are {shapes}")
     fixed = {name: each for name, each in arrays.items() if name not in many and each.ndim and len(each) == points}
     found = [flat(fixed | {name: each[index] for name, each in many.items()}) for index in range(count)]
-    labels = [f"row {index + 1}" for index in range(count)]
-    return [Frame(*each) for each in zip(found, times.tolist() or [None] * count, labels, strict=True)]
+    return [Frame(*each) for each in zip(found, times.tolist() or [None] * count, strict=True)]
 
 
 def flat(arrays):

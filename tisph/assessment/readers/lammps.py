@@ -22,12 +22,14 @@ def read(path, select=None):
     ``select`` are the types of the fluid, such as ``1`` or ``1,2``.
     """
     lines = decoded(path).splitlines()
-    if lines[0].startswith(CHUNKS):
+    if lines and lines[0].startswith(CHUNKS):
         return _profiles(lines, path)
-    starts = [_start(lines, index) for index, line in enumerate(lines) if line.startswith("ITEM: TIMESTEP")]
-    ends = [*starts[1:], len(lines)]
+    starts = [index for index, line in enumerate(lines) if line.startswith("ITEM: TIMESTEP")]
     if not starts:
         raise ConfigError(f"{path}: has no line 'ITEM: TIMESTEP'")
+    # the time of a frame is written before its step
+    starts = [index - 2 if lines[index - 2].strip() == "ITEM: TIME" else index for index in starts]
+    ends = [*starts[1:], len(lines)]
     return [_frame(lines[start:end], path, select) for start, end in zip(starts, ends, strict=True)]
 
 
@@ -36,32 +38,30 @@ def _profiles(lines, path):
 
     Chunks along one axis only are along y, whatever its name in LAMMPS is: the file does not say it.
     """
-    names = lines[2].lstrip("# ").split()
-    names = ["y" if name == "Coord1" and "Coord2" not in names else name for name in names]
     rows, frames = [line.split() for line in lines if not line.startswith("#")], []
     try:
+        names = lines[2].lstrip("# ").split()
+        names = ["y" if name == "Coord1" and "Coord2" not in names else name for name in names]
         while rows:
-            (step, count, *_), table = rows[0], np.array(rows[1 : int(rows[0][1]) + 1], dtype=float)
+            step, count = rows[0][0], int(rows[0][1])
+            table = np.array(rows[1 : count + 1], dtype=float).reshape(count, len(names))
             columns = dict(zip(names, table[table[:, names.index("Ncount")] > 0].T, strict=True))
             frames.append(Frame(columns, label=f"step {step}"))
-            rows = rows[int(count) + 1 :]
+            rows = rows[count + 1 :]
     except (ValueError, IndexError) as error:
         raise ConfigError(f"{path}: is damaged after {len(frames)} blocks of chunks: {error}") from None
     return frames
 
 
-def _start(lines, index):
-    """First line of the frame whose time step stands at ``index``: LAMMPS writes its time before it."""
-    return index - 2 if index >= 2 and lines[index - 2].startswith("ITEM: TIME") else index
-
-
 def _frame(lines, path, select):
     found = {line[len(BEGINS) :]: index for index, line in enumerate(lines) if line.startswith(BEGINS)}
     atoms = next((name for name in found if name.startswith("ATOMS ")), None)
-    if atoms is None:
-        raise ConfigError(f"{path}: has no line 'ITEM: ATOMS' with the names of its columns")
+    if atoms is None or "NUMBER OF ATOMS" not in found:
+        raise ConfigError(f"{path}: has no line 'ITEM: ATOMS' with the names of its columns, or none with their number")
     # a list of named columns, of which those that are no numbers (an element's name) are left out
     rows = [line.split() for line in lines[found[atoms] + 1 :] if line and not line.startswith(BEGINS)]
+    if [str(len(rows))] != lines[found["NUMBER OF ATOMS"] + 1].split() or len({len(row) for row in rows}) != 1:
+        raise ConfigError(f"{path}: a frame is damaged: it has {len(rows)} rows, or rows of several lengths")
     columns = {}
     for name, cells in zip(atoms.split()[1:], zip(*rows, strict=False), strict=False):
         try:

@@ -16,17 +16,15 @@ def read(path, select=None):
     """A frame a time of the file; the time is that of its steps, or the field data ``time`` or ``TimeValue``."""
     if path.suffix == ".pvd":
         return _collection(path, select)
-    reader = _reader(path)
+    reader, key = _reader(path)
     reader.SetFileName(str(path))
     reader.UpdateInformation()
-    key = _executive().TIME_STEPS()
     information = reader.GetOutputInformation(0)
     steps = 0 if path.suffix == ".vtk" else information.Length(key)  # the legacy format has none, its reader says 0.0
-    times = [information.Get(key, step) for step in range(steps)]
+    times, frames = [information.Get(key, step) for step in range(steps)], []
     if not times:
         reader.Update()
         return [_frame(reader.GetOutputDataObject(0), _only_time(path), path)]
-    frames = []
     for time in times:
         reader.UpdateTimeStep(time)
         frames.append(_frame(reader.GetOutputDataObject(0), time, path))
@@ -56,23 +54,16 @@ def _only_time(path):
 
 
 def _reader(path):
+    """VTK's reader of the file, and the key of its times."""
     try:
+        from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
         from vtkmodules.vtkIOHDF import vtkHDFReader
         from vtkmodules.vtkIOLegacy import vtkGenericDataObjectReader
         from vtkmodules.vtkIOXML import vtkXMLGenericDataObjectReader, vtkXMLPUnstructuredGridReader
     except ImportError:
         raise ConfigError(f"{path}: reading it needs VTK: pip install '.[vtk]' in a clone") from None
-    if path.suffix == ".pvtu":
-        return vtkXMLPUnstructuredGridReader()
-    return {".vtk": vtkGenericDataObjectReader, ".vtkhdf": vtkHDFReader}.get(
-        path.suffix, vtkXMLGenericDataObjectReader
-    )()
-
-
-def _executive():
-    from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
-
-    return vtkStreamingDemandDrivenPipeline
+    kinds = {".vtk": vtkGenericDataObjectReader, ".vtkhdf": vtkHDFReader, ".pvtu": vtkXMLPUnstructuredGridReader}
+    return kinds.get(path.suffix, vtkXMLGenericDataObjectReader)(), vtkStreamingDemandDrivenPipeline.TIME_STEPS()
 
 
 def _frame(data, time, path):

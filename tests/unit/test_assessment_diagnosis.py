@@ -1,4 +1,4 @@
-"""Everything that ``tisph compare`` says of a wrong result is true: the fault that was put in, or its equals, or none."""
+"""What ``tisph compare`` says of a wrong result is true: the fault that was put in, or its equals, or none."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -119,7 +119,7 @@ def _fitted(fault, scene, samples):
 
 
 def _nearest_minimum(residuals, value, fault):
-    """Return the parameter near ``value`` where the sum of squares is least, and the sum: Gauss-Newton, steps halved."""
+    """Return the parameter near ``value`` of the least sum of squares, and the sum: Gauss-Newton, steps halved."""
     now = residuals(value)
     for _ in range(STEPS):
         width = 1e-5 * max(abs(value), 1e-3) * (1 if value < 0.5 * (fault.low + fault.high) else -1)
@@ -134,6 +134,6 @@ def _nearest_minimum(residuals, value, fault):
         else:
             break
         moved, value, now = abs(new - value), new, then
-        if moved < 1e-9 * max(abs(value), 1e-3):
+        if moved < 1e-7 * max(abs(value), 1e-3):
             break
     return value, now @ now

@@ -178,6 +178,7 @@ def test_what_is_missing_or_outside_is_one_message(tmp_path, monkeypatch):
     for columns, config, says in (
         ({"r": RADIUS, "u": RADIUS}, CONFIGS["couette"], "this flow needs y, too"),
         ({"r": 1 + RADIUS, "u": RADIUS}, couette, "this flow needs x and y and v, too"),
+        ({"y": 1 + RADIUS, "u_theta": RADIUS}, couette, "this flow needs x and u and v, too"),
         ({"y": RADIUS, "u": RADIUS}, taylor_green, "this flow needs x and v, too"),
         ({"r": RADIUS, "u": RADIUS}, CONFIGS["spin_up"], "this flow needs w, too"),
         ({"r": 1000 * RADIUS, "u": RADIUS}, "pipe.yaml", "outside the fluid; give --unit"),

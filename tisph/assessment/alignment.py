@@ -89,16 +89,16 @@ def _cartesian(columns, scene):
         columns = {new: columns[old] for old, new in names.items() if old in columns} | columns
         given = "x" in columns or "y" not in columns
         return columns if given else columns | {"x": scene.origin[0] + _made_up(columns["y"], scene.length)}
-    if "u_theta" not in columns or not hasattr(scene, "centre"):
+    placed = {"x", "y"} <= columns.keys()
+    if "u_theta" not in columns or not (placed or "r" in columns) or not hasattr(scene, "centre"):
         return columns
     around, along = columns["u_theta"], columns.get("u_r", 0.0)
-    if "x" in columns and "y" in columns:
-        angle = np.arctan2(columns["y"] - scene.centre[1], columns["x"] - scene.centre[0])
-        places = {}
+    if placed:
+        places, angle = {}, np.arctan2(columns["y"] - scene.centre[1], columns["x"] - scene.centre[0])
     else:
         angle = _made_up(columns["r"], 2 * np.pi)
-        places = {"x": scene.centre[0] + columns["r"] * np.cos(angle)}
-        places["y"] = scene.centre[1] + columns["r"] * np.sin(angle)
+        unit = {"x": np.cos(angle), "y": np.sin(angle)}
+        places = {name: middle + columns["r"] * unit[name] for name, middle in zip("xy", scene.centre, strict=True)}
     u, v = (along * np.cos(angle) - around * np.sin(angle), along * np.sin(angle) + around * np.cos(angle))
     return columns | places | {"u": u, "v": v}
 
@@ -121,7 +121,7 @@ def _completed(columns, scene, t):
     if missing:
         raise ConfigError(f"--columns: this flow needs {' and '.join(missing)}, too")
     zero = [name for name in components if name not in columns]
-    notes = (f"the data have no {' and no '.join(zero)}, which this flow has not either: the error is without",)
+    notes = (f"the data have no {' and no '.join(zero)}: 0 is taken, as in the reference",)
     return columns | {name: np.zeros(len(columns["x"])) for name in zero}, notes[: len(zero)]
 
 

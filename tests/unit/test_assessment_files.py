@@ -310,7 +310,7 @@ def test_the_command_prints_stores_and_holds_to_a_bound(tmp_path, monkeypatch, c
     assert "the walls move 4 % faster" in done.stdout
     stored = json.loads((tmp_path / "runs/compare-result/comparison.json").read_text())
     assert stored["samples"][0]["l2"] == pytest.approx(0.04)
-    assert stored["diagnoses"]["20 across"]["explained_by"] == ["slip"]
+    assert stored["diagnoses"]["20 across"]["explained_by"] == ["factor", "slip"]
     assert (tmp_path / "runs/compare-result/comparison.png").stat().st_size > 10_000
     assert CliRunner().invoke(cli.app, [*call, "0.03"]).exit_code == 1
     assert CliRunner().invoke(cli.app, [*call[:-1], "--unit", "length=yard"]).exit_code == 2

@@ -8,8 +8,10 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from tisph.errors import ConfigError
+from tisph.measures.fits import periodic_tree
+from tisph.measures.gradients import NEIGHBOURS
 from tisph.measures.metrics import root_mean_square
-from tisph.snapshot import STRESSES, Bodies, Snapshot
+from tisph.snapshot import Bodies, Snapshot
 
 AXES = [(along, towards) for along in ("x", "-x", "y", "-y") for towards in ("y", "-y", "x", "-x")]
 ORIENTATIONS = [pair for pair in AXES if pair[0][-1] != pair[1][-1]]
@@ -26,6 +28,12 @@ BEYOND = 1.0
 
 EVEN = 0.2
 """Heights that lie closer than that part of their mean distance are of particles, not of one line across."""
+
+LEAST = 5
+"""Points, and points across a channel, that are needed for a comparison, and for other numbers than errors."""
+
+FILLING = 0.6
+"""Points fill a region where that part of the spacing of as many particles lies between most of them."""
 
 COLUMNS = 8
 """Columns of particles that a line across the channel stands for: enough for the fits that read between points."""
@@ -64,11 +72,57 @@ def align(columns, scene, t, *, axes=None, origin=None):
     found between plane walls where they are not given. ConfigError where the data do not fit.
     """
     if not scene.parallel:
-        missing = [name for name in ("x", *scene.fields) if name in "xyuv" and name not in columns]
-        if missing:
-            raise ConfigError(f"--columns: this flow needs {' and '.join(missing)}, too")
-        return _aligned(_reoriented(columns, axes or ORIENTATIONS[0], origin or (0.0, 0.0)), scene, t, ())
+        columns = _reoriented(_cartesian(columns, scene), axes or ORIENTATIONS[0], origin or (0.0, 0.0))
+        return _aligned(*_completed(columns, scene, t), scene, t)
+    if missing := [name for name in "yu" if name not in columns]:
+        raise ConfigError(f"--columns: this flow needs {' and '.join(missing)}, too")
     return _between_walls(columns, scene, t, axes, origin)
+
+
+def _cartesian(columns, scene):
+    """Columns along the axes of the scene, of data that may have r, u_r, u_theta instead.
+
+    Nothing depends on the angle between cylinders, nor on the place along a pipe: where it is not given it is made up.
+    """
+    if scene.axisymmetric:
+        names = {"r": "y", "u_r": "v", "u_theta": "w"}
+        columns = {new: columns[old] for old, new in names.items() if old in columns} | columns
+        given = "x" in columns or "y" not in columns
+        return columns if given else columns | {"x": scene.origin[0] + _made_up(columns["y"], scene.length)}
+    placed = {"x", "y"} <= columns.keys()
+    if "u_theta" not in columns or not (placed or "r" in columns) or not hasattr(scene, "centre"):
+        return columns
+    around, along = columns["u_theta"], columns.get("u_r", 0.0)
+    if placed:
+        places, angle = {}, np.arctan2(columns["y"] - scene.centre[1], columns["x"] - scene.centre[0])
+    else:
+        angle = _made_up(columns["r"], 2 * np.pi)
+        unit = {"x": np.cos(angle), "y": np.sin(angle)}
+        places = {name: middle + columns["r"] * unit[name] for name, middle in zip("xy", scene.centre, strict=True)}
+    u, v = (along * np.cos(angle) - around * np.sin(angle), along * np.sin(angle) + around * np.cos(angle))
+    return columns | places | {"u": u, "v": v}
+
+
+def _made_up(heights, size):
+    """Places within ``size`` along which nothing depends: one for a line, as even as may be for particles."""
+    if _even(heights):
+        return np.full(len(heights), 0.5 * size)
+    rank = np.argsort(np.argsort(heights, kind="stable"))
+    return rank * GOLDEN % 1.0 * size
+
+
+def _completed(columns, scene, t):
+    """Columns with 0 for velocities that the data lack and the reference has none of; and a note of them."""
+    components = [name for name in "uvw" if name in scene.fields]
+    missing = [name for name in ("x", "y", *components) if name not in columns]
+    if not {"x", "y"} & set(missing):
+        places = columns["x"], columns["y"]
+        missing = [name for name in missing if np.any(scene.exact(name, *places, t))]
+    if missing:
+        raise ConfigError(f"--columns: this flow needs {' and '.join(missing)}, too")
+    zero = [name for name in components if name not in columns]
+    notes = (f"the data have no {' and no '.join(zero)}: 0 is taken, as in the reference",)
+    return columns | {name: np.zeros(len(columns["x"])) for name in zero}, notes[: len(zero)]
 
 
 def _between_walls(columns, scene, t, axes, origin):
@@ -109,7 +163,7 @@ def _tried(columns, scene, t, axes, origin):
         notes += (f"the bottom wall was found at {axes[1].strip('-')} = {wall:.6g} of the data",)
     elif high - low < 0.5 * scene.gap:
         return None
-    return _aligned(reoriented, scene, t, notes)
+    return _aligned(reoriented, notes, scene, t)
 
 
 def _reoriented(columns, axes, origin):
@@ -135,10 +189,11 @@ def _error(aligned):
 def _spacing(columns, scene):
     """Spacing of the points: of a lattice with as many of them and the same extent; of a profile along y."""
     count = len(columns["y"])
+    if _is_profile(columns):
+        extent = np.hypot(*(np.ptp(columns[name]) if name in columns else 0.0 for name in "xy"))
+        return float(extent) / max(count - 1, 1)
     if not scene.parallel:
         return scene.spacing * np.sqrt(scene.particles / count)
-    if _is_profile(columns):
-        return max(float(np.ptp(columns[name])) for name in "xy" if name in columns) / max(count - 1, 1)
     if "x" not in columns:
         return np.sqrt(scene.length * scene.gap / count)
     width, height = np.ptp(columns["x"]), np.ptp(columns["y"])
@@ -147,20 +202,27 @@ def _spacing(columns, scene):
 
 
 def _is_profile(columns):
-    """Whether the points are one line across the channel: they are on one, or as far apart as those on one are."""
-    if "x" in columns:
-        ranges = [float(np.ptp(columns[name])) for name in "xy"]
-        return min(ranges) <= 1e-9 * max(ranges)
-    steps = np.diff(np.sort(columns["y"]))
+    """Whether the points are on one line, or, where one coordinate is given, as far apart as those on one are."""
+    if "x" not in columns:
+        return _even(columns["y"])
+    places = np.stack([columns["x"] - columns["x"].mean(), columns["y"] - columns["y"].mean()])
+    least, largest = np.sqrt(np.maximum(np.linalg.eigvalsh(places @ places.T), 0.0))
+    return bool(least <= 1e-7 * largest)  # roots of round-off
+
+
+def _even(heights):
+    steps = np.diff(np.sort(heights))
     return bool(steps.min(initial=np.inf) > EVEN * steps.mean()) if len(steps) else True
 
 
-def _aligned(columns, scene, t, notes):
+def _aligned(columns, notes, scene, t):
     spacing, points = _spacing(columns, scene), len(columns["y"])
     if scene.parallel:
         columns, scene = _in_channel(columns, scene, spacing)
-    elif abs(spacing / scene.spacing - 1) > 1e-6:
-        scene = _with_spacing(scene, spacing)
+    else:
+        _check_inside(columns, scene, t)
+        if abs(spacing / scene.spacing - 1) > 1e-6:
+            scene = _with_spacing(scene, spacing)
     x, y = columns["x"], columns["y"]
     low = scene.origin
     places = [
@@ -168,12 +230,36 @@ def _aligned(columns, scene, t, notes):
         for axis, start, size, periodic in zip((x, y), low, scene.extent, scene.periodic, strict=True)
     ]
     nothing = np.full(len(y), np.nan)
-    known = {name: columns.get(name, nothing) for name in ("u", "v", "density", "pressure")}
-    stresses = {name: columns.get(name, nothing) for name in STRESSES} if scene.polymer else {}
+    known = {name: columns.get(name, nothing) for name in {"u", "v", "density", "pressure", *scene.fields}}
     exact = {name: scene.exact(name, *places, t) for name in scene.fields}
     bodies = Bodies.at(t, scene.bodies) if scene.bodies else None  # of whose forces the data say nothing
-    snapshot = Snapshot(t=t, step=0, x=places[0], y=y, **known, **stresses, reference=exact, bodies=bodies)
+    snapshot = Snapshot(t=t, step=0, x=places[0], y=y, **known, reference=exact, bodies=bodies)
     return Aligned(scene, snapshot, points, notes)
+
+
+def _check_inside(columns, scene, t):
+    """Raise ConfigError where points lie outside the walls, or below the axis, by more than a spacing."""
+    if not scene.bodies:
+        return
+    points = np.stack([columns["x"], columns["y"]], axis=1)
+    outside = max(-scene.distance(points, t).min(), scene.origin[1] - columns["y"].min())
+    if outside > BEYOND * scene.spacing:
+        text = f"points lie up to {outside:.4g} outside the fluid; give --unit, --origin or --orientation"
+        raise ConfigError(f"the data do not fit between the walls: {text}")
+
+
+def errors_alone(aligned):
+    """Words why nothing but errors can be measured with the points that there are; None where all can."""
+    scene, snapshot, count = aligned.scene, aligned.snapshot, aligned.points
+    reason = "so that nothing but errors, and no number that needs a slope or a mean, is given"
+    if scene.parallel:
+        return f"{count} points: fewer than {LEAST} across the channel, {reason}" if scene.rows < LEAST else None
+    places, least = np.stack([snapshot.x, snapshot.y], axis=1), NEIGHBOURS[4]
+    if count < least:
+        return f"{count} points: fewer than {least}, {reason}"
+    distance = periodic_tree(scene, places)[0].query(places, 2)[0][:, 1]
+    fills = np.median(distance) >= FILLING * scene.spacing and not _is_profile({"x": snapshot.x, "y": snapshot.y})
+    return None if fills else f"{count} points that do not fill the region evenly, {reason}"
 
 
 def _in_channel(columns, scene, spacing):
@@ -186,8 +272,7 @@ def _in_channel(columns, scene, spacing):
         x = np.repeat((np.arange(COLUMNS) + 0.5) * spacing, points)
         columns = {name: np.tile(array, COLUMNS) for name, array in columns.items()} | {"x": x}
     elif "x" not in columns:
-        rank = np.argsort(np.argsort(columns["y"], kind="stable"))
-        columns = columns | {"x": rank * GOLDEN % 1.0 * length}  # as evenly as may be, also among neighbours in y
+        columns = columns | {"x": _made_up(columns["y"], length)}
     else:
         own = float(np.ptp(columns["x"])) + spacing
         length = length if abs(own - length) < 1.5 * spacing else own

@@ -18,7 +18,12 @@ NAMES |= {
     "time": "t|time|timevalue",
     "step": "(time_?)?step",
 }
+NAMES |= {"r": "r|radius", "u_r": "[uv]_?r", "u_theta": "[uv]_?(theta|phi)"}
+NAMES |= {f"stress_{pair}": f"stress_{pair}" for pair in ("tt", "xt", "yt")}
 """Patterns of names of quantities, in small letters and with ``_`` for all that is no letter and no digit."""
+
+NEEDED = {"y": ("z", "r"), "u": ("u_theta",)}
+"""Quantities that data must have, and others in their place."""
 
 UNIT = re.compile(r"(.+?)\s*(?:\[([^\[\]]*[^\W\d_][^\[\]]*)\]|\((.*[^\W\d_].*)\))")
 """A name and its unit, ``y [m]`` or ``u (m/s)``."""
@@ -60,7 +65,7 @@ def by_quantity(frame, chosen, path):
         free = {column: name for column, name in names.items() if not {column, name} & set(chosen.values())}
         if column := called[0] if wanted else recognised(quantity, free):
             found[quantity] = column
-    if missing := [name for name in ("y", "u") if name not in found and not (name == "y" and "z" in found)]:
+    if missing := [name for name, others in NEEDED.items() if not {name, *others} & found.keys()]:
         text = f"no column is recognised as {' or '.join(missing)}; say which it is with --columns {missing[0]}=NAME"
         raise ConfigError(f"{path}: {text}; the columns are {shown(names)}")
     units = {quantity: units[column] for quantity, column in ({"time": "time"} | found).items() if column in units}

@@ -116,20 +116,26 @@ def _paired(frames, times, path):
 
 def _sample(path, frame, t, scene, question, config):
     aligned = _aligned(path, frame, t, scene, question)
-    own = aligned.scene.time_series(**config.time_series)
-    values = own.measure(aligned.snapshot)
-    history = np.array([t]), np.asarray(values)[None]
-    numbers = sample_metrics(aligned.scene, aligned.snapshot, (own.places, values, history))
+    series = None
+    if text := alignment.errors_alone(aligned):
+        aligned = aligned.noted(text)
+    else:
+        own = aligned.scene.time_series(**config.time_series)
+        values = own.measure(aligned.snapshot)
+        series = own.places, values, (np.array([t]), np.asarray(values)[None])
+    numbers = sample_metrics(aligned.scene, aligned.snapshot, series)
     return Sample(path, aligned, numbers, error_location(aligned.scene, aligned.snapshot))
 
 
 def _aligned(path, frame, t, scene, question):
-    if t < scene.start_time:
-        raise ConfigError(f"--time {t:g}: is before the start of the run, {scene.start_time:g}")
-    needed = [frame.columns[name] for name in ("xyu" if scene.parallel else "xyuv") if name in frame.columns]
+    if t < scene.start_time or t <= 0:
+        raise ConfigError(f"--time {t:g}: is not after the start of the flow, {scene.start_time:g}")
+    names = "xyu" if scene.parallel else ("x", "y", "u", "v", "w", "r", "u_r", "u_theta")
+    needed = [frame.columns[name] for name in names if name in frame.columns]
     finite = np.all([np.isfinite(column) for column in needed], axis=0)
-    if finite.sum() < 5:
-        raise ConfigError(f"{path}: has fewer than five points with a place and a velocity")
+    if finite.sum() < alignment.LEAST:
+        text = f"has fewer than five points with a place and a velocity, {finite.sum()}"
+        raise ConfigError(f"{path}: {text}: at least {alignment.LEAST} are compared")
     values = {name: array[finite] for name, array in frame.columns.items()}
     axes = alignment.orientation(question.orientation) if question.orientation else None
     aligned = alignment.align(values, scene, t, axes=axes, origin=question.origin)

@@ -44,8 +44,9 @@ def _rows(samples):
     rows = [["t*", *(f"{each.numbers['t_star']:.4g}" for each in samples)]]
     rows.append(["resolved", *("yes" if each.numbers["resolved"] else "no" for each in samples)])
     rows += [[label, *(_short(each.numbers[key], ".3e") for each in samples)] for key, label in ERRORS.items()]
-    for key in samples[0].numbers:
-        if f"{key}_exact" in samples[0].numbers:
+    keys = dict.fromkeys(key for each in samples for key in each.numbers)
+    for key in keys:
+        if f"{key}_exact" in keys:
             rows.append([f"{key.replace('_', ' ')} (exact)", *(_beside(each.numbers, key) for each in samples)])
     return rows
 
@@ -55,7 +56,7 @@ def _short(value, style):
 
 
 def _beside(numbers, key):
-    value, exact = numbers[key], numbers.get(f"{key}_exact")
+    value, exact = numbers.get(key), numbers.get(f"{key}_exact")
     if value is None or exact is None:
         return "-"
     return f"{value:.5g} ({exact:.5g}{_off(value, exact)})"

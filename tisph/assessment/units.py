@@ -22,7 +22,7 @@ POWERS = {
 """Powers of length, time and mass that a quantity is made of. Stresses are pressures."""
 
 QUANTITIES = {"x": "length", "y": "length", "z": "length", "u": "velocity", "v": "velocity", "w": "velocity"}
-QUANTITIES |= {"density": "density", "time": "time"}
+QUANTITIES |= {"r": "length", "u_r": "velocity", "u_theta": "velocity", "density": "density", "time": "time"}
 """What a column is; all others are pressures."""
 
 SYMBOL = r"([^\W\d_]+)\^?([-+]?\d+)?"

@@ -12,8 +12,9 @@ ROUNDINGS = 4.0
 def sample_metrics(scene, snapshot, series):
     """Compare a snapshot with the reference of its scene at its time.
 
-    ``series`` is what the scene follows in time, see ``Scene.diagnostics``. Returns a dict of numbers, None
-    where one does not exist (a relative error of a fluid at rest, any error without a reference):
+    ``series`` is what the scene follows in time, see ``Scene.diagnostics``; without it only errors are computed.
+    Returns a dict of numbers, None where one does not exist (a relative error of a fluid at rest, any error without a
+    reference):
 
     ``t``, ``step`` (how many there have been), ``t_star`` = t / time scale of the scene; ``resolved`` and the
     ``reason`` why not, None where it is (``resolution.py``); over the particles at their own positions, u standing for
@@ -30,7 +31,7 @@ def sample_metrics(scene, snapshot, series):
         "l2": relative_error(scene, snapshot),
         "rms": rms_error(scene, snapshot),
         "linf": _largest_error(scene, snapshot),
-        **scene.diagnostics(snapshot, series),
+        **(scene.diagnostics(snapshot, series) if series else {}),
     }
     numbers = {key: value if _is_word(key, value) else _number(value) for key, value in diagnostics.items()}
     resolved, reason = resolution(scene, snapshot.t, snapshot)

@@ -199,7 +199,7 @@ class Cavity(BodyScene):
         kind = "regular: 16 X^2 (1 - X)^2 of it" if self.regular else "sharp"
         references = ["spectral solution"] if self._exact else sorted({table.source for table in self._tables})
         return [
-            ("Reynolds number", f"{self.reynolds:.6g}  (U W / nu)"),
+            ("Reynolds number", f"{self.reynolds:.6g}  (U W / nu, W the width)"),
             ("velocity of the lid", f"{self.velocity:.6g} {length}/{time}, {kind}"),
             ("kinematic viscosity nu", f"{self.kinematic_viscosity:.6g} {length}^2/{time}"),
             ("cavity", f"{self.width:.6g} x {self.height:.6g} {length}"),

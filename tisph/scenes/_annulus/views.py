@@ -11,11 +11,12 @@ MINUS = "\N{MINUS SIGN}"
 
 
 def scales(scene, gap, speed):
-    """Pairs (label, text) of what a flow between radii is, its ``gap`` and ``speed`` in words."""
+    """Pairs (label, text) of a flow between radii: in words, the ``gap`` H and what has the ``speed`` U."""
     length, time = scene.units.length, scene.units.time
     return [
-        ("Reynolds number", f"{scene.reynolds:.6g}  (U H / nu, H {gap})"),
-        (f"{speed} U", f"{scene.reference_velocity:.6g} {length}/{time}"),
+        ("Reynolds number", f"{scene.reynolds:.6g}  (U H / nu)"),
+        ("speed U", f"{scene.reference_velocity:.6g} {length}/{time}, {speed}"),
+        ("length H", f"{scene.reference_length:.6g} {length}, {gap}"),
         ("kinematic viscosity nu", f"{scene.kinematic_viscosity:.6g} {length}^2/{time}"),
         ("radii", f"{scene.inner_radius:.6g} and {scene.outer_radius:.6g} {length}"),
         ("viscous time", f"{scene.viscous_time:.6g} {time}  (H^2 / nu)"),
@@ -24,7 +25,7 @@ def scales(scene, gap, speed):
 
 def parameters(annulus):
     """Pairs (label, text) of what the flow is, independent of particles."""
-    lines = scales(annulus, "the gap", "fastest wall")
+    lines = scales(annulus, "the gap", "of the fastest wall")
     if annulus.polymer:
         elasticity = annulus.polymer.relaxation_time / annulus.viscous_time
         lines.append(("Weissenberg number", f"{annulus.weissenberg:.4g}  (relaxation time * U / H)"))

@@ -10,9 +10,11 @@ NAMES = {"u": "u", "v": "u_r", "w": "u_θ"}
 """Velocities along the axis, along radii and around the axis, as pictures call them."""
 
 
-def parameters(scene):
-    """Pairs (label, text) of what the flow is, independent of particles."""
-    return scales(scene, "the difference of the radii", "velocity")
+def parameters(scene, length=None, cause="an estimate: by the drive, in a Newtonian fluid"):
+    """Pairs (label, text) of the flow, independent of particles; ``length`` H and ``cause`` of a driven U in words."""
+    radii = "the difference of the radii" if scene.inner_radius else "the radius"
+    by_wall = scene.reference_velocity == scene.fastest_wall
+    return scales(scene, length or radii, "of the fastest wall or body" if by_wall else cause)
 
 
 def across(scene, place=None):

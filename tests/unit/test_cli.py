@@ -286,7 +286,7 @@ def test_exit_status_of_a_run(case, simulation, error, status, message):
 def test_check_prints_what_the_run_would_be(case):
     result = tisph_command("check", "case.yaml")
     assert result.exit_code == 0
-    for text in ("Reynolds number        50", "Mach number            0.1", "acoustic", "2970 from", "5000"):
+    for text in ("Reynolds number        50", "Mach number            0.1", "acoustic", "2970 to 3000 from", "5000"):
         assert text in result.stdout
     assert "warning" not in result.stdout
     assert sorted(path.name for path in case.iterdir()) == ["bad.yaml", "case.yaml"]

@@ -135,7 +135,7 @@ def test_mean_speed_of_the_developed_flow_is_of_the_fluid_itself(name, mean):
     assert "in a Newtonian fluid of the viscosity nu" in output
 
 
-def test_no_mean_speed_is_stated_where_the_walls_have_a_part_in_it(checked):
+def test_no_mean_speed_is_stated_where_walls_have_a_part_in_it(checked):
     thinning = "fluid.rheology={type: power_law, index: 0.5, reference_rate: 1.0, least_rate: 0.01}"
     for other in (["walls.bottom={shear_stress: 0.01}", "walls.top.velocity=0"], [thinning]):
         (drive,) = starting(checked(DRIVE, "scheme.type=auto", *other), "drive")
@@ -149,6 +149,14 @@ def test_every_config_names_the_length_of_its_reynolds_number():
         letter = re.search(r"\(U (\w) / nu", lines["Reynolds number"])[1]
         named = [text for label, text in lines.items() if label.split()[-1] == letter]
         assert named or f", {letter} the " in lines["Reynolds number"], path
+
+
+def test_a_speed_that_is_estimated_is_called_so():
+    """A falling ball reaches less than in free fluid; the fluid in segre_silberberg less than without the cylinder."""
+    for name in ("falling_ball", "segre_silberberg", "confined_cylinder_oldroyd_b"):
+        lines = dict(scenes.of(load(CONFIGS / f"{name}.yaml")).parameters())
+        assert lines["Reynolds number"].startswith("about ")
+        assert lines["speed U"].startswith("about ")
 
 
 def test_only_what_no_run_can_change_is_called_resolved(case):
@@ -169,6 +177,12 @@ def test_a_range_is_rounded_outwards():
     ranges = [(46, 50), (123, 451), (22000, 22000), (3.21, 25.1), (0.04, 0.12), (1234, 1261)]
     texts = ["46 to 50", "120 to 460", "22000", "3.2 to 26", "0.04 to 0.12", "1230 to 1270"]
     assert [check._range(each) for each in ranges] == texts
+
+
+def test_the_getting_started_page_shows_what_the_command_prints():
+    page = (CONFIGS.parent / "docs" / "getting-started.md").read_text(encoding="utf-8")
+    shown = re.search(r"^```\n(  time step .*?)^```$", page, flags=re.MULTILINE | re.DOTALL)[1]
+    assert shown in CliRunner().invoke(cli.app, ["check", str(CONFIGS / "cylinder_in_channel.yaml")]).output
 
 
 @pytest.mark.parametrize(("name", "seconds"), [("couette", (5.3, 7.6, 19.8)), ("suspension", (37.1,))])

@@ -169,7 +169,7 @@ def _sample_lines(scene: Any, samples: Sequence[Any]) -> Iterator[tuple[str, str
         parts = [state, f"{steps} steps", *_error_text(sample, ERROR_FACTORS[resolved is True])]
         yield f"at t = {sample.t:g} {scene.units.time}", "; ".join(parts)
     if any(sample.rms is None for sample in samples):
-        yield "errors", "not predicted but where they stand above: tisph run --estimate-error finds them"
+        yield "errors", "not predicted where none is stated: tisph run --estimate-error finds them"
 
 
 def _resolved(scene: Any, sample: Any) -> tuple[bool | None, str]:
@@ -261,8 +261,8 @@ def _range(numbers: tuple[float, float]) -> str:
 
 
 def _times(seconds: tuple[float, float]) -> str:
-    least, most = map(_duration, seconds)
-    return f"{least} to {most}"
+    (least, unit), (most, of_most) = (_duration(each).split() for each in seconds)
+    return f"{least} to {most} {unit}" if unit == of_most else f"{least} {unit} to {most} {of_most}"
 
 
 def _duration(seconds: float) -> str:

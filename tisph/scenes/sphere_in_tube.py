@@ -186,8 +186,9 @@ class Scene(AxisymmetricScene):
         """Numbers of the flow."""
         ratio = self.reference_length / self.outer_radius
         kept = self.reference_velocity == abs(self.kept_mean_velocity or 0.0)
-        cause = "the mean velocity" if kept else "an estimate: by load or drive, in a Newtonian fluid"
-        lines = views.parameters(self, "the radius of the sphere, across the axis", cause)
+        lines = views.parameters(
+            self, "the radius of the sphere, across the axis", "the mean velocity" if kept else None
+        )
         return [*lines, ("sphere over tube", f"{ratio:.6g}, the ratio of the radii")]
 
     def profiles(self):

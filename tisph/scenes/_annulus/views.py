@@ -10,12 +10,13 @@ from tisph.scenes._views import ExtraSeries, Profile, Radius, TimeSeries
 MINUS = "\N{MINUS SIGN}"
 
 
-def scales(scene, gap, speed):
-    """Pairs (label, text) of a flow between radii: in words, the ``gap`` H and what has the ``speed`` U."""
+def scales(scene, gap, speed, known=True):
+    """Pairs (label, text) of a flow between radii; in words, the ``gap`` H and the cause of the ``speed`` U."""
+    about, digits = ("", 6) if known else ("about ", 2)
     length, time = scene.units.length, scene.units.time
     return [
-        ("Reynolds number", f"{scene.reynolds:.6g}  (U H / nu)"),
-        ("speed U", f"{scene.reference_velocity:.6g} {length}/{time}, {speed}"),
+        ("Reynolds number", f"{about}{scene.reynolds:.{digits}g}  (U H / nu)"),
+        ("speed U", f"{about}{scene.reference_velocity:.{digits}g} {length}/{time}, {speed}"),
         ("length H", f"{scene.reference_length:.6g} {length}, {gap}"),
         ("kinematic viscosity nu", f"{scene.kinematic_viscosity:.6g} {length}^2/{time}"),
         ("radii", f"{scene.inner_radius:.6g} and {scene.outer_radius:.6g} {length}"),

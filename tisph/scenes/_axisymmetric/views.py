@@ -10,11 +10,15 @@ NAMES = {"u": "u", "v": "u_r", "w": "u_θ"}
 """Velocities along the axis, along radii and around the axis, as pictures call them."""
 
 
-def parameters(scene, length=None, cause="an estimate: by the drive, in a Newtonian fluid"):
-    """Pairs (label, text) of the flow, independent of particles; ``length`` H and ``cause`` of a driven U in words."""
-    radii = "the difference of the radii" if scene.inner_radius else "the radius"
-    by_wall = scene.reference_velocity == scene.fastest_wall
-    return scales(scene, length or radii, "of the fastest wall or body" if by_wall else cause)
+def parameters(scene, length=None, cause=None):
+    """Pairs (label, text) of the flow, independent of particles; in words, the ``length`` H and the ``cause`` of U.
+
+    Without a cause U is that of the fastest wall, or an estimate.
+    """
+    length = length or ("the difference of the radii" if scene.inner_radius else "the radius")
+    if scene.reference_velocity == scene.fastest_wall:
+        cause = "of the fastest wall or body"
+    return scales(scene, length, cause or "an estimate: by load or drive, in a Newtonian fluid", cause is not None)
 
 
 def across(scene, place=None):

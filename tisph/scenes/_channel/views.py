@@ -93,7 +93,7 @@ def parameters(channel):
     if channel.acceleration:
         mean, text = flow.driven_mean_velocity(channel), f"{channel.acceleration:.6g} {length}/{time}^2 along x"
         if mean is not None:
-            text += f", of which the developed flow has the mean speed {mean:.6g} {length}/{time}"
+            text += f", of which the developed flow has the mean speed {mean:.{6 if linear else 4}g} {length}/{time}"
         lines.append(("drive", text))
     for name, wall in reversed(channel.walls):
         if wall.angular_frequency:

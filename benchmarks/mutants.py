@@ -78,7 +78,6 @@ TESTS = {
     "schemes/auto": [UNIT + "scheme*", UNIT + "plan", UNIT + "config_*"],
     "schemes/wcsph/_shift": [CORE + "shift", *EXPLICIT],
     "schemes/wcsph/_loads": [UNIT + "loads", CORE + "explicit_bodies"],
-    "schemes/_splitting/_forecast": [CORE + "scheduled_cylinders", UNIT + "splitting_steps", UNIT + "estimates"],
     "schemes/implicit/_motion": [CORE + "points", *IMPLICIT],
     "schemes/wcsph": [UNIT + "scheme*", UNIT + "plan", CORE + "explicit_*", *EXPLICIT],
     "schemes/_error_estimate": [

@@ -96,7 +96,8 @@ def test_check_says_what_the_flow_is(settings, tmp_path, capsys):
         "valid (taylor_green, wcsph)",
         "100  (U L / nu)",
         "(12 across, 24 along)",
-        "the error is not predicted",
+        "resolved; 10 steps",
+        "errors                 not predicted",
     ):
         assert part in text
 

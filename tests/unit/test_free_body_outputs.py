@@ -276,11 +276,13 @@ def test_exported_bodies_move_and_have_velocities(tmp_path, make):
 def test_check_says_what_is_free_and_what_its_speed_is(make):
     config, *_ = make()
     lines = "\n".join(described(config, *forecast(config)))
+    assert "at the start; gaps will change as bodies move" in lines
     assert "free bodies            2 of 3, of 1, 1.5 times the density of the fluid" in lines
     assert "speed U                0.5 m/s, of the fastest body or wall" in lines
     config, *_ = make("walls={}", "initial.state=rest", "drive.gravity=[0.0, -1.0]")
     lines = "\n".join(described(config, *forecast(config)))
-    assert "an estimate: that to which loads bring a free body" in lines
+    assert "an estimate: of a free body under its load" in lines
+    assert "Reynolds number        about " in lines
 
 
 @pytest.mark.parametrize(("count", "words"), [(0, None), (1, "touched once, for 0.5 s"), (3, "touched 3 times")])

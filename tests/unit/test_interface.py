@@ -60,7 +60,10 @@ def test_check_returns_what_the_command_prints(couette, capsys):
     assert capsys.readouterr() == ("", "")
     assert str(forecast).startswith("case: valid (channel, wcsph, consistent_image)\n  Reynolds number        50")
     assert (forecast.reynolds, forecast.particles) == (pytest.approx(50.0, rel=1e-14), 5000)
-    assert forecast.steps > 1000
+    least, most = forecast.steps_range
+    assert 1000 < least <= forecast.steps <= most
+    assert forecast.run_time < forecast.total_time_range[1]
+    assert forecast.resolved == (True,) * len(forecast.numbers["samples"])
 
 
 def test_an_error_in_a_dict_names_no_file(case):

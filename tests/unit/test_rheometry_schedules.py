@@ -75,6 +75,26 @@ def test_a_relaxation_modulus_is_read_from_a_ramp(times):
     assert numbers["normal_over_shear_stress_at_the_end"] == pytest.approx(strain / 1.01, rel=0.05)
 
 
+@pytest.mark.parametrize(
+    ("flux", "mean", "tolerance"),
+    [
+        (lambda rate: 3.0 * rate, 2.0 * 0.6**2 / (12 * 3.0), 1e-5),
+        # power law of index 1/2: n/(2 n + 1) (drive h)^(1/n) h, with half the gap h
+        (lambda rate: np.sqrt(rate), 0.25 * 0.6**2 * 0.3, 1e-4),
+        # Bingham: Newtonian times 1 - 3/2 f + 1/2 f^3, f yield stress over that at the wall; regularised to 1e-3 of it
+        (lambda rate: rate + 0.2 * (1.0 - np.exp(-1e4 * rate)), 2.0 * 0.6**2 / 12 * (1 - 0.5 + 0.5 / 27), 1e-3),
+    ],
+)
+def test_mean_velocity_between_plates_follows_from_the_flow_curve(flux, mean, tolerance):
+    """Drive 2, gap 0.6, by hand; tolerances are those of the quadrature, 1e-4, and of the regularisation."""
+    assert UniformShear(flux).mean_velocity(2.0, 0.6) == pytest.approx(mean, rel=tolerance)
+
+
+def test_mean_velocity_of_an_oldroyd_b_fluid_is_the_newtonian_one():
+    """Its viscosity is constant: 0.1 of the solvent and 0.9 of the polymer."""
+    assert uniform().mean_velocity(2.0, 0.6) == pytest.approx(2.0 * 0.6**2 / 12, rel=1e-5)
+
+
 def test_a_flow_curve_tells_inertia_from_relaxation():
     gap, density = 0.1, 1.0
     wall = Schedule((0.0, 6.0), (0.0, 1.2))

@@ -32,6 +32,22 @@ LARGE_ERROR = 0.1
 LONG = 86400.0
 """Seconds of an estimated run time above which there is a warning."""
 
+BESIDE_LOOP, FRAME = {True: (3.0, 20.0), False: (5.0, 40.0)}, 0.025
+"""Seconds of a run beside its loop and its movie, least and most, by whether the flow is parallel: kernels may have
+been compiled before, and pictures may have many bodies. Seconds of a frame of the movie, at most. Of all configs a run
+took 3 to 13, and 5 to 29, seconds of processor time."""
+
+ERROR_FACTORS = {True: 3.0, False: 10.0}
+"""Largest factor between a stated error and that of the run, by whether the sample is resolved."""
+
+LOOP_FACTORS = 0.3, 2.5
+"""Least and largest time of a step over its estimate: by threads, processor and iterations of the solvers."""
+
+ROUNDING = math.floor, math.ceil
+
+PROGRAM = "0.2 to 0.4 GB"
+"""Memory of a run with few particles; measured, of all configs."""
+
 LEAST_SOLVENT_FRACTION = 0.1
 """Below, little viscosity is left at the scale of the spacing, where the polymer stress does not resist."""
 
@@ -86,6 +102,9 @@ def estimates(config: Any) -> dict[str, Any]:
     particles = scene.particles
     resolved, reason = schemes.resolve(config)
     run = schemes.estimates(resolved, scene)
+    fewest, most = run["samples"][-1].steps_range(run["steps"])
+    frames = config.output.video.frames if config.output.video else 0
+    step_time, (least, largest) = run["run_time"] / run["steps"], BESIDE_LOOP[scene.parallel]
     return {
         "reynolds": scene.reynolds,
         "cell_reynolds": scene.reference_velocity * scene.spacing / scene.solvent_viscosity,
@@ -94,6 +113,12 @@ def estimates(config: Any) -> dict[str, Any]:
         "memory": memory.estimated_bytes(particles, config, resolved.scheme.type == "implicit"),
         "scheme": reason,
         "error": run["samples"][-1].l2,
+        "steps_range": (fewest, most),
+        "total_time_range": (
+            least + fewest * step_time * LOOP_FACTORS[0],
+            largest + most * step_time * LOOP_FACTORS[1] + frames * FRAME,
+        ),
+        "resolved": [_resolved(scene, sample)[0] for sample in run["samples"]],
         **run,
     }
 
@@ -109,13 +134,12 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
     from tisph.config.memory import format_bytes
 
     length, time = config.units.length, config.units.time
-    largest = "" if numbers["sound_speed"] else "at most "
-    step = f"{largest}{numbers['time_step']:.4g} {time}, set by the {numbers['binding_limit']} limit"
-    guessed = (
-        ""
-        if numbers["samples"][-1].steps_reliable
-        else "; a guess: how the particles will flow is not known beforehand"
-    )
+    explicit, reliable = numbers["sound_speed"], numbers["samples"][-1].steps_reliable
+    largest = "" if explicit else "about " if config.parallel else "at most "
+    digits = 4 if explicit else 2
+    step = f"{largest}{numbers['time_step']:.{digits}g} {time}, set by the {numbers['binding_limit']} limit"
+    steps = _range(numbers["steps_range"])
+    guessed = "" if reliable else "; how the particles will flow is not known beforehand"
     number = (
         f"{config.rows} across, {config.columns} along" if any(config.periodic) else f"{config.particles_across} across"
     )
@@ -128,9 +152,9 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
         ("particle spacing", spacing),
         ("fluid particles", str(numbers["particles"])),
         ("time step", step),
-        ("steps", f"{numbers['steps']} from t = {config.start_time:g} to {config.time.end:g} {time}{guessed}"),
-        ("memory", f"about {format_bytes(numbers['memory'])}"),
-        ("run time", f"about {_duration(numbers['run_time'])} (estimate, without compiling and video)"),
+        ("steps", f"{steps} from t = {config.start_time:g} to {config.time.end:g} {time}{guessed}"),
+        ("memory", f"about {format_bytes(numbers['memory'])} for the particles, beside that of the program, {PROGRAM}"),
+        ("run time", f"{_times(numbers['total_time_range'])} in all, with compiling, pictures and movie"),
     ]
     return lines
 
@@ -138,20 +162,31 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
 def _sample_lines(scene: Any, samples: Sequence[Any]) -> Iterator[tuple[str, str]]:
     """Of every ``SampleEstimate`` whether the sample is resolved, and steps and error as far as they are known."""
     for sample in samples:
-        resolved, reason = resolution(scene, sample.t)
-        state = "resolved" if resolved else f"not resolved: {reason}"
-        steps = f"{sample.steps} steps, " if sample.steps_reliable else ""
-        text = f"{state}{', ' if resolved else '; '}{steps}{_error_text(sample)}"
-        yield f"at t = {sample.t:g} {scene.units.time}", text
+        steps = _range(sample.steps_range(sample.steps))
+        resolved, state = _resolved(scene, sample)
+        parts = [state, f"{steps} steps", *_error_text(sample, ERROR_FACTORS[resolved is True])]
+        yield f"at t = {sample.t:g} {scene.units.time}", "; ".join(parts)
+    if any(sample.rms is None for sample in samples):
+        yield "errors", "not predicted where none is stated: tisph run --estimate-error finds them"
 
 
-def _error_text(sample: Any) -> str:
-    if sample.rms is None:
-        return "the error is not predicted (tisph run --estimate-error finds it)"
-    word = "at most" if sample.at_most else "about"
-    if sample.l2 is None:
-        return f"rms error {word} {sample.rms:.0e} U (estimate)"
-    return f"L2 error {word} {sample.l2:.0e} (estimate)"
+def _resolved(scene: Any, sample: Any) -> tuple[bool | None, str]:
+    """Tell whether a sample will be resolved, and say so; None where its run decides that."""
+    resolved, reason = resolution(scene, sample.t)
+    if not resolved and not scene.has_free_bodies:
+        return False, f"not resolved: {reason}"
+    decisive = [*(["gaps and speeds of bodies"] if scene.has_free_bodies else []), *sample.judged_by]
+    if not decisive:
+        return True, "resolved"
+    unknown = f"whether it is resolved only the run can tell ({', '.join(decisive)})"
+    return None, unknown if resolved else f"probably not resolved: {reason}"
+
+
+def _error_text(sample: Any, factor: float) -> Iterator[str]:
+    if sample.rms is not None:
+        kind, error, unit = ("rms", sample.rms, " U") if sample.l2 is None else ("L2", sample.l2, "")
+        least = "up to" if sample.at_most else f"{error / factor:.0e} to"
+        yield f"{kind} error {least} {factor * error:.0e}{unit}"
 
 
 def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
@@ -162,7 +197,7 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
         last = config.time.samples[-1]
         yield f"the L2 error at the last sample, t = {last:g}, may be as large as {numbers['error']:.1g}"
     if numbers["run_time"] > LONG:
-        yield f"the run takes {numbers['steps']:.3g} steps, about {_duration(numbers['run_time'])}"
+        yield f"the run may take {_range(numbers['steps_range'])} steps, {_times(numbers['total_time_range'])}"
     if numbers["mach"] > HIGHEST_MACH * (1 + 1e-9):
         yield f"the Mach number is above {HIGHEST_MACH:g}; expect compressibility errors"
     highest = HIGHEST_CELL_REYNOLDS["wcsph" if numbers["sound_speed"] else "implicit"]
@@ -204,15 +239,32 @@ def _stiff(config: Any, scene: Any) -> Iterator[str]:
 
 
 def _unresolved(config: Any, scene: Any) -> Iterator[str]:
-    """What is not resolved: the first such sample after the start of the run, which is what the config says."""
+    """Samples that are not resolved, and why the first one after the start of the run, which is as the config says."""
     reasons = {t: resolution(scene, t)[1] for t in config.time.samples if t > config.start_time}
     early = [t for t, reason in reasons.items() if reason]
     if early:
-        yield f"samples not resolved: {len(early)} of {len(reasons)}; at t = {early[0]:g} {reasons[early[0]]}"
+        likely = " (as bodies stand at the start)" if scene.has_free_bodies else ""
+        yield f"samples not resolved{likely}: {len(early)} of {len(reasons)}; at t = {early[0]:g} {reasons[early[0]]}"
+
+
+def _range(numbers: tuple[float, float]) -> str:
+    """Two positive numbers as text, rounded away from one another to two digits, or three; one where they are equal."""
+    low, high = numbers
+    if low == high:
+        return f"{low:g}"
+    digits = 2 if high > 1.2 * low else 3
+    units = [10.0 ** (math.floor(math.log10(end)) + 1 - digits) for end in numbers]
+    low, high = (way(round(end / unit, 6)) * unit for way, end, unit in zip(ROUNDING, numbers, units, strict=True))
+    return f"{low:g} to {high:g}"
+
+
+def _times(seconds: tuple[float, float]) -> str:
+    (least, unit), (most, of_most) = (_duration(each).split() for each in seconds)
+    return f"{least} to {most} {unit}" if unit == of_most else f"{least} {unit} to {most} {of_most}"
 
 
 def _duration(seconds: float) -> str:
     for name, size in (("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0)):
         if seconds >= 2 * size:
-            return f"{seconds / size:.3g} {name}"
+            return f"{seconds / size:.2g} {name}"
     return f"{seconds:.2g} s"

@@ -11,8 +11,10 @@ from tisph.config.from_python import Asked, config_file, override_texts
 class RunEstimate:
     """What a run would be; printed, it is what ``tisph check`` prints.
 
-    ``run_time`` [seconds] is an estimate without compiling and video, ``l2`` one of the relative error at the last
-    sample, None where there is none. ``warnings`` say what may go wrong, ``numbers`` are all estimates by name.
+    ``steps`` and ``run_time`` [seconds], of the steps alone, are estimates; ``steps_range`` and ``total_time_range``
+    [seconds], of the whole run with compiling, pictures and movie, are the least and the largest to be expected. ``l2``
+    estimates the relative error at the last sample, None where it is not predicted. ``resolved``: of each sample True
+    or False, None where only the run can tell. ``warnings``: texts. ``numbers``: all estimates by name.
     """
 
     name: str
@@ -21,6 +23,9 @@ class RunEstimate:
     steps: int
     run_time: float
     l2: float | None
+    steps_range: tuple[int, int]
+    total_time_range: tuple[float, float]
+    resolved: tuple[bool | None, ...]
     warnings: tuple[str, ...]
     numbers: Mapping[str, Any] = field(repr=False)
     text: str = field(repr=False)
@@ -47,6 +52,9 @@ def check(config: Asked, /, **overrides: Any) -> RunEstimate:
             steps=numbers["steps"],
             run_time=numbers["run_time"],
             l2=numbers["error"],
+            steps_range=numbers["steps_range"],
+            total_time_range=numbers["total_time_range"],
+            resolved=tuple(numbers["resolved"]),
             warnings=tuple(warnings),
             numbers=numbers,
             text="\n".join(described(loaded, numbers, warnings)),

@@ -205,7 +205,7 @@ class Cavity(BodyScene):
         given = [("reference velocity U", f"{self.given_velocity:.6g} {length}/{time}")] if self.given_velocity else []
         references = ["spectral solution"] if self._exact else sorted({table.source for table in self._tables})
         return [
-            ("Reynolds number", f"{self.reynolds:.6g}  (U W / nu)"),
+            ("Reynolds number", f"{self.reynolds:.6g}  (U W / nu, W the width)"),
             *given,
             ("velocity of the lid", f"{self.velocity:.6g} {length}/{time}, {kind}"),
             ("kinematic viscosity nu", f"{self.kinematic_viscosity:.6g} {length}^2/{time}"),

@@ -230,7 +230,7 @@ class Scene(AxisymmetricScene):
 
     def parameters(self):
         """Numbers of the flow."""
-        return views.parameters(self)
+        return views.parameters(self, cause="the largest velocity, at most, that the drive gives a Newtonian fluid")
 
     def profiles(self):
         """Velocities over the radius."""

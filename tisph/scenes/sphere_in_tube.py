@@ -186,7 +186,11 @@ class Scene(AxisymmetricScene):
     def parameters(self):
         """Numbers of the flow."""
         ratio = self.reference_length / self.outer_radius
-        return [*views.parameters(self), ("radius of the sphere over that of the tube", f"{ratio:.6g}")]
+        kept = self.reference_velocity == abs(self.kept_mean_velocity or 0.0)
+        lines = views.parameters(
+            self, "the radius of the sphere, across the axis", "the mean velocity" if kept else None
+        )
+        return [*lines, ("sphere over tube", f"{ratio:.6g}, the ratio of the radii")]
 
     def profiles(self):
         """Velocities over the radius at the place of the sphere at first."""

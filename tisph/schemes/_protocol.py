@@ -113,7 +113,7 @@ class SchemeEstimates(TypedDict):
     """Speed of sound [length/time]; None without one."""
 
     time_step: float
-    """Longest step [time]."""
+    """Longest step, or a bound of it [time]."""
 
     binding_limit: str
     """What limits the steps, in a word: ``acoustic``, ``viscous``, ``cfl``, ``strain``, ``accuracy`` or the like."""
@@ -128,7 +128,7 @@ class SchemeEstimates(TypedDict):
     """Whether the result would be worthless: ``tisph check`` refuses the config then."""
 
     samples: list[Any]
-    """A ``SampleEstimate`` of each sample: its time, steps up to it, errors as far as they can be estimated."""
+    """A ``SampleEstimate`` of each sample: steps and errors as far as known; numbers of the run that judge it."""
 
 
 class Member(Protocol):

@@ -10,12 +10,16 @@ from tisph.scenes._views import ExtraSeries, Profile, Radius, TimeSeries
 MINUS = "\N{MINUS SIGN}"
 
 
-def scales(scene, gap, speed):
-    """Pairs (label, text) of what a flow between radii is, its ``gap`` and ``speed`` in words."""
+def scales(scene, gap, speed, known=True):
+    """Pairs (label, text) of a flow between radii; in words, the ``gap`` H and the cause of the ``speed`` U."""
+    if scene.given_velocity:
+        speed, known = "given by the config", True
+    about, digits = ("", 6) if known else ("about ", 2)
     length, time = scene.units.length, scene.units.time
     return [
-        ("Reynolds number", f"{scene.reynolds:.6g}  (U H / nu, H {gap})"),
-        (scene.velocity_name(f"{speed} U"), f"{scene.reference_velocity:.6g} {length}/{time}"),
+        ("Reynolds number", f"{about}{scene.reynolds:.{digits}g}  (U H / nu)"),
+        (scene.velocity_name("speed U"), f"{about}{scene.reference_velocity:.{digits}g} {length}/{time}, {speed}"),
+        ("length H", f"{scene.reference_length:.6g} {length}, {gap}"),
         ("kinematic viscosity nu", f"{scene.kinematic_viscosity:.6g} {length}^2/{time}"),
         ("radii", f"{scene.inner_radius:.6g} and {scene.outer_radius:.6g} {length}"),
         ("viscous time", f"{scene.viscous_time:.6g} {time}  (H^2 / nu)"),
@@ -24,7 +28,7 @@ def scales(scene, gap, speed):
 
 def parameters(annulus):
     """Pairs (label, text) of what the flow is, independent of particles."""
-    lines = scales(annulus, "the gap", "fastest wall")
+    lines = scales(annulus, "the gap", "of the fastest wall")
     if annulus.polymer:
         elasticity = annulus.polymer.relaxation_time / annulus.viscous_time
         lines.append(("Weissenberg number", f"{annulus.weissenberg:.4g}  (relaxation time * U / H)"))

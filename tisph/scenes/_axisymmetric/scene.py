@@ -67,9 +67,14 @@ class AxisymmetricScene(BodyScene):
         return self.extent[1]
 
     @property
-    def velocity_scale(self):
-        """Speed of the fastest wall."""
+    def fastest_wall(self):
+        """Speed of the fastest wall or body, as the config gives it."""
         return max(map(wall_speed, self.bodies))
+
+    @property
+    def velocity_scale(self):
+        """``fastest_wall``."""
+        return self.fastest_wall
 
     @property
     def time_scale(self):

@@ -10,9 +10,15 @@ NAMES = {"u": "u", "v": "u_r", "w": "u_θ"}
 """Velocities along the axis, along radii and around the axis, as pictures call them."""
 
 
-def parameters(scene):
-    """Pairs (label, text) of what the flow is, independent of particles."""
-    return scales(scene, "the difference of the radii", "velocity")
+def parameters(scene, length=None, cause=None):
+    """Pairs (label, text) of the flow, independent of particles; in words, the ``length`` H and the ``cause`` of U.
+
+    Without a cause U is that of the fastest wall, or an estimate.
+    """
+    length = length or ("the difference of the radii" if scene.inner_radius else "the radius")
+    if scene.reference_velocity == scene.fastest_wall:
+        cause = "of the fastest wall or body"
+    return scales(scene, length, cause or "an estimate: by load or drive, in a Newtonian fluid", cause is not None)
 
 
 def across(scene, place=None):

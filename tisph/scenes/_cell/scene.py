@@ -183,7 +183,7 @@ class Cell(BodyScene):
 
     def narrowest(self, t):
         """See ``Scene.narrowest``; where free bodies go only a scene that was ``seen`` knows."""
-        known = self._gaps_stay or self.has_free_bodies
+        known = self.gaps_stay or self.has_free_bodies
         return self._smallest_radius, self._first_gap if known else self._gap(t, FEW)
 
     @cached_property
@@ -193,7 +193,8 @@ class Cell(BodyScene):
         return radii[index], f"the smallest radius of {self._named(index)}"
 
     @cached_property
-    def _gaps_stay(self):
+    def gaps_stay(self):
+        """Whether no body moves that has an inside, so that gaps are those of the start."""
         return not any(largest_speed(body) for body in self.bodies if body.shape.area)
 
     @cached_property

@@ -87,9 +87,11 @@ def parameters(cell):
     """Pairs (label, text) of what the flow is, independent of particles."""
     length, time = cell.units.length, cell.units.time
     width, height = cell.size
+    known, cause = _cause(cell)
+    about, digits = ("", 6) if known else ("about ", 2)
     lines = [
-        ("Reynolds number", f"{cell.reynolds:.6g}  (U d / nu)"),
-        ("speed U", f"{cell.reference_velocity:.6g} {length}/{time}, {_cause(cell)}"),
+        ("Reynolds number", f"{about}{cell.reynolds:.{digits}g}  (U d / nu)"),
+        ("speed U", f"{about}{cell.reference_velocity:.{digits}g} {length}/{time}, {cause}"),
         (
             "length d",
             f"{cell.reference_length:.6g} {length}, the height of {'the largest body' if cell.count else 'all'}",
@@ -104,14 +106,16 @@ def parameters(cell):
 
 
 def _cause(cell):
-    """What has the reference velocity, in words."""
+    """Whether the reference velocity is known, and in words what has it."""
     if cell.given_velocity:
-        return "given by the config"
-    if max(cell.driven_wall, cell.driven_velocity) >= cell.fastest_body:
-        fastest = cell.driven_wall >= cell.driven_velocity
-        known = "of the fastest body or wall" if fastest else "that the acceleration causes, roughly"
-        return known if cell.fastest_body or cell.driven_velocity else "a guess: nothing has a speed that is known"
-    return "an estimate: that to which loads bring a free body, in slow flow or against inertia"
+        return True, "given by the config"
+    if not (cell.fastest_body or cell.driven_velocity):
+        return False, "a guess: nothing has a speed that is known"
+    if cell.driven_velocity >= cell.fastest_body:
+        return False, "an estimate: the mean velocity that the acceleration causes in a Newtonian fluid"
+    if cell.driven_wall >= cell.fastest_body:
+        return True, "of the fastest body or wall"
+    return False, "an estimate: of a free body under its load, in slow flow or against inertia"
 
 
 def _free(cell):
@@ -126,12 +130,14 @@ def _free(cell):
 
 
 def _narrowest(cell):
-    """What is smallest about bodies and walls, in particle spacings, and how many there should be."""
+    """Smallest radius and gap of bodies and walls at the start, in particle spacings, and how many there should be."""
+    changes = "will change" if cell.has_free_bodies else "may change"
+    moves = "" if cell.gaps_stay and not cell.has_free_bodies else f" at the start; gaps {changes} as bodies move"
     radius, gap = (size for size, _ in cell.narrowest(cell.start_time))
     least = f"at least {_clearance.LEAST_RADIUS:g}, a circle {0.5 * _clearance.LEAST_WIDTH:g}"
-    found = [("smallest radius", radius, least, resolution.LEAST_RADIUS)]
-    found += [("narrowest gap", gap, f"at least {_clearance.LEAST_GAP:g}", resolution.LEAST_GAP)]
-    for name, size, least, enough in found:
+    found = [("smallest radius", radius, least, resolution.LEAST_RADIUS, "")]
+    found += [("narrowest gap", gap, f"at least {_clearance.LEAST_GAP:g}", resolution.LEAST_GAP, moves)]
+    for name, size, least, enough, more in found:
         if np.isfinite(size):
             spacings = f"{size / cell.spacing:.3g} spacings ({least}; resolved from {enough:g} on)"
-            yield name, f"{size:.4g} {cell.units.length}, {spacings}"
+            yield name, f"{size:.4g} {cell.units.length}, {spacings}{more}"

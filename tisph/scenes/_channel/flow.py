@@ -3,9 +3,11 @@
 That is solved for once, by ``exact/start_up.py``.
 """
 
+import math
 from functools import lru_cache
 
 from tisph.exact.start_up import Flow, StartUp, Wall, fluid_of
+from tisph.exact.uniform_shear import UniformShear
 from tisph.geometry.schedule import Schedule
 from tisph.geometry.stress_controlled import StressControlledMotion, StressControlledWall
 from tisph.scenes._motion import WallMotion
@@ -42,6 +44,22 @@ def largest_speed(channel, wall):
     if wall.stress_controlled:
         return wall.largest_stress * channel.gap / channel.dynamic_viscosity
     return wall.relative_to(channel.frame_velocity).largest_speed
+
+
+def driven_mean_velocity(channel):
+    """Mean velocity that the drive adds to the developed flow; None where the walls have a part in it.
+
+    That is so at walls that a stress moves, and in a fluid that is not linear between walls of different velocities.
+    """
+    bottom, top, drive = channel.bottom, channel.top, channel.acceleration
+    if bottom.stress_controlled or top.stress_controlled:
+        return None
+    if channel.rheology is None or channel.rheology.type == "oldroyd_b":
+        return drive * channel.gap**2 / (12.0 * channel.kinematic_viscosity)
+    if bottom.oscillates or top.oscillates or bottom.cosine != top.cosine:
+        return None
+    fluid = fluid_of(channel.rheology, channel.kinematic_viscosity, channel.density)
+    return math.copysign(UniformShear(fluid.flux, fluid.laws).mean_velocity(abs(drive), channel.gap), drive)
 
 
 def reference_motion(channel, wall):

@@ -3,6 +3,7 @@
 import numpy as np
 
 from tisph.measures.interpolation import Probes
+from tisph.scenes._channel import flow
 from tisph.scenes._views import Line, Profile, TimeSeries
 
 MINUS = "\N{MINUS SIGN}"
@@ -75,19 +76,25 @@ def vanishing_scale(channel):
 def parameters(channel):
     """Pairs (label, text) of what the flow is, independent of particles."""
     length, time = channel.units.length, channel.units.time
-    own = "wall speed U" if channel.velocity_scale == channel.wall_speed else "mean speed U"
+    by_walls = channel.velocity_scale == channel.wall_speed
+    linear = channel.rheology is None or channel.rheology.type == "oldroyd_b"
+    own = not channel.given_velocity and not by_walls or any(wall.stress_controlled for wall in (channel.bottom, channel.top))
     moving = f", in a frame that moves with {channel.frame_velocity:.6g} {length}/{time}"
     frame = moving if channel.frame_velocity else ""
+    fluid = "" if linear or not own else ", in a Newtonian fluid of the viscosity nu"
+    speed = f"{channel.reference_velocity:.6g} {length}/{time}{frame}{fluid}"
     lines = [
         ("Reynolds number", f"{channel.reynolds:.6g}  (U H / nu)"),
-        (channel.velocity_name(own), f"{channel.reference_velocity:.6g} {length}/{time}{frame}"),
+        (channel.velocity_name("wall speed U" if by_walls else "mean speed U"), speed),
+        ("length H", f"{channel.gap:.6g} {length}, the gap"),
         ("kinematic viscosity nu", f"{channel.kinematic_viscosity:.6g} {length}^2/{time}"),
         ("viscous time H^2/nu", f"{channel.viscous_time:.6g} {time}"),
     ]
     if channel.acceleration:
-        drive = f"{channel.acceleration:.6g} {length}/{time}^2 along x"
-        mean = channel.acceleration * channel.gap**2 / (12 * channel.kinematic_viscosity)
-        lines.append(("drive", f"{drive}, of which the developed flow has the mean speed {mean:.6g} {length}/{time}"))
+        mean, text = flow.driven_mean_velocity(channel), f"{channel.acceleration:.6g} {length}/{time}^2 along x"
+        if mean is not None:
+            text += f", of which the developed flow has the mean speed {mean:.{6 if linear else 4}g} {length}/{time}"
+        lines.append(("drive", text))
     for name, wall in reversed(channel.walls):
         if wall.angular_frequency:
             depth = wall.penetration_depth(channel.kinematic_viscosity)

@@ -1,5 +1,7 @@
 """The implicit scheme of two-dimensional flows: pressure, motion and viscosity of third order in a periodic box."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from tisph.geometry.box import box_around
@@ -20,9 +22,19 @@ slow flow and in quick start-up it was 2.9, in developed flow 1.6."""
 NOT_NEWTONIAN = 1.7
 """By what factor a polymer increases it, or a viscosity that varies."""
 
+FREE = 4.0
+"""By what factor bodies that the flow carries increase it."""
+
 STARTED = 60
-"""Steps that a start from rest between walls takes beside those of the longest length: 30 to 100 in resolved runs of
-docs/evidence/verification.md, whose steps are then told within a factor of 2."""
+"""Steps that a start from rest takes beside those of the longest length, with the usual tolerance: 30 to 100 in
+resolved runs of docs/evidence/verification.md."""
+
+KNOWN, GUESSED = (0.5, 3.0), (0.5, 6.0)
+"""Steps of a run over the estimated ones, least and most, where the flow is known and where it is not. Of the configs
+they are 0.57 to 2.4, and 0.52 to 4.7 (``benchmarks/estimates.py``)."""
+
+JUDGED_BY = "divergence", "steepest stress"
+"""Numbers of a run that decide whether a sample is resolved (``measures/resolution.py``); the second with polymer."""
 
 MARGIN = 0.2
 """Margin beyond walls over the larger side of the box, for the grid of the linear solvers, which is periodic."""
@@ -77,40 +89,43 @@ def _steps(config):
 
 
 def estimates(config, scene):
-    """Return what ``tisph check`` says of a run: steps by the reference, or a guess; no estimate of errors."""
-    from tisph.schemes._splitting._forecast import Walk
-
+    """Return the estimates of a run for ``tisph check``: steps from its scales; none of errors."""
     tolerance, courant = _steps(config)
-    viscous = viscous_step(scene)
-    ends = [*config.time.samples, config.time.end]
+    limits = {"cfl": courant * scene.spacing / courant_speed(0.0, scene), "viscous": viscous_step(scene)}
+    binding = min(limits, key=limits.get)
+    counts = _guessed_steps(scene, [*config.time.samples, config.time.end], tolerance, courant)
     known = "u" in scene.fields
-    if known or not scene.bodies:
-        walk = Walk(scene, sorted(set(ends)), tolerance, courant)
-        counts, longest, bounded = [walk.run_to(t) for t in ends], walk.longest, walk.bounded
-    else:
-        (counts, longest), bounded = _longest_steps(scene, ends, courant, viscous), True
     cost = COST * (BETWEEN_WALLS if scene.bodies else 1.0) * (NOT_NEWTONIAN if scene.rheology else 1.0)
+    cost *= FREE if scene.has_free_bodies else 1.0
+    judged_by = JUDGED_BY if scene.polymer else JUDGED_BY[:1]
+    sample = SampleEstimate(
+        0.0, 0, None, None, steps_reliable=known, steps_factors=KNOWN if known else GUESSED, judged_by=judged_by
+    )
     return {
         "mach": 0.0,
         "sound_speed": None,
-        "time_step": longest,
-        "binding_limit": ("viscous" if longest >= 0.99 * viscous else "cfl") if bounded else "accuracy",
+        "time_step": limits[binding],
+        "binding_limit": binding,
         "steps": counts[-1],
         "run_time": counts[-1] * (OVERHEAD + scene.particles * cost),
         "lost": False,
-        "samples": [
-            SampleEstimate(t, count, None, None, steps_reliable=known)
-            for t, count in zip(config.time.samples, counts, strict=False)
-        ],
+        "samples": [replace(sample, t=t, steps=n) for t, n in zip(config.time.samples, counts, strict=False)],
     }
 
 
-def _longest_steps(scene, ends, courant, viscous):
-    """Steps up to each of the times ``ends`` between walls, and the longest of them, at the speed of reference."""
-    longest = min(courant * scene.spacing / courant_speed(scene.reference_velocity, scene), viscous)
+def _guessed_steps(scene, ends, tolerance, courant):
+    """Return the steps up to each of the times ``ends``, of the length that the reference velocity allows.
+
+    Velocities around the axis move no particle. The errors of the steps of a start are of fourth order in their length.
+    """
+    turns = scene.axisymmetric and not (scene.acceleration or scene.kept_mean_velocity or scene.has_free_bodies)
+    turns = turns and not any(body.motion.x.largest_speed for body in scene.bodies)
+    speed = courant_speed(0.0 if turns else scene.reference_velocity, scene)
+    longest = min(courant * scene.spacing / speed, viscous_step(scene))
     # steps that grow, less their time
     begin = np.log(1 / FIRST) / np.log(LARGEST_MULTISTEP_FACTOR) - 1 / (1 - 1 / LARGEST_MULTISTEP_FACTOR)
+    started = STARTED * (TOLERANCE / tolerance) ** 0.25 if tolerance else 0.0
     begun = [1 + sum(change < t for change in scene.jump_times) for t in ends]
     return [
-        max(1, round(STARTED + n * begin + (t - scene.start_time) / longest)) for n, t in zip(begun, ends, strict=True)
-    ], longest
+        max(1, round(started + n * begin + (t - scene.start_time) / longest)) for n, t in zip(begun, ends, strict=True)
+    ]

@@ -84,8 +84,11 @@ class Snapshot:
     around the axis in axisymmetric flow, and where walls turn ``stress_xt`` and ``stress_yt``. ``reference``: arrays of
     the exact solution by the name of the field, where somebody has asked for them; ``bodies``, where there are any.
     ``steepest``: the largest change of the logarithm of a conformation tensor within a particle spacing, with x and y
-    of where it is; ``divergence``: of the velocities, root mean square over that of their gradient, by the operators of
-    the scheme; ``acceleration``: the one along x that keeps a mean velocity. None where they are not known.
+    of where it is; ``added_power``: in a fluid of varying viscosity, the power of the viscous force that only errors
+    of the operators add, over the dissipation; ``load_scatter``: the largest scatter of the force on a body from step
+    to step, over that force, and the body's number; ``divergence``: of the velocities, root mean square over that of
+    their gradient, by the operators of the scheme; ``acceleration``: the one along x that keeps a mean velocity. None
+    where they are not known.
     """
 
     t: float
@@ -106,5 +109,7 @@ class Snapshot:
     reference: dict[str, np.ndarray] | None = None
     bodies: Bodies | None = None
     steepest: tuple[float, float, float] | None = None
+    added_power: float | None = None
+    load_scatter: tuple[float, int] | None = None
     divergence: float | None = None
     acceleration: float | None = None

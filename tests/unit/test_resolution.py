@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from polymer_laws import oldroyd_b
 from report_scene import make_channel, make_snapshot
@@ -14,6 +15,7 @@ from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import LEAST_DEPTH, resolution
 from tisph.report.error_label import error_label
 from tisph.scenes._motion import WallMotion
+from tisph.snapshot import Bodies
 
 NU = 1e-6  # of make_channel, with a spacing of 1e-3
 AT_REST = WallMotion(0.0)
@@ -94,6 +96,23 @@ def test_steep_stress_is_not_resolved():
     snapshot = replace(snapshot, steepest=(3.0, 0.1, 0.2))
     assert resolution(channel, 0.0, snapshot) == (False, text)
     assert sample_metrics(channel, snapshot, channel.probe_positions(3))["reason"] == text
+
+
+def test_a_force_of_the_operators_alone_is_not_resolved():
+    channel = make_channel(initial_state="developed")
+    snapshot = make_snapshot(channel, 0.0)
+    assert resolution(channel, 0.0, replace(snapshot, added_power=0.01)) == (True, None)
+    text = "errors of the viscous force, where the viscosity jumps, do 0.025 of the dissipation; resolved up to 0.01"
+    assert resolution(channel, 0.0, replace(snapshot, added_power=0.025)) == (False, text)
+
+
+def test_a_force_that_scatters_is_not_resolved():
+    channel = make_channel(initial_state="developed")
+    bodies = Bodies(*(np.array([[0.1, 0.2]]) for _ in range(8)))
+    snapshot = replace(make_snapshot(channel, 0.0), bodies=bodies)
+    assert resolution(channel, 0.0, replace(snapshot, load_scatter=(0.01, 0))) == (True, None)
+    text = "the force on the body at (0.1, 0.2) scatters by 0.033 of it from step to step; resolved up to 0.01"
+    assert resolution(channel, 0.0, replace(snapshot, load_scatter=(0.033, 0))) == (False, text)
 
 
 @pytest.mark.parametrize(

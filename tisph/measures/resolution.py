@@ -33,6 +33,18 @@ The error of the drag of a confined cylinder is 0.4 % with 1.5 and 1 % with 2.6,
 with 0.5 (docs/evidence/verification.md).
 """
 
+LARGEST_ADDED_POWER = 0.01
+"""Power of the viscous force that only errors of the operators add, over the dissipation, up to which a sample of a
+fluid of varying viscosity counts as resolved. The error of the velocity is one to two times that in pipes
+(docs/evidence/stability.md).
+"""
+
+LARGEST_SCATTER = 0.01
+"""Scatter of the force on a body from step to step, over that force, up to which a sample counts as resolved.
+
+Single steps are off by three times that (docs/evidence/stability.md).
+"""
+
 
 def resolution(scene, t, snapshot=None):
     """Tell whether the flow of a scene is resolved at time ``t``, and why not: (True, None) or (False, reason)."""
@@ -68,6 +80,14 @@ def _of_state(scene, snapshot):
     if snapshot.divergence is not None and snapshot.divergence > LARGEST_DIVERGENCE:
         text = f"the divergence is {snapshot.divergence:.2g} of the velocity gradient"
         return f"div u {snapshot.divergence:.2g}", f"{text}; resolved up to {LARGEST_DIVERGENCE:g}"
+    if snapshot.added_power is not None and snapshot.added_power > LARGEST_ADDED_POWER:
+        found = snapshot.added_power
+        text = f"errors of the viscous force, where the viscosity jumps, do {found:.2g} of the dissipation"
+        return f"viscosity {found:.2g}", f"{text}; resolved up to {LARGEST_ADDED_POWER:g}"
+    if snapshot.load_scatter is not None and snapshot.load_scatter[0] > LARGEST_SCATTER:
+        found, (x, y) = snapshot.load_scatter[0], snapshot.bodies.centre[int(snapshot.load_scatter[1])]
+        text = f"the force on the body at ({x:.4g}, {y:.4g}) scatters by {found:.2g} of it from step to step"
+        return f"force {found:.2g}", f"{text}; resolved up to {LARGEST_SCATTER:g}"
     if snapshot.steepest is not None and snapshot.steepest[0] > STEEPEST:
         change, x, y = snapshot.steepest
         text = f"the polymer's stretch changes {math.exp(change):.2g}-fold within a spacing at ({x:.4g}, {y:.4g})"

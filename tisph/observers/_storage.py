@@ -16,7 +16,7 @@ from tisph.snapshot import OPTIONAL, Bodies, Snapshot
 
 FIELDS = ("x", "y", "u", "v", "density", "pressure")
 
-STATE = ("divergence", "steepest", "acceleration")
+STATE = ("divergence", "steepest", "added_power", "load_scatter", "acceleration")
 """Attributes of a group beside ``t`` and ``step``, where a scheme knows them: see ``Snapshot``."""
 
 BODIES = "bodies"

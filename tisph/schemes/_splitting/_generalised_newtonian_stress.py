@@ -48,10 +48,11 @@ class GeneralisedNewtonianStress:
 
     ``operators`` are those that the velocities are solved with, the Laplacian of each particle times its nu* over the
     ``viscosity``. ``derived``: what derivatives are taken of, 2 nu D and, from ``strain`` on, 2 D (xx, xy, yy
-    each), vorticity and nu*; ``implicit_divergence``: dt grad nu* . lap u.
+    each), vorticity and nu*; ``implicit_divergence``: dt grad nu* . lap u. ``added_force``: nu* (lap u - div (2 D)) at
+    the end of a step, 0 but for the errors of the operators.
     """
 
-    varying = True
+    varying, radius = True, 1.0
     numbers, components, strain = 8, 2, 3
 
     def __init__(self, levels, problem):
@@ -62,7 +63,7 @@ class GeneralisedNewtonianStress:
         self.operators.laplacian = ti.field(real(), levels.operators.laplacian.shape)
         self.derived = ti.field(ti.types.vector(self.numbers, real()), self.points.slots + 1)
         vector = ti.types.vector(self.components, real())
-        self.d_dx, self.d_dy, self.force = (ti.field(vector, self.points.capacity) for _ in range(3))
+        self.d_dx, self.d_dy, self.force, self.added_force = (ti.field(vector, self.points.capacity) for _ in range(4))
         self.implicit_divergence, self.operators.diagonal = (ti.field(real(), self.points.capacity) for _ in range(2))
 
     def begin(self):
@@ -93,10 +94,23 @@ class GeneralisedNewtonianStress:
         implicit = viscosity.real + squared * viscosity.imag / SMALL
         numbers = viscosity.real[:, None] * strain, strain, np.stack([vorticity, implicit], axis=1)
         view(self.derived)[: self.points.fluid] = np.concatenate(numbers, axis=1)
+        self.dissipation = viscosity.real * squared
 
     def take_up(self, velocity, step):
-        """Find the stress at the end of a ``step``."""
+        """Find the stress at the end of a ``step``; return the power of ``added_force`` over the dissipation nu q.
+
+        The sums are over the fluid, and the velocity u along x is relative to the mean one of the walls, or without
+        walls of the fluid. The dissipation is None at rest.
+        """
         self.begin()
+        self.find_added_force(velocity)
+        fluid, radius = slice(self.n_fluid), np.broadcast_to(self.radius, self.points.fluid)[: self.n_fluid]
+        speed = view(velocity)[: self.points.fluid].astype(float)
+        speed[:, 0] -= (speed[self.n_fluid :, 0] if self.points.fluid > self.n_fluid else speed[:, 0]).mean()
+        power = speed[fluid] * view(self.added_force)[fluid]
+        power[:, 1:] *= radius[:, None] ** 2
+        dissipation = radius @ self.dissipation[fluid]
+        return abs(float((radius @ power).sum() / dissipation)) if dissipation > 0.0 else None
 
     def wall_stress(self):
         """Return the stress (3, count) at the points on walls."""
@@ -134,6 +148,18 @@ class GeneralisedNewtonianStress:
             known[i] += dt * (force - self.force[i])
             self.force[i] = force
             self.weigh(i, implicit / viscosity)
+
+    @ti.kernel
+    def find_added_force(self, velocity: ti.template()):
+        """Find the ``added_force`` of a velocity whose ``derived`` numbers are known."""
+        ti.loop_config(serialize=self.unweighted.serial_light)
+        for i in range(self.points.n_fluid[None]):
+            d_dx, d_dy = gradients(self.unweighted, self.derived, i)
+            force = self.unweighted.apply(self.unweighted.laplacian, velocity, i)
+            if ti.static(self.levels.coordinates.axisymmetric):
+                force += self.unweighted.hoop(velocity, i)
+            force -= self.levels.coordinates.divergence(i, self.derived, self.strain, d_dx, d_dy)
+            self.added_force[i] = self.implicit_viscosity(i) * force
 
     @ti.func
     def weigh(self, i, factor):

@@ -41,7 +41,7 @@ class Scheme(ControlledScheme):
     of the Courant number alone.
     """
 
-    host_names = (*ControlledScheme.host_names, "dts", "iterations", "initial_momentum", "log_jump")
+    host_names = (*ControlledScheme.host_names, "dts", "iterations", "initial_momentum", "stress_resolution")
 
     def __init__(self, problem, targets, serial, tolerance=limits.TOLERANCE, courant=COURANT):
         self.problem, self.initial_momentum, bounded = problem, 0.0, problem.walls is not None
@@ -73,7 +73,7 @@ class Scheme(ControlledScheme):
         self.steps = self.rejected = self.order_reduced = self.singular = 0
         self.shortest, self.longest = math.inf, 0.0
         self.dts, self.iterations = [], [0.0, 0.0]
-        self.output_cache = self.log_jump = None
+        self.output_cache = self.stress_resolution = None
         if self.wall_boundary:
             self.wall_boundary.reset()
 
@@ -243,7 +243,7 @@ class Scheme(ControlledScheme):
             self.splitting.measured_normal_curls()
             self.wall_boundary.store_normal_curls()
         if self.extra_stress:
-            self.log_jump = self.extra_stress.take_up(self.splitting.velocity.x, self.steps + 1)
+            self.stress_resolution = self.extra_stress.take_up(self.splitting.velocity.x, self.steps + 1)
         if self.wall_boundary:
             self.wall_boundary.measure(self.time + dt, self.extra_stress)
         if self.mean_velocity:

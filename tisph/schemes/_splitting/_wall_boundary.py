@@ -11,6 +11,7 @@ from tisph.schemes._splitting._bdf import VELOCITIES
 from tisph.schemes._splitting._coordinates import unknowns_of
 from tisph.schemes._splitting._corner_singularities import CornerSingularities
 from tisph.schemes._splitting._free_bodies import FreeBodies
+from tisph.schemes._splitting._load_scatter import STEPS, scatter
 from tisph.schemes._splitting._pressure_boundary import PressureBoundaryCondition
 from tisph.schemes._splitting._wall_points import POINT_SUPPORT
 from tisph.snapshot import Bodies
@@ -21,7 +22,7 @@ CURL_LEVELS = 2
 STRAIGHT = 1e-12
 """Part of its speed below which a wall does not move into the fluid."""
 
-LEVEL_LISTS = ("normal_curls", "loads", "normal_stresses")
+LEVEL_LISTS = ("normal_curls", "loads", "load_times", "normal_stresses")
 
 CONTINUED = 1.0, 0.5
 """Distances from a wall to the other one, in particle spacings, between which the pressure becomes one that is
@@ -39,7 +40,8 @@ class WallBoundary:
     """Sets the points on the walls of a ``BoundedProblem`` and the distances of particles from walls.
 
     ``normal_curls`` (points,), n . curl omega, and ``loads`` (2, bodies, 3), force and torque of all and of the
-    pressure, are lists of levels, newest first; so are ``normal_stresses`` (bodies,), N1 of a polymer.
+    pressure, are lists of levels, newest first; so are ``load_times``, since walls jumped last, and
+    ``normal_stresses`` (bodies,), N1 of a polymer.
     """
 
     def __init__(self, problem, levels, shift, grid, support, skin):
@@ -50,7 +52,7 @@ class WallBoundary:
         )
         self.slots = slice(problem.n_fluid, problem.particles)
         self.corners = CornerSingularities(problem.corners, problem.origin, levels) if problem.corners else None
-        self.normal_curls, self.loads, self.normal_stresses = [], [], []
+        self.normal_curls, self.loads, self.load_times, self.normal_stresses = [], [], [], []
         self.normal = self.velocity = self.grid_time = None
         self.free = FreeBodies(problem) if problem.contact else None
 
@@ -134,6 +136,7 @@ class WallBoundary:
         """Let the points have the velocities of the walls after ``time``, at which these jump."""
         if self.free:
             self.free.restart()
+        self.load_times = []
         self.velocity = self.walls.at(math.nextafter(time, math.inf))[2]  # at the very time they have the old ones
         self.regular_velocities[self.slots, 0] = self.velocity
 
@@ -218,7 +221,18 @@ class WallBoundary:
             self.normal_stresses = [normals, *self.normal_stresses][:LOAD_LEVELS]
         pressure = active(self.levels.fields)[self.slots, self.levels.first_pressure].astype(float)
         loads = self.problem.density * self.walls.sums(self.tractions(pressure, self.strain(), extra), time)
-        self.loads = [loads, *self.loads][:LOAD_LEVELS]
+        self.loads = [loads, *self.loads][:STEPS]
+        self.load_times = [np.array(time), *self.load_times][:STEPS]
+
+    @property
+    def load_scatter(self):
+        """Return the largest ``scatter`` of the forces on closed bodies, and the body's number; None if unknown."""
+        closed = [number for number, body in enumerate(self.walls.bodies) if body.shape.area > 0.0]
+        if self.free or not closed:
+            return None
+        forces = np.array([loads[0][closed, :2] for loads in self.loads[: len(self.load_times)]])
+        found = scatter(np.array(self.load_times), forces)
+        return found and (found[0], closed[found[1]])
 
     def strain(self):
         """Return 2 D (numbers, count), xx, xy and yy, at the points, of the velocities whose gradients are measured.

@@ -78,9 +78,8 @@ def parameters(channel):
     length, time = channel.units.length, channel.units.time
     by_walls = channel.velocity_scale == channel.wall_speed
     linear = channel.rheology is None or channel.rheology.type == "oldroyd_b"
-    own = (not channel.given_velocity and not by_walls) or any(
-        wall.stress_controlled for wall in (channel.bottom, channel.top)
-    )
+    driven = any(wall.stress_controlled for wall in (channel.bottom, channel.top))
+    own = not channel.given_velocity and (driven or not by_walls)
     moving = f", in a frame that moves with {channel.frame_velocity:.6g} {length}/{time}"
     frame = moving if channel.frame_velocity else ""
     fluid = "" if linear or not own else ", in a Newtonian fluid of the viscosity nu"

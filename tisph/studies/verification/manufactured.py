@@ -194,6 +194,7 @@ OLDROYD_B = {"type": "oldroyd_b", "relaxation_time": RELAXATION_TIME, "solvent_f
 POLYMER = {"fluid": {"rheology": OLDROYD_B}}
 DRIVEN = {"reference": {"velocity": 1.0}}
 EXPLICIT = merged(DRIVEN, {"scheme": {"type": "wcsph"}, "time": {"tolerance": "auto"}})
+NEARLY_INCOMPRESSIBLE = merged(EXPLICIT, {"scheme": {"equation_of_state": {"type": "tait", "sound_speed": 50.0}}})
 SWING = {"amplitude": 0.8, "angular_frequency": 2.0, "phase": "sin"}
 MOVING = {"amplitude": [0.3, 0.1], "angular_amplitude": 0.6, "angular_frequency": 3.0, "phase": "sin"}
 
@@ -430,7 +431,9 @@ for _name in ("fixed_image", "virtual_image", "comoving_image", "consistent_imag
     _config = merged(CHANNEL, {"walls": {"treatment": {"type": _name}}}, EXPLICIT)
     CASES[f"wcsph_channel_{_name}"] = Case(_config, _parallel_channel, (20, 30, 40), (2e-3,), (1.5,))
     if _name in AROUND_BODIES:
-        _config = merged({"scene": "annulus", "geometry": RADII}, AT_REST, {"walls": _config["walls"]}, EXPLICIT)
+        _config = merged(
+            {"scene": "annulus", "geometry": RADII}, AT_REST, {"walls": _config["walls"]}, NEARLY_INCOMPRESSIBLE
+        )
         CASES[f"wcsph_annulus_{_name}"] = Case(_config, _parallel_annulus, (12, 16, 24), (1e-2,), (1.5,))
 """By name. Orders of the explicit scheme are those of its operators, near 2."""
 

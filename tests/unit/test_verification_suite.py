@@ -194,6 +194,42 @@ def test_momentum_that_is_lost_is_found():
         assert check.value == pytest.approx(0.5 * (factor - 1), abs=1e-9)
 
 
+def spheric_run(factor, **others):
+    """The last sample of the cavity at Re = 1000: its references, and numbers that are ``factor`` times as large."""
+    exact = {"u_extreme": -0.3885698, "v_max": 0.3769447, "v_min": -0.5270771}
+    sample = {"t_star": 60.0, "steady": True, "energy_change": 1e-5, "resolved": True, **others}
+    sample |= {name: factor * value for name, value in exact.items()}
+    return Result(Path(), {"status": "done", "samples": [sample | {f"{key}_exact": exact[key] for key in exact}]})
+
+
+@pytest.mark.parametrize(
+    ("result", "failing"),
+    [
+        (spheric_run(1.0), 0),
+        (spheric_run(1.1), 3),
+        (spheric_run(1.0, steady=False, energy_change=1e-2), 2),
+        (Result(Path(), {"status": "diverged", "samples": []}), 5),
+    ],
+    ids=["exact", "off", "unsteady", "stopped"],
+)
+def test_a_steady_cavity_has_the_extremes_of_botella_and_peyret(result, failing):
+    for number in (50, 70, 100):
+        criteria = [one for one in suite.LONG["cavity"].criteria() if one.runs == (f"cavity_re1000_{number}",)]
+        assert sum(not criterion.judge(result).passed for criterion in criteria) == failing
+        assert len(criteria) == 5
+
+
+@pytest.mark.parametrize(
+    ("status", "resolved", "passed"),
+    [("done", [False, False], True), ("diverged", [], True), ("done", [False, True], False), ("failed", [], False)],
+)
+def test_a_cavity_with_too_few_particles_is_stopped_or_says_that_it_is_not_resolved(status, resolved, passed):
+    criterion = suite.LONG["cavity"].criteria()[-1]
+    assert suite.LONG["cavity"].runs()[criterion.case]["fluid"]["kinematic_viscosity"] == 1e-4
+    summary = {"status": status, "samples": [{"resolved": each} for each in resolved]}
+    assert criterion.judge(Result(Path(), summary)).passed == passed
+
+
 @pytest.fixture
 def small_suite(monkeypatch):
     runs = {name: suite.runs(True)[name] for name in ("lattice", "jitter_0.2")}

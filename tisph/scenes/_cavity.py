@@ -15,6 +15,7 @@ from tisph.measures.fits import interpolated, with_walls
 from tisph.measures.steady import steadiness
 from tisph.scenes import _two_dimensional
 from tisph.scenes._body_scene import BodyScene
+from tisph.scenes._layers import depth
 
 DECAY_LENGTH, VISCOUS_DECAY_LENGTH, LEAST_DECAY_LENGTH = 0.5, 100.0, 4.0
 """Of the inertial part of the flow in the corners: the most in shorter sides and nu/U, the least in spacings."""
@@ -101,6 +102,10 @@ class Cavity(BodyScene):
     def reference_velocity(self):
         """The largest speed of the lid."""
         return abs(self.velocity)
+
+    def thinnest_layer(self, t):
+        """Depth of the layer under the lid, which fluid leaves after a time width/U, and where it is."""
+        return depth(self, min(t, self.width / self.reference_velocity)), "the layer under the lid"
 
     @cached_property
     def _exact(self):

@@ -6,6 +6,7 @@ from tisph.studies.verification import (
     axisymmetric,
     bodies,
     cavity,
+    cavity_long,
     channel,
     circular_couette,
     couette,
@@ -40,7 +41,7 @@ PARTS = (
     two_dimensional_polymers,
 )
 
-LONG = {"free_bodies": free_bodies_long}
+LONG = {"cavity": cavity_long, "free_bodies": free_bodies_long}
 """Parts of runs that take minutes each, by the name of the short one."""
 
 

@@ -184,19 +184,15 @@ class Cavity(BodyScene):
         mirrored = self.velocity < 0 and table.component == "v"
         return 1.0 - table.coordinate if mirrored else table.coordinate
 
-    def _table(self, field):
-        """The first table of a ``field``, or None."""
-        return next((table for table in self._tables if table.component == field), None)
-
-    def _curve(self, table):
-        """A function of places on a centre line, through a ``table`` and the walls."""
+    def _curve(self, field, tables):
+        """A function of places on a centre line, through all ``tables`` of a ``field`` and the walls."""
         from scipy.interpolate import CubicSpline  # only pictures need it
 
-        along = np.concatenate([[0.0, 1.0], self._along_lid(table)])
-        values = np.concatenate([[0.0, float(table.component == "u")], table.value])
-        order = np.argsort(along)
-        curve = CubicSpline(along[order], self.velocity * values[order])
-        return lambda x, y, t: curve((y if table.component == "u" else x) / self.width) + 0.0 * t
+        along = np.concatenate([[0.0, 1.0], *(self._along_lid(table) for table in tables)])
+        values = np.concatenate([[0.0, float(field == "u")], *(table.value for table in tables)])
+        places, first = np.unique(along.round(9), return_index=True)  # tables share some
+        curve = CubicSpline(places, self.velocity * values[first])
+        return lambda x, y, t: curve((y if field == "u" else x) / self.width) + 0.0 * t
 
     def parameters(self):
         """Numbers of the flow."""
@@ -220,11 +216,12 @@ class Cavity(BodyScene):
         return _two_dimensional.followed_energy(self)
 
     def _velocity(self, field, along):
-        flow, table = self._exact, self._table(field)
+        flow, tables = self._exact, [table for table in self._tables if table.component == field]
         reference = {}
         if flow:
             scale = self.reference_velocity, "speed of the lid"
             reference = {"exact": lambda x, y, t: flow.velocity(x, y)["uv".index(field)], "scale": scale}
-        elif table:
-            reference = {"exact": self._curve(table), "reference": table.source}
+        elif tables:
+            sources = ", ".join(table.source for table in tables)
+            reference = {"exact": self._curve(field, tables), "reference": sources}
         return _two_dimensional.velocity_profile(self, field, along, **reference)

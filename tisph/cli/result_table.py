@@ -30,7 +30,7 @@ def result_text(config, scene, summary):
         error = "rms error / U" if scene.vanishing_scale else "L2 error"
         titles = (name.replace("_", " ") for name in numbers)
         changes = [name for name in samples[0] if name.endswith("_change")]  # by which a flow is called steady
-        judged = [*(name.replace("_", " ") for name in changes), *(["steady"] if changes else [])]
+        judged = (title for name in changes for title in (name.replace("_", " "), "steady"))
         header = ("sample", f"t [{config.units.time}]", error, *titles, "resolved", *judged)
         estimates = (summary.get("error_estimate") or {}).get("samples") or [None] * len(samples)
         rows = [
@@ -42,8 +42,8 @@ def result_text(config, scene, summary):
             texts.append(f"{len(rows) - MOST_SAMPLES} earlier samples are in summary.json")
         shown = list(enumerate(samples))[-MOST_SAMPLES:]
         texts += [f"sample {index} is not resolved: {each['reason']}" for index, each in shown if not each["resolved"]]
-        reason = samples[-1].get("steady_reason")
-        texts += [f"sample {len(samples) - 1} is not steady: {reason}"] if reason else []
+        if samples[-1].get("steady_reason"):
+            texts.append(f"sample {len(samples) - 1} is not steady: {samples[-1]['steady_reason']}")
     contacts = _contacts(summary.get("numbers", {}), config.units)
     return "\n".join([*texts, *contacts, _time_used(summary["cost"])])
 

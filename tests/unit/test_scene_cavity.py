@@ -99,7 +99,7 @@ def test_the_layer_under_the_lid_grows_until_fluid_has_passed_it(case):
 @pytest.mark.parametrize(
     ("reynolds", "across", "resolved"), [(100, 25, True), (1000, 70, True), (1000, 50, False), (10000, 100, False)]
 )
-def test_a_layer_of_less_than_two_spacings_is_not_resolved_at_any_time(case, reynolds, across, resolved):
+def test_a_layer_of_less_than_two_spacings_is_never_resolved(case, reynolds, across, resolved):
     scene = Scene.from_config(
         case(f"fluid.kinematic_viscosity={1 / reynolds}", f"discretisation.particles_across={across}")
     )

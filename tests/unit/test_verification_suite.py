@@ -224,7 +224,7 @@ def test_a_steady_cavity_has_the_extremes_of_botella_and_peyret(result, failing)
     ("status", "resolved", "passed"),
     [("done", [False, False], True), ("diverged", [], True), ("done", [False, True], False), ("failed", [], False)],
 )
-def test_a_cavity_with_too_few_particles_is_stopped_or_says_that_it_is_not_resolved(status, resolved, passed):
+def test_a_cavity_with_too_few_particles_stops_or_is_not_resolved(status, resolved, passed):
     criterion = suite.LONG["cavity"].criteria()[-1]
     assert suite.LONG["cavity"].runs()[criterion.case]["fluid"]["kinematic_viscosity"] == 1e-4
     summary = {"status": status, "samples": [{"resolved": each} for each in resolved]}

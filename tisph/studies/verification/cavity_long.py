@@ -1,7 +1,6 @@
 """SPHERIC benchmark 3: the sharp lid at Re = 1000 from rest to the steady state, and Re = 10000, which is not resolved.
 
-Width and speed of the lid are 1. The extremes are from O. Botella and R. Peyret, Computers & Fluids 27 (1998) 421-433:
-least u on the vertical centre line -0.3885698, largest and least v on the horizontal one 0.3769447 and -0.5270771.
+Width and speed of the lid are 1. Extremes: O. Botella and R. Peyret, Computers & Fluids 27 (1998) 421-433.
 """
 
 import math

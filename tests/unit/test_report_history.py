@@ -18,6 +18,15 @@ time: {end: 1.0}
 """
 
 
+CAVITY = """
+scene: cavity
+fluid: {density: 1.0, kinematic_viscosity: 0.01}
+geometry: {width: 1.0, height: 1.0}
+walls: {lid: {velocity: 1.0}}
+time: {end: 1.0}
+"""
+
+
 def lattice(folder, *changes):
     (folder / "case.yaml").write_text(LATTICE)
     return scenes.of(load(folder / "case.yaml", changes))
@@ -53,6 +62,17 @@ def test_a_body_alone_has_the_drag_that_drives_the_fluid(tmp_path):
         2.0 * (1.0 - np.pi * 0.25**2), rel=1e-9
     )  # density, acceleration 1, area
     assert [len(axes.lines) for axes in figure.axes[1:]] == [1, 1, 1]
+
+
+@pytest.mark.parametrize(("start", "shown"), [(0.0, 0.0), (np.inf, 1.0), (50.0, 1.0)])
+def test_a_start_that_is_not_resolved_is_shown_unless_it_is_large(tmp_path, start, shown):
+    """Numbers from 1 to 2 at resolved times; the axis has a tenth more on both sides."""
+    (tmp_path / "cavity.yaml").write_text(CAVITY)
+    values, resolved = np.array([start, *np.linspace(1.0, 2.0, 10)])[:, None], np.arange(11) > 0
+    scene = scenes.of(load(tmp_path / "cavity.yaml"))
+    (axes,) = history_figure(scene, {}, np.linspace(0.0, 1.0, 11), values, resolved).axes
+    margin = 0.1 * (2.0 - shown)
+    assert axes.get_ylim() == pytest.approx((shown - margin, 2.0 + margin), rel=1e-12)
 
 
 def _marked(line):

@@ -5,10 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tisph.cli.result_table import result_text
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.exact.cavity import RegularCavity, centre_lines, extremes
 from tisph.measures.metrics import sample_metrics
+from tisph.measures.resolution import resolution
 from tisph.report.profiles import profile_figure
 from tisph.scenes.cavity import Scene
 from tisph.simulation.start import start_snapshot, start_values
@@ -85,6 +87,26 @@ def test_the_sharp_lid_alone_slides_past_corners(case, regular):
     for corner in sharp.corners:
         inside = np.array(corner.place) + 0.01 * np.array(corner.along)
         assert np.allclose(corner.velocity(inside[None]), [[-2.0, 0.0]], rtol=0, atol=1e-12)
+
+
+def test_the_layer_under_the_lid_grows_until_fluid_has_passed_it(case):
+    """sqrt(nu t) up to t = width/U = 1/2: the depth is the width over the root of the Reynolds number, here 200."""
+    scene = Scene.from_config(case("walls.lid.velocity=-2.0"))
+    assert scene.thinnest_layer(0.25) == (pytest.approx(0.05, rel=1e-14), "the layer under the lid")
+    assert scene.thinnest_layer(20.0)[0] == pytest.approx(200**-0.5, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("reynolds", "across", "resolved"), [(100, 25, True), (1000, 70, True), (1000, 50, False), (10000, 100, False)]
+)
+def test_a_layer_of_less_than_two_spacings_is_never_resolved(case, reynolds, across, resolved):
+    scene = Scene.from_config(
+        case(f"fluid.kinematic_viscosity={1 / reynolds}", f"discretisation.particles_across={across}")
+    )
+    found, reason = resolution(scene, 60.0)
+    assert found == resolved
+    assert resolved or reason.startswith(f"the layer under the lid is {across / reynolds**0.5:.2g} spacings thin")
+    assert not resolution(scene, 0.01)[0]
 
 
 def test_material_of_the_regular_lid_is_accelerated(regular):
@@ -173,3 +195,39 @@ def test_the_legend_of_profiles_has_it(case):
     scene = Scene.from_config(case())
     (legend,) = profile_figure(scene, [snapshot_of(scene)]).legends
     assert legend.get_texts()[-1].get_text() == centre_lines(100)[0].source
+
+
+def test_curves_in_pictures_have_the_tabulated_extremes(case):
+    """Splines through both tables of Re = 1000 are 3e-4 off; through one of them v_min was 3e-2 off."""
+    u, v = Scene.from_config(case("fluid.kinematic_viscosity=0.001")).profiles()
+    along = np.linspace(0.0, 1.0, 2001)
+    known, curves = extremes(1000), (u.exact(0.5, along, 0.0), v.exact(along, 0.5, 0.0))
+    assert (curves[0].min(), curves[1].min()) == pytest.approx((known["u_min"], known["v_min"]), abs=1e-3)
+    assert curves[1].max() == pytest.approx(known["v_max"], abs=1e-3)
+    assert v.reference == "published tables"
+
+
+def test_each_panel_says_along_which_axis_it_goes(case):
+    scene = Scene.from_config(case("geometry.height=2.0"))
+    upright, level = profile_figure(scene, [snapshot_of(scene)]).axes
+    assert (upright.get_ylabel(), upright.get_ylim()) == ("y [m]", (0.0, 2.0))
+    assert (level.get_ylabel(), level.get_ylim()) == ("x [m]", (0.0, 1.0))
+
+
+def test_a_run_says_at_its_end_whether_it_is_steady(case, regular):
+    config, flow = case("walls.lid.profile=regular"), RegularCavity(1.0, 1.0, 1.0, 0.01)
+    state = snapshot_of(regular, flow.velocity)
+    cost = {f"wall_{part}_s": 0.2 for part in ("loop", "compile", "output", "import", "total")} | {"steps": 3}
+
+    def printed(energies):
+        sample = {"t": 20.0, **measured(regular, state, energies)}
+        lines = result_text(config, regular, {"samples": [sample], "cost": cost}).splitlines()
+        cells = ([cell.strip() for cell in line.strip("| ").split("|")][-3:] for line in (lines[0], lines[2]))
+        return dict(zip(*cells, strict=True)), lines[3:]
+
+    judged, rest = printed(STEADY)
+    assert (judged["steady"], judged["resolved"]) == ("yes", "yes")
+    assert not any("steady" in line for line in rest)
+    judged, rest = printed(STEADY * (1 + 1e-3 * TIMES[:, None]))
+    assert judged == {"resolved": "yes", "energy change": "9.8e-04", "steady": "no"}  # over the mean, at t = 17.5
+    assert "sample 0 is not steady: the kinetic energy changes by 9.8e-04 in a time of 1" in rest

@@ -107,8 +107,9 @@ def test_no_row_of_a_run_that_stopped_passes(criteria):
         assert not check.passed
 
 
-def test_long_runs_are_valid_and_needed(tmp_path):
-    runs, criteria = suite.one("free_bodies", long=True)
+@pytest.mark.parametrize("part", suite.LONG)
+def test_long_runs_are_valid_and_needed(part, tmp_path):
+    runs, criteria = suite.one(part, long=True)
     assert {name for criterion in criteria for name in criterion.runs} == set(runs)
     for name, config in runs.items():
         path = tmp_path / f"{name}.yaml"
@@ -140,7 +141,7 @@ def test_one_part_has_its_own_runs():
     ("arguments", "message"),
     [
         ({"name": "free_bodys"}, "no suite 'free_bodys'; nearest: free_bodies; there are couette, "),
-        ({"name": "cavity", "long": True}, "cavity has no runs of minutes; those that have: free_bodies"),
+        ({"name": "couette", "long": True}, "couette has no runs of minutes; those that have: cavity, free_bodies"),
     ],
 )
 def test_a_part_that_does_not_exist_is_refused(arguments, message):

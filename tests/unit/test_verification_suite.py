@@ -194,6 +194,43 @@ def test_momentum_that_is_lost_is_found():
         assert check.value == pytest.approx(0.5 * (factor - 1), abs=1e-9)
 
 
+def spheric_run(factor, steady=True):
+    """The last sample of the cavity at Re = 1000: numbers ``factor`` times as large as those of Botella and Peyret."""
+    exact = {"u_extreme": -0.3885698, "v_max": 0.3769447, "v_min": -0.5270771}
+    sample = {"t_star": 60.0, "energy_change": 1e-5 if steady else 1e-2}
+    sample |= {name: factor * value for name, value in exact.items()}
+    sample |= {f"{name}_exact": value if steady else None for name, value in exact.items()}
+    return Result(Path(), {"status": "done", "samples": [sample]})
+
+
+@pytest.mark.parametrize(
+    ("result", "failing"),
+    [
+        (spheric_run(1.0), 0),
+        (spheric_run(1.1), 3),
+        (spheric_run(1.0, steady=False), 4),
+        (Result(Path(), {"status": "diverged", "samples": []}), 4),
+    ],
+    ids=["exact", "off", "unsteady", "stopped"],
+)
+def test_a_steady_cavity_has_the_extremes_of_botella_and_peyret(result, failing):
+    for number in (50, 70, 100):
+        criteria = [one for one in suite.LONG["cavity"].criteria() if one.runs == (f"cavity_re1000_{number}",)]
+        assert sum(not criterion.judge(result).passed for criterion in criteria) == failing
+        assert len(criteria) == 4
+
+
+@pytest.mark.parametrize(
+    ("status", "resolved", "passed"),
+    [("done", [False, False], True), ("diverged", [], True), ("done", [False, True], False), ("failed", [], False)],
+)
+def test_a_cavity_with_too_few_particles_stops_or_is_not_resolved(status, resolved, passed):
+    criterion = suite.LONG["cavity"].criteria()[-1]
+    assert suite.LONG["cavity"].runs()[criterion.case]["fluid"]["kinematic_viscosity"] == 1e-4
+    summary = {"status": status, "samples": [{"resolved": each} for each in resolved]}
+    assert criterion.judge(Result(Path(), summary)).passed == passed
+
+
 @pytest.fixture
 def small_suite(monkeypatch):
     runs = {name: suite.runs(True)[name] for name in ("lattice", "jitter_0.2")}

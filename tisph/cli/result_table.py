@@ -29,10 +29,12 @@ def result_text(config, scene, summary):
         numbers = [name for name in numbers if name in samples[0]][:MOST_NUMBERS]
         error = "rms error / U" if scene.vanishing_scale else "L2 error"
         titles = (name.replace("_", " ") for name in numbers)
-        header = ("sample", f"t [{config.units.time}]", error, *titles, "resolved")
+        changes = [name for name in samples[0] if name.endswith("_change")]  # by which a flow is called steady
+        judged = (title for name in changes for title in (name.replace("_", " "), "steady"))
+        header = ("sample", f"t [{config.units.time}]", error, *titles, "resolved", *judged)
         estimates = (summary.get("error_estimate") or {}).get("samples") or [None] * len(samples)
         rows = [
-            (str(index), f"{sample['t']:g}", _error(scene, sample, estimate), *_cells(sample, numbers))
+            (str(index), f"{sample['t']:g}", _error(scene, sample, estimate), *_cells(sample, numbers, changes))
             for index, (sample, estimate) in enumerate(zip(samples, estimates, strict=True))
         ]
         texts.append(format_table(header, rows[-MOST_SAMPLES:]))
@@ -40,6 +42,8 @@ def result_text(config, scene, summary):
             texts.append(f"{len(rows) - MOST_SAMPLES} earlier samples are in summary.json")
         shown = list(enumerate(samples))[-MOST_SAMPLES:]
         texts += [f"sample {index} is not resolved: {each['reason']}" for index, each in shown if not each["resolved"]]
+        if samples[-1].get("steady_reason"):
+            texts.append(f"sample {len(samples) - 1} is not steady: {samples[-1]['steady_reason']}")
     contacts = _contacts(summary.get("numbers", {}), config.units)
     return "\n".join([*texts, *contacts, _time_used(summary["cost"])])
 
@@ -63,9 +67,11 @@ def _error(scene, sample, estimate):
     return "none" if value is None else f"{value:.1e} (estimate)"
 
 
-def _cells(sample, numbers):
+def _cells(sample, numbers, changes):
     yield from ("none" if sample[name] is None else f"{sample[name]:.5g}" for name in numbers)
     yield "yes" if sample["resolved"] else "no"
+    for name in changes:
+        yield from ("none" if sample[name] is None else f"{sample[name]:.1e}", "yes" if sample["steady"] else "no")
 
 
 def _time_used(cost):

@@ -17,7 +17,7 @@ def verify(
         typer.Argument(metavar="[SUITE]", help="One part of the suite alone, such as free_bodies; all without it."),
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Fewer and shorter runs.")] = False,
-    long: Annotated[bool, typer.Option("--long", help="Of SUITE free_bodies: runs of minutes, or hours.")] = False,
+    long: Annotated[bool, typer.Option("--long", help="Of cavity or free_bodies: runs of minutes, or hours.")] = False,
     page: Annotated[
         bool, typer.Option("--page", help="The readings of VM-LSDYNA-SPH-001 next to its printed numbers.")
     ] = False,

@@ -110,8 +110,10 @@ def _mark_unresolved(axes, times: np.ndarray, resolved: np.ndarray, label: str |
 
 
 def _fit_to_what_is_resolved(axes, resolved: np.ndarray, values: np.ndarray) -> None:
-    """Let the axis show the numbers at times at which the flow is resolved, in place of an infinite start."""
-    values = values[resolved] if any(resolved) else values
+    """Let the axis show numbers at times at which the flow is resolved, and smaller ones, not an infinite start."""
+    values = np.where(np.isfinite(values), values, np.nan)
+    if any(resolved):
+        values = values[resolved[:, None] | (np.abs(values) <= np.nanmax(np.abs(values[resolved]), initial=0.0))]
     values = values[np.isfinite(values)]
     if values.size:
         margin = _MARGIN * (values.max() - values.min() or 1.0)

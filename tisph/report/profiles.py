@@ -32,7 +32,7 @@ def profile_figure(scene, snapshots: Sequence[Snapshot]) -> style.PlotFigure:
     rows = -(-len(panels) // 2)
     with style.plot_style():
         figure = style.plot_figure(rows=rows)
-        grid = figure.subplots(rows, 2, sharey="row", squeeze=False)
+        grid = figure.subplots(rows, 2, squeeze=False)
         axes = grid.ravel()
         for left_over in axes[len(panels) :]:
             left_over.set_axis_off()
@@ -93,8 +93,11 @@ def _label_axes(axes: Sequence[Axes], panels: Sequence[Panel], scene) -> None:
         style.format_ticks(one.xaxis, exponent)
         one.grid(True)
         one.locator_params(axis="x", nbins=7)
-        if index % 2 == 0:
-            exponent = axis_exponent(profile.line.ends[1])
-            one.set_ylabel(axis_label(profile.line.along, scene.units.length, exponent), parse_math=False)
-            style.format_ticks(one.yaxis, exponent)
-            one.set_ylim(*profile.line.ends)
+        line, left = profile.line, panels[index - index % 2][0].line
+        exponent = axis_exponent(line.ends[1])
+        style.format_ticks(one.yaxis, exponent)
+        one.set_ylim(*line.ends)
+        if index % 2 and (line.along, line.ends) == (left.along, left.ends):
+            one.tick_params(labelleft=False)
+        else:
+            one.set_ylabel(axis_label(line.along, scene.units.length, exponent), parse_math=False)

@@ -15,6 +15,7 @@ from tisph.measures.fits import interpolated, with_walls
 from tisph.measures.steady import steadiness
 from tisph.scenes import _two_dimensional
 from tisph.scenes._body_scene import BodyScene
+from tisph.scenes._layers import depth
 
 DECAY_LENGTH, VISCOUS_DECAY_LENGTH, LEAST_DECAY_LENGTH = 0.5, 100.0, 4.0
 """Of the inertial part of the flow in the corners: the most in shorter sides and nu/U, the least in spacings."""
@@ -107,6 +108,10 @@ class Cavity(BodyScene):
         """Reynolds number by the speed of the lid, to which references belong."""
         return self.velocity_scale * self.width / self.kinematic_viscosity
 
+    def thinnest_layer(self, t):
+        """Depth of the layer under the lid, which fluid leaves after a time width/U, and where it is."""
+        return depth(self, min(t, self.width / self.velocity_scale)), "the layer under the lid"
+
     @cached_property
     def _exact(self):
         """The flow under the regular lid, None where there is no reference."""
@@ -184,19 +189,15 @@ class Cavity(BodyScene):
         mirrored = self.velocity < 0 and table.component == "v"
         return 1.0 - table.coordinate if mirrored else table.coordinate
 
-    def _table(self, field):
-        """The first table of a ``field``, or None."""
-        return next((table for table in self._tables if table.component == field), None)
-
-    def _curve(self, table):
-        """A function of places on a centre line, through a ``table`` and the walls."""
+    def _curve(self, field, tables):
+        """A function of places on a centre line, through all ``tables`` of a ``field`` and the walls."""
         from scipy.interpolate import CubicSpline  # only pictures need it
 
-        along = np.concatenate([[0.0, 1.0], self._along_lid(table)])
-        values = np.concatenate([[0.0, float(table.component == "u")], table.value])
-        order = np.argsort(along)
-        curve = CubicSpline(along[order], self.velocity * values[order])
-        return lambda x, y, t: curve((y if table.component == "u" else x) / self.width) + 0.0 * t
+        along = np.concatenate([[0.0, 1.0], *(self._along_lid(table) for table in tables)])
+        values = np.concatenate([[0.0, float(field == "u")], *(table.value for table in tables)])
+        places, first = np.unique(along.round(9), return_index=True)  # tables share some
+        curve = CubicSpline(places, self.velocity * values[first])
+        return lambda x, y, t: curve((y if field == "u" else x) / self.width) + 0.0 * t
 
     def parameters(self):
         """Numbers of the flow."""
@@ -222,11 +223,12 @@ class Cavity(BodyScene):
         return _two_dimensional.followed_energy(self)
 
     def _velocity(self, field, along):
-        flow, table = self._exact, self._table(field)
+        flow, tables = self._exact, [table for table in self._tables if table.component == field]
         reference = {}
         if flow:
             scale = self.reference_velocity, self.velocity_name("speed of the lid")
             reference = {"exact": lambda x, y, t: flow.velocity(x, y)["uv".index(field)], "scale": scale}
-        elif table:
-            reference = {"exact": self._curve(table), "reference": table.source}
+        elif tables:
+            name = tables[0].source if len(tables) == 1 else "published tables"  # frames have no room for two
+            reference = {"exact": self._curve(field, tables), "reference": name}
         return _two_dimensional.velocity_profile(self, field, along, **reference)

@@ -6,6 +6,7 @@ from tisph.studies.verification import (
     axisymmetric,
     bodies,
     cavity,
+    cavity_long,
     channel,
     circular_couette,
     couette,
@@ -44,7 +45,7 @@ PARTS = (
 ALONE = {"manufactured": manufactured}
 """Parts that run when they are asked for by name, and not with the others: they need sympy."""
 
-LONG = {"free_bodies": free_bodies_long}
+LONG = {"cavity": cavity_long, "free_bodies": free_bodies_long}
 """Parts of runs that take minutes each, by the name of the short one."""
 
 

@@ -154,7 +154,10 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
         ("time step", step),
         ("steps", f"{steps} from t = {config.start_time:g} to {config.time.end:g} {time}{guessed}"),
         ("memory", f"about {format_bytes(numbers['memory'])} for the particles, beside that of the program, {PROGRAM}"),
-        ("run time", f"{_times(numbers['total_time_range'])} in all, with compiling, pictures and movie"),
+        (
+            "run time",
+            f"{_times(numbers['total_time_range'])} in all on an idle machine, with compiling, pictures and movie",
+        ),
     ]
     return lines
 

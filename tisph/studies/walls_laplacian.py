@@ -73,7 +73,7 @@ def laplacians(treatments, resolutions) -> Iterator[Laplacian]:
     for kernel, ratios in KERNELS.items():
         for ratio in ratios:
             for profile in PROFILES:
-                yield from measured("consistent_image", profile, resolutions[1:3], kernel, ratio)
+                yield from measured("consistent_image", profile, resolutions[-3:][:2], kernel, ratio)
 
 
 def measured(name, profile, resolutions, kernel="quintic_spline", ratio=1.0) -> list[Laplacian]:

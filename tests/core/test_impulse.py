@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tisph.measures.wall_shear import wall_shear
 from tisph.runtime import view
 from tisph.schemes.wcsph._impulse import ImpulsiveStart
 
@@ -81,3 +82,44 @@ def test_the_impulse_halves_the_error_of_start_up_flow(make):
         snapshot = scheme.snapshot()
         errors.append(np.linalg.norm(snapshot.u - scheme.scene.exact_velocity(snapshot.y, snapshot.t)))
     assert errors[1] < 0.6 * errors[0]
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.2])
+def test_an_impulse_shears_a_polymer_that_is_at_rest(make, jitter):
+    # the conformation 1 + S/G of simple shear has det = 1 and A_yy = 1; at the wall S_xy,y = G u_yy = G J/nu_s
+    scheme = make(CONSISTENT, POLYMER, "walls.bottom.velocity=0.0", jitter=jitter)
+    last, modulus, jump, solvent = scheme.snapshot(), 0.6 * 0.01 / 0.5, 0.5, 0.4 * 0.01
+    xx, xy, yy = (1.0 + last.stress_xx / modulus, last.stress_xy / modulus, 1.0 + last.stress_yy / modulus)
+    assert xx * yy - xy**2 == pytest.approx(1.0, abs=1e-12)
+    assert np.array_equal(yy, np.ones_like(yy))
+    reached = last.y > 1.0 - scheme.lists.cutoff
+    assert np.all(xy[last.y > 1.0 - 1.0 / 12] > 0.0)
+    assert not xy[~reached].any()
+    slope = view(scheme.walls.track.slope)[:, :12]
+    assert slope[1, :, 1] == pytest.approx(modulus * jump / solvent, rel=1e-12)
+    assert not slope[0].any()
+
+
+def test_an_impulse_stretches_the_stress_of_a_flow_that_stops(make):
+    # S -> F (S + G) F^T - G of the developed flow leaves det(S + G), and S_yy = 0
+    stop = ("walls.top={velocity: 0.0, velocity_before: 0.5}", "initial.state=developed")
+    last = make(CONSISTENT, POLYMER, "walls.bottom.velocity=0.0", *stop).snapshot()
+    modulus, strain = 0.6 * 0.01 / 0.5, 0.5 * 0.5  # shear rate times relaxation time
+    determinant = (last.stress_xx + modulus) * (last.stress_yy + modulus) - last.stress_xy**2
+    assert determinant == pytest.approx(modulus**2 * (1.0 + strain**2), rel=1e-12)
+    assert last.stress_xy.max() - last.stress_xy.min() > 0.1 * modulus * strain
+    assert not last.stress_yy.any()
+
+
+def test_the_wall_shear_of_a_viscoelastic_start_has_the_second_order(make):
+    # with a stress that starts unchanged the error only halves
+    law = "{type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.1}"
+    polymer = f"fluid={{density: 1.0, kinematic_viscosity: 1.0, rheology: {law}}}"
+    errors = []
+    for across in (12, 24):
+        scheme = make(CONSISTENT, polymer, f"discretisation.particles_across={across}", "time.end=0.2")
+        while not scheme.finished:
+            scheme.advance()
+        found, exact = wall_shear(scheme.scene, scheme.snapshot()), scheme.scene.exact_wall_shear(0.2)
+        errors.append(abs(found[1] / exact[1] - 1.0))
+    assert errors[1] < errors[0] / 3.0  # 4 by the second order, less the next terms

@@ -2,6 +2,7 @@
 
 import itertools
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,12 +12,14 @@ from PIL import Image
 from tisph import registry
 from tisph.errors import ConfigError
 from tisph.studies import processes, store, walls
-from tisph.studies.walls_cases import FULL, Case, Extent, Row
+from tisph.studies.walls_cases import Case, Extent, Row
+from tisph.studies.walls_laplacian import Laplacian
 from tisph.studies.walls_picture import plot_walls
 
 TREATMENTS = ["comoving_image", "consistent_image"]
-SMALL = Extent((25, 50), 50, ("lattice", "jitter 0.2"), repeats=2)
-RUNS_OF_A_FLOW = 2 * 2 * (2 + 2)
+SMALL = Extent((25, 50), 50, ("lattice", "jitter 0.2"))
+RUNS_OF_A_FLOW = 2 * 2 * 2
+LAPLACIAN = Laplacian("comoving_image", "bent", "lattice", "quintic_spline", 1.0, {25: (0.1, 0.0), 50: (0.4, 0.0)})
 
 
 @pytest.fixture
@@ -40,17 +43,14 @@ def runs(monkeypatch):
     monkeypatch.setattr(walls.walls, "FULL", SMALL)
     flows = {name: walls.walls.FLOWS[name] for name in ("couette", "poiseuille")}
     monkeypatch.setattr(walls.walls, "FLOWS", flows)
+    monkeypatch.setattr(walls.walls_laplacian, "laplacians", lambda treatments, resolutions: [LAPLACIAN])
     return fake
 
 
 @pytest.fixture
 def unseen(monkeypatch):
     """No picture is drawn: it takes a second, and others look at it."""
-    monkeypatch.setattr(walls, "plot_walls", lambda path, rows: None)
-
-
-def is_timed(config):
-    return "timed" in config["name"]
+    monkeypatch.setattr(walls, "plot_walls", lambda path, rows, laplacians: None)
 
 
 def test_the_table_the_picture_and_the_numbers(runs, tmp_path, capsys):
@@ -63,34 +63,10 @@ def test_the_table_the_picture_and_the_numbers(runs, tmp_path, capsys):
     assert numbers["recommended"] == "consistent_image"
     assert numbers["rows"][2]["cost"] == pytest.approx(1.2, rel=1e-12)
     assert numbers["rows"][0]["order"] == pytest.approx(2.0, rel=1e-12)
+    assert numbers["laplacians"][0]["orders"] == [pytest.approx(-2.0, rel=1e-12), None]
+    assert "1.0e-01, 4.0e-01" in output
     with Image.open(tmp_path / "out" / "verify_walls.png") as picture:
         assert picture.size[0] > 1000
-
-
-@pytest.mark.usefixtures("unseen")
-def test_timed_runs_are_alone_and_others_two_at_a_time(runs, tmp_path, monkeypatch):
-    alone = []
-    start = FakeRuns.__call__
-
-    def watched(self, *arguments):
-        process = start(self, *arguments)
-        if is_timed(self.configs[-1]):
-            alone.append(self.running == 1)
-        return process
-
-    monkeypatch.setattr(FakeRuns, "__call__", watched)
-    walls.run(tmp_path)
-    assert len(alone) == 2 * 2 * 2 * 2
-    assert all(alone)
-    assert runs.most_at_once == 2
-
-
-@pytest.mark.usefixtures("unseen")
-def test_timed_runs_of_the_treatments_alternate(runs, tmp_path):
-    walls.run(tmp_path)
-    timed = [config for config in runs.configs[:RUNS_OF_A_FLOW] if is_timed(config)]
-    places = [config["name"].rpartition("-")[2] for config in timed]
-    assert places == sorted(places)  # the first of all before the second of any
 
 
 @pytest.mark.usefixtures("unseen")
@@ -188,14 +164,14 @@ def test_the_message_of_a_run_is_its_error_without_its_progress(runs, tmp_path):
 def test_treatments_and_arrangements_can_be_told_apart_in_the_picture(tmp_path):
     """Each treatment has pixels of its own colour, also where runs stopped."""
     rows = [
-        Row(Case("couette", name, arrangement), dict(zip(FULL.resolutions, errors, strict=True)), 2, 0, None, 1, 1, {})
+        Row(Case("couette", name, arrangement), dict(zip((25, 50, 100), errors, strict=True)), 2, 0, None, 1, {})
         for place, name in enumerate(("a", "b", "c", "d", "e"))
         for arrangement, errors in (
             ("lattice", (0.1 * 2**place, 0.02 * 2**place, 0.005 * 2**place)),
             ("jitter 0.2", (0.09 * 2**place, np.nan, np.nan)),
         )
     ]
-    plot_walls(tmp_path / "picture.png", rows)
+    plot_walls(tmp_path / "picture.png", rows, [replace(LAPLACIAN, treatment="a")])
     pixels = np.asarray(Image.open(tmp_path / "picture.png").convert("RGB")).reshape(-1, 3)
     for colour in ((0xD5, 0x5E, 0x00), (0x00, 0x9E, 0x73), (0x56, 0xB4, 0xE9), (0xCC, 0x79, 0xA7)):
         assert np.sum(np.all(pixels == colour, axis=1)) > 100

@@ -18,14 +18,13 @@ TREATMENTS = ("comoving_image", "consistent_image")
 
 
 def make_row(treatment, error, cost=1.0, flow="poiseuille", arrangement="lattice", stopped=()):
-    errors = {25: 4 * error, 50: error, 100: error / 4}
+    errors = {12: 16 * error, 25: 4 * error, 50: error, 100: error / 4}
     return Row(
         case=Case(flow, treatment, arrangement),
         errors=errors,
         order=2.0,
         wall_shear=0.0012,
         stress_error=None,
-        step_seconds=1e-3 * cost,
         cost=cost,
         stopped=dict(stopped),
     )
@@ -39,15 +38,14 @@ def best(*rows):
 def test_every_run_is_a_valid_config_of_that_treatment_on_one_thread(flow, tmp_path):
     path = tmp_path / "run.yaml"
     for case in walls.cases(flow, registry.names("walls"), walls.FULL):
-        finest = walls.FULL.resolutions[-1]  # a coarser run has another number there
-        runs = {case.name(finest): case.config(finest)}
-        for name, config in {**runs, **case.timing(walls.FULL)}.items():
-            path.write_text(config_text(name, config), encoding="utf-8")
+        for number in walls.FULL.resolutions[::3]:
+            path.write_text(config_text(case.name(number), case.config(number)), encoding="utf-8")
             loaded = load(path)
             assert loaded.walls.treatment.type == case.treatment
             assert loaded.runtime.threads == 1
             assert loaded.initial.jitter == walls.ARRANGEMENTS[case.arrangement]
             assert loaded.time.samples[-1] == loaded.time.end
+            assert round(loaded.geometry.length * number) == walls.COLUMNS
 
 
 def test_a_flow_has_every_arrangement_of_every_treatment():
@@ -78,25 +76,38 @@ def run_result(error, seconds=2.0, steps=1000, status="done"):
 def test_a_row_is_read_from_its_runs():
     case = Case("poiseuille", "adami", "lattice")
     results = {number: (run_result(number**-1.5), "") for number in (25, 50, 100)}
-    timed = {"first": (run_result(1.0, seconds=2.6), ""), "second": (run_result(1.0, seconds=2.4), "")}
-    row = walls.row(case, results, timed, 50, reference_seconds=2e-3)
+    row = walls.row(case, results, 50, cost=1.2)
     assert row.errors[50] == 50**-1.5
     assert row.order == pytest.approx(1.5, rel=1e-12)
     assert row.wall_shear == pytest.approx(0.01, rel=1e-12)
     assert row.stress_error is None
-    assert row.cost == pytest.approx(1.2, rel=1e-12)  # the quicker one, per step, over the reference
     assert row.stopped == {}
+
+
+def test_the_largest_error_of_all_times_counts(monkeypatch):
+    case, later = Case("poiseuille", "adami", "lattice"), run_result(0.01)
+    later.summary["samples"].append({**later.summary["samples"][0], "t_star": 0.2, "l2": 0.03})
+    monkeypatch.setitem(walls.TIMES, "poiseuille", (0.1, 0.2))
+    assert walls.row(case, {25: (later, ""), 50: (later, "")}, 50, cost=1.0).errors == {25: 0.03, 50: 0.03}
+
+
+def test_the_cost_is_the_time_of_a_step_over_that_of_plain_images():
+    extent = walls.Extent((25, 50), 50, ("lattice",))
+    cases = walls.cases("poiseuille", ["comoving_image", "adami"], extent)
+    seconds = {"comoving_image": 2.0, "adami": 2.4}
+    outcomes = {case.name(n): (run_result(0.1, seconds[case.treatment]), "") for case in cases for n in (25, 50)}
+    assert [row.cost for row in walls.rows(cases, outcomes, extent)] == [1.0, pytest.approx(1.2, rel=1e-12)]
 
 
 def test_a_row_with_a_stopped_run_has_no_order():
     case = Case("poiseuille", "adami", "lattice")
     nothing = Result(None, {"status": "failed", "samples": []})
     results = {25: (run_result(0.1), ""), 50: (run_result(0.02), ""), 100: (nothing, "diverged: u of particle 7")}
-    row = walls.row(case, results, {"timed": (nothing, "diverged too")}, 50, reference_seconds=2e-3)
+    row = walls.row(case, results, 50, cost=1.0)
     assert (row.errors[25], row.errors[50]) == (0.1, 0.02)
     assert math.isnan(row.errors[100])
     assert math.isnan(row.order)
-    assert row.stopped == {"poiseuille-adami-lattice-100": "diverged: u of particle 7", "timed": "diverged too"}
+    assert row.stopped == {"poiseuille-adami-lattice-100": "diverged: u of particle 7"}
 
 
 def test_the_smallest_geometric_mean_is_recommended():
@@ -167,7 +178,7 @@ def test_the_recommendation_names_treatment_and_rule():
 
 def test_the_numbers_are_json_with_null_for_what_is_missing():
     rows = [make_row("a", 1e-3), make_row("b", math.nan, cost=math.nan)]
-    data = json.loads(json.dumps(walls.as_data(rows, 50), allow_nan=False))
+    data = json.loads(json.dumps(walls.as_data(rows, [], 50), allow_nan=False))
     assert data["recommended"] == "a"
     assert data["rows"][0]["errors"]["50"] == 1e-3
     assert data["rows"][0]["case"]["treatment"] == "a"

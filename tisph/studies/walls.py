@@ -1,8 +1,7 @@
-"""Compare all wall treatments in all flows: the table, its picture, and the treatment that it recommends.
+"""Compare all wall treatments in all flows: tables, their picture, and the treatment that they recommend.
 
-Every run is a process on one thread. Two at a time give the errors, which do not depend on what else the machine
-does; those that give the cost of a step run alone. All are kept in the folder of the results, so that an
-interrupted comparison goes on where it was.
+Every run is a process on one thread, two at a time. All are kept in the folder of the results, so that an interrupted
+comparison goes on where it was. The discrete Laplacians need no runs.
 """
 
 import json
@@ -11,7 +10,7 @@ from pathlib import Path
 
 from tisph import registry
 from tisph.studies import walls_cases as walls
-from tisph.studies import walls_table
+from tisph.studies import walls_laplacian, walls_table
 from tisph.studies.engine import Engine
 from tisph.studies.store import Store, claimed
 from tisph.studies.walls_picture import plot_walls
@@ -32,7 +31,9 @@ def run(folder, quick=False):
     folder = Path(folder)
     extent = walls.QUICK if quick else walls.FULL
     with claimed(folder, "another comparison is writing there"):
-        return _conclude(folder, list(_rows(folder, extent)), extent)
+        rows = list(_rows(folder, extent))
+        laplacians = list(walls_laplacian.laplacians(registry.names("walls"), extent.resolutions))
+        return _conclude(folder, rows, laplacians, extent)
 
 
 def _rows(folder, extent):
@@ -42,32 +43,32 @@ def _rows(folder, extent):
     header, widths = walls_table.header(extent), walls_table.widths(extent, treatments)
     print(f"finished runs are kept in {folder / 'runs'} and used again by the same command\n")
     print(format_header(header, widths), flush=True)
-    names = [name for cases in by_flow for name in (*walls.timing(cases, extent), *walls.runs(cases, extent))]
+    names = [name for cases in by_flow for name in walls.runs(cases, extent)]
     with Engine(Store(folder / "runs"), SIDE_BY_SIDE, dict.fromkeys(names, 0.0)) as engine:
         for cases in by_flow:
-            outcomes = _outcomes(engine, walls.timing(cases, extent), processes=1)
-            outcomes |= _outcomes(engine, walls.runs(cases, extent))
+            ended = engine.outcomes(walls.runs(cases, extent))
+            outcomes = {name: (result, message) for name, result, message in ended}
             for row in walls.rows(cases, outcomes, extent):
                 engine.say(format_row(walls_table.cells(row), widths))
                 yield row
 
 
-def _outcomes(engine, configs, **options):
-    """(``Result``, message) of all runs of ``configs``, by name."""
-    return {name: (result, message) for name, result, message in engine.outcomes(configs, **options)}
-
-
-def _conclude(folder, rows, extent):
+def _conclude(folder, rows, laplacians, extent):
     """Print what follows from the rows, write numbers and picture; True if there is a recommendation."""
     found = walls.standings(rows, extent.measured_at)
     name = walls.recommended(found)
-    numbers = {**walls.as_data(rows, extent.measured_at), "version": __version__, "platform": platform.platform()}
+    numbers = {
+        **walls.as_data(rows, laplacians, extent.measured_at),
+        "version": __version__,
+        "platform": platform.platform(),
+    }
     (folder / NUMBERS).write_text(json.dumps(numbers, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-    plot_walls(folder / PICTURE, rows)
+    plot_walls(folder / PICTURE, rows, laplacians)
     texts = [
         walls_table.legend(extent.measured_at),
         "\n".join(walls_table.stopped_lines(rows)),
         walls_table.standings_table(found),
+        walls_table.laplacian_table(laplacians),
         f"picture: {folder / PICTURE}; numbers: {folder / NUMBERS}",
         walls_table.recommendation(name, extent.measured_at),
     ]

@@ -7,7 +7,6 @@ resolution ``MEASURED_AT`` over all flows and arrangements. The geometric mean m
 every flow, whatever the size of the errors there; costs are averaged over the flows in the same way.
 """
 
-import itertools
 import math
 from dataclasses import asdict, dataclass
 
@@ -26,8 +25,11 @@ FLOWS = {
     "oldroyd_b_poiseuille": flows.OLDROYD_B_POISEUILLE,
 }
 
-TIMES = {"oldroyd_b_couette": 1.0, "oldroyd_b_poiseuille": 1.0}
-"""t* at which errors are compared, where it is not the flow's own last sample."""
+TIMES = {"oldroyd_b_couette": (0.5, 1.0), "oldroyd_b_poiseuille": (0.5, 1.0)}
+"""Times t* of the errors, where they are not those of the flow's samples. An error that changes sign is small once."""
+
+COLUMNS = 10
+"""Particles along the channel, as few as the neighbour search allows: nothing depends on x but the disorder."""
 
 ARRANGEMENTS = {"lattice": 0.0, "jitter 0.2": 0.2}
 """Random displacement of the particles at the start, in spacings."""
@@ -37,25 +39,18 @@ COST_LIMIT = 1.3
 
 ONE_THREAD = {"runtime": {"threads": 1}}
 
-TIMING = {"geometry": {"length": 2.0}}
-"""A channel of the usual length, in which a step costs more than what it takes to start its loops."""
-
-TIMING_SHARE = 0.25
-"""Part of the flow's time after which a run that only serves to be timed ends."""
-
 
 @dataclass(frozen=True)
 class Extent:
-    """How much is compared: particles across the gap, which of them counts, arrangements, timed runs of a row."""
+    """How much is compared: particles across the gap, which of them counts, arrangements of the particles."""
 
     resolutions: tuple[int, ...]
     measured_at: int
     arrangements: tuple[str, ...]
-    repeats: int
 
 
-FULL = Extent((25, 50, 100), 50, tuple(ARRANGEMENTS), repeats=2)
-QUICK = Extent((25, 50), 50, ("lattice",), repeats=1)
+FULL = Extent((12, 25, 50, 100), 50, tuple(ARRANGEMENTS))
+QUICK = Extent((25, 50), 50, ("lattice",))
 
 
 @dataclass(frozen=True)
@@ -67,9 +62,9 @@ class Case:
     arrangement: str
 
     @property
-    def t_star(self):
-        """Dimensionless time at which errors are compared."""
-        return TIMES.get(self.flow, self._flow.samples[-1])
+    def times(self):
+        """Dimensionless times; the largest error counts."""
+        return TIMES.get(self.flow, self._flow.samples)
 
     @property
     def measure(self):
@@ -87,29 +82,24 @@ class Case:
 
     def config(self, number):
         """Config of the run at ``number`` particles across, on one thread."""
-        return self._flow.at(*self._changes(number), samples=(self.t_star,))
-
-    def timing(self, extent):
-        """Names of the runs that only serve to be timed, and their config."""
-        number, samples = extent.measured_at, (TIMING_SHARE * self.t_star,)
-        names = [f"{self.name(number)}-timed-{count + 1}" for count in range(extent.repeats)]
-        return dict.fromkeys(names, self._flow.at(*self._changes(number), TIMING, samples=samples))
+        length = {"geometry": {"length": flows.digits(COLUMNS / number)}}
+        disorder = jitter(ARRANGEMENTS[self.arrangement])
+        return self._flow.at(
+            across(number), length, disorder, treatment(self.treatment), ONE_THREAD, samples=self.times
+        )
 
     @property
     def _flow(self) -> Flow:
         return FLOWS[self.flow]
-
-    def _changes(self, number):
-        return across(number), jitter(ARRANGEMENTS[self.arrangement]), treatment(self.treatment), ONE_THREAD
 
 
 @dataclass(frozen=True)
 class Row:
     """What the runs of a case showed; NaN where a run gave no number.
 
-    ``errors`` by particles across; ``order`` of their fall; ``wall_shear`` error, see ``wall_shear_error``;
-    ``stress_error`` = ``shear_stress_l2``, None without polymer; ``step_seconds`` for one step of a timed run
-    and ``cost``, the same over that of ``REFERENCE``; ``stopped``: messages of runs that did not reach their end.
+    ``errors`` by particles across, the largest of all times; ``order`` of their fall; ``wall_shear`` error, see
+    ``wall_shear_error``; ``stress_error`` = ``shear_stress_l2``, None without polymer; ``cost``: seconds of a step over
+    those of ``REFERENCE``; ``stopped``: messages of runs that did not reach their end.
     """
 
     case: Case
@@ -117,7 +107,6 @@ class Row:
     order: float
     wall_shear: float
     stress_error: float | None
-    step_seconds: float
     cost: float
     stopped: dict[str, str]
 
@@ -132,50 +121,37 @@ def runs(cases, extent):
     return {case.name(number): case.config(number) for case in cases for number in extent.resolutions}
 
 
-def timing(cases, extent):
-    """Configs of those that give the cost of a step: one of each case in turn, so that a slow minute meets all."""
-    rounds = zip(*(case.timing(extent).items() for case in cases), strict=True)
-    return dict(itertools.chain.from_iterable(rounds))
-
-
 def rows(cases, outcomes, extent):
     """``Row`` s of the ``cases`` of a flow from the (``Result``, message) of all their runs by name."""
-    timed = {case: {name: outcomes[name] for name in case.timing(extent)} for case in cases}
-    reference = {case.arrangement: step_seconds(timed[case]) for case in cases if case.treatment == REFERENCE}
+    seconds = {case: step_seconds(outcomes[case.name(extent.measured_at)][0]) for case in cases}
+    reference = {case.arrangement: seconds[case] for case in cases if case.treatment == REFERENCE}
     for case in cases:
         results = {number: outcomes[case.name(number)] for number in extent.resolutions}
-        yield row(case, results, timed[case], extent.measured_at, reference[case.arrangement])
+        yield row(case, results, extent.measured_at, seconds[case] / reference[case.arrangement])
 
 
-def step_seconds(timed):
-    """Seconds for a step of the quickest of the timed runs: what disturbs a run only makes it slower.
-
-    ``timed`` maps names of runs to (``Result``, message); NaN where none reached its end.
-    """
-    summaries = [result.summary for result, _ in timed.values() if result.summary["status"] == "done"]
-    return min((summary["cost"]["wall_loop_s"] / summary["cost"]["steps"] for summary in summaries), default=math.nan)
+def step_seconds(result):
+    """Seconds for a step of a run; NaN where it did not reach its end."""
+    cost = result.summary.get("cost") if result.summary["status"] == "done" else None
+    return cost["wall_loop_s"] / cost["steps"] if cost else math.nan
 
 
-def row(case, results, timed, measured_at, reference_seconds):
-    """The ``Row`` of a case.
+def row(case, results, measured_at, cost):
+    """The ``Row`` of a case; ``results`` maps particles across to (``Result``, message)."""
 
-    ``results`` maps particles across to (``Result``, message), ``timed`` names of timed runs to the same;
-    ``reference_seconds`` is what a step of ``REFERENCE`` takes.
-    """
-    errors = {number: result.measure(case.t_star, case.measure) for number, (result, _) in results.items()}
-    measured = results[measured_at][0]
+    def largest(number, measure):
+        return float(np.max([results[number][0].measure(time, measure) for time in case.times]))
+
+    errors = {number: largest(number, case.measure) for number in results}
     viscoelastic = "rheology" in FLOWS[case.flow].config["fluid"]
-    seconds = step_seconds(timed)
-    named = {**{case.name(number): outcome for number, outcome in results.items()}, **timed}
     return Row(
         case=case,
         errors=errors,
         order=fitted_order(errors.keys(), list(errors.values())),
-        wall_shear=measured.measure(case.t_star, "wall_shear"),
-        stress_error=measured.measure(case.t_star, "shear_stress_l2") if viscoelastic else None,
-        step_seconds=seconds,
-        cost=seconds / reference_seconds,
-        stopped={name: message for name, (_, message) in named.items() if message},
+        wall_shear=largest(measured_at, "wall_shear"),
+        stress_error=largest(measured_at, "shear_stress_l2") if viscoelastic else None,
+        cost=cost,
+        stopped={case.name(number): message for number, (_, message) in results.items() if message},
     )
 
 
@@ -220,7 +196,7 @@ def _geometric_mean(values):
     return float(np.exp(np.mean(np.log(values)))) if values else math.nan
 
 
-def as_data(rows, measured_at):
+def as_data(rows, laplacians, measured_at):
     """Every number of the comparison, to be written as JSON; null where there is none."""
     found = standings(rows, measured_at)
     return {
@@ -229,13 +205,15 @@ def as_data(rows, measured_at):
         "recommended": recommended(found),
         "treatments": [_without_nan(asdict(standing)) for standing in found],
         "rows": [
-            _without_nan({**asdict(entry), "t_star": entry.case.t_star, "measure": entry.case.measure})
-            for entry in rows
+            _without_nan({**asdict(entry), "t_star": entry.case.times, "measure": entry.case.measure}) for entry in rows
         ],
+        "laplacians": [_without_nan({**asdict(entry), "orders": entry.orders}) for entry in laplacians],
     }
 
 
 def _without_nan(data):
     if isinstance(data, dict):
         return {str(key): _without_nan(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_without_nan(value) for value in data]
     return None if isinstance(data, float) and not math.isfinite(data) else data

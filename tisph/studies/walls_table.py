@@ -42,13 +42,13 @@ def legend(number):
     return "\n".join(
         [
             "- error: L2 = sqrt(sum (u - u_exact)^2 / sum u_exact^2), or, where u crosses zero, rms = "
-            "sqrt(mean (u - u_exact)^2) / U",
+            "sqrt(mean (u - u_exact)^2) / U; the largest of all times",
             "- order: power of the spacing with which the error falls, over all resolutions",
             f"- wall shear: error of the stress on the walls at {number} across, the larger one of both walls, "
             "over the larger exact stress",
             f"- S_xy: L2 error of the polymer's shear stress at {number} across",
-            f"- cost: time for a step over that of {REFERENCE} in the same flow and arrangement, {number} across "
-            "in a channel of length 2, one run at a time on one thread",
+            f"- cost: time for a step over that of {REFERENCE} in the same flow and arrangement, {number} across, of "
+            "two runs at a time on one thread each: it needs a machine that does nothing else",
         ]
     )
 
@@ -63,6 +63,18 @@ def standings_table(found):
     header = ("treatment", "mean error", "mean cost", "runs stopped")
     lines = [(s.treatment, _number(s.error, ".2e"), _number(s.cost, ".2f"), str(s.stopped)) for s in found]
     return format_table(header, lines)
+
+
+def laplacian_table(laplacians):
+    """Markdown table of the errors of the discrete Laplacian (``walls_laplacian.Laplacian``), over the largest u_yy."""
+    header = ("treatment", "profile", "particles", "kernel", "h/dx", "next to the wall", "order", "inside", "order")
+    lines = []
+    for each in laplacians:
+        cells = [each.treatment, each.profile, each.arrangement, each.kernel, f"{each.ratio:g}"]
+        for column, order in zip(zip(*each.errors.values(), strict=True), each.orders, strict=True):
+            cells += [", ".join(_number(error, ".1e") for error in column), _number(order, ".2f")]
+        lines.append(cells)
+    return f"Errors of the discrete Laplacian\n\n{format_table(header, lines)}"
 
 
 def recommendation(name, measured_at):

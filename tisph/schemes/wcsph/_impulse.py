@@ -7,8 +7,14 @@ in the velocities, so that the fluid's velocity changes by
     du = nu_s lap xi
 
 as if xi were a velocity: in the row next to the wall by about J/4, the momentum that the wall gives to the layer which
-the particles cannot resolve yet. It halves the error of start-up Couette flow. Polymer stress starts unchanged: it
-follows from the motion after the jump, and is less accurate with a jump of its own.
+the particles cannot resolve yet. It halves the error of start-up Couette flow.
+
+The displacement also strains the polymer by gamma = xi_y, with no time to relax. The stress of the particles and its
+slope at the wall (``walls/_track.py``), where u_yy = J/nu_s delta(t), become
+
+    S -> F (S + G) F^T - G,  F = 1 + gamma e_x e_y,        S_xx,y += 2 S_xy J/nu_s,  S_xy,y += (S_yy + G) J/nu_s
+
+Without the slope the wall shear stress of start-up flow converges with the first order only.
 """
 
 import numpy as np
@@ -34,31 +40,36 @@ class ImpulsiveStart:
             self.disabled.append(self.domain.acceleration)
         particles = self.particles
         self.unchanged = [particles.position, particles.mid_position, particles.compression]
+        self.copied = [*self.unchanged, particles.velocity, particles.identity]
         self.middles = [particles.mid_velocity, particles.mid_pressure, particles.mid_compression]
         if particles.carries_stress:
-            self.unchanged.append(particles.stress)
+            self.copied.append(particles.stress)
             self.middles.append(particles.mid_stress)
+        self.modulus = float(view(self.fluid.stress.modulus)) if particles.carries_stress else 0.0
         self.points = self.walls.track.fields() if self.walls.tracks_walls else []
 
     def apply(self, now, jumps):
-        """Change the velocities in buffer ``now``; return the velocity gained, summed over the particles.
+        """Change velocities and stresses in buffer ``now``; return the velocity gained, summed over the particles.
 
         ``jumps``: of the bottom and the top wall, taken one after the other; returns an array of shape (2,). Needs the
         lists and the images in buffer ``now``, and leaves the images behind.
         """
-        gains = [0.0, 0.0]
+        particles, gains = self.particles, [0.0, 0.0]
         for top, jump in enumerate(jumps):
             if jump != 0.0:
-                before = self.particles.momentum(now)
+                before = particles.momentum(now)
                 self.displace(now, top, jump)
                 self.change(now)
-                gains[top] = self.particles.momentum(now) - before
+                if self.modulus > 0.0:
+                    self.shear(now, top, jump)
+                particles.set_middle(now)
+                gains[top] = particles.momentum(now) - before
         return gains
 
     def displace(self, now, top, jump):
         """Copy the state to the other buffer, with displacements of the images beyond one wall for velocities."""
         particles, other = self.particles, 1 - now
-        for field in (particles.velocity, particles.identity, *self.unchanged):
+        for field in self.copied:
             view(field)[other] = view(field)[now]
         for field in self.middles:
             view(field)[other] = 0.0
@@ -69,7 +80,7 @@ class ImpulsiveStart:
         view(particles.mid_velocity)[other, images, 0] = np.where(depth > 0.0, displacement, 0.0)
 
     def change(self, now):
-        """Take what the displacements do to the velocities into buffer ``now``, and nothing else."""
+        """Change the velocities and the stresses in buffer ``now`` by the displacements, and nothing else."""
         kept = [*self.disabled, *self.points]
         values = [view(field).copy() for field in kept]
         for field in self.disabled:
@@ -81,4 +92,17 @@ class ImpulsiveStart:
             view(field)[now] = view(field)[1 - now]
         for field in self.middles:
             view(field)[now] = 0.0
-        self.particles.set_middle(now)
+
+    def shear(self, now, top, jump):
+        """Strain the polymer of the particles, whose S_xy the step changed by G gamma, and of one wall's points."""
+        stress, track, modulus = self.particles.stress, self.walls.track, self.modulus
+        xx, xy, yy = view(stress)[1 - now].T
+        strain = (view(stress)[now, :, 1] - xy) / modulus
+        view(stress)[now] = np.stack(
+            [xx + strain * (2.0 * xy + strain * (yy + modulus)), xy + strain * (yy + modulus), yy], 1
+        )
+        points, curvature = slice(int(view(track.count))), jump / view(self.fluid.kinematic_viscosity)
+        _, wall_xy, wall_yy = view(track.stress)[top, points].T
+        for slope in (view(track.slope)[top, points], view(track.mid_slope)[top, points]):
+            slope[:, 0] += 2.0 * curvature * wall_xy
+            slope[:, 1] += curvature * (wall_yy + modulus)

@@ -66,7 +66,9 @@ def failed_rows(name: str, folder: Path) -> list[str]:
         raise SystemExit(f"{path.name} no longer has {text!r}: name the term as it is now")
     path.write_text(source.replace(text, other) if text else source, encoding="utf-8")
     command = [sys.executable, "-c", JUDGE, case]
-    ended = subprocess.run(command, env={**os.environ, "PYTHONPATH": str(folder)}, capture_output=True, text=True)
+    ended = subprocess.run(
+        command, cwd=folder, env={**os.environ, "PYTHONPATH": str(folder)}, capture_output=True, text=True
+    )
     rows = [row for row in ended.stdout.rpartition("\n")[2].split(";") if row]
     return rows if ended.returncode == 0 else [f"the run fails: {ended.stderr.strip().splitlines()[-1]}"]
 

@@ -402,9 +402,9 @@ CASES = {
         uniform=2.0,
     ),
     "moving_circle": Case(merged(CHANNEL, _circle(MOVING)), _moving_circle, (32, 40, 56), (3e-3, 5e-3)),
-    "annulus": Case(ANNULUS, _annulus, (16, 20, 28), (2e-4, 1e-3)),
-    "annulus_oldroyd_b": Case(merged(ANNULUS, POLYMER), _annulus_polymer, (16, 20, 28), (1e-3, 1e-3, 1e-3)),
-    "annulus_power_law": _thinning(ANNULUS, _annulus, 1.0, (16, 20, 28), (1e-3, 1e-3)),
+    "annulus": Case(ANNULUS, _annulus, (16, 20, 28), (2e-4, 2e-3)),
+    "annulus_oldroyd_b": Case(merged(ANNULUS, POLYMER), _annulus_polymer, (16, 20, 28), (2e-4, 2e-3, 2e-3)),
+    "annulus_power_law": _thinning(ANNULUS, _annulus, 1.0, (16, 20, 28), (3e-4, 3e-3)),
     "annulus_started": Case(
         {"scene": "annulus", "geometry": RADII, **STARTED},
         _parallel_annulus,
@@ -414,17 +414,17 @@ CASES = {
         beside_reference=True,
     ),
     "eccentric": Case(ECCENTRIC, _eccentric, (20, 28, 36), (5e-4, 1e-2)),
-    "rounded": Case(merged(ROUNDED, DRIVEN), _rounded, (32, 44, 60), (1e-4, 1e-3)),
+    "rounded": Case(merged(ROUNDED, DRIVEN), _rounded, (28, 36, 48), (2e-4, 1e-3)),
     "pipe": Case(PIPE, _pipe, (16, 24, 32), (3e-5, 5e-5), uniform=0.4),
     "pipe_oldroyd_b": Case(merged(PIPE, POLYMER), _pipe_polymer, (16, 24, 32), (1e-3, 1e-3, 1e-3), uniform=0.4),
     "pipe_power_law": _thinning(PIPE, _pipe, 0.7, (16, 24, 32), (4e-5, 6e-5), (3.5, 2.5), 0.4),
-    "taylor_couette": Case(TAYLOR_COUETTE, _between_cylinders, (12, 16, 24), (5e-5, 2e-4)),
+    "taylor_couette": Case(TAYLOR_COUETTE, _between_cylinders, (16, 20, 28), (5e-5, 2e-4)),
     "end_plates": Case(
         merged(END_PLATES, {"turning": [{"wall": "around", **SWING}]}), _end_plates, (16, 24, 32), (2e-5, 4e-4)
     ),
     "sphere": Case(BODY_ON_AXIS, _sphere, (20, 28, 40), (5e-5, 1e-4)),
     "sphere_no_flux": Case(
-        merged(KEPT, DRIVEN), lambda: _sphere(swing=False), (20, 28, 40), (5e-5, 1e-4), uniform=-0.7
+        merged(KEPT, DRIVEN), lambda: _sphere(swing=False), (20, 28, 40), (3e-4, 1e-4), uniform=-0.7
     ),
 }
 for _name in ("fixed_image", "virtual_image", "comoving_image", "consistent_image", "adami"):

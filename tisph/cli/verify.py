@@ -14,7 +14,7 @@ WALLS_FOLDER = Path("runs/verify-walls")
 def verify(
     part: Annotated[
         str | None,
-        typer.Argument(metavar="[SUITE]", help="One part of the suite alone, such as free_bodies; all without it."),
+        typer.Argument(metavar="[SUITE]", help="One part alone, such as free_bodies; all but manufactured without it."),
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Fewer and shorter runs.")] = False,
     long: Annotated[bool, typer.Option("--long", help="Of cavity or free_bodies: runs of minutes, or hours.")] = False,
@@ -41,6 +41,7 @@ def verify(
       tisph verify --quick
       tisph verify
       tisph verify free_bodies
+      tisph verify manufactured
       tisph verify free_bodies --long --out runs/free-bodies
       tisph verify --page
       tisph verify --walls

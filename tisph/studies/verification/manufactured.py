@@ -188,7 +188,7 @@ def _errors(snapshot, fields, reference=None):
 SHARED = {
     "fluid": {"density": DENSITY, "kinematic_viscosity": VISCOSITY},
     "initial": {"jitter": 0.2, "seed": 0},
-    "time": {"tolerance": 1e-6},
+    "time": {"tolerance": 1e-7},
 }
 OLDROYD_B = {"type": "oldroyd_b", "relaxation_time": RELAXATION_TIME, "solvent_fraction": SOLVENT_FRACTION}
 POLYMER = {"fluid": {"rheology": OLDROYD_B}}
@@ -287,7 +287,7 @@ def _moving_circle():
 def _annulus(**others):
     x, y, t = symbols()
     s, grown = x**2 + y**2, _from_rest(t)
-    psi = -_swing(t) / 6 * (4 * s - s**2 / 2) + 0.15 * grown * (s - 1) ** 2 * (4 - s) ** 2 * (x + 0.5 * x * y)
+    psi = -_swing(t) / 6 * (4 * s - s**2 / 2) + 0.04 * grown * (s - 1) ** 2 * (4 - s) ** 2 * (x + 0.5 * x * y)
     return _planar(psi, 0.3 * grown * (x * y + x), **others)
 
 
@@ -398,25 +398,25 @@ CASES = {
         merged(CHANNEL, _circle("fixed"), {"drive": {"acceleration": 2.0}}),
         _channel,
         (32, 40, 56),
-        (1e-3, 1e-3),
+        (5e-4, 2e-5),
         uniform=2.0,
     ),
     "moving_circle": Case(merged(CHANNEL, _circle(MOVING)), _moving_circle, (32, 40, 56), (3e-3, 5e-3)),
-    "annulus": Case(ANNULUS, _annulus, (16, 20, 28), (2e-4, 2e-3)),
-    "annulus_oldroyd_b": Case(merged(ANNULUS, POLYMER), _annulus_polymer, (16, 20, 28), (2e-4, 2e-3, 2e-3)),
-    "annulus_power_law": _thinning(ANNULUS, _annulus, 1.0, (16, 20, 28), (3e-4, 3e-3)),
+    "annulus": Case(ANNULUS, _annulus, (16, 20, 28), (1e-4, 2e-3)),
+    "annulus_oldroyd_b": Case(merged(ANNULUS, POLYMER), _annulus_polymer, (16, 20, 28), (1e-4, 1e-3, 5e-4)),
+    "annulus_power_law": _thinning(ANNULUS, _annulus, 4.0, (16, 20, 28), (5e-4, 5e-3)),
     "annulus_started": Case(
         {"scene": "annulus", "geometry": RADII, **STARTED},
         _parallel_annulus,
         (16, 20, 28),
-        (1e-3,),
+        (2e-5,),
         (3.0,),
         beside_reference=True,
     ),
-    "eccentric": Case(ECCENTRIC, _eccentric, (20, 28, 36), (5e-4, 1e-2)),
-    "rounded": Case(merged(ROUNDED, DRIVEN), _rounded, (28, 36, 48), (2e-4, 1e-3)),
+    "eccentric": Case(ECCENTRIC, _eccentric, (20, 28, 36), (3e-4, 1e-2)),
+    "rounded": Case(merged(ROUNDED, DRIVEN), _rounded, (36, 48, 60), (1e-4, 1e-3)),
     "pipe": Case(PIPE, _pipe, (16, 24, 32), (3e-5, 5e-5), uniform=0.4),
-    "pipe_oldroyd_b": Case(merged(PIPE, POLYMER), _pipe_polymer, (16, 24, 32), (1e-3, 1e-3, 1e-3), uniform=0.4),
+    "pipe_oldroyd_b": Case(merged(PIPE, POLYMER), _pipe_polymer, (16, 24, 32), (2e-5, 3e-5, 3e-5), uniform=0.4),
     "pipe_power_law": _thinning(PIPE, _pipe, 0.7, (16, 24, 32), (4e-5, 6e-5), (3.5, 2.5), 0.4),
     "taylor_couette": Case(TAYLOR_COUETTE, _between_cylinders, (16, 20, 28), (5e-5, 2e-4)),
     "end_plates": Case(
@@ -434,8 +434,9 @@ for _name in ("fixed_image", "virtual_image", "comoving_image", "consistent_imag
         _config = merged(
             {"scene": "annulus", "geometry": RADII}, AT_REST, {"walls": _config["walls"]}, NEARLY_INCOMPRESSIBLE
         )
-        CASES[f"wcsph_annulus_{_name}"] = Case(_config, _parallel_annulus, (12, 16, 24), (1e-2,), (1.5,))
-"""By name. Orders of the explicit scheme are those of its operators, near 2."""
+        _least = 1.2 if _name == "adami" else 1.5  # whose averages sit at another depth than the wall's mirror points
+        CASES[f"wcsph_annulus_{_name}"] = Case(_config, _parallel_annulus, (12, 16, 24), (2e-3,), (_least,))
+"""Flows by name. Bounds are one to two times the errors that runs had; scheme ``wcsph`` is of the second order."""
 
 QUICK = ("square", "channel", "annulus_oldroyd_b", "pipe", "wcsph_channel_consistent_image")
 """Cases whose two coarser runs stand for all."""

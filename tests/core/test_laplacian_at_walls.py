@@ -20,7 +20,7 @@ def test_consistent_images_continue_a_parabola_exactly(near):
     assert max(near("consistent_image", "bent")) < ROUND_OFF
 
 
-def test_plain_mirror_images_have_an_error_of_order_zero_where_the_profile_is_bent(near):
+def test_plain_mirror_images_are_inconsistent_on_a_bent_profile(near):
     # the image is off by d^2 u_yy, and d is a multiple of the spacing
     coarse, fine = near("comoving_image", "bent")
     assert coarse > 0.1

@@ -32,11 +32,11 @@ def coarse(path):
     """The config with few particles, and its scene."""
     for across in FEW[:-1]:
         try:
-            config = load(path, [f"discretisation.particles_across={across}"])
+            config = load(path, [f"discretisation.particles_across={across}", "discretisation.spacing=null"])
         except ConfigError:
             continue
         return config, scenes.of(config)
-    config = load(path, [f"discretisation.particles_across={FEW[-1]}"])
+    config = load(path, [f"discretisation.particles_across={FEW[-1]}", "discretisation.spacing=null"])
     return config, scenes.of(config)
 
 

@@ -91,7 +91,7 @@ def test_the_largest_error_of_all_times_counts(monkeypatch):
     assert walls.row(case, {25: (later, ""), 50: (later, "")}, 50, cost=1.0).errors == {25: 0.03, 50: 0.03}
 
 
-def test_the_cost_is_the_time_of_a_step_over_that_of_plain_images():
+def test_the_cost_of_a_step_is_relative_to_plain_images():
     extent = walls.Extent((25, 50), 50, ("lattice",))
     cases = walls.cases("poiseuille", ["comoving_image", "adami"], extent)
     seconds = {"comoving_image": 2.0, "adami": 2.4}

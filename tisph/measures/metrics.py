@@ -31,7 +31,7 @@ def sample_metrics(scene, snapshot, series):
         "l2": relative_error(scene, snapshot),
         "rms": rms_error(scene, snapshot),
         "linf": _largest_error(scene, snapshot),
-        **(scene.diagnostics(snapshot, series) if series else {}),
+        **({} if series is None else scene.diagnostics(snapshot, series)),
     }
     numbers = {key: value if _is_word(key, value) else _number(value) for key, value in diagnostics.items()}
     resolved, reason = resolution(scene, snapshot.t, snapshot)

@@ -111,7 +111,12 @@ class ExplicitLayers:
         drive = np.concatenate([np.full(rows, channel.acceleration), np.zeros(rows + 2)])
         drive[-2:] = -solvent_rate * channel.acceleration if self.obeys_momentum else 0.0
         _, shear = channel.initial_polymer_stress(self.heights)
-        start = np.concatenate([self._start(), shear / channel.density, self._wall_slopes()])
+        shear, slopes = shear / channel.density, self._wall_slopes()
+        if self.obeys_momentum:  # the impulse strains the polymer, see wcsph/_impulse.py
+            displacements = self._beyond(*(self.depths**2 * jump for jump in channel.wall_jumps))
+            shear = shear + solvent_rate * self.across @ displacements
+            slopes = slopes + solvent_rate * np.array(channel.wall_jumps)
+        start = np.concatenate([self._start(), shear, slopes])
         upside_down = np.arange(rows)[::-1]
         partner = np.concatenate([upside_down, rows + upside_down, [size - 1, size - 2]])
         mirror = partner, np.concatenate([np.ones(rows), -np.ones(rows), [1.0, 1.0]])

@@ -136,7 +136,7 @@ class Case:
 
     def run(self, number: int) -> tuple[Result, str]:
         """Return the errors of a run with ``number`` particles across as a ``Result``, and a message if it failed."""
-        import tisph
+        from tisph.simulation.simulation import Simulation  # which starts Taichi
 
         fields = _fields(self.solution)
 
@@ -149,7 +149,7 @@ class Case:
             given["initial_velocity"] = lambda x, y, t: (0.0, 0.0)
         config = merged(SHARED, self.config, across(number), at_times([self.end]))
         try:
-            with tisph.Simulation(config, **given) as simulation:
+            with Simulation(config, **given) as simulation:
                 snapshot = simulation.run_until(self.end).snapshot
                 reference = scenes.of(simulation.config) if self.beside_reference else None
                 sample = {"t_star": self.end, "step": simulation.steps, **_errors(snapshot, fields, reference)}

@@ -123,7 +123,7 @@ def _sample(path, frame, t, scene, question, config):
         own = aligned.scene.time_series(**config.time_series)
         values = own.measure(aligned.snapshot)
         series = own.places, values, (np.array([t]), np.asarray(values)[None])
-    numbers = sample_metrics(aligned.scene, aligned.snapshot, series)
+    numbers = sample_metrics(aligned.scene, aligned.snapshot, series, errors_alone=series is None)
     return Sample(path, aligned, numbers, error_location(aligned.scene, aligned.snapshot))
 
 

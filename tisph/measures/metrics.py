@@ -9,10 +9,10 @@ ROUNDINGS = 4.0
 """Last digits of the velocity of the frame below which a velocity in it is rest: exact solutions are sums of a few."""
 
 
-def sample_metrics(scene, snapshot, series):
+def sample_metrics(scene, snapshot, series, errors_alone=False):
     """Compare a snapshot with the reference of its scene at its time.
 
-    ``series`` is what the scene follows in time, see ``Scene.diagnostics``; without it only errors are computed.
+    ``series`` is what the scene follows in time, see ``Scene.diagnostics``, whose numbers ``errors_alone`` leaves out.
     Returns a dict of numbers, None where one does not exist (a relative error of a fluid at rest, any error without a
     reference):
 
@@ -31,7 +31,7 @@ def sample_metrics(scene, snapshot, series):
         "l2": relative_error(scene, snapshot),
         "rms": rms_error(scene, snapshot),
         "linf": _largest_error(scene, snapshot),
-        **({} if series is None else scene.diagnostics(snapshot, series)),
+        **({} if errors_alone else scene.diagnostics(snapshot, series)),
     }
     numbers = {key: value if _is_word(key, value) else _number(value) for key, value in diagnostics.items()}
     resolved, reason = resolution(scene, snapshot.t, snapshot)

@@ -391,8 +391,8 @@ STARTED = {"walls": {"inner": {"angular_velocity": 0.8}, "outer": {"angular_velo
 AT_REST = {"walls": {"inner": {"angular_velocity": 0.0}, "outer": {"angular_velocity": 0.0}}}
 
 CASES = {
-    "square": Case(SQUARE, _square, (20, 28, 40), (2e-5, 2e-4)),
-    "square_oldroyd_b": Case(merged(SQUARE, POLYMER), _square_polymer, (20, 28, 40), (2e-5, 2e-4, 5e-4)),
+    "square": Case(SQUARE, _square, (20, 28, 40), (3e-5, 2e-4)),
+    "square_oldroyd_b": Case(merged(SQUARE, POLYMER), _square_polymer, (20, 28, 40), (3e-5, 2e-4, 5e-4)),
     "square_power_law": _thinning(SQUARE, _square, 6.0, (20, 28, 40), (1e-4, 1e-3)),
     "channel": Case(
         merged(CHANNEL, _circle("fixed"), {"drive": {"acceleration": 2.0}}),
@@ -415,9 +415,9 @@ CASES = {
     ),
     "eccentric": Case(ECCENTRIC, _eccentric, (20, 28, 36), (3e-4, 1e-2)),
     "rounded": Case(merged(ROUNDED, DRIVEN), _rounded, (36, 48, 60), (1e-4, 1e-3)),
-    "pipe": Case(PIPE, _pipe, (16, 24, 32), (3e-5, 5e-5), uniform=0.4),
+    "pipe": Case(PIPE, _pipe, (20, 28, 40), (1e-5, 1e-5), uniform=0.4),
     "pipe_oldroyd_b": Case(merged(PIPE, POLYMER), _pipe_polymer, (16, 24, 32), (2e-5, 3e-5, 3e-5), uniform=0.4),
-    "pipe_power_law": _thinning(PIPE, _pipe, 0.7, (16, 24, 32), (4e-5, 6e-5), (3.5, 2.5), 0.4),
+    "pipe_power_law": _thinning(PIPE, _pipe, 0.7, (20, 28, 40), (2e-5, 2e-5), (3.5, 2.5), 0.4),
     "taylor_couette": Case(TAYLOR_COUETTE, _between_cylinders, (16, 20, 28), (5e-5, 2e-4)),
     "end_plates": Case(
         merged(END_PLATES, {"turning": [{"wall": "around", **SWING}]}), _end_plates, (16, 24, 32), (2e-5, 4e-4)

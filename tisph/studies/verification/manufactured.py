@@ -403,7 +403,7 @@ CASES = {
     ),
     "moving_circle": Case(merged(CHANNEL, _circle(MOVING)), _moving_circle, (32, 40, 56), (3e-3, 5e-3)),
     "annulus": Case(ANNULUS, _annulus, (16, 20, 28), (1e-4, 2e-3)),
-    "annulus_oldroyd_b": Case(merged(ANNULUS, POLYMER), _annulus_polymer, (16, 20, 28), (1e-4, 1e-3, 5e-4)),
+    "annulus_oldroyd_b": Case(merged(ANNULUS, POLYMER), _annulus_polymer, (16, 24, 28), (1e-4, 1e-3, 5e-4)),
     "annulus_power_law": _thinning(ANNULUS, _annulus, 4.0, (16, 20, 28), (5e-4, 5e-3)),
     "annulus_started": Case(
         {"scene": "annulus", "geometry": RADII, **STARTED},

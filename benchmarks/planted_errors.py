@@ -44,7 +44,7 @@ ERRORS = {
     "upper-convected, with swirl": ("pipe_oldroyd_b", LOG + "_with_swirl.py", "* scaled -", "* 0.95 * scaled -"),
     "power law": ("square_power_law", "../rheology/power_law.py", "0.5 * (par", "0.48 * (par"),
 }  # fmt: skip
-"""By the name of a term: the case that is run, a file (below tisph/schemes), a text in it and what replaces it."""
+"""By the name of a term: the case that is run, a file (below tisph/schemes), a text in it and its replacement."""
 
 JUDGE = """
 import sys

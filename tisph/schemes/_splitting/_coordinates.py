@@ -15,8 +15,6 @@ whose derivatives have neither V^2 nor 2 V W: these are what backward difference
 Planar flow has the factors 1 for r and r^2 and nothing for the rest; compiled in, they cost nothing.
 """
 
-import numpy as np
-
 from tisph.runtime import ti
 
 
@@ -116,17 +114,3 @@ class Coordinates:
         if ti.static(self.axisymmetric):
             result.y *= self.radius(i) - 0.5 * moved.y
         return result
-
-
-def unknowns_of(velocity, radius):
-    """Return the unknowns (n, components) of velocities (n, components); ``radius`` (n,), None in planar flow."""
-    return velocity if radius is None else velocity / _factors(radius)
-
-
-def velocities_of(unknowns, radius):
-    """Return the velocities of ``unknowns_of``."""
-    return unknowns if radius is None else unknowns * _factors(radius)
-
-
-def _factors(radius):
-    return np.stack([np.ones_like(radius), radius, radius], axis=1)

@@ -4,7 +4,6 @@ import numpy as np
 
 from tisph.neighbours.point_cloud import active
 from tisph.schemes._splitting._bdf import PRESSURES, VELOCITIES, TimeWeights
-from tisph.schemes._splitting._coordinates import velocities_of
 from tisph.snapshot import STRESSES, STRESSES_AROUND, Snapshot
 
 
@@ -28,10 +27,9 @@ def state(scheme, time):
     dts = scheme.dts or [1.0]
     times = TimeWeights([0.0, *dts], dts[0])
     first, components = scheme.levels.first_pressure, scheme.levels.components
-    velocities, axis = fields[:, :first].reshape(len(fields), VELOCITIES, components), None
-    if problem.axisymmetric:
-        axis = position[:, 1] + problem.origin[1]
-    velocities = np.stack([velocities_of(velocities[:, level], axis) for level in range(VELOCITIES)], axis=1)
+    velocities = fields[:, :first].reshape(len(fields), VELOCITIES, components)
+    axis = position[:, 1] + problem.origin[1]
+    velocities = np.stack([problem.velocities(velocities[:, level], axis) for level in range(VELOCITIES)], axis=1)
     pressure, velocity = fields[:, first], velocities[:, 0]
     if offset:
         velocity = np.einsum("a,iac->ic", times.interpolation(offset, VELOCITIES), velocities)

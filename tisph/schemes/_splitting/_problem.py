@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from tisph.geometry.box import Box
 
 CROWDING = 1.6
@@ -63,6 +65,22 @@ class _Problem(Box):
     def carries_stress(self):
         """Whether the fluid has a polymer."""
         return self.rheology is not None and self.rheology.carries_stress
+
+    def unknowns(self, velocity, y):
+        """Return the unknowns of the scheme for ``velocity`` (n, components) at y (n,), see ``_coordinates.py``."""
+        return velocity / _factors(y) if self.axisymmetric else velocity
+
+    def velocities(self, unknowns, y):
+        """Return the velocities of which ``unknowns`` are those."""
+        return unknowns * _factors(y) if self.axisymmetric else unknowns
+
+    def unknowns_given(self, function, x, y, *time):
+        """Return the unknowns (n, components) of what a ``function`` of places and time has at x, y (n,)."""
+        return self.unknowns(np.stack(function(x, y, *time), axis=1), y)
+
+
+def _factors(radius):
+    return np.stack([np.ones_like(radius), radius, radius], axis=1)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,7 +14,6 @@ from tisph.schemes._overflow import clustered
 from tisph.schemes._splitting import _pieces
 from tisph.schemes._splitting import _step_limits as limits
 from tisph.schemes._splitting._bdf import PRESSURES, VELOCITIES, TimeWeights
-from tisph.schemes._splitting._coordinates import unknowns_of
 from tisph.schemes._splitting._coupling import Coupling
 from tisph.schemes._splitting._free_bodies import RESIDUAL
 from tisph.schemes._splitting._output import levels_in_order, numbers_of, state
@@ -86,7 +85,7 @@ class Scheme(ControlledScheme):
         fluid = self.problem.n_fluid
         active(self.levels.position)[:fluid] = position - np.array(self.problem.origin)
         active(self.levels.fields)[...] = 0.0
-        unknowns = unknowns_of(velocity, position[:, 1] if self.problem.axisymmetric else None)
+        unknowns = self.problem.unknowns(velocity, position[:, 1])
         active(self.levels.fields)[:fluid, : self.levels.components] = unknowns
         active(self.levels.number)[:fluid] = np.arange(len(position))
         view(self.levels.step_weights)[...] = 0.0
@@ -212,9 +211,7 @@ class Scheme(ControlledScheme):
     def body_force(self, time):
         """Return the body force (points, components) at ``time`` at the points, divided as the unknowns are."""
         x, y = self.problem.places(view(self.points.position)[: int(view(self.points.particles))].astype(float))
-        return unknowns_of(
-            np.stack(self.problem.body_force(x, y, time), axis=1), y if self.problem.axisymmetric else None
-        )
+        return self.problem.unknowns_given(self.problem.body_force, x, y, time)
 
     def assemble(self, time):
         """Set the positions of the points at the end of a step, at ``time``, and compute the operators there."""

@@ -8,7 +8,6 @@ import numpy as np
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import view
 from tisph.schemes._splitting._bdf import VELOCITIES
-from tisph.schemes._splitting._coordinates import unknowns_of
 from tisph.schemes._splitting._corner_singularities import CornerSingularities
 from tisph.schemes._splitting._free_bodies import FreeBodies
 from tisph.schemes._splitting._load_scatter import STEPS, scatter
@@ -174,8 +173,7 @@ class WallBoundary:
         start = self.problem.initial_velocity
         if not start:
             return np.zeros_like(self.velocity)
-        x, y = (self.positions[self.slots] + self.problem.origin).T
-        return unknowns_of(start(x, y).T, y if self.problem.axisymmetric else None)
+        return self.problem.unknowns_given(start, *(self.positions[self.slots] + self.problem.origin).T)
 
     def inwards(self, velocity):
         """Return the parts (count,) into the fluid of velocities (count, 2) at the points."""
@@ -190,9 +188,8 @@ class WallBoundary:
         """Give the accelerations of the walls at the start to the solver of the pressure."""
         acceleration = -self.walls.acceleration(self.problem.start_time)
         if self.problem.body_force:
-            x, y = (self.positions[self.slots] + self.problem.origin).T
-            force = np.stack(self.problem.body_force(x, y, self.problem.start_time), axis=1)
-            acceleration += unknowns_of(force, y if self.problem.axisymmetric else None)
+            places = (self.positions[self.slots] + self.problem.origin).T
+            acceleration += self.problem.unknowns_given(self.problem.body_force, *places, self.problem.start_time)
         if self.corners:
             acceleration -= self.corners.force(0.0, (1.0, 0.0))[self.slots]
         view(splitting.u_history)[self.slots] = acceleration

@@ -1,8 +1,10 @@
 """The scripts in benchmarks/: what they run is valid, and what they compare are errors of the same quantity."""
 
 import json
+from pathlib import Path
 
 import compare_commits
+import h5py
 import pytest
 
 from tisph.config import load
@@ -47,3 +49,18 @@ def test_times_are_ratios_of_medians_with_the_range_of_the_rounds():
 
     row = compare_commits.time_row("case", [(cost(1.0), cost(1.1)), (cost(2.0), cost(2.0)), (cost(1.0), cost(1.2))])
     assert "| 1.200 (1.00..1.20) | 1.000 (1.00..1.00) |" in row
+
+
+def test_the_bits_of_results_are_compared(tmp_path):
+    for name, value in (("old", 1.0), ("same", 1.0), ("new", 1.0 + 2.0**-52)):
+        (tmp_path / name).mkdir()
+        with h5py.File(tmp_path / name / "samples.h5", "w") as file:
+            file["samples/0/u"], file.attrs["version"] = [value, 2.0], name
+    assert compare_commits.difference(tmp_path / "old", tmp_path / "same") == ""
+    assert compare_commits.difference(tmp_path / "old", tmp_path / "new") == "/samples/0/u"
+    assert compare_commits.difference(tmp_path / "old", tmp_path / "none") == "no samples"
+
+
+def test_every_case_of_the_bits_is_a_valid_config():
+    for config, settings in compare_commits.frozen_cases(Path(__file__).parents[2]).values():
+        load(config, settings)

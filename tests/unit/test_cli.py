@@ -340,7 +340,7 @@ def test_list(case):
 def test_verify_tells_by_its_status(monkeypatch, passed, status):
     calls = []
     called = lambda *given: calls.append(given) or passed  # noqa: E731
-    suite = types.SimpleNamespace(run=called, run_part=called)
+    suite = types.SimpleNamespace(run=called)
     monkeypatch.setitem(sys.modules, "tisph.studies.verify", suite)
     import tisph.studies
 
@@ -348,8 +348,8 @@ def test_verify_tells_by_its_status(monkeypatch, passed, status):
     assert tisph_command("verify", "--quick").exit_code == status
     assert tisph_command("verify", "free_bodies", "--long").exit_code == status
     whole, part = calls
-    assert whole == (True, False)
-    assert part == ("free_bodies", False, True, None)
+    assert whole == (None, True, False, None, False)
+    assert part == ("free_bodies", False, True, None, False)
 
 
 @pytest.mark.parametrize(

@@ -3,8 +3,7 @@
 import pytest
 
 from tisph.errors import ConfigError
-from tisph.studies import verify
-from tisph.studies.verification import page
+from tisph.studies import page, verify
 from tisph.text_table import format_table
 
 
@@ -78,11 +77,11 @@ def page_configs(monkeypatch, tmp_path):
 def test_the_page_needs_every_reading_to_finish(fake_process, page_configs, monkeypatch, capsys):
     seen, outcomes = fake_process
     monkeypatch.setattr(page, "page_table", lambda summaries: f"table of {', '.join(summaries)}")
-    assert verify.run(page=True) is True
+    assert verify.run_page() is True
     assert [config["name"] for config in seen] == ["re50", "developed"]
     assert capsys.readouterr().out.endswith("table of re50, developed\n\n2 of 2 readings reached their end\n")
     outcomes["developed"] = "diverged: velocity of particle 7"
-    assert verify.run(page=True) is False
+    assert verify.run_page() is False
     output = capsys.readouterr().out
     assert "developed did not finish: diverged" in output
     assert output.endswith("\n1 of 2 readings reached their end; FAIL: developed\n")
@@ -91,4 +90,4 @@ def test_the_page_needs_every_reading_to_finish(fake_process, page_configs, monk
 def test_without_the_pages_configs_the_message_says_where_they_are(page_configs, monkeypatch):
     monkeypatch.setattr(page, "READINGS", {"no_such_reading": ""})
     with pytest.raises(ConfigError, match="vm_sph_001_no_such_reading"):
-        verify.run(page=True)
+        verify.run_page()

@@ -5,7 +5,8 @@ import sys
 import pytest
 
 from tisph.errors import ConfigError
-from tisph.studies.verification import manufactured, suite
+from tisph.studies import manufactured, verify
+from tisph.studies.suites import Suite
 from tisph.studies.verify import Runner
 
 pytestmark = pytest.mark.verification
@@ -14,15 +15,15 @@ pytestmark = pytest.mark.verification
 @pytest.mark.parametrize("name", manufactured.QUICK)
 def test_errors_fall_with_the_order_of_the_scheme(name, tmp_path):
     """Orders are bounded by ``Case.orders``: those of operators of order 4, and of the explicit scheme's."""
-    runner = Runner(manufactured.runs(quick=True), tmp_path)
+    runner = Runner(Suite(manufactured.runs(quick=True)), tmp_path)
     checks = [runner.judge(criterion) for criterion in manufactured.bounds(name, quick=True)]
     assert not [check for check in checks if not check.passed], runner.failures
 
 
 def test_every_case_is_in_the_whole_suite_and_every_run_is_needed():
-    runs, criteria = suite.one("manufactured")
-    assert {name for criterion in criteria for name in criterion.runs} == set(runs)
-    assert {run.rpartition("_")[0] for run in runs} == set(manufactured.CASES)
+    suite = verify.suite_of("manufactured")
+    assert {name for criterion in suite.criteria for name in criterion.runs} == set(suite.runs)
+    assert {run.rpartition("_")[0] for run in suite.runs} == set(manufactured.CASES)
 
 
 @pytest.mark.parametrize("name", ["moving_circle", "pipe", "sphere", "eccentric"])

@@ -1,6 +1,6 @@
 """Runs against exact solutions: the bounds of the verification suite, one test each.
 
-The bounds and where they come from stand in ``tisph.studies.verification``. A run is simulated once, when the first
+The bounds and where they come from stand in ``tisph/suites``. A run is simulated once, when the first
 test asks for it, and all processes of the tests read what it left.
 """
 
@@ -9,9 +9,9 @@ from filelock import FileLock
 
 from tisph import config, simulation
 from tisph.errors import DivergedError
-from tisph.studies import verify
+from tisph.studies import suites, verify
 from tisph.studies.processes import read_result, run_config
-from tisph.studies.verification import suite
+from tisph.studies.suites import Suite
 
 HERE = {"runtime": {"threads": 1}, "output": {"video": None}}
 """Of a run in the tests' own process. One thread gives the bits of several, and costs less beside other tests."""
@@ -58,7 +58,7 @@ def checks(quick):
             id=f"{criterion.case}: {criterion.quantity} {criterion.bound}",
             marks=[pytest.mark.slow] if criterion.case in LONG else [],
         )
-        for criterion in suite.criteria(quick)
+        for criterion in suites.whole(quick).criteria
     ]
 
 
@@ -90,16 +90,16 @@ def quick_runner(tmp_path_factory, worker_id, kept_program):
 
     runs = {
         name: settings if name.endswith("repeat") else {**settings, **HERE}
-        for name, settings in suite.runs(quick=True).items()
+        for name, settings in suites.whole(quick=True).runs.items()
     }
     with pytest.MonkeyPatch.context() as monkeypatch:
         monkeypatch.setattr(verify, "run_config", run_once)
-        yield verify.Runner(runs, tmp_path_factory.mktemp("configs"))
+        yield verify.Runner(Suite(runs), tmp_path_factory.mktemp("configs"))
 
 
 @pytest.fixture(scope="module")
 def full_runner(tmp_path_factory):
-    return verify.Runner(suite.runs(quick=False), tmp_path_factory.mktemp("full"))
+    return verify.Runner(suites.whole(quick=False), tmp_path_factory.mktemp("full"))
 
 
 @pytest.mark.verification

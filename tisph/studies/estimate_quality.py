@@ -9,10 +9,10 @@ from tisph.config.schema import Config
 from tisph.folder import Folder
 from tisph.measures.fits import interpolated
 from tisph.observers._storage import read_snapshots
+from tisph.studies.checks import Check
 from tisph.studies.error_estimate import Coarser
 from tisph.studies.processes import run_config
 from tisph.studies.store import config_text
-from tisph.studies.verification.criteria import Check
 
 BOUND = 3.0
 """Factor between the estimated and the true error."""

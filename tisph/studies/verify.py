@@ -1,87 +1,110 @@
-"""Run the verification suite, or the verification page's case, and print the table.
+"""Run suites, or the verification page's case, and print their tables.
 
-Each case is a fresh process, one at a time, so that no run can touch another.
+Each run is a fresh process, one at a time, so that no run can touch another.
 """
 
+import json
+import math
 import tempfile
 from contextlib import ExitStack
+from dataclasses import asdict
 from pathlib import Path
 
 from rich.console import Console
 
+from tisph.config.fields import nearest
 from tisph.errors import ConfigError
-from tisph.studies import estimate_quality
+from tisph.studies import estimate_quality, suites
+from tisph.studies import page as page_case
+from tisph.studies.checks import Check
 from tisph.studies.processes import run_config, run_resumed
 from tisph.studies.store import Store, claimed, config_text
-from tisph.studies.verification import page as page_case
-from tisph.studies.verification import suite
+from tisph.studies.suites import Suite
 from tisph.text_table import format_header, format_row, format_table
 
 HEADER = ("case", "quantity", "value", "bound", "verdict")
 
+MANUFACTURED = "manufactured"
+"""The suite whose runs are built in Python; it needs sympy, and does not run with the others."""
 
-def run(quick=False, page=False):
-    """Print the table of the suite (``quick``: of its short runs), or with ``page`` that of the page's case.
 
-    Returns True if every check passed, for the page if every run reached its end. Raises ConfigError where the page's
-    configs are not found.
+def run(name=None, quick=False, long=False, out=None, as_json=False):
+    """Print the table of a suite, one of ours by ``name`` or a file; without a name, of all of ours but manufactured.
+
+    With ``out``, a folder, finished runs stay there and are not run again. ``as_json``: print one JSON document of all
+    checks in place of the table. Returns True if every check passed. Raises ConfigError where there is no such suite,
+    it has a mistake, or the folder cannot be used.
     """
-    with tempfile.TemporaryDirectory(prefix="tisph-verify-") as folder:
-        if page:
-            rows = _verify_page(Path(folder))
-            return _conclude(rows, "readings reached their end")
-        rows = _verify_suite(Runner(suite.runs(quick), Path(folder)), suite.criteria(quick))
-        return _conclude(rows if quick else rows + _verify_estimates(Path(folder)), "rows passed")
-
-
-def run_part(part, quick=False, long=False, out=None):
-    """Print the table of one ``part`` of the suite; ``long``: its runs of minutes. Returns True if every check passed.
-
-    With ``out``, a folder, finished runs stay there and are not run again. Raises ConfigError where there is no such
-    part, and where the folder cannot be used.
-    """
-    configs, criteria = suite.one(part, quick, long)
+    suite = suite_of(name, quick, long)
     with ExitStack() as stack:
         if out:
             stack.enter_context(claimed(Path(out), "another verification is writing there"))
         folder = Path(out or stack.enter_context(tempfile.TemporaryDirectory(prefix="tisph-verify-")))
-        runner = Runner(configs, folder, Store(folder) if out else None)
-        return _conclude(_verify_suite(runner, criteria), "rows passed")
+        runner = Runner(suite, folder, Store(folder) if out else None)
+        if as_json:
+            return _print_json(runner)
+        checks = _print_table(runner)
+        if name is None and not quick:
+            checks += _print_estimates(folder)
+    return _conclude([(f"{each.case} {each.quantity}", each.passed) for each in checks], "rows passed")
 
 
-def _conclude(rows, words):
-    """Print one line of verdict on ``rows``, pairs of a name and whether it passed; True if all did."""
-    failed = [name for name, passed in rows if not passed]
-    print(f"\n{len(rows) - len(failed)} of {len(rows)} {words}{'; FAIL: ' if failed else ''}{', '.join(failed)}")
-    return not failed
+def run_page():
+    """Print the table of all readings of the page; return True if every one reached its end.
+
+    Raises ConfigError where the page's configs are not found.
+    """
+    with tempfile.TemporaryDirectory(prefix="tisph-verify-") as folder:
+        return _conclude(_verify_page(Path(folder)), "readings reached their end")
+
+
+def suite_of(name, quick=False, long=False):
+    """Return a ``Suite`` by name, or by file; all of ours without a name. Raises ConfigError where there is none."""
+    if name is None:
+        return suites.whole(quick)
+    if name == MANUFACTURED and not long:
+        from tisph.studies import manufactured
+
+        return Suite(manufactured.runs(quick), manufactured.criteria(quick))
+    if name in suites.PARTS:
+        return suites.ours(name, quick, long)
+    if Path(name).suffix in (".yaml", ".yml"):
+        return suites.read(Path(name), quick, long)
+    names = (*suites.PARTS, MANUFACTURED)
+    if name in names:
+        raise ConfigError(f"--long: {name} has no long section")
+    raise ConfigError(
+        f"no suite {name!r}{nearest(name, names)}; there are {', '.join(names)}, and files that end in .yaml"
+    )
 
 
 class Runner:
-    """Runs cases when their results are first asked for, and keeps the results.
+    """Runs what a suite needs when its results are first asked for, and keeps the results.
 
-    ``configs`` maps case names to configs as plain dicts, or to functions that run a case in this process and return
-    its ``Result`` and message. Results are kept in subfolders of ``folder``. With a ``store`` of that folder, runs of
-    configs that an earlier command finished are taken from it.
+    A run of ``suite`` is a config as a plain dict, or a function that runs it in this process and returns ``Result``
+    and message. Results are kept in subfolders of ``folder``. With a ``store`` of that folder, runs of configs that an
+    earlier command finished are taken from it. ``failures``: messages of runs that stopped early, and of numbers that
+    samples do not have, by name of the run.
     """
 
-    def __init__(self, configs, folder, store=None):
-        self._store = store
+    def __init__(self, suite, folder, store=None):
+        self.suite = suite
         self.failures = {}
-        self._configs = configs
+        self._store = store
         self._folder = folder
         self._results = {}
 
     def result(self, name):
-        """``Result`` of a case. Where the run stopped early, ``failures[name]`` has its message."""
+        """``Result`` of a run. Where it stopped early, ``failures[name]`` has its message."""
         if name not in self._results:
-            config = self._configs[name]
+            config = self.suite.runs[name]
             self._results[name], message = config() if callable(config) else self._outcome(name, config)
             if message:
-                self.failures[name] = message
+                self.failures[name] = f"did not finish: {message}"
         return self._results[name]
 
     def _outcome(self, name, config):
-        resumed = name.endswith(suite.RESUMED)
+        resumed = name in self.suite.resumed
         if self._store and not resumed:
             [(_, result, message)] = self._store.outcomes({name: config}, 1)
             return result, message
@@ -91,38 +114,64 @@ class Runner:
 
     def judge(self, criterion):
         """``Check`` of a criterion, after running what it needs."""
-        return criterion.judge(*(self.result(name) for name in criterion.runs))
+        results = [self.result(name) for name in criterion.runs]
+        try:
+            return criterion.judge(*results)
+        except ConfigError as error:
+            self.failures[criterion.runs[0]] = str(error)
+            return Check(criterion.case, criterion.quantity, math.nan, criterion.bound, passed=False)
 
 
-def _verify_suite(runner, criteria):
-    """Print a line as soon as its runs are done; return the name of each row and whether it passed."""
-    console = Console()
+def _print_table(runner):
+    """Print a line as soon as its runs are done; return the checks."""
+    console = Console(stderr=True)
+    criteria = runner.suite.criteria
     labels = [(criterion.case, criterion.quantity, "1.23e-06", criterion.bound, "pass") for criterion in criteria]
     widths = [max(map(len, column)) for column in zip(HEADER, *labels, strict=True)]
     print(format_header(HEADER, widths))
-    rows = []
+    checks = []
     for criterion in criteria:
         with console.status(f"running {' and '.join(criterion.runs)}"):
             check = runner.judge(criterion)
         verdict = "pass" if check.passed else "FAIL"
-        line = (check.case, check.quantity, f"{check.value:.3g}", check.bound, verdict)
-        print(format_row(line, widths), flush=True)
-        rows.append((f"{check.case} {check.quantity}", check.passed))
+        print(format_row((check.case, check.quantity, f"{check.value:.3g}", check.bound, verdict), widths), flush=True)
+        checks.append(check)
     for name, message in runner.failures.items():
-        print(f"{name} did not finish: {message}")
-    return rows
+        print(f"{name}: {message}")
+    return checks
 
 
-def _verify_estimates(folder):
-    """Print how good the errors are that runs state of themselves; return rows as ``_verify_suite`` does."""
+def _print_json(runner):
+    """Print one JSON document of all checks; return True if all passed."""
+    console = Console(stderr=True)
+    checks = []
+    for criterion in runner.suite.criteria:
+        with console.status(f"running {' and '.join(criterion.runs)}"):
+            checks.append(runner.judge(criterion))
+    rows = [{**asdict(check), "value": check.value if math.isfinite(check.value) else None} for check in checks]
+    passed = all(check.passed for check in checks)
+    print(json.dumps({"passed": passed, "checks": rows, "failures": runner.failures}, indent=2))
+    return passed
+
+
+def _print_estimates(folder):
+    """Print how good the errors are that runs state of themselves; return the checks."""
     print("\nErrors that runs state of themselves (tisph run --estimate-error), over the true ones:\n")
     with Console(stderr=True).status("running the cases and their coarser runs"):
-        found = list(estimate_quality.checks(folder))
+        checks = list(estimate_quality.checks(folder))
     lines = [
-        (each.case, each.quantity, f"{each.value:.2g}", each.bound, "pass" if each.passed else "FAIL") for each in found
+        (each.case, each.quantity, f"{each.value:.2g}", each.bound, "pass" if each.passed else "FAIL")
+        for each in checks
     ]
     print(format_table(HEADER, lines))
-    return [(f"{each.case} {each.quantity}", each.passed) for each in found]
+    return checks
+
+
+def _conclude(rows, words):
+    """Print one line of verdict on ``rows``, pairs of a name and whether it passed; True if all did."""
+    failed = [name for name, passed in rows if not passed]
+    print(f"\n{len(rows) - len(failed)} of {len(rows)} {words}{'; FAIL: ' if failed else ''}{', '.join(failed)}")
+    return not failed
 
 
 def _verify_page(folder):

@@ -18,10 +18,7 @@ from tisph.studies.frontier.methods import (
     VORTEX_METHODS,
     WALL_METHODS,
 )
-from tisph.studies.verification import axisymmetric, bodies, circular_couette
-from tisph.studies.verification import two_dimensional_polymers as turning_polymers
-from tisph.studies.verification.cavity import SHARP
-from tisph.studies.verification.two_dimensional import TAYLOR_GREEN
+from tisph.studies.suites import config_of
 
 LENGTH = {"geometry": {"length": 2.0}}
 """That of the peers' case: two gaps."""
@@ -29,13 +26,17 @@ LENGTH = {"geometry": {"length": 2.0}}
 COUETTE = flows.merged(flows.COUETTE.config, LENGTH)
 POISEUILLE = flows.merged(flows.POISEUILLE.config, LENGTH)
 
-VORTEX = {**TAYLOR_GREEN, "runtime": {"threads": 1}}
-"""On one thread, as its peers."""
-
 SERIAL = {"runtime": {"threads": 1}, "time": {"samples": None}}
 
+VORTEX = flows.merged(config_of("two_dimensional", "taylor_green"), SERIAL)
+"""On one thread, as its peers."""
+
+MORRIS_RESISTANCE = 106.812
+"""Drag on a cylinder in a channel over dynamic viscosity and superficial velocity (suites/bodies.yaml)."""
+
 PIPE, SPIN_UP = (
-    flows.merged(axisymmetric.QUICK[name], {"geometry": {"length": 1.5}}, SERIAL) for name in ("pipe_20", "spin_up_20")
+    flows.merged(config_of("axisymmetric", name), {"geometry": {"length": 1.5}}, SERIAL)
+    for name in ("pipe_20", "spin_up_20")
 )
 """Of a radius and a viscosity of 1."""
 
@@ -67,9 +68,9 @@ def extremes(sample):
     return max(abs(sample[ours] / known[theirs] - 1.0) for ours, theirs in names.items())
 
 
-def resistance(sample, viscosity=bodies.VISCOSITY):
+def resistance(sample, viscosity=10.0):
     """Error of the drag of a cylinder in a channel over dynamic ``viscosity`` and superficial velocity."""
-    return abs(sample["drag"] / (viscosity * sample["superficial_velocity"]) / bodies.MORRIS_RESISTANCE - 1.0)
+    return abs(sample["drag"] / (viscosity * sample["superficial_velocity"]) / MORRIS_RESISTANCE - 1.0)
 
 
 @dataclass(frozen=True)
@@ -150,7 +151,7 @@ BENCHMARKS = {
     ),
     "oldroyd_b_cylinders": Benchmark(
         "Oldroyd-B, cylinders, t = 1: u, torque",
-        ended(flows.merged(turning_polymers.START, SERIAL), 1.0),
+        ended(flows.merged(config_of("two_dimensional_polymers", "oldroyd_b_annulus_25"), SERIAL), 1.0),
         CYLINDER_METHODS,
         {},
         group="oldroyd_b",
@@ -167,14 +168,14 @@ BENCHMARKS = {
     ),
     "circular_couette_2": Benchmark(
         "Circular Couette start-up, Re = 50, t = 2",
-        ended(flows.merged(circular_couette.ANNULUS, circular_couette.START, SERIAL), 2.0),
+        ended(flows.merged(config_of("circular_couette", "annulus_25_start"), SERIAL), 2.0),
         WALL_METHODS,
         QUICK_WALL_METHODS,
         group="circular_couette",
     ),
     "cavity_10": Benchmark(
         "Cavity, Re = 100, t = 10: extremes",
-        ended(flows.merged(SHARP, SERIAL), 10.0),
+        ended(flows.merged(config_of("cavity", "cavity_25"), SERIAL), 10.0),
         WALL_METHODS,
         QUICK_WALL_METHODS,
         group="cavity",
@@ -183,7 +184,7 @@ BENCHMARKS = {
     ),
     "cylinder": Benchmark(
         "Cylinders in a channel: drag",
-        flows.merged(bodies.MORRIS, SERIAL),
+        flows.merged(config_of("bodies", "morris"), SERIAL),
         BODY_METHODS,
         QUICK_BODY_METHODS,
         group="cylinder",

@@ -7,7 +7,9 @@ a box; and a suspension. Unless they are very heavy, forces bring circles to a s
 import math
 
 from tisph.studies.flows import digits, merged, walls
-from tisph.studies.verification.bodies import RESISTANCES
+
+RESISTANCES = {0.05: 15.56, 0.2: 51.53, 0.4: 217.89}
+"""Force over dynamic viscosity and superficial velocity of square arrays by solid fraction (suites/bodies.yaml)."""
 
 ACROSS = 24
 """Spacings in which radii count, across what has a length of 1; with twice as many, runs are compared."""

@@ -24,9 +24,10 @@ from tisph import scenes
 from tisph.errors import ConfigError, TisphError
 from tisph.schemes._supported import AROUND_BODIES
 from tisph.snapshot import STRESSES, STRESSES_AROUND
+from tisph.studies import checks
+from tisph.studies.checks import Criterion
 from tisph.studies.flows import across, at_times, merged
 from tisph.studies.processes import Result
-from tisph.studies.verification.criteria import Criterion, at_most, order
 
 DENSITY, VISCOSITY, INDEX = 2.0, 0.05, 0.6
 RELAXATION_TIME, SOLVENT_FRACTION = 0.5, 0.4
@@ -462,8 +463,11 @@ def bounds(name: str, quick: bool) -> Iterator[Criterion]:
     case, named = CASES[name], _named(name, quick)
     for quantity, bound, least in zip(("l2", "l2_pressure", "l2_stress"), case.bounds, case.orders, strict=False):
         if not quick:
-            yield at_most(list(named)[-1], case.end, quantity, bound)
-        yield order(name, named, case.end, least, quantity)
+            yield from checks.criteria(
+                {"run": list(named)[-1], "t_star": case.end, "at_most": {quantity: bound}}, {*named}
+            )
+        order = {"order": quantity, "case": name, "runs": named, "t_star": case.end, "at_least": least}
+        yield from checks.criteria(order, {*named})
 
 
 def _named(name, quick):

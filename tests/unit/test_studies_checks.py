@@ -1,0 +1,292 @@
+"""Checks of a suite: which numbers pass and which fail, and which entries are refused."""
+
+import math
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from fake_runs import make_result
+
+from tisph.errors import ConfigError
+from tisph.studies import checks, measures
+from tisph.studies.expressions import SuiteError
+from tisph.studies.processes import Result
+
+
+def criterion(**entry):
+    """The only criterion of an entry."""
+    (found,) = checks.criteria(entry, {"a", "b", "c"})
+    return found
+
+
+def ended(*samples, folder=None):
+    """A run that reached its end."""
+    return Result(folder or Path(), {"status": "done", "samples": list(samples)})
+
+
+def test_a_bound_passes_at_the_bound_and_fails_above():
+    found = criterion(run="a", t_star=0.018, at_most={"l2": 1.5e-3})
+    assert found.judge(make_result(t18=1.5e-3)).passed
+    assert not found.judge(make_result(t18=1.51e-3)).passed
+    assert (found.case, found.quantity, found.bound) == ("a", "l2 at t* = 0.018", "<= 0.0015")
+
+
+def test_a_least_value_passes_at_the_bound_and_fails_below():
+    found = criterion(run="a", t_star=0.018, at_least={"l2": 0.55})
+    assert found.judge(make_result(t18=0.55)).passed
+    assert not found.judge(make_result(t18=0.549)).passed
+    assert not found.judge(make_result(t18=None)).passed
+
+
+def test_an_entry_is_a_criterion_for_each_run_time_and_number():
+    entry = {"run": ["a", "b"], "t": [1.0, 2.0], "at_most": {"l2": [1e-3, 1e-4], "linf": 1e-2}}
+    found = list(checks.criteria(entry, {"a", "b"}))
+    assert [(one.case, one.quantity, one.bound) for one in found[:4]] == [
+        ("a", "l2 at t = 1", "<= 0.001"),
+        ("a", "l2 at t = 2", "<= 0.0001"),
+        ("a", "linf at t = 1", "<= 0.01"),
+        ("a", "linf at t = 2", "<= 0.01"),
+    ]
+    assert len(found) == 8
+
+
+@pytest.mark.parametrize("energy", [0.11, 0.09])
+def test_a_number_is_off_its_exact_value_by_a_fraction_of_that(energy):
+    result = make_result(t18=1e-3)
+    result.summary["samples"][0] |= {"kinetic_energy": energy, "kinetic_energy_exact": 0.1}
+    found = criterion(run="a", t_star=0.018, off_exact={"kinetic_energy": 0.05})
+    assert found.judge(result).value == pytest.approx(0.1, rel=1e-12)
+    result.summary["samples"][0]["kinetic_energy"] = None
+    assert not found.judge(result).passed
+
+
+def test_transverse_velocity_is_measured_in_wall_speeds():
+    check = criterion(run="a", t_star=1.0, at_most={"transverse": 1e-6}).judge(make_result(speed=0.5, t1000=0.0))
+    assert check.value == pytest.approx(2e-7, rel=1e-14)
+    assert check.passed
+
+
+@pytest.mark.parametrize("ours", [{}, {"t27": 1e-9}, {"t18": None}])
+def test_a_run_without_the_number_fails(ours):
+    """It stopped before the sample, or its velocities are not finite."""
+    stopped, good = make_result(**ours), make_result(t18=1e-3)
+    at, near = {"run": "a", "t_star": 0.018}, {"near": "b", "within": {"l2": 0.05}}
+    order = {"order": "l2", "runs": {"a": 25, "b": 50}, "t_star": 0.018, "at_least": 1.0}
+    for entry, results in (
+        ({**at, "at_most": {"l2": 1.0}}, [stopped]),
+        ({**at, **near}, [stopped, good]),
+        ({**at, **near}, [good, stopped]),
+        (order, [good, stopped]),
+        ({**at, "over": "b", "at_most": {"l2": 0.5}}, [stopped, good]),
+        ({"run": "a", "momentum_closes": 0.01}, [stopped]),
+    ):
+        check = criterion(**entry).judge(*results)
+        assert math.isnan(check.value)
+        assert not check.passed
+
+
+def test_nearness_is_two_sided():
+    found = criterion(run="a", near="b", t_star=0.018, within={"l2": 0.05})
+    for factor, passed in ((1.049, True), (0.951, True), (1.051, False), (0.949, False)):
+        assert found.judge(make_result(t18=factor * 1e-3), make_result(t18=1e-3)).passed is passed
+
+
+@pytest.mark.parametrize(("power", "passed"), [(1.9, True), (1.8, False)])
+def test_order_is_the_power_with_which_the_error_falls(power, passed):
+    resolutions = {"a": 25, "b": 50, "c": 100}
+    results = [make_result(t27=3.0 * number**-power) for number in resolutions.values()]
+    check = criterion(order="l2", runs=resolutions, t_star=0.027, at_least=1.85).judge(*results)
+    assert check.value == pytest.approx(power, rel=1e-12)
+    assert check.passed is passed
+
+
+def test_an_order_may_be_that_of_the_difference_to_a_value():
+    results = [ended({"drag": 2.0 * (1 + number**-3.0)}) for number in (25, 50)]
+    found = criterion(order="drag", runs={"a": 25, "b": 50}, expected=2.0, at_least=2.9)
+    assert found.judge(*results).value == pytest.approx(3.0, rel=1e-6)
+
+
+def test_a_ratio_is_that_to_the_other_runs_error():
+    found = criterion(run="a", over="b", t_star=0.018, at_most={"l2": 0.5})
+    assert found.judge(make_result(t18=0.5e-3), make_result(t18=1e-3)).passed
+    assert not found.judge(make_result(t18=0.51e-3), make_result(t18=1e-3)).passed
+
+
+@pytest.mark.parametrize(("closure", "passed"), [(0.01, True), (0.011, False), (None, False)])
+def test_the_momentum_balance_closes_within_its_bound(closure, passed):
+    result = make_result(t18=1e-3)
+    result.summary["momentum"] = {"closure": closure}
+    assert criterion(run="a", momentum_closes=0.01).judge(result).passed is passed
+
+
+def test_wall_shear_is_the_error_over_the_larger_stress():
+    result = make_result(t18=1e-3)
+    stresses = {"wall_shear_bottom": 0.1, "wall_shear_bottom_exact": 0.1}
+    result.summary["samples"][0] |= {**stresses, "wall_shear_top": 1.97, "wall_shear_top_exact": 2.0}
+    check = criterion(run="a", t_star=0.018, at_most={"wall_shear": 0.01}).judge(result)
+    assert check.value == pytest.approx(0.015, rel=1e-12)
+    assert not check.passed
+
+
+@pytest.mark.parametrize(("status", "value"), [("done", 0.1), ("diverged", math.nan)])
+def test_only_a_run_that_reached_its_end_ends_at_a_value(status, value):
+    found = criterion(run="a", number="drag", expected=10.0, within=0.2)
+    check = found.judge(Result(Path(), {"status": status, "samples": [{"drag": 5.0}, {"drag": 11.0}]}))
+    assert check.value == pytest.approx(value, nan_ok=True)
+    assert check.passed == (status == "done")
+    assert found.quantity == "drag off 10"
+
+
+def test_a_number_is_arithmetic_of_the_numbers_of_sample_and_run():
+    result = ended({"drag": 6.0, "angle": 0.0})
+    result.summary["cost"] = {"steps": 40}
+    found = criterion(run="a", number="2*hypot(3, 4)*cos(angle)/drag + cost.steps", called="sum", at_most=1.0)
+    assert found.judge(result).value == pytest.approx(10 / 6 + 40, rel=1e-14)
+    assert found.quantity == "sum"
+
+
+def test_a_number_that_no_sample_has_is_named():
+    with pytest.raises(ConfigError, match="drga: no such number; nearest: drag"):
+        criterion(run="a", at_most={"drga": 1.0}).judge(ended({"drag": 1.0}))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "__import__('os').getcwd()",
+        "drag.__class__.__mro__",
+        "(lambda: 1)()",
+        "[1][0]",
+        "'a'",
+        "drag if 1 else 2",
+        "open(drag)",
+        "1 +",
+    ],
+)
+def test_a_number_is_nothing_but_arithmetic(text):
+    """Whatever Python it looks like: it is refused when it is read, or its names are those of numbers only."""
+    with pytest.raises((SuiteError, ConfigError)):
+        criterion(run="a", number=text, at_most=1.0).judge(ended({"drag": 1.0}))
+
+
+@pytest.mark.parametrize(
+    ("entry", "key", "message"),
+    [
+        ({"run": "a"}, None, "a check needs one of number, order"),
+        ({"run": "d", "momentum_closes": 0.1}, "run", "there is no run 'd'"),
+        ({"run": "a", "momentum_closes": "0.1"}, "momentum_closes", "must be a number"),
+        ({"run": "a", "at_most": 1.0}, "at_most", "must be a map"),
+        ({"run": "a", "t": [1.0, 2.0], "at_most": {"l2": [1.0]}}, "at_most", "as many numbers as there are times"),
+        ({"run": "a", "t": 1.0, "t_star": 1.0, "at_most": {"l2": 1.0}}, "t_star", "not both"),
+        (
+            {"run": "a", "tstar": 1.0, "at_most": {"l2": 1.0}},
+            "tstar",
+            "unknown key of a check by at_most; nearest: t_star",
+        ),
+        (
+            {"run": "a", "number": "drag", "expected": 1.0, "at_most": 1.0},
+            "at_most",
+            "within is the relative difference",
+        ),
+        ({"order": "l2", "runs": {"a": 25}, "at_least": 1.0}, "runs", "two runs or more"),
+        ({"run": "a", "measure": "larges", "at_most": 1.0}, "measure", "nearest: largest"),
+        ({"run": "a", "measure": "largest", "at_most": 1.0}, "with", "number: largest takes number, off"),
+    ],
+)
+def test_a_mistake_names_its_key(entry, key, message):
+    with pytest.raises(SuiteError, match=message) as raised:
+        list(checks.criteria(entry, {"a", "b", "c"}))
+    assert raised.value.key == key
+
+
+def make_samples(folder, u, v=0.0):
+    """A results folder with one sample of three particles."""
+    folder.mkdir()
+    with h5py.File(folder / "samples.h5", "w") as file:
+        group = file.create_group("sample_000")
+        group["x"] = np.array([0.1, 0.2, 0.3])
+        group["u"] = np.array([0.0, 1.0, 2.0]) + u
+        group["v"] = np.full(3, v)
+    return folder
+
+
+def test_velocities_are_compared_in_wall_speeds(tmp_path):
+    reference = make_result(make_samples(tmp_path / "a", 0.0), speed=0.5)
+    shifted = make_result(make_samples(tmp_path / "b", 1e-7), speed=0.5)
+    transverse = make_result(make_samples(tmp_path / "c", 0.0, v=-1e-6), speed=0.5)
+    found = criterion(run="a", same_velocities_as="b", within=1e-6)
+    assert found.judge(shifted, reference).value == pytest.approx(2e-7, rel=1e-6)
+    assert found.judge(shifted, reference).passed
+    assert found.judge(transverse, reference).value == pytest.approx(2e-6, rel=1e-6)
+    assert not found.judge(transverse, reference).passed
+
+
+def test_one_bit_makes_a_difference(tmp_path):
+    reference = make_result(make_samples(tmp_path / "a", 0.0))
+    found = criterion(run="a", same_bits_as="b")
+    assert found.judge(make_result(make_samples(tmp_path / "b", 0.0)), reference).passed
+    one_bit = make_result(make_samples(tmp_path / "c", np.array([0.0, 2.3e-16, 0.0])))
+    signed_zero = make_result(make_samples(tmp_path / "d", 0.0, v=-0.0))
+    for different in (one_bit, signed_zero):
+        assert found.judge(different, reference).value == 1
+        assert not found.judge(different, reference).passed
+
+
+def test_missing_arrays_are_not_equal_arrays(tmp_path):
+    for entry in ({"same_bits_as": "b"}, {"same_velocities_as": "b", "within": 1e-6}):
+        nothing = make_result(tmp_path / "nothing")
+        assert not criterion(run="a", **entry).judge(nothing, nothing).passed
+
+
+def with_bodies(samples, **fields):
+    """A finished run whose bodies had these fields at its samples."""
+    result = ended(*samples)
+    object.__setattr__(result, "bodies", lambda field: np.array(fields[field], dtype=float))
+    return result
+
+
+def test_the_second_of_a_pair_mirrors_the_first():
+    expected = {"field": "velocity", "expected": [0.09, 0.001], "scale": 0.09}
+    mirrored = with_bodies([{}], velocity=[[[0.09, 0.001], [-0.09, -0.001]]])
+    assert measures.pair_off(mirrored, **expected) == pytest.approx(0.0, abs=1e-15)
+    assert measures.pair_off(with_bodies([{}], velocity=[[[0.09, 0.001]] * 2]), **expected) > 1.0
+
+
+@pytest.mark.parametrize("factor", [1.0, 1.01])
+def test_momentum_that_a_body_loses_is_found(factor):
+    """Constant net forces on both, and velocities by them or 1 % more."""
+    times, density, load = np.linspace(0.06, 6.0, 100), 3.0, 0.02
+    area = math.pi * 0.1**2
+    net = 0.25 * load * np.array([1.0, -1.0])
+    force = np.tile(np.stack([net - [load, -load], [0.0, 0.0]], axis=1), (100, 1, 1))
+    velocity = np.zeros((100, 2, 2))
+    velocity[..., 0] = factor * times[:, None] * net / (density * area)
+    run = with_bodies([{"t": time, "superficial_velocity": 0.0} for time in times], velocity=velocity, force=force)
+    off = measures.momentum_of_bodies(run, density=density, area=area, loads=[load, -load], first=20)
+    assert off == pytest.approx(0.25 * (factor - 1), abs=1e-12)
+    assert measures.momentum_of_all(run, density=density, area=area, load=load) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("factor", [1.0, 1.01])
+def test_momentum_that_is_lost_in_a_cell_is_found(factor):
+    """A drag that is 1 % too large, on a liquid that is driven by what its momentum says."""
+    drive, times = 400.0, [0.0, 0.1, 0.2, 0.4, 0.6]
+    samples = [{"t": t, "superficial_velocity": 0.5 * drive * t, "drag": 0.5 * factor * drive} for t in times]
+    off = measures.momentum_off(ended(*samples), drive=drive)
+    assert off == pytest.approx(0.5 * (factor - 1), abs=1e-9)
+
+
+def test_critical_value_is_where_the_rate_is_zero():
+    at = [0.95, 1.0, 1.05]
+    exact = [ended({"growth_rate": 0.3 * e - 0.5 * e**2}) for e in np.subtract(at, 1.0)]
+    assert measures.critical_value(*exact, at=at, expected=68.0) == pytest.approx(0.0, abs=1e-12)
+    off = [ended({"growth_rate": 0.3 * (part - 1.003)}) for part in at]
+    assert measures.critical_value(*off, at=at, expected=68.0) == pytest.approx(3e-3, rel=1e-6)
+
+
+def test_the_largest_of_all_samples_and_the_time_of_a_value():
+    falling = [ended(*({"t": t, "y": 4.0 - speed * t} for t in (0.0, 1.0, 2.0))) for speed in (1.0, 1.25)]
+    assert measures.largest(falling[0], number="y - 4") == 2.0
+    assert measures.largest(falling[0], number="y", off=[4.0, 3.5, 2.0]) == 0.5
+    assert measures.time_difference(*falling, number="y", value=3.0) == pytest.approx(0.25, rel=1e-12)

@@ -1,0 +1,279 @@
+"""Checks of a suite: which number of which runs has to lie where.
+
+An entry of ``checks`` in a suite has one of these forms, and becomes one criterion for each of its runs, times and
+numbers. ``t`` or ``t_star`` (t* = t over the time scale of the scene) choose samples, by one time or a list of times;
+without either the number is the one of the last sample of a run that reached its end.
+
+- {run: fine, t: [1.8, 2.7], at_most: {l2: 1.0e-3, wall_shear: 0.01}}    # at_least; a bound, or one for each time
+- {run: fine, t: 2.7, off_exact: {torque_inner: 1.0e-3}}                 # relative difference to torque_inner_exact
+- {run: fine, t: 2.7, over: coarse, at_most: {l2: 0.5}}                  # the ratio of the numbers of two runs
+- {run: fine, t: 2.7, near: coarse, within: {l2: 0.05}}                  # their relative difference
+- {run: fine, number: drag/superficial_velocity, called: resistance, expected: 51.53, within: 3.0e-3}
+- {order: l2, runs: {coarse: 25, fine: 50}, t: 2.7, at_least: 3.5}       # of a fall with the particles across
+- {run: again, same_bits_as: fine}
+- {run: other_units, same_velocities_as: fine, within: 1.0e-6}           # over the reference velocity
+- {run: fine, momentum_closes: 0.01}                                     # summary.json: momentum.closure
+- {run: fine, measure: resolved_samples, at_most: 0}                     # a function of ``studies/measures.py``
+
+A number is an expression, see ``studies/expressions.py``.
+"""
+
+import inspect
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tisph.config.fields import nearest
+from tisph.measures.metrics import fitted_order
+from tisph.studies import measures
+from tisph.studies.expressions import Number, SuiteError, is_number
+
+COMPARED = ("run", "t", "t_star", "over", "near")
+
+FORMS: dict[str, tuple[str, ...]] = {
+    "number": (*COMPARED, "called", "expected", "at_most", "at_least", "within"),
+    "order": ("runs", "t", "t_star", "case", "called", "expected", "at_least"),
+    "same_bits_as": ("run",),
+    "same_velocities_as": ("run", "within"),
+    "momentum_closes": ("run",),
+    "measure": ("run", "case", "called", "with", "expected", "within", "at_most"),
+    "at_most": (*COMPARED, "at_least", "off_exact"),
+    "at_least": (*COMPARED, "off_exact"),
+    "off_exact": COMPARED,
+    "within": COMPARED,
+}
+"""The other keys that an entry may have, by the key that makes it a check; the first of these that it has."""
+
+BOUNDS = {"at_most": "<=", "at_least": ">=", "off_exact": "<=", "within": "<="}
+
+
+@dataclass(frozen=True)
+class Check:
+    """One line of the verification table; ``value`` is NaN where the runs gave none."""
+
+    case: str
+    quantity: str
+    value: float
+    bound: str
+    passed: bool
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """A number, computed from the results of ``runs`` (names), and the values of it that pass."""
+
+    case: str
+    quantity: str
+    bound: str
+    runs: tuple[str, ...]
+    value: Callable[..., float]
+    accepts: Callable[[float], bool]
+
+    def judge(self, *results) -> Check:
+        """Check of the ``Result`` of each of ``runs``, in their order."""
+        value = float(self.value(*results))
+        return Check(self.case, self.quantity, value, self.bound, bool(self.accepts(value)))
+
+
+def bounded(case, quantity, bound, value, runs=None, sign="<="):
+    """The ``Criterion`` that ``value`` of the ``runs``, of ``case`` alone if not given, is beside ``bound``."""
+
+    def accepts(number):
+        return {"<=": number <= bound, ">=": number >= bound, "=": number == bound}[sign]
+
+    return Criterion(case, quantity, f"{sign} {bound:g}", runs or (case,), value, accepts)
+
+
+def of_whole_runs(case, quantity, bound, value, runs=None, sign="<="):
+    """As ``bounded``; the value is NaN where one of the runs stopped early."""
+
+    def whole(*results):
+        return value(*results) if all(result.last for result in results) else math.nan
+
+    return bounded(case, quantity, bound, whole, runs, sign)
+
+
+def criteria(entry: dict[str, Any], names: set[str]) -> Iterator[Criterion]:
+    """Yield the criteria of an entry of ``checks``; ``names`` are the names of the runs. Raises SuiteError."""
+    kind = next((key for key in FORMS if key in entry), None)
+    if kind is None:
+        raise SuiteError(None, f"a check needs one of {', '.join(FORMS)}")
+    for key in entry:
+        if key not in (kind, *FORMS[kind]):
+            hint = nearest(key, list(FORMS[kind]))
+            raise SuiteError(key, f"unknown key of a check by {kind}{hint}; allowed: {', '.join(FORMS[kind])}")
+    for key in ("run", "near", "over", "same_bits_as", "same_velocities_as", "runs"):
+        for name in _listed(entry.get(key, ())):
+            if name not in names:
+                raise SuiteError(key, f"there is no run {name!r}{nearest(str(name), sorted(names))}")
+    if kind == "order":
+        yield from _orders(entry)
+        return
+    runs = _listed(_given(entry, "run"))
+    if kind == "measure":
+        yield _measure(entry, tuple(runs))
+        return
+    for run in runs:
+        if kind == "same_bits_as":
+            other = entry[kind]
+            yield bounded(run, f"arrays that differ from {other}", 0, _differing_arrays, (run, other), "=")
+        elif kind == "same_velocities_as":
+            other = entry[kind]
+            yield bounded(run, f"velocities off {other}", _bound(entry, "within"), _difference, (run, other))
+        elif kind == "momentum_closes":
+            yield bounded(run, "momentum closure", _bound(entry, kind), lambda result: result.closure)
+        else:
+            yield from _of_numbers(entry, run)
+
+
+def _given(entry, key):
+    if key not in entry:
+        raise SuiteError(None, f"{key} is missing")
+    return entry[key]
+
+
+def _bound(entry, key):
+    value = _given(entry, key)
+    if not is_number(value):
+        raise SuiteError(key, f"{value!r}: must be a number, such as 1.0e-3")
+    return value
+
+
+def _listed(value):
+    return list(value) if isinstance(value, list | tuple | dict) else [value]
+
+
+def _times(entry) -> list[tuple[str, Callable]]:
+    """(words, choice of a sample) of each time of an entry."""
+    if "t" in entry and "t_star" in entry:
+        raise SuiteError("t_star", "give t or t_star, not both")
+    for key, sign in (("t", "t"), ("t_star", "t*")):
+        if key in entry:
+            times = _listed(entry[key])
+            for time in times:
+                if not is_number(time):
+                    raise SuiteError(key, f"{time!r}: must be a number, or a list of numbers")
+            return [(f" at {sign} = {time:g}", _at(key, time)) for time in times]
+    return [("", lambda result: result.last)]
+
+
+def _at(key, time):
+    def sample(result):
+        samples = result.summary.get("samples", ())
+        return next((one for one in samples if math.isclose(one[key], time, rel_tol=1e-9)), None)
+
+    return sample
+
+
+def _of_numbers(entry, run):
+    """Criteria of numbers of a run at all times of an entry."""
+    times = _times(entry)
+    for key in BOUNDS:
+        for number, words, bounds in _bounded_numbers(entry, key):
+            if not isinstance(bounds, list):
+                bounds = [bounds] * len(times)
+            if len(bounds) != len(times) or not all(map(is_number, bounds)):
+                raise SuiteError(key, f"{words}: must be a number, or a list of as many numbers as there are times")
+            for (at, sample), bound in zip(times, bounds, strict=True):
+                yield _criterion(entry, key, bound, run, number, words, at, sample)
+
+
+def _bounded_numbers(entry, key):
+    """Yield each number that an entry bounds by ``key``, its words, and its bounds."""
+    if key not in entry:
+        return
+    if "number" in entry:
+        number = Number(entry["number"], "number")
+        yield number, entry.get("called", number.text), entry[key]
+    elif not isinstance(entry[key], dict):
+        raise SuiteError(key, "must be a map of numbers and their bounds, such as {l2: 1.0e-3}")
+    else:
+        for text, bounds in entry[key].items():
+            number = Number(f"{text} off exact" if key == "off_exact" else text, key)
+            yield number, number.text, bounds
+
+
+def _criterion(entry, key, bound, run, number, words, at, sample):
+    """The criterion of a number of a run at one time: itself, or compared with a value or another run."""
+    value = lambda result: number(result, sample(result))  # noqa: E731
+    compared = [name for name in ("expected", "near", "over") if name in entry]
+    if len(compared) > 1:
+        raise SuiteError(compared[1], f"give one of {' and '.join(compared)}")
+    if ("expected" in entry or "near" in entry) != (key == "within"):
+        raise SuiteError(key, "within is the relative difference to expected or near; other bounds have neither")
+    if "expected" in entry:
+        expected = _bound(entry, "expected")
+        off = lambda result: abs(value(result) / expected - 1)  # noqa: E731
+        return bounded(run, f"{words} off {expected:g}{at}", bound, off)
+    if not compared:
+        return bounded(run, f"{words}{at}", bound, value, sign=BOUNDS[key])
+    other = entry[compared[0]]
+    if "near" in entry:
+        off = lambda ours, theirs: abs(value(ours) / value(theirs) - 1)  # noqa: E731
+        return bounded(run, f"{words} off {other}{at}", bound, off, (run, other))
+    ratio = lambda ours, theirs: value(ours) / value(theirs)  # noqa: E731
+    return bounded(run, f"{words} over {other}'s{at}", bound, ratio, (run, other), BOUNDS[key])
+
+
+def _orders(entry):
+    """Criteria that errors fall with a power of the spacing: a fit over all resolutions."""
+    resolutions, expected = _given(entry, "runs"), entry.get("expected")
+    if not isinstance(resolutions, dict) or len(resolutions) < 2 or not all(map(is_number, resolutions.values())):
+        raise SuiteError("runs", "must be a map of two runs or more and their particles across")
+    for text in _listed(entry["order"]):
+        number = Number(text, "order")
+        for words, sample in _times(entry):
+
+            def fitted(*results, number=number, sample=sample):
+                values = [number(result, sample(result)) for result in results]
+                errors = values if expected is None else [abs(value / expected - 1) for value in values]
+                return fitted_order(resolutions.values(), errors)
+
+            case, name = entry.get("case", "/".join(resolutions)), entry.get("called", f"{number.text} order")
+            yield bounded(case, f"{name}{words}", _bound(entry, "at_least"), fitted, tuple(resolutions), ">=")
+
+
+def _measure(entry, runs):
+    """The criterion of a function of ``measures.py``."""
+    name, given = entry["measure"], entry.get("with", {})
+    if name not in measures.MEASURES:
+        raise SuiteError("measure", f"there is no measure {name!r}{nearest(str(name), sorted(measures.MEASURES))}")
+    function = measures.MEASURES[name]
+    parameters = inspect.signature(function).parameters.values()
+    keys = {one.name: one.default is one.empty for one in parameters if one.kind is one.KEYWORD_ONLY}
+    wrong = [key for key in given if key not in keys] + [
+        key for key, needed in keys.items() if needed and key not in given
+    ]
+    if wrong:
+        raise SuiteError("with", f"{wrong[0]}: {name} takes {', '.join(keys) or 'nothing'}")
+    value = lambda *results: function(*results, **given)  # noqa: E731
+    case, words = entry.get("case", runs[0]), entry.get("called", name.replace("_", " "))
+    if "expected" not in entry:
+        return of_whole_runs(case, words, _bound(entry, "at_most"), value, runs)
+    expected = _bound(entry, "expected")
+    off = lambda *results: abs(value(*results) / expected - 1)  # noqa: E731
+    return of_whole_runs(case, f"{words} off {expected:g}", _bound(entry, "within"), off, runs)
+
+
+def _differing_arrays(ours, other):
+    """How many arrays of samples.h5 differ in a bit; NaN where there are none, or others."""
+    arrays, others = ours.arrays(), other.arrays()
+    if not arrays or arrays.keys() != others.keys():
+        return math.nan
+    return sum(arrays[key].tobytes() != others[key].tobytes() for key in arrays)
+
+
+def _difference(ours, other):
+    """The largest difference of a velocity component of a particle in all samples, over the reference velocity."""
+    arrays, others = _velocities(ours), _velocities(other)
+    if not arrays or arrays.keys() != others.keys():
+        return math.nan
+    return max(np.max(np.abs(arrays[key] - others[key])) for key in arrays)
+
+
+def _velocities(result):
+    arrays = result.arrays().items()
+    return {key: array / result.reference_velocity for key, array in arrays if key.endswith(("/u", "/v"))}

@@ -1,0 +1,228 @@
+"""Suites: runs and checks of them as YAML files, ours in ``tisph/suites`` and those of users.
+
+    title: Start-up Couette flow
+    base: couette.yaml                  # a config beside this file, or its keys as a map; bases: several by name
+    runs:                               # changes of the base, keys as of tisph run --set
+      coarse: {samples: [1.8, 2.7]}     # samples: times, of which the last one is the end
+      fine: {like: coarse, discretisation.particles_across: 100}       # base: NAME takes one of bases
+    checks:                             # see studies/checks.py
+      - {run: fine, t: [1.8, 2.7], at_most: {l2: 1.0e-3}}
+    quick: {runs: ..., checks: ...}     # with --quick in place of the above; its runs are like those above, or others
+    long: {runs: ..., checks: ...}      # with --long
+
+A run with ``resumed: true`` is stopped after its first checkpoint and resumed.
+"""
+
+import copy
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from tisph.config.fields import nearest
+from tisph.config.from_python import loaded
+from tisph.config.yaml_text import YamlTextError, parse
+from tisph.errors import ConfigError
+from tisph.studies import checks
+from tisph.studies.checks import Criterion, SuiteError
+
+FOLDER = Path(__file__).parents[1] / "suites"
+
+PARTS = ("couette", "channel", "viscoelastic", "rheologies", "rheometry", "implicit", "two_dimensional")
+PARTS += ("circular_couette", "cavity", "bodies", "free_bodies", "axisymmetric", "two_dimensional_inelastic")
+PARTS += ("two_dimensional_polymers",)
+"""Suites of ``tisph verify``, in the order of its table."""
+
+SECTION = ("base", "bases", "runs", "checks")
+OF_RUNS = ("base", "like", "samples", "resumed")
+
+
+@dataclass
+class Suite:
+    """Configs of runs by name, as plain dicts, the criteria that judge them, and the runs that are resumed."""
+
+    runs: dict[str, dict[str, Any]] = field(default_factory=dict)
+    criteria: list[Criterion] = field(default_factory=list)
+    resumed: set[str] = field(default_factory=set)
+
+    def add(self, other: "Suite") -> None:
+        """Take in the runs and criteria of another suite, whose runs have other names."""
+        self.runs |= other.runs
+        self.criteria += other.criteria
+        self.resumed |= other.resumed
+
+
+def whole(quick: bool = False) -> Suite:
+    """Return all of ``PARTS`` as one suite."""
+    suite = Suite()
+    for name in PARTS:
+        suite.add(ours(name, quick))
+    return suite
+
+
+def ours(name: str, quick: bool = False, long: bool = False) -> Suite:
+    """Return one of ``PARTS``."""
+    return read(FOLDER / f"{name}.yaml", quick, long)
+
+
+def config_of(name: str, run: str) -> dict[str, Any]:
+    """Return the config of a run of one of ``PARTS``."""
+    return ours(name).runs[run]
+
+
+def read(path: Path, quick: bool = False, long: bool = False) -> Suite:
+    """Return the suite of a file, its ``quick`` or its ``long`` section.
+
+    ConfigError names file, line, key and the fix of a mistake; it is raised, too, where there is no long section.
+    """
+    return copy.deepcopy(_read(Path(path), "quick" if quick else "long" if long else None))
+
+
+@cache
+def _read(path, section):
+    return _File(path).suite(section)
+
+
+class _File:
+    """The data of a suite's file, with the line of each key."""
+
+    def __init__(self, path: Path):
+        self.path = path
+        try:
+            document = parse(path.read_text(encoding="utf-8"))
+        except YamlTextError as error:
+            raise ConfigError(f"{path}:{error.line or 1}: {error.text}") from None
+        except (OSError, UnicodeDecodeError) as error:
+            raise ConfigError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+        self.data, self._lines = document.data, document.lines
+        if not isinstance(self.data, dict) or not {"title", "runs", "checks"} <= set(self.data):
+            raise ConfigError(f"{path}: a suite is a map with the keys title, base, runs and checks")
+        self._require_keys(self.data, (), ("title", *SECTION, "quick", "long"))
+
+    def suite(self, section: str | None) -> Suite:
+        """Return the suite: the main one, or of a ``section``, ``quick`` or ``long``."""
+        configs, resumed = self._runs(self.data, (), {})
+        if section is None:
+            return Suite(configs, self._criteria(self.data, (), configs), resumed)
+        if section not in self.data:
+            if section == "quick":
+                return self.suite(None)
+            raise ConfigError(f"--long: {self.path.stem} has no long section")
+        data = self._map(self.data, (), section)
+        self._require_keys(data, (section,), SECTION)
+        own, own_resumed = self._runs({**self.data, **data}, (section,), configs) if "runs" in data else ({}, set())
+        configs |= own
+        criteria = self._criteria(data, (section,), configs)
+        used = {name for criterion in criteria for name in criterion.runs}
+        return Suite(
+            {name: config for name, config in configs.items() if name in own or name in used},
+            criteria,
+            (resumed | own_resumed) & used,
+        )
+
+    def _runs(self, data, place, known):
+        """Return the configs of the runs of a section by name, and the names of those that are resumed."""
+        bases = {name: self._base(base, place, "bases") for name, base in self._map(data, place, "bases").items()}
+        base = self._base(data["base"], place, "base") if "base" in data else None
+        configs, resumed = {}, set()
+        for name, changes in self._map(data, place, "runs").items():
+            where = (*place, "runs", name)
+            if not isinstance(changes, dict):
+                self._fail(where, "must be a map of changes, such as {discretisation.particles_across: 50}")
+            config = self._start(changes, where, base, bases, {**known, **configs})
+            for key, value in changes.items():
+                if key not in OF_RUNS:
+                    self._change(config, key, value, (*where, key))
+            if "samples" in changes:
+                times = changes["samples"]
+                if not isinstance(times, list) or not times:
+                    self._fail((*where, "samples"), "must be a list of times, such as [1.8, 2.7]")
+                config["time"] = {**config.get("time", {}), "end": times[-1], "samples": times}
+            if changes.get("resumed"):
+                resumed.add(name)
+            configs[name] = self._valid(config, where)
+        return configs, resumed
+
+    def _valid(self, config, where):
+        """Return the config of a run; ConfigError where ``tisph run`` would refuse it. Tests check our own suites."""
+        if self.path.parent != FOLDER:
+            try:
+                loaded(config, {})
+            except ConfigError as error:
+                self._fail(where, str(error).removeprefix("config: "))
+        return config
+
+    def _start(self, changes, where, base, bases, known):
+        """Return a copy of the config that a run changes."""
+        for key, found in (("like", known), ("base", bases)):
+            if key in changes:
+                if changes[key] not in found:
+                    name = str(changes[key])
+                    self._fail((*where, key), f"there is no {name!r}{nearest(name, list(found))} before it")
+                return copy.deepcopy(found[changes[key]])
+        if base is None:
+            self._fail(where, "needs base: NAME, one of bases, since the suite has no base")
+        return copy.deepcopy(base)
+
+    def _base(self, base, place, key):
+        """Return a base: a map, or the config in a file beside this one."""
+        if isinstance(base, dict):
+            return base
+        if not isinstance(base, str):
+            self._fail((*place, key), "must be the name of a config, or a map of its keys")
+        path = self.path.parent / base
+        try:
+            return {key: value for key, value in parse(path.read_text(encoding="utf-8")).data.items() if key != "name"}
+        except (OSError, UnicodeDecodeError) as error:
+            self._fail((*place, key), f"{base}: cannot be read: {getattr(error, 'strerror', None) or error}")
+        except (YamlTextError, AttributeError) as error:
+            self._fail((*place, key), f"{base}: is no config: {error}")
+
+    def _change(self, config, key, value, where):
+        """Set the value of a dotted ``key``, in which a number is a place in a list."""
+        *parents, last = (int(part) if part.isdigit() else part for part in key.split("."))
+        for parent in parents:
+            config = config.setdefault(parent, {}) if isinstance(config, dict) else self._item(config, parent, where)
+        if isinstance(config, list):
+            self._item(config, last, where)
+        elif not isinstance(config, dict):
+            self._fail(where, "the key goes on below a single value")
+        config[last] = copy.deepcopy(value)
+
+    def _item(self, items, place, where):
+        if not isinstance(items, list) or not isinstance(place, int) or place >= len(items):
+            self._fail(where, f"{place} is no place in a list, counted from 0")
+        return items[place]
+
+    def _criteria(self, data, place, configs):
+        found = []
+        entries = data.get("checks", [])
+        if not isinstance(entries, list) or not entries:
+            self._fail((*place, "checks"), "must be a list of checks")
+        for number, entry in enumerate(entries):
+            where = (*place, "checks", number)
+            if not isinstance(entry, dict):
+                self._fail(where, "must be a map, such as {run: fine, t: 2.7, at_most: {l2: 1.0e-3}}")
+            try:
+                found += checks.criteria(entry, set(configs))
+            except SuiteError as mistake:
+                self._fail(where if mistake.key is None else (*where, mistake.key), mistake.text)
+        return found
+
+    def _map(self, data, place, key):
+        found = data.get(key, {})
+        if not isinstance(found, dict):
+            self._fail((*place, key), "must be a map")
+        return found
+
+    def _require_keys(self, data, place, allowed):
+        for key in data:
+            if key not in allowed:
+                self._fail((*place, key), f"unknown key{nearest(key, list(allowed))}; allowed: {', '.join(allowed)}")
+
+    def _fail(self, place, text):
+        """Raise the ConfigError of a mistake at the key ``place``, or the nearest one around it."""
+        key = ".".join(map(str, place))
+        while place and place not in self._lines:
+            place = place[:-1]
+        raise ConfigError(f"{self.path}:{self._lines.get(place, 1)}: {key}: {text}")

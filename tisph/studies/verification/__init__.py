@@ -1,1 +1,0 @@
-"""What `tisph verify` runs, and what each run is held to."""

@@ -15,12 +15,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 from tisph import clock, registry
 from tisph.folder import Folder
 from tisph.measures.wall_shear import wall_shear_error
+from tisph.results._arrays import Arrays
 
 METHOD = "forkserver" if sys.platform == "linux" else "spawn"
 
@@ -82,18 +82,8 @@ class Result:
 
     def arrays(self):
         """Contents of ``samples.h5`` as {"sample/dataset": array}; empty where there is no such file."""
-        path = self.folder / "samples.h5"
-        if not path.is_file():
-            return {}
-        found = {}
-
-        def take(name, item):
-            if isinstance(item, h5py.Dataset):
-                found[name] = item[()]
-
-        with h5py.File(path, "r") as file:
-            file.visititems(take)
-        return found
+        path = Folder(self.folder).samples
+        return dict(Arrays(path)) if path.is_file() else {}
 
     def bodies(self, field):
         """A ``field`` of ``tisph.snapshot.Bodies`` at all samples, (samples, bodies, ...)."""

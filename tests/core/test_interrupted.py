@@ -65,7 +65,6 @@ def test_a_failed_picture_is_reported_once_and_loses_no_other_result(folder, tmp
     assert json.loads(folder.summary.read_text())["status"] == "done"
     assert require_readable(folder) == (20, 40, 401)
     assert not folder.profiles_picture.exists()
-    gone.close()
 
 
 def test_an_interrupt_while_python_clears_up_is_not_heard():

@@ -13,7 +13,7 @@ import tisph
 from tisph import cli
 from tisph.cli import terminal
 from tisph.errors import ConfigError
-from tisph.studies import starting
+from tisph.studies import processes
 
 CASE = """
 scene: channel
@@ -120,7 +120,7 @@ def test_a_run_from_python_finds_its_folder_whatever_the_terminal_shows(folder, 
 
 def test_messages_of_a_study_s_run_are_utf_8(folder, monkeypatch, tmp_path):
     monkeypatch.setenv("PYTHONIOENCODING", "cp1252")
-    monkeypatch.setattr(starting, "METHOD", "spawn")  # a server may have started with another terminal
-    process = starting.start(["check", f"{NAME}.yml"], tmp_path / "messages")
+    monkeypatch.setattr(processes, "METHOD", "spawn")  # a server may have started with another terminal
+    process = processes.start(["check", f"{NAME}.yml"], tmp_path / "messages")
     process.join()
     assert f"error: {NAME}.yml" in (tmp_path / "messages").read_text(encoding="utf-8")

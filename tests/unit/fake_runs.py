@@ -11,7 +11,7 @@ from tisph.studies.processes import Result
 
 
 class FakeRuns:
-    """Takes the place of ``tisph.studies.starting.start``: records the configs that it is asked for.
+    """Takes the place of ``tisph.studies.processes.start``: records the configs that it is asked for.
 
     ``summary(config)`` gives the summary that a run leaves, or the text of the error with which it stops.
     """

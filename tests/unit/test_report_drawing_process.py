@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import imageio_ffmpeg
@@ -26,7 +27,7 @@ def drawing():
     """A process for all of these tests, but those that end it."""
     one = DrawingProcess()
     yield one
-    one.close()
+    one._process.kill()
 
 
 @pytest.fixture
@@ -81,7 +82,7 @@ def test_an_error_in_drawing_has_a_name_and_ends_nothing(drawing, channel):
 
 
 def test_a_process_that_has_gone_is_one_error_and_keeps_nobody_waiting(channel, tmp_path, monkeypatch):
-    monkeypatch.setattr(drawing_process, "QUEUE_BYTES", 1)  # every message waits for the one before it
+    monkeypatch.setattr(drawing_process, "BACKLOG", 1)  # every task waits for the one before it
     gone = DrawingProcess()
     os.kill(gone._process.pid, signal.SIGKILL)
     movie = RemoteMovie(gone, tmp_path / "movie.mp4", channel, VIDEO, "test", END)
@@ -100,7 +101,48 @@ def test_a_new_process_takes_the_place_of_one_that_has_gone(monkeypatch):
     first._process.wait()
     second = drawing_process.shared()
     assert second is not first
-    second.close()
+    second._process.kill()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends signals")
+def test_the_run_waits_for_a_process_that_is_far_behind(monkeypatch):
+    monkeypatch.setattr(drawing_process, "BACKLOG", 2)
+    slow = DrawingProcess()
+    slow.request("close").result()  # it has started
+    os.kill(slow._process.pid, signal.SIGSTOP)
+    sent, frame = [], bytes(2**20)  # more than a pipe holds, and there is no movie to draw it for
+    sender = threading.Thread(target=lambda: sent.extend(slow.request("frame", frame) for _ in range(6)))
+    sender.start()
+    sender.join(0.5)
+    assert sender.is_alive()
+    os.kill(slow._process.pid, signal.SIGCONT)
+    sender.join()
+    assert [each.result(timeout=60) for each in sent] == [None] * 6
+    slow._process.kill()
+
+
+SCRIPT = """
+import multiprocessing, sys
+print("script")
+from report_scene import make_channel, make_snapshot
+from tisph.report.drawing_process import DrawingProcess
+def drawn():
+    channel = make_channel()
+    return DrawingProcess().request("plots", channel, {"profiles": ([make_snapshot(channel, 1.0)],)}).result()
+print(*drawn())
+with multiprocessing.get_context("fork").Pool(1) as pool:
+    print(*pool.apply(drawn))
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="forks")
+def test_a_script_without_a_main_guard_can_draw(tmp_path):
+    """It is not run a second time; nor are processes refused that are workers of ``multiprocessing.Pool``."""
+    script = tmp_path / "script.py"
+    script.write_text(SCRIPT)
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run([sys.executable, script], env=environment, capture_output=True, text=True)
+    assert done.stdout.splitlines() == ["script", "profiles", "profiles"], done.stderr
 
 
 PARENT = """

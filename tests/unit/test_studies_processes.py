@@ -12,11 +12,11 @@ import multiprocessing, sys, time
 from pathlib import Path
 import typer
 from tisph.cli.outcome import reported
-from tisph.studies import processes, starting
+from tisph.studies import processes
 
 def sleeper(*_):
-    starting.prepare()
-    process = multiprocessing.get_context(starting.METHOD).Process(target=time.sleep, args=(600,))
+    processes.prepare()
+    process = multiprocessing.get_context(processes.METHOD).Process(target=time.sleep, args=(600,))
     process.start()
     return process
 

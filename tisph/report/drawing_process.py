@@ -2,21 +2,21 @@
 
 Matplotlib takes a second to import, and a movie as long as some simulations: both happen elsewhere. This side neither
 imports matplotlib nor waits for a frame; the other, ``tisph.report.drawing_worker``, knows no Taichi. It is started,
-not forked: a fork of a process in which Taichi runs hangs.
+not forked: a fork of a process in which Taichi runs hangs. It is no ``concurrent.futures.ProcessPoolExecutor``: the
+worker of a pool outlives a run that is killed, dies of a Ctrl-C while it starts, runs a script without a main guard
+again, and cannot be had in a worker of ``multiprocessing.Pool``; and Python waits for a pool when it ends.
 """
 
-import atexit
 import contextlib
 import pickle
 import subprocess
 import sys
 import tempfile
 import threading
-from collections import deque
 from concurrent.futures import Future
 from dataclasses import replace
-from itertools import count
 from pathlib import Path
+from queue import Queue
 from types import SimpleNamespace
 
 import numpy as np
@@ -24,8 +24,8 @@ import numpy as np
 from tisph.errors import TisphError
 from tisph.report.processes import apart_from_terminal
 
-QUEUE_BYTES = 256 * 2**20
-"""Bytes that may wait for the process that draws: then the run waits for it."""
+BACKLOG = 64
+"""Tasks that may wait for the process that draws, such as frames of 3 MB for 10^5 particles: then the run waits."""
 
 _PROGRAM = "import sys; sys.path[:] = sys.argv[1:]; from tisph.report.drawing_worker import main; main()"
 _NOT_DRAWN = {"density": np.empty(0), "pressure": np.empty(0), "stress_xx": None, "stress_yy": None}
@@ -47,55 +47,44 @@ class DrawingProcess:
             stderr=self._messages,
             **apart_from_terminal(),
         )
-        self._tasks = _WriteQueue(self._process.stdin)
-        self._requested: dict[int, Future] = {}
-        self._numbers = count()
-        self._lock = threading.Lock()
-        self._ended = False
-        threading.Thread(target=self._receive, daemon=True).start()
+        self._tasks: Queue[tuple[Future, bytes]] = Queue(BACKLOG)
+        self._sent: Queue[Future] = Queue()
+        for endless in (self._send, self._receive):  # two: the next frame is there as soon as it can be drawn
+            threading.Thread(target=endless, daemon=True).start()  # Python does not wait for it when it ends
 
     @property
     def works(self) -> bool:
         """Whether the process still runs."""
         return self._process.poll() is None
 
-    def send(self, task: str, *arguments) -> None:
-        """Let it do ``task``, a method of ``drawing_worker.Worker``, some time; errors are for what is requested."""
-        self._tasks.put(pickle.dumps((None, task, arguments), pickle.HIGHEST_PROTOCOL))
-
     def request(self, task: str, *arguments) -> Future:
-        """Let it do ``task`` and return the future of its result, which raises TisphError where there is none."""
+        """Let it do ``task``, a method of ``drawing_worker.Worker``, after all earlier ones; return the result."""
         future: Future = Future()
-        with self._lock:
-            if self._ended:
-                future.set_exception(self._failure())
-                return future
-            number = next(self._numbers)
-            self._requested[number] = future
-        self._tasks.put(pickle.dumps((number, task, arguments), pickle.HIGHEST_PROTOCOL))
+        self._tasks.put((future, pickle.dumps((task, arguments), pickle.HIGHEST_PROTOCOL)))
         return future
 
-    def close(self) -> None:
-        """Let the process end once it has done what it was sent."""
-        self._tasks.close()
+    def _send(self) -> None:
+        while True:
+            future, task = self._tasks.get()
+            self._sent.put(future)
+            with contextlib.suppress(OSError):  # the process has ended: the answer says so
+                self._process.stdin.write(task)
+                self._process.stdin.flush()
 
     def _receive(self) -> None:
-        """Hand every answer to the future that waits for it, until the process ends."""
-        with contextlib.suppress(EOFError, OSError, pickle.UnpicklingError):
-            while True:
-                number, result, message = pickle.load(self._process.stdout)
-                future = self._requested.pop(number)
-                future.set_exception(TisphError(message)) if message else future.set_result(result)
-        with self._lock:
-            self._ended = True
-            for future in self._requested.values():
-                future.set_exception(self._failure())
+        while True:
+            future = self._sent.get()
+            try:
+                result, message = pickle.load(self._process.stdout)
+            except (EOFError, OSError, pickle.UnpicklingError):
+                result, message = None, self._last_words()
+            future.set_exception(TisphError(message)) if message else future.set_result(result)
 
-    def _failure(self) -> TisphError:
+    def _last_words(self) -> str:
         status = self._process.wait()
         self._messages.seek(0)
         lines = self._messages.read().decode(errors="replace").strip().splitlines()
-        return TisphError(f"the process that draws has ended: {lines[-1] if lines else f'status {status}'}")
+        return f"the process that draws has ended: {lines[-1] if lines else f'status {status}'}"
 
 
 class RemoteMovie:
@@ -106,15 +95,17 @@ class RemoteMovie:
         shown = scene.movie_fields(video.color_by)
         self._not_drawn = {name: nothing for name, nothing in _NOT_DRAWN.items() if name not in shown}
         place = Path(path).absolute()  # the process stays where it started
-        process.send("movie", place, *described(scene, video), title, end)
+        self._requested = [process.request("movie", place, *described(scene, video), title, end)]
 
     def add(self, snapshot) -> None:
         """Append the picture of ``snapshot``, some time."""
-        self._process.send("frame", replace(snapshot, **self._not_drawn))
+        self._requested.append(self._process.request("frame", replace(snapshot, **self._not_drawn)))
 
     def close(self) -> None:
-        """Wait until the file is finished."""
-        self._process.request("close").result()
+        """Wait until the file is finished; raise the first error of the movie, once."""
+        requested, self._requested = [*self._requested, self._process.request("close")], []
+        for each in requested:
+            each.result()
 
 
 def described(scene, video=None) -> list:
@@ -132,51 +123,3 @@ def shared() -> DrawingProcess:
     if _shared is None or not _shared.works:
         _shared = DrawingProcess()
     return _shared
-
-
-@atexit.register
-def _close() -> None:
-    if _shared is not None:
-        _shared.close()
-
-
-class _WriteQueue:
-    """Writes messages to ``pipe`` in a thread of its own, up to ``QUEUE_BYTES`` behind."""
-
-    def __init__(self, pipe):
-        self._pipe, self._waiting, self._size = pipe, deque(), 0
-        self._changed = threading.Condition()
-        self._open = True
-        threading.Thread(target=self._write, daemon=True).start()
-
-    def put(self, message: bytes) -> None:
-        """Leave a message to be written; nothing happens once nobody reads them."""
-        with self._changed:
-            self._changed.wait_for(lambda: self._size < QUEUE_BYTES or not self._open)
-            if self._open:
-                self._waiting.append(message)
-                self._size += len(message)
-                self._changed.notify_all()
-
-    def close(self) -> None:
-        """Close the pipe; what is not written yet is forgotten."""
-        with self._changed:
-            self._open = False
-            self._changed.notify_all()
-
-    def _write(self) -> None:
-        with contextlib.suppress(OSError):  # nobody reads any more: the results will say why
-            while message := self._next():
-                self._pipe.write(message)
-                self._pipe.flush()
-                with self._changed:
-                    self._size -= len(message)
-                    self._changed.notify_all()
-        self.close()
-        with contextlib.suppress(OSError):
-            self._pipe.close()
-
-    def _next(self) -> bytes | None:
-        with self._changed:
-            self._changed.wait_for(lambda: self._waiting or not self._open)
-            return self._waiting.popleft() if self._open else None

@@ -1,6 +1,7 @@
 """The program of the process that draws: tasks from standard input, answers to standard output, both pickled.
 
-``tisph.report.drawing_process`` starts it and sends the tasks. It ends where its input does, that is, with the run.
+``tisph.report.drawing_process`` starts it and sends the tasks. Each is answered before the next one is read. The
+program ends where its input does, that is, with the run.
 """
 
 import contextlib
@@ -11,7 +12,6 @@ import signal
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
-from typing import BinaryIO
 
 from tisph.errors import TisphError
 from tisph.report.history import history_figure
@@ -22,32 +22,30 @@ PLOTS = {"profiles": profile_figure, "history": history_figure}
 
 
 class Worker:
-    """The tasks. A movie that has failed fails once, when it is closed."""
+    """The tasks. A movie that fails is finished as far as it goes, and takes no more frames."""
 
     def __init__(self):
         self._movie: Movie | None = None
-        self._failure: Exception | None = None
 
     def movie(self, path, scene, video, title, end) -> None:
         """Begin a movie; arguments as for ``tisph.report.movie.Movie``."""
         self.abandon()
-        with self._remembered():
-            self._movie = Movie(path, scene, video, title, end)
+        self._movie = Movie(path, scene, video, title, end)
 
     def frame(self, snapshot) -> None:
         """Add a frame to the movie."""
-        if self._movie and not self._failure:
-            with self._remembered():
+        if self._movie:
+            try:
                 self._movie.add(snapshot)
+            except Exception:
+                self.abandon()
+                raise
 
     def close(self) -> None:
-        """Finish the movie; raise what went wrong with it."""
-        movie, failure, self._movie, self._failure = self._movie, self._failure, None, None
+        """Finish the movie."""
+        movie, self._movie = self._movie, None
         if movie:
-            with contextlib.suppress(TisphError) if failure else contextlib.nullcontext():
-                movie.close()
-        if failure:
-            raise failure
+            movie.close()
 
     def abandon(self) -> None:
         """Finish the movie, if there is one, as it is."""
@@ -71,12 +69,14 @@ class Worker:
             drawn = {name: pool.submit(_plot, name, scene, *arguments) for name, arguments in wanted.items()}
             return {name: image.result() for name, image in drawn.items()}
 
-    @contextlib.contextmanager
-    def _remembered(self):
+    def answer(self, task: str, arguments) -> tuple[object, str | None]:
+        """Return the result of ``task``, or what went wrong with it."""
         try:
-            yield
+            return getattr(self, task)(*arguments), None
+        except TisphError as error:
+            return None, str(error)
         except Exception as error:
-            self._failure = error
+            return None, f"{task}: {type(error).__name__}: {error}"
 
 
 def main() -> None:
@@ -87,24 +87,11 @@ def main() -> None:
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what a library prints is no answer
     worker = Worker()
     with contextlib.suppress(EOFError, OSError, pickle.UnpicklingError):  # the run has ended, maybe in mid-word
-        _work(worker, sys.stdin.buffer, answers)
+        while True:
+            pickle.dump(worker.answer(*pickle.load(sys.stdin.buffer)), answers, pickle.HIGHEST_PROTOCOL)
+            answers.flush()
     worker.abandon()
     os._exit(0)  # nothing is left to clear up
-
-
-def _work(worker: Worker, tasks: BinaryIO, answers: BinaryIO) -> None:
-    while True:
-        number, task, arguments = pickle.load(tasks)
-        result = message = None
-        try:
-            result = getattr(worker, task)(*arguments)
-        except TisphError as error:
-            message = str(error)
-        except Exception as error:
-            message = f"{task}: {type(error).__name__}: {error}"
-        if number is not None:
-            pickle.dump((number, result, message), answers, pickle.HIGHEST_PROTOCOL)
-            answers.flush()
 
 
 def _plot(name: str, *arguments) -> bytes:

@@ -1,17 +1,15 @@
 """How good the estimates of ``tisph run --estimate-error`` are: beside exact errors, and beside a much finer run."""
 
-import json
-
 import numpy as np
 
 from tisph import scenes
 from tisph.config.schema import Config
 from tisph.folder import Folder
 from tisph.measures.fits import interpolated
-from tisph.observers._storage import read_snapshots
+from tisph.observers.samples import read_samples
 from tisph.studies.checks import Check
 from tisph.studies.error_estimate import Coarser
-from tisph.studies.processes import run_config
+from tisph.studies.processes import read_result, run_config
 from tisph.studies.store import config_text
 
 BOUND = 3.0
@@ -61,7 +59,7 @@ def _estimated(config, data, root):
     coarser = Coarser(config, root)
     coarser.run()
     coarser.report()
-    return json.loads(Folder(root).summary.read_text(encoding="utf-8"))["error_estimate"], result
+    return read_result(root).summary["error_estimate"], result
 
 
 def _run(data, root):
@@ -79,7 +77,7 @@ def _true_errors(config, data, root, result):
     finer = {**data, "discretisation": across}
     truth = _run(finer, root.with_name(f"{root.name}_finer"))
     finer = scenes.of(Config.model_validate({"name": config.name, **finer}))
-    pairs = zip(*(read_snapshots(Folder(each.folder).samples) for each in (result, truth)), strict=True)
+    pairs = zip(*(read_samples(Folder(each.folder).samples) for each in (result, truth)), strict=True)
     return [_differences(*pair, finer) for pair in pairs]
 
 

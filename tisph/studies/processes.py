@@ -1,17 +1,33 @@
-"""Runs as processes of their own, so that none can touch another."""
+"""Runs as processes of their own, so that none can touch another, and what they leave.
+
+No run imports again what the one before it has imported, where processes can be forked safely, that is on Linux: a
+server imports it once and is forked for each run before Taichi is initialised. The run is a process like any other, a
+second sooner. Elsewhere each starts from nothing.
+"""
 
 import math
+import multiprocessing
+import os
+import runpy
+import sys
 import time
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-import h5py
 import numpy as np
 
+from tisph import clock, registry
 from tisph.folder import Folder
 from tisph.measures.wall_shear import wall_shear_error
-from tisph.studies.starting import start
+from tisph.results._arrays import Arrays
+
+METHOD = "forkserver" if sys.platform == "linux" else "spawn"
+
+COMPILED = ("tisph.schemes.implicit._scheme", "tisph.schemes.wcsph._scheme")
+MODELS = (*registry.modules("scenes"), *registry.modules("schemes"))
+IMPORTED = ("tisph.cli", "tisph.simulation", *MODELS, *COMPILED, __name__)
+"""What the server imports; a run imports the rest that it needs."""
 
 POLL_SECONDS = 0.02
 
@@ -66,23 +82,46 @@ class Result:
 
     def arrays(self):
         """Contents of ``samples.h5`` as {"sample/dataset": array}; empty where there is no such file."""
-        path = self.folder / "samples.h5"
-        if not path.is_file():
-            return {}
-        found = {}
-
-        def take(name, item):
-            if isinstance(item, h5py.Dataset):
-                found[name] = item[()]
-
-        with h5py.File(path, "r") as file:
-            file.visititems(take)
-        return found
+        path = Folder(self.folder).samples
+        return dict(Arrays(path)) if path.is_file() else {}
 
     def bodies(self, field):
         """A ``field`` of ``tisph.snapshot.Bodies`` at all samples, (samples, bodies, ...)."""
         arrays = self.arrays()
         return np.array([arrays[key] for key in sorted(arrays) if key.endswith(f"bodies/{field}")])
+
+
+def prepare():
+    """Let the server get ready, beside what this process does, if there is to be one and it does not run yet."""
+    if METHOD == "forkserver":
+        from multiprocessing import forkserver  # not everywhere
+
+        forkserver.set_forkserver_preload(list(IMPORTED))
+        forkserver.ensure_running()
+
+
+def start(arguments, messages):
+    """Start the command line with ``arguments`` and return its ``multiprocessing.Process``.
+
+    Its standard error goes to the file ``messages``, what it prints nowhere.
+    """
+    prepare()
+    words = [str(each) for each in arguments]
+    process = multiprocessing.get_context(METHOD).Process(target=_be, args=(words, str(messages)))
+    process.start()
+    return process
+
+
+def _be(arguments, messages):
+    """Be that process: as ``python -m tisph`` with ``arguments``."""
+    clock.PROCESS_START = time.perf_counter()
+    for path, descriptor in ((os.devnull, 1), (messages, 2)):
+        file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        os.dup2(file, descriptor)
+        os.close(file)
+    sys.stderr.reconfigure(encoding="utf-8")  # as which messages are read
+    sys.argv[1:] = arguments
+    runpy.run_module("tisph", run_name="__main__")
 
 
 class Process:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from rich.console import Console
 
-from tisph.studies import starting
 from tisph.studies.engine import Engine
+from tisph.studies.processes import prepare
 from tisph.studies.store import Store, claimed
 from tisph.studies.sweep import cluster, picture, plan, table
 from tisph.text_table import format_table
@@ -22,7 +22,7 @@ def run(path, folder, forecast, processes, scheduler=None):
     ended are kept and not run again. Raises ConfigError where the study or the folder cannot be used.
     """
     if not scheduler:
-        starting.prepare()
+        prepare()
     with Console(stderr=True).status("checking the configs"):
         study = plan.read(path, forecast)
     folder = Path(folder or Path("runs") / study.name)

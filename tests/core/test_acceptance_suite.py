@@ -1,4 +1,4 @@
-"""The suite of docs/how-to/acceptance-tests.md, as somebody copies it from the page: it passes, and fails when it should."""
+"""The suite of docs/how-to/acceptance-tests.md, copied from the page: it passes, and fails when it should."""
 
 import json
 import re

@@ -15,7 +15,7 @@ from tisph.schemes._error_estimate.implicit_layers import least_squares
 from tisph.schemes._estimate import EXPLICIT_COST, IMPLICIT_COST, IMPLICIT_OVERHEAD
 
 EXPLICIT, IMPLICIT = "scheme={type: wcsph}", "scheme={type: implicit}"
-COARSE, FEW = (f"discretisation.particles_across={number}" for number in (25, 10))
+COARSE = "discretisation.particles_across=25"
 DISORDER = "initial.jitter=0.3"
 OLDROYD_B = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.1}"
 """The flow of the case: gap 1, wall speed 0.5, nu = 0.01, 50 across, one sample at the end, t = 2."""

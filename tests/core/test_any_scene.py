@@ -97,7 +97,7 @@ def test_check_says_what_the_flow_is(settings, tmp_path, capsys):
         "100  (U L / nu)",
         "(12 across, 24 along)",
         "resolved; 10 steps",
-        "errors                 not predicted",
+        "errors                 no estimate before the run",
     ):
         assert part in text
 

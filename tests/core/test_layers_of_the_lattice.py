@@ -5,7 +5,7 @@ import pytest
 
 from tisph import config, runtime, schemes
 from tisph.scenes.channel import Channel
-from tisph.schemes._error_estimate import explicit_layers, implicit_layers
+from tisph.schemes._error_estimate import implicit_layers
 from tisph.schemes.implicit._settings import control
 from tisph.simulation.start import start_values
 
@@ -21,7 +21,6 @@ STEADY = "walls={bottom: {velocity: -1e-5}, top: {velocity: 5e-5}}"
 SWINGING = "walls={bottom: {velocity: -1e-5}, top: {amplitude: 5e-5, angular_frequency: 9.0, phase: sin}}"
 POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.2, solvent_fraction: 0.3}"
 DRIVEN = "drive.acceleration=2e-5"
-WIDE = ("discretisation.smoothing_ratio=1.4", "geometry.length=0.7")
 SPEED = 5e-5
 """Of the top wall: so slow that layers do not shear."""
 
@@ -68,25 +67,6 @@ def test_layers_of_the_implicit_scheme(case, flow):
         assert layers.steps == scheme.steps
         # systems are solved to 1e-3 of the tolerance
         assert np.abs(layers.velocity - velocity).max() < 1e-6 * SPEED
-
-
-@pytest.mark.parametrize(
-    "flow",
-    [
-        (SWINGING, DRIVEN, "walls.treatment.type=consistent_image"),
-        (STEADY, "scheme.operators=standard", "walls.treatment.type=comoving_image", *WIDE),
-        (STEADY, "walls.treatment.type=fixed_image"),
-        (STEADY, "walls.treatment.type=virtual_image"),
-        (STEADY, POLYMER, "walls.treatment.type=adami"),
-        (STEADY, DRIVEN, POLYMER, "walls.treatment.type=consistent_image"),
-    ],
-)
-def test_layers_of_the_explicit_scheme(case, flow):
-    settings, channel = case("scheme={type: wcsph}", *flow)
-    layers = explicit_layers.ExplicitLayers(settings, channel)
-    for scheme, velocity in profiles(settings, channel, list(np.arange(1, 61) * 5e-3)):
-        # second order in steps of 0.005, against layers that decay at a rate of 30: 0.15^2 / 24 in the first of them
-        assert np.abs(layers.velocity(scheme.time) - velocity).max() < 1e-3 * SPEED
 
 
 def test_of_a_run_without_end_steps_are_counted_alone(case, monkeypatch):

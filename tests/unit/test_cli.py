@@ -16,7 +16,7 @@ from tisph.cli.check import estimates
 from tisph.config import load
 from tisph.errors import DivergedError, TisphError
 from tisph.folder import RESULTS, held
-from tisph.schemes._estimate import step_count
+from tisph.schemes._estimate import step_counts
 
 ROOT = Path(tisph.__file__).parents[1]
 
@@ -322,8 +322,8 @@ def test_estimates(case, viscosity, stiffness, sound, limit, step):
 
 def test_steps_end_on_every_target():
     # 0 -> 1 takes 4 steps of at most 0.3, 1 -> 1.5 takes 2; an exact multiple costs no extra step
-    assert step_count(0.0, [1.0, 1.5, 1.5], 0.3) == 6
-    assert step_count(0.0, [0.3], 0.1) == 3
+    assert step_counts(0.0, [1.0, 1.5, 1.5], 0.3) == [4, 6, 6]
+    assert step_counts(0.0, [0.3], 0.1) == [3]
 
 
 def test_list(case):

@@ -170,7 +170,7 @@ def _sample_lines(scene: Any, samples: Sequence[Any]) -> Iterator[tuple[str, str
         parts = [state, f"{steps} steps", *_error_text(sample, ERROR_FACTORS[resolved is True])]
         yield f"at t = {sample.t:g} {scene.units.time}", "; ".join(parts)
     if any(sample.rms is None for sample in samples):
-        yield "errors", "not predicted where none is stated: tisph run --estimate-error finds them"
+        yield "errors", "no estimate before the run where none is stated; tisph run --estimate-error states one"
 
 
 def _resolved(scene: Any, sample: Any) -> tuple[bool | None, str]:

@@ -2,17 +2,13 @@
 
 import math
 
-MIXING_CELL_RE = 125.0
-"""Cell Reynolds number U spacing/nu above which layers that shear at an impulsively started wall mix the fluid of the
-explicit scheme: the error is no longer that of layers then. In the stability matrix it is at 125 (8 across, Re = 1000),
-and many times as large at 200 and 400."""
-
 STABLE_CELL_RE = 60.0
-"""The same up to which disordered runs of the stability matrix vary little in density, and above which they mix."""
+"""Cell Reynolds number U spacing/nu up to which disordered runs of the explicit scheme vary little in density in the
+stability matrix, and above which they mix."""
 
 LOST_LAYERS = 4.0
 """Cell Reynolds number over ``STABLE_CELL_RE``, over the thickness of the layer at a wall in spacings, from which on
-the profile is lost: half of it, where the error of layers is multiplied by the square of the former."""
+half of the profile is lost."""
 
 DISORDERED_CELL_RE_OF_ORDER_2 = 1.0
 """Cell Reynolds number above which disordered runs of order 2 of the implicit scheme have any error, or stop."""
@@ -32,13 +28,8 @@ def cell_reynolds(channel):
     return channel.reference_velocity * channel.spacing / channel.kinematic_viscosity
 
 
-def mixes(config, channel):
-    """Tell whether the explicit scheme mixes the fluid next to a wall that starts or oscillates, on a lattice."""
-    return _starts(channel) and cell_reynolds(channel) > MIXING_CELL_RE
-
-
 def profile_lost(config, channel):
-    """Tell whether it has mixed all of it up to the last sample."""
+    """Tell whether the explicit scheme mixes all fluid that a wall has moved up to the last sample."""
     fastest = max(channel.bottom.angular_frequency, channel.top.angular_frequency)
     time = min(config.time.samples[-1], 1 / fastest if fastest else math.inf)
     thickness = min(math.sqrt(channel.kinematic_viscosity * time), channel.gap) / channel.spacing

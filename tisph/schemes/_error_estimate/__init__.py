@@ -1,9 +1,10 @@
-"""What a run will be, computed before it runs: the scheme itself, reduced to the layers of its start lattice.
+"""Errors and steps of samples before a run: the implicit scheme itself, reduced to the layers of its start lattice.
 
 In a plane flow on the lattice all particles of a layer do the same. With one velocity for each layer, the operators,
-walls, start and step control of a scheme are those of the run at a thousandth of its cost, and the exact solution is
-known: so the error and the number of steps of every sample are computed, not guessed. Layers know nothing of disordered
-particles and of single precision: no error is stated of such runs, which ``tisph run --estimate-error`` finds.
+walls, start and step control of the implicit scheme are those of the run at a thousandth of its cost, and the exact
+solution is known: so the error and the number of steps of every sample are computed, not guessed. Layers know nothing
+of disordered particles and of single precision. Of such runs, of the explicit scheme and of two-dimensional flows no
+error is stated before the run; ``tisph run --estimate-error`` states one.
 """
 
 import math
@@ -13,42 +14,36 @@ import numpy as np
 
 from tisph.measures.metrics import relative_error, rms_error
 from tisph.schemes import _limits
-from tisph.schemes._error_estimate.explicit_layers import ExplicitLayers
 from tisph.schemes._error_estimate.implicit_layers import ImplicitLayers
-from tisph.schemes._plan import steps_between
 from tisph.schemes._stages.stages import SOLVER_TOLERANCE
 
 MOST_LAYERS = {"newtonian": 128, "coupled": 50}
-"""Layers that are computed with. Of a finer lattice the error of the explicit scheme is taken to be of second order in
-the spacing, and that of the implicit one to be that of its steps."""
+"""Layers that are computed with. Of a finer lattice the error is taken to be that of the steps."""
 
 RESTS = 100.0
 """Reference velocity over the root mean square of the fluid's, above which it counts as at rest."""
 
-ROUND_OFF = 1e-13
-"""That the explicit scheme has in any case."""
-
-EXPLICIT, LAYERS, DISORDERED, GUESSED = (1.0, 1.01), (0.97, 1.03), (0.9, 1.4), (0.3, 2.0)
-"""Steps of runs over the estimated ones, least and most: of the explicit scheme; of the implicit one on a lattice, of
-disordered particles or in single precision, and where these break up or steps are only counted. In 464 cells of the
-stability matrix they are 1 to 1.004, 0.99 to 1.01, 0.95 to 1.37 and 0.36 to 1.75."""
+LAYERS, DISORDERED, GUESSED = (0.97, 1.03), (0.9, 1.4), (0.3, 2.0)
+"""Steps of runs over the estimated ones, least and most: on a lattice, of disordered particles or in single precision,
+and where these break up or steps are only counted. In the stability matrix they are 0.99 to 1.01, 0.95 to 1.37 and 0.36
+to 1.75."""
 
 
 @dataclass(frozen=True)
 class SampleEstimate:
     """Estimates of one sample: its time ``t``, the number of ``steps`` up to it, errors as in the summary.
 
-    ``l2`` and ``rms``, see ``measures/metrics.py``, are None where the model cannot tell, ``l2`` also where the
-    fluid rests, or nearly so. ``at_most``: the run may have a smaller error. ``steps_reliable``: the steps are an
-    estimate; else no more than a guess, from the speed that the config gives. ``steps_factors``: least and largest
-    steps of the run over ``steps``. ``judged_by``: numbers of the run that decide whether its sample is resolved, in
-    words; empty where that is known before.
+    ``l2`` and ``rms``, see ``measures/metrics.py``, are None where there is no estimate before the run, ``l2`` also
+    where the fluid rests, or nearly so. ``at_most``: the run may have a smaller error. ``steps_reliable``: the steps
+    are an estimate; else no more than a guess, from the speed that the config gives. ``steps_factors``: least and
+    largest steps of the run over ``steps``. ``judged_by``: numbers of the run that decide whether its sample is
+    resolved, in words; empty where that is known before.
     """
 
     t: float
     steps: int
-    l2: float | None
-    rms: float | None
+    l2: float | None = None
+    rms: float | None = None
     at_most: bool = False
     steps_reliable: bool = True
     steps_factors: tuple[float, float] = (1.0, 1.0)
@@ -69,29 +64,6 @@ class _Layers:
     reference: dict[str, np.ndarray]
 
 
-def explicit(config, channel, largest_dt):
-    """Return the ``SampleEstimate`` of every sample of scheme ``wcsph`` with steps of at most ``largest_dt``."""
-    channel = channel.in_flow_frame()
-    known = channel.parallel and not off_layers(config) and not _limits.mixes(config, channel)
-    layers, finer = None, 1.0
-    if known:
-        coarse = _coarse(channel, "coupled" if channel.polymer else "newtonian")
-        layers, finer = ExplicitLayers(config, coarse), (coarse.rows / channel.rows) ** 2
-    samples, steps, before = [], 0, channel.start_time
-    for time in config.time.samples:
-        if time > before:
-            steps += steps_between(before, time, largest_dt)
-        before = time
-        if layers is None:
-            samples.append(SampleEstimate(time, steps, None, None, steps_factors=EXPLICIT))
-        elif time == channel.start_time:
-            samples.append(_start(channel, layers.heights))
-        else:
-            estimate = _sample(channel, layers.heights, time, steps, layers.velocity(time), ROUND_OFF, finer)
-            samples.append(replace(estimate, steps_factors=EXPLICIT))
-    return samples
-
-
 def implicit(config, channel, control):
     """Return the ``SampleEstimate`` of every sample of scheme ``implicit``, and the layers at the end of the run.
 
@@ -104,10 +76,11 @@ def implicit(config, channel, control):
     for time in config.time.samples:
         layers.run_to(time)
         if time == channel.start_time:
-            samples.append(_start(channel, layers.heights))
+            exact = channel.initial_velocity(layers.heights)
+            samples.append(_sample(channel, layers.heights, time, 0, exact, 0.0))
         elif layers.unknown or off_layers(config):
             factors = GUESSED if layers.unknown or not reliable else DISORDERED
-            samples.append(SampleEstimate(time, layers.steps, None, None, False, reliable, factors))
+            samples.append(SampleEstimate(time, layers.steps, steps_reliable=reliable, steps_factors=factors))
         else:
             least = SOLVER_TOLERANCE * control.tolerance
             sample = _sample(channel, layers.heights, time, layers.steps, layers.velocity, least)
@@ -129,19 +102,13 @@ def _coarse(channel, fluid):
     return replace(channel, rows=most, spacing=channel.gap / most)
 
 
-def _start(channel, heights):
-    """Return the estimate of a sample at the start, which is the exact solution."""
-    return _sample(channel, heights, channel.start_time, 0, channel.initial_velocity(heights), 0.0)
-
-
-def _sample(channel, heights, time, steps, velocity, least, finer=1.0):
+def _sample(channel, heights, time, steps, velocity, least):
     """Return the ``SampleEstimate`` from the velocities of layers.
 
-    ``least``: error that residuals or round-off may have, over the reference velocity. ``finer``: error of all layers
-    of the channel over that of those that were computed with.
+    ``least``: error that residuals may have, over the reference velocity.
     """
     exact = channel.exact_velocity(heights, time)
     scale = relative_error(channel, _Layers(time, exact + channel.reference_velocity, {"u": exact}))  # L2 over rms
-    error = rms_error(channel, _Layers(time, velocity, {"u": exact})) * finer
+    error = rms_error(channel, _Layers(time, velocity, {"u": exact}))
     rms = max(error, least)
     return SampleEstimate(time, steps, rms * scale if scale and scale < RESTS else None, rms, error < least)

@@ -7,9 +7,7 @@ import math
 
 import numpy as np
 
-from tisph.schemes._error_estimate.images import mirrored
-from tisph.schemes._error_estimate.linear_flow import product
-from tisph.schemes._error_estimate.stencils import banded, least_squares
+from tisph.least_squares import SUPPORT
 from tisph.schemes._stages.esdirk import EMBEDDED_ORDER
 from tisph.schemes._stages.fits import even_fit, polynomial_fit, stress_excess
 from tisph.schemes._stages.impulse import apply_impulse
@@ -153,8 +151,8 @@ class LayerOperators:
 
     def _closed(self, name, parity):
         below, inside, above = self.parts[name]
-        shares, _ = mirrored(self.images, len(self.heights))
-        lower, upper = product(below, shares), product(above, shares[:, ::-1])
+        mirrored = np.eye(self.images, len(self.heights))
+        lower, upper = product(below, mirrored), product(above, mirrored[:, ::-1])
         return inside + parity * (self.signs[0] * lower + self.signs[1] * upper)
 
     def laplacian(self, values):
@@ -209,3 +207,41 @@ class LayerOperators:
     def wall_fits(self, values):
         """Return the polynomial fit at each wall to ``values`` (quantities, layers)."""
         return [polynomial_fit(distance, values.T, self.radius) for distance in (self.heights, self.gap - self.heights)]
+
+
+def banded(weights, rows):
+    """Return the operator (rows, images + rows + images) of a row's ``weights``, as many images as these reach.
+
+    It takes differences from the row itself.
+    """
+    images = len(weights) // 2
+    matrix = np.zeros((rows, rows + 2 * images))
+    for row in range(rows):
+        matrix[row, row : row + len(weights)] = weights
+        matrix[row, row + images] -= weights.sum()
+    return matrix
+
+
+def least_squares(order):
+    """Weights of the Laplacian and of the derivative across, of the least-squares rows of ``order``.
+
+    Each has one weight for every row of the lattice around a row, -reach .. reach; lengths are in spacings.
+    """
+    support, reach = SUPPORT[order], int(SUPPORT[order])
+    y, x = (axis.ravel() for axis in np.mgrid[-reach : reach + 1.0, -reach : reach + 1.0])
+    near = ((y != 0) | (x != 0)) & (x * x + y * y < support * support)
+    y, x = y[near], x[near]
+    powers = [(a, degree - a) for degree in range(1, order + 1) for a in range(degree + 1)]
+    basis = np.stack([(x / support) ** a * (y / support) ** b for a, b in powers], 1)
+    weights = (1.0 - (x * x + y * y) / support**2) ** 4
+    wanted = np.zeros((len(powers), 2))
+    wanted[powers.index((2, 0)), 0] = wanted[powers.index((0, 2)), 0] = 2.0 / support**2
+    wanted[powers.index((0, 1)), 1] = 1.0 / support
+    entries = weights[:, None] * (basis @ np.linalg.solve(basis.T @ (weights[:, None] * basis), wanted))
+    rows = (y + reach).astype(int)
+    return tuple(np.bincount(rows, weights=one, minlength=2 * reach + 1) for one in entries.T)
+
+
+def product(matrix, other):
+    """Matrix times matrix or vector, not by BLAS, which splits even small ones over threads: slow where it is busy."""
+    return np.einsum("ij,j...->i...", matrix, other)

@@ -98,9 +98,8 @@ def estimates(config, scene):
     cost = COST * (BETWEEN_WALLS if scene.bodies else 1.0) * (NOT_NEWTONIAN if scene.rheology else 1.0)
     cost *= FREE if scene.has_free_bodies else 1.0
     judged_by = JUDGED_BY if scene.polymer else JUDGED_BY[:1]
-    sample = SampleEstimate(
-        0.0, 0, None, None, steps_reliable=known, steps_factors=KNOWN if known else GUESSED, judged_by=judged_by
-    )
+    factors = KNOWN if known else GUESSED
+    sample = SampleEstimate(0.0, 0, steps_reliable=known, steps_factors=factors, judged_by=judged_by)
     return {
         "mach": 0.0,
         "sound_speed": None,

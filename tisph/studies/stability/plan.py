@@ -23,14 +23,15 @@ with them all results, must not depend on the machine."""
 class Plan:
     """The run of a cell: its config, its end t*, its estimated ``seconds``, and what ``tisph check`` says of it.
 
-    ``predicted``: estimated error, ``refusal``: why it is refused, both None where there is none; ``warnings``: texts.
+    ``predicted``: the error that it states, ``refusal``: why it is refused, both None where there is none;
+    ``warnings``: texts.
     """
 
     cell: Cell
     config: dict
     t_star: float
     seconds: float = 0.0
-    predicted: float | None = 0.0
+    predicted: float | None = None
     warnings: tuple[str, ...] = ()
     refusal: str | None = None
 

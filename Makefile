@@ -7,7 +7,7 @@ BIN := .venv/bin
 endif
 QUADRANTS := $(subst .venv,.venv-quadrants,$(BIN))
 
-.PHONY: demo test test-plain test-quadrants media docs clean
+.PHONY: demo test test-plain test-quadrants media docs docs-draft clean
 
 # Run the main job and print where its movie, plots and summary are.
 demo: .venv/run-ready
@@ -44,6 +44,10 @@ media: .venv/run-ready
 docs: .venv/docs-ready
 	$(BIN)/python -m mkdocs build --strict
 	$(BIN)/python docs/_look.py
+
+# The same from gallery runs that are cut short, in a few minutes: does everything build, and look as it should?
+docs-draft: export GALLERY = draft
+docs-draft: docs
 
 .venv/run-ready: pyproject.toml
 	$(PYTHON) -m venv .venv

@@ -4,12 +4,10 @@ from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
-from tisph.config.from_python import Asked, config_file, override_texts
+from tisph.config.from_python import Asked, config_file, loaded, override_texts
 from tisph.interface.bar import shown
 from tisph.interface.process import command
 from tisph.results import Results
-
-_SAID = "results in "
 
 
 def run(
@@ -33,9 +31,9 @@ def run(
     """
     with config_file(config) as path, shown(progress) as show:
         options = [part for text in override_texts(overrides) for part in ("--set", text)]
-        options += ["--out", fspath(out)] if out is not None else []
+        folder = Path("runs") / loaded(path, overrides).name if out is None else Path(out)
+        options += ["--out", fspath(folder)]
         flags = {"--overwrite": overwrite, "--resume": resume, "--no-video": not video}
         options += [flag for flag, wanted in flags.items() if wanted]
-        printed = command(["run", *options, "--", path], show)
-    said = next(line for line in printed.splitlines() if line.startswith(_SAID))
-    return Results(Path(said.removeprefix(_SAID)) if out is None else out)
+        command(["run", *options, "--", path], show)
+    return Results(folder)

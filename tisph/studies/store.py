@@ -3,12 +3,11 @@
 import hashlib
 import time
 from contextlib import closing, contextmanager
-from io import StringIO
 from pathlib import Path
 
 from filelock import Timeout
-from ruamel.yaml import YAML
 
+from tisph.config.yaml_text import dump
 from tisph.errors import ConfigError
 from tisph.folder import held
 from tisph.studies.processes import POLL_SECONDS, Process, read_result, run_side_by_side
@@ -19,9 +18,7 @@ WITHOUT_EFFECT = ("cli/", "interface/", "assessment/", "report/", "results/", "s
 
 def config_text(name, config):
     """A config, a plain dict, as YAML under the name ``name``."""
-    stream = StringIO()
-    YAML(typ="safe", pure=True).dump({"name": name, **config}, stream)
-    return stream.getvalue()
+    return dump({"name": name, **config})
 
 
 @contextmanager

@@ -11,6 +11,7 @@ TEXTS = [
     *sorted((ROOT / "docs").rglob("*.md")),
     *sorted((ROOT / "docs" / "_gallery").glob("*.yaml")),
     *sorted((ROOT / "configs").glob("*.yaml")),
+    *sorted((ROOT / "tisph" / "suites").glob("*.yaml")),
     ROOT / "README.md",
     ROOT / "CONTRIBUTING.md",
 ]
@@ -136,7 +137,7 @@ ATTRIBUTES = {
 
 # Where a listed word is meant: file name, the word as it stands there, and why.
 EXCEPTIONS = {
-    ("rheometry.py", "ringing"): "rows that tisph verify prints, and programs may read",
+    ("rheometry.yaml", "ringing"): "rows that tisph verify prints, and programs may read",
     ("frame.py", "liquid"): "what files of other codes may call their fluid",
     ("circular_start_up.py", "liquids"): "the title of a book",
     ("multi_mode.py", "liquids"): "the title of a book",

@@ -1,4 +1,4 @@
-"""Checks of a suite: which number of which runs has to lie where.
+"""Checks of a suite: bounds of numbers of its runs.
 
 An entry of ``checks`` in a suite has one of these forms, and becomes one criterion for each of its runs, times and
 numbers. ``t`` or ``t_star`` (t* = t over the time scale of the scene) choose samples, by one time or a list of times;

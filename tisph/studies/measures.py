@@ -175,7 +175,7 @@ MEASURES = {
         intrinsic_viscosity_off,
     )
 }
-"""What ``measure`` in a suite may name."""
+"""Functions by the name that ``measure`` in a suite gives."""
 
 
 def _series(result, number):

@@ -1,9 +1,9 @@
-"""Suites: runs and checks of them as YAML files, ours in ``tisph/suites`` and those of users.
+"""Suites: runs and checks of them as YAML files, our own in ``tisph/suites`` and any file of a user.
 
     title: Start-up Couette flow
     base: couette.yaml                  # a config beside this file, or its keys as a map; bases: several by name
     runs:                               # changes of the base, keys as of tisph run --set
-      coarse: {samples: [1.8, 2.7]}     # samples: times, of which the last one is the end
+      coarse: {samples: [1.8, 2.7]}     # samples: times; the last one is the end
       fine: {like: coarse, discretisation.particles_across: 100}       # base: NAME takes one of bases
     checks:                             # see studies/checks.py
       - {run: fine, t: [1.8, 2.7], at_most: {l2: 1.0e-3}}

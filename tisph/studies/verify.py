@@ -79,7 +79,7 @@ def suite_of(name, quick=False, long=False):
 
 
 class Runner:
-    """Runs what a suite needs when its results are first asked for, and keeps the results.
+    """Runs the configs of a suite when their results are first asked for, and keeps the results.
 
     A run of ``suite`` is a config as a plain dict, or a function that runs it in this process and returns ``Result``
     and message. Results are kept in subfolders of ``folder``. With a ``store`` of that folder, runs of configs that an
@@ -113,7 +113,7 @@ class Runner:
         return (run_resumed if resumed else run_config)(config_path, self._folder / name)
 
     def judge(self, criterion):
-        """``Check`` of a criterion, after running what it needs."""
+        """``Check`` of a criterion, after running its runs."""
         results = [self.result(name) for name in criterion.runs]
         try:
             return criterion.judge(*results)

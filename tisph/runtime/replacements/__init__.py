@@ -14,9 +14,9 @@ def install():
     """Put all replacements in their places."""
     if OFF:
         return
-    from tisph.runtime.replacements import _frames, _launches, _loops, _memory, _translation
+    from tisph.runtime.replacements import _frames, _launches, _loops, _memory
 
-    for part in (_frames, _launches, _loops, _memory, _translation):
+    for part in (_frames, _launches, _loops, _memory):
         part.install()
 
 

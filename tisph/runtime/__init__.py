@@ -15,7 +15,6 @@ from tisph.runtime import _clock, _fields, _package, _program, replacements
 from tisph.runtime._cache import CACHE, CACHE_BYTES, GENERATION, WRITTEN_SECONDS, unlock
 from tisph.runtime._clock import compile_seconds
 from tisph.runtime._fields import holding, integer, real, scalar, view
-from tisph.runtime._loops import unrolled
 from tisph.runtime._program import foreign_program, program
 from tisph.runtime._taichi import ti
 from tisph.runtime._threads import CHUNK, available_threads, processors_shared
@@ -40,7 +39,6 @@ __all__ = [
     "stop",
     "threads",
     "ti",
-    "unrolled",
     "view",
 ]
 

@@ -14,9 +14,9 @@ def install():
     """Put all replacements in their places."""
     if OFF:
         return
-    from tisph.runtime.replacements import _frames, _launches, _loops, _memory
+    from tisph.runtime.replacements import _frames, _launches, _memory
 
-    for part in (_frames, _launches, _loops, _memory):
+    for part in (_frames, _launches, _memory):
         part.install()
 
 
@@ -24,7 +24,6 @@ def begin():
     """Let the replacements begin with the program that was just started."""
     if OFF:
         return
-    from tisph.runtime.replacements import _loops, _memory
+    from tisph.runtime.replacements import _memory
 
     _memory.begin()
-    _loops.begin()

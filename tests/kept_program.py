@@ -21,8 +21,6 @@ if not PLAIN:
     import shared_kernels
     from taichi.lang.impl import get_runtime
 
-    from tisph.runtime.replacements import _memory
-
 start, stop = runtime.start, runtime.stop
 vector_field, scalar_field = ti.Vector.field, ti.field
 
@@ -63,7 +61,6 @@ class Kept:
         for kernel in get_runtime().kernels:
             kernel.compiled_kernels = {}
             kernel.mapper.mapping.clear()
-        _memory._waiting.clear()
         self.last = self.first
 
     def field(self, make, *arguments):
@@ -88,7 +85,6 @@ def zero(field):
     """Leave a field as if it were new."""
     runtime.view(field)[...] = 0
     vars(field).pop("used", None)
-    vars(field).pop("_kept_view")  # as of a new field, whose first view lets fields have their first values
 
 
 def alike(one, other):

@@ -2,7 +2,7 @@
 
 Pair loops look one neighbour ahead: separation and weight of the next pair are made while this one is summed. The
 processor, which sees only so far ahead, would wait for a weight before it could go on; a step takes a tenth to a
-quarter less. Loops are not unrolled: the compiler would pack two pairs into a vector and shuffle them for longer than
+quarter less. No pair loop treats two pairs at once: the compiler would pack them into a vector and shuffle longer than
 that saves.
 """
 

@@ -77,7 +77,6 @@ def start(precision, threads):
         )
     _fields.begin(precision)
     _program.mark()
-    replacements.begin()
     _threads = threads
 
 

@@ -29,13 +29,8 @@ def real():
 
 def holding(field, values):
     """Return ``field``, which holds ``values`` before any kernel sees it."""
-    fill(field, values)
-    return field
-
-
-def fill(field, values):
-    """Give ``field`` its first ``values``."""
     view(field)[...] = values
+    return field
 
 
 def scalar(value):

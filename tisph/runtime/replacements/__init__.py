@@ -7,23 +7,14 @@ changes how long a run takes and nothing else.
 
 from tisph.runtime.replacements._switch import OFF, SWITCH, VERSION
 
-__all__ = ["OFF", "SWITCH", "VERSION", "begin", "install"]
+__all__ = ["OFF", "SWITCH", "VERSION", "install"]
 
 
 def install():
     """Put all replacements in their places."""
     if OFF:
         return
-    from tisph.runtime.replacements import _frames, _launches, _memory
+    from tisph.runtime.replacements import _frames, _launches
 
-    for part in (_frames, _launches, _memory):
+    for part in (_frames, _launches):
         part.install()
-
-
-def begin():
-    """Let the replacements begin with the program that was just started."""
-    if OFF:
-        return
-    from tisph.runtime.replacements import _memory
-
-    _memory.begin()

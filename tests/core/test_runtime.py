@@ -221,7 +221,7 @@ import sys
 sys.modules["importlib.metadata"].version = lambda name: {version!r}
 from tisph import runtime
 from tisph.runtime import ti
-print("tisph" in ti.lang.kernel_impl._inside_class.__module__, runtime.replacements.OFF, sep=";")
+print("tisph" in ti.data_oriented.__module__, runtime.replacements.OFF, sep=";")
 """
 
 

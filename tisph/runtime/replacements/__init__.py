@@ -14,7 +14,6 @@ def install():
     """Put all replacements in their places."""
     if OFF:
         return
-    from tisph.runtime.replacements import _frames, _launches
+    from tisph.runtime.replacements import _launches
 
-    for part in (_frames, _launches):
-        part.install()
+    _launches.install()

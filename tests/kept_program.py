@@ -6,16 +6,16 @@ cache stay the same, and fields are handed out again, zeroed, as long as they ar
 test did so before; from then on there are new ones. Every kernel is still read anew, from the objects of the new
 Scheme: Taichi itself finds whether it has it, as in the cache. Runs in processes of their own start as users' do.
 
-It saves most of the time of ``make test``. Where no part of Taichi is replaced for users (``TISPH_PLAIN_TAICHI=1``, or
-Quadrants) none is for tests: every test starts it anew, which shows that nothing here hides a fault.
+It saves most of the time of ``make test``. Quadrants, and another version of Taichi, have other inner parts: every test
+starts it anew there, which shows that nothing here hides a fault.
 """
 
 import os
 
 from tisph import runtime
-from tisph.runtime import replacements, ti
+from tisph.runtime import _package, ti
 
-PLAIN = replacements.OFF is not None
+PLAIN = not _package.KNOWN
 
 if not PLAIN:
     import shared_kernels

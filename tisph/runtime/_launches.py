@@ -1,11 +1,19 @@
-"""How kernels are launched again, in less time.
+"""Kernels of an object are launched again in less time: this file replaces an inner part of Taichi 1.7.4.
 
-Taichi 1.7.4 looks at every argument, finds its kernel and asks for its code at each launch: 35 us, of which the launch
-itself takes 1. A kernel of an object whose arguments are numbers is found once here. What launches it again takes the
-place of the method in the object, with which it ends: fields of an object do not outlive the program that they are of.
+The file is used with that version alone (``_package.KNOWN``), since any other version, and Quadrants, may have other
+inner parts; there kernels are launched as Taichi does by itself. The results are the same to the last bit with this
+file and without it (``tests/core/test_runtime.py``).
 
-For the sake of its kernels Taichi has each attribute of such an object, whatever it is, looked up by a function in
-Python, and by another one for each class that it inherits from. Here only kernels know that they are looked up.
+At each launch Taichi inspects every argument, looks its kernel up and asks for its machine code. That takes 35 us,
+while the launch itself takes 1. A step of a few hundred particles consists of many short launches: with 12 particles
+across, on one thread, a time loop is two to three times as fast with this file, in both schemes.
+
+* ``_call_and_keep`` replaces the call of a kernel. After the first call of a kernel whose arguments are numbers, a
+  function that has found its kernel and its code takes the place of the method in the object. The function ends with
+  the object, whose fields do not outlive the program that they belong to.
+* ``_data_oriented`` replaces the decorator of classes. For the sake of its kernels Taichi has every attribute of an
+  object looked up by a function in Python, and by another one for each class that the object's class inherits from;
+  with this file only kernels are looked up so.
 """
 
 import taichi as ti

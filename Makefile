@@ -7,7 +7,7 @@ BIN := .venv/bin
 endif
 QUADRANTS := $(subst .venv,.venv-quadrants,$(BIN))
 
-.PHONY: demo test test-plain test-quadrants media docs docs-draft clean
+.PHONY: demo test test-quadrants media docs docs-draft clean
 
 # Run the main job and print where its movie, plots and summary are.
 demo: .venv/run-ready
@@ -19,22 +19,13 @@ test: export PYTHONDONTWRITEBYTECODE =
 test: .venv/test-ready
 	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 
-# What shows that nothing depends on the replaced parts of Taichi, nor on Taichi: the quick verification, and core tests
-# that start Taichi anew for each case and never use two programs at once.
+# With Quadrants in the place of Taichi, in an environment of its own: core tests that start
+# it anew for each case and never use two programs at once.
 CORE := tests/core/test_runtime.py tests/core/test_operators.py tests/core/test_cavity.py \
 	tests/core/test_laws_in_kernels.py
-PYTEST := -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 
-# The same without any replaced part of Taichi.
-test-plain: export TISPH_PLAIN_TAICHI = 1
-test-plain: .venv/test-ready
-	$(BIN)/python $(PYTEST) $(CORE)
-	$(BIN)/python -m tisph verify --quick
-
-# The same with Quadrants in the place of Taichi, in an environment of its own.
 test-quadrants: .venv-quadrants/ready
-	$(QUADRANTS)/python $(PYTEST) $(CORE)
-	$(QUADRANTS)/python -m tisph verify --quick
+	$(QUADRANTS)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder $(CORE)
 
 # Make the pictures and movies that README.md shows.
 media: .venv/run-ready

@@ -6,22 +6,22 @@ cache stay the same, and fields are handed out again, zeroed, as long as they ar
 test did so before; from then on there are new ones. Every kernel is still read anew, from the objects of the new
 Scheme: Taichi itself finds whether it has it, as in the cache. Runs in processes of their own start as users' do.
 
-It saves most of the time of ``make test``. Where no part of Taichi is replaced for users (``TISPH_PLAIN_TAICHI=1``, or
-Quadrants) none is for tests: every test starts it anew, which shows that nothing here hides a fault.
+It saves most of the time of ``make test``. Quadrants, and another version of Taichi, have other inner parts: every test
+starts it anew there, which shows that nothing here hides a fault.
 """
 
 import os
 
 from tisph import runtime
-from tisph.runtime import replacements, ti
+from tisph.runtime import _package, ti
 
-PLAIN = replacements.OFF is not None
+PLAIN = not _package.KNOWN
 
 if not PLAIN:
     import shared_kernels
     from taichi.lang.impl import get_runtime
 
-    from tisph.runtime.replacements import _memory
+    from tisph.runtime import _inner
 
 start, stop = runtime.start, runtime.stop
 vector_field, scalar_field = ti.Vector.field, ti.field
@@ -63,7 +63,7 @@ class Kept:
         for kernel in get_runtime().kernels:
             kernel.compiled_kernels = {}
             kernel.mapper.mapping.clear()
-        _memory._waiting.clear()
+        _inner._waiting.clear()
         self.last = self.first
 
     def field(self, make, *arguments):

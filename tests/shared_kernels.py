@@ -16,7 +16,6 @@ from taichi.lang.kernel_impl import Kernel
 from taichi.lang.matrix import Matrix
 
 from tisph.runtime import ti
-from tisph.runtime.replacements import _translation
 
 NUMBERS = int, float, str, bool, type(None), np.generic
 SINGLE = type, types.ModuleType, types.FunctionType, types.BuiltinFunctionType, Field
@@ -123,12 +122,10 @@ def install():
     """Put this in the place of Taichi's own."""
     ASTTransformer.build_Attribute, ASTTransformer.build_Name = staticmethod(_read_attribute), staticmethod(_read_name)
     Kernel.materialize = _find_or_materialize
-    _translation._translator.cache_clear()
 
 
 def uninstall():
     """Take it back, and forget all kernels: they are of the program that ends."""
     ASTTransformer.build_Attribute, ASTTransformer.build_Name = staticmethod(_attribute), staticmethod(_name)
     Kernel.materialize = _materialize
-    _translation._translator.cache_clear()
     known.clear()

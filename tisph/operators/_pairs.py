@@ -2,12 +2,12 @@
 
 Pair loops look one neighbour ahead: separation and weight of the next pair are made while this one is summed. The
 processor, which sees only so far ahead, would wait for a weight before it could go on; a step takes a tenth to a
-quarter less. Loops are not unrolled: the compiler would pack two pairs into a vector and shuffle them for longer than
+quarter less. No pair loop treats two pairs at once: the compiler would pack them into a vector and shuffle longer than
 that saves.
 """
 
 from tisph.operators._weights import WeightTable
-from tisph.runtime import real, scalar, ti, unrolled
+from tisph.runtime import real, scalar, ti
 
 
 @ti.data_oriented
@@ -92,7 +92,7 @@ class PairOperators:
         trace = 0.0
         pull = ti.Vector([0.0, 0.0])
         push = ti.Vector([0.0, 0.0])
-        for k in range(unrolled(self.lists.count[i])):
+        for k in range(self.lists.count[i]):
             j = self.lists.table[i, k]
             apart, weight = self.pair(now, i, j, True)
             trace += weight * apart.dot(apart)

@@ -1,27 +1,27 @@
 """Taichi, imported and initialised in one place.
 
 Everything that needs Taichi imports ``ti`` from here, and does not know whether that is Taichi or Quadrants, its
-maintained fork, which takes its place where Taichi has no wheels (``_package``). On public interfaces alone all of it
-works, with ``TISPH_PLAIN_TAICHI=1`` or another version of Taichi than 1.7.4; with that version some parts of Taichi are
-replaced by faster ones (``replacements``), which changes how long a run takes and no bit of its results.
+maintained fork, which takes its place where Taichi has no wheels (``_package``). Of Taichi 1.7.4 two inner parts are
+replaced by faster ones (``_inner``), which changes how long a run takes and no bit of its results.
 """
 
 import contextlib
 import io
-import logging
 import os
 
-from tisph.runtime import _clock, _fields, _package, _program, replacements
+from tisph.runtime import _clock, _fields, _package, _program
 from tisph.runtime._cache import CACHE, CACHE_BYTES, GENERATION, WRITTEN_SECONDS, unlock
 from tisph.runtime._clock import compile_seconds
 from tisph.runtime._fields import holding, integer, real, scalar, view
-from tisph.runtime._loops import unrolled
 from tisph.runtime._program import foreign_program, program
 from tisph.runtime._taichi import ti
 from tisph.runtime._threads import CHUNK, available_threads, processors_shared
 
 _clock.install()
-replacements.install()
+if _package.KNOWN:
+    from tisph.runtime import _inner
+
+    _inner.install()
 
 __all__ = [
     "CACHE",
@@ -40,14 +40,12 @@ __all__ = [
     "stop",
     "threads",
     "ti",
-    "unrolled",
     "view",
 ]
 
 PACKAGE = _package.NAME
 """Name of the package that ``ti`` is, of which a summary gives the version."""
 
-_log = logging.getLogger("tisph")
 _threads = 1
 
 
@@ -60,8 +58,6 @@ def start(precision, threads):
     ``cache_loop_invariant_global_vars``: it reads a[0] before an inner loop that writes a[i], where it runs serially.
     """
     global _threads
-    if replacements.OFF:
-        _log.info("%s %s: %s", _package.NAME, _package.version(), replacements.OFF)
     os.environ.pop(f"{_package.PREFIX}_ARCH", None)  # a run depends on its config alone
     cache = CACHE / GENERATION / ("serial" if threads == 1 else "parallel")
     unlock(cache)
@@ -78,8 +74,9 @@ def start(precision, threads):
             log_level=ti.ERROR,
         )
     _fields.begin(precision)
+    if _package.KNOWN:
+        _inner.begin()
     _program.mark()
-    replacements.begin()
     _threads = threads
 
 

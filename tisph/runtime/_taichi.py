@@ -1,14 +1,10 @@
 """``ti``: the package that is installed, imported in one place."""
 
-import contextlib
 import importlib
 
 from tisph.runtime import _package
-from tisph.runtime.replacements._frames import found_directly
-from tisph.runtime.replacements._switch import OFF
 
-with contextlib.nullcontext() if OFF else found_directly():
-    ti = importlib.import_module(_package.NAME)  # it reads the environment
+ti = importlib.import_module(_package.NAME)  # it reads the environment
 
 
 def kernel_class():

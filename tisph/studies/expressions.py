@@ -1,9 +1,9 @@
 """Numbers of a run as arithmetic expressions, such as ``drag/superficial_velocity``.
 
-The names are the numbers of a sample in summary.json; ``wall_shear``, the error of the wall shear stress; ``transverse``, the
-largest transverse velocity over the reference velocity; and dotted names of the whole run, such as ``cost.steps``. The
-functions are abs, sqrt, hypot, sin, cos, exp and log, the constant is pi. ``NAME off exact`` is the relative difference
-of a number to ``NAME_exact``.
+The names are the numbers of a sample in summary.json; ``wall_shear``, the error of the wall shear stress;
+``transverse``, the largest transverse velocity over the reference velocity; and dotted names of the whole run, such as
+``cost.steps``. The functions are abs, sqrt, hypot, sin, cos, exp and log, the constant is pi. ``NAME off exact`` is the
+relative difference of a number to ``NAME_exact``.
 """
 
 import ast

@@ -112,6 +112,15 @@ class Runner:
         config_path.write_text(config_text(name, config), encoding="utf-8")
         return (run_resumed if resumed else run_config)(config_path, self._folder / name)
 
+    def checks(self):
+        """Yield the ``Check`` of each criterion, as soon as its runs are done; standard error says how far it is."""
+        console = Console(stderr=True)
+        for criterion in self.suite.criteria:
+            done = f"{len(self._results)} of {len(self.suite.runs)} runs are done"
+            with console.status(f"running {' and '.join(criterion.runs)}; {done}"):
+                check = self.judge(criterion)
+            yield check
+
     def judge(self, criterion):
         """``Check`` of a criterion, after running its runs."""
         results = [self.result(name) for name in criterion.runs]
@@ -124,15 +133,12 @@ class Runner:
 
 def _print_table(runner):
     """Print a line as soon as its runs are done; return the checks."""
-    console = Console(stderr=True)
     criteria = runner.suite.criteria
     labels = [(criterion.case, criterion.quantity, "1.23e-06", criterion.bound, "pass") for criterion in criteria]
     widths = [max(map(len, column)) for column in zip(HEADER, *labels, strict=True)]
     print(format_header(HEADER, widths))
     checks = []
-    for criterion in criteria:
-        with console.status(f"running {' and '.join(criterion.runs)}"):
-            check = runner.judge(criterion)
+    for check in runner.checks():
         verdict = "pass" if check.passed else "FAIL"
         print(format_row((check.case, check.quantity, f"{check.value:.3g}", check.bound, verdict), widths), flush=True)
         checks.append(check)
@@ -143,11 +149,7 @@ def _print_table(runner):
 
 def _print_json(runner):
     """Print one JSON document of all checks; return True if all passed."""
-    console = Console(stderr=True)
-    checks = []
-    for criterion in runner.suite.criteria:
-        with console.status(f"running {' and '.join(criterion.runs)}"):
-            checks.append(runner.judge(criterion))
+    checks = list(runner.checks())
     rows = [{**asdict(check), "value": check.value if math.isfinite(check.value) else None} for check in checks]
     passed = all(check.passed for check in checks)
     print(json.dumps({"passed": passed, "checks": rows, "failures": runner.failures}, indent=2))

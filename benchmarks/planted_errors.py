@@ -52,7 +52,7 @@ from pathlib import Path
 from tisph.studies import manufactured
 from tisph.studies.suites import Suite
 from tisph.studies.verify import Runner
-runner = Runner(Suite(manufactured.runs(False)), Path())
+runner = Runner(Suite("", manufactured.runs(False)), Path())
 for each in map(runner.judge, manufactured.bounds(sys.argv[1], quick=True)):
     print(f"{each.quantity} {each.value:.3g} ({each.bound})" if not each.passed else "", end=";")
 """

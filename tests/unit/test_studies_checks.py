@@ -146,6 +146,11 @@ def test_a_number_is_arithmetic_of_the_numbers_of_sample_and_run():
     assert found.quantity == "sum"
 
 
+@pytest.mark.parametrize("text", ["9**9**9**9", "1/(drag - 1)", "sqrt(-drag)", "(-drag)**0.5", "exp(1e9)"])
+def test_a_number_without_a_value_fails_at_once(text):
+    assert not criterion(run="a", number=text, at_most=1e300).judge(ended({"drag": 1.0})).passed
+
+
 def test_a_number_that_no_sample_has_is_named():
     with pytest.raises(ConfigError, match="drga: no such number; nearest: drag"):
         criterion(run="a", at_most={"drga": 1.0}).judge(ended({"drag": 1.0}))
@@ -191,6 +196,8 @@ def test_a_number_is_nothing_but_arithmetic(text):
         ),
         ({"order": "l2", "runs": {"a": 25}, "at_least": 1.0}, "runs", "two runs or more"),
         ({"run": "a", "measure": "larges", "at_most": 1.0}, "measure", "nearest: largest"),
+        ({"run": [["a"]], "momentum_closes": 0.1}, "run", "there is no run"),
+        ({"run": "a", "measure": "largest", "with": 5, "at_most": 1.0}, "with", "must be a map"),
         ({"run": "a", "measure": "largest", "at_most": 1.0}, "with", "number: largest takes number, off"),
     ],
 )

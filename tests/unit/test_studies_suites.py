@@ -237,8 +237,8 @@ def small_suite(monkeypatch):
         {"run": "jitter_0.2", "near": "lattice", "t_star": 0.018, "within": {"l2": 0.15}},
     ]
     criteria = [one for entry in entries for one in checks.criteria(entry, set(runs))]
-    monkeypatch.setattr(suites, "whole", lambda quick: Suite(runs, criteria))
-    monkeypatch.setattr(suites, "ours", lambda *_: Suite(runs, criteria))
+    monkeypatch.setattr(suites, "whole", lambda quick: Suite("", runs, criteria))
+    monkeypatch.setattr(suites, "ours", lambda *_: Suite("", runs, criteria))
     return runs
 
 
@@ -350,6 +350,11 @@ def test_a_suite_of_a_user_is_read_from_files(tmp_path):
         ("runs:\n", "runs:\n  x: [1]\n", "mine.yaml:4: runs.x: must be a map of changes"),
         ("title: Mine", "title: Mine\nquik: {}", "mine.yaml:2: quik: unknown key; nearest: quick"),
         ("title: Mine", "title: &a Mine", "mine.yaml:1: anchor &a: anchors are not allowed"),
+        ("title: Mine", "title: [Mine]", "mine.yaml:1: title: must be text"),
+        ("coarse: {samples", "../coarse: {samples", "mine.yaml:4: runs.../coarse: a name has letters, digits"),
+        ("like: coarse", "like: [coarse]", "mine.yaml:5: runs.fine.like: there is no"),
+        ("t: 0.1", "t: []", "mine.yaml:7: checks.0: checks nothing"),
+        ("fine: 32", "fine: -32", "mine.yaml:7: checks.0.runs: must be a map of two runs or more"),
     ],
 )
 def test_a_mistake_in_a_suite_names_file_line_key_and_fix(old, new, message, tmp_path):

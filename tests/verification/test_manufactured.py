@@ -15,7 +15,7 @@ pytestmark = pytest.mark.verification
 @pytest.mark.parametrize("name", manufactured.QUICK)
 def test_errors_fall_with_the_order_of_the_scheme(name, tmp_path):
     """Orders are bounded by ``Case.orders``: those of operators of order 4, and of the explicit scheme's."""
-    runner = Runner(Suite(manufactured.runs(quick=True)), tmp_path)
+    runner = Runner(Suite("", manufactured.runs(quick=True)), tmp_path)
     checks = [runner.judge(criterion) for criterion in manufactured.bounds(name, quick=True)]
     assert not [check for check in checks if not check.passed], runner.failures
 

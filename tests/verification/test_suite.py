@@ -94,7 +94,7 @@ def quick_runner(tmp_path_factory, worker_id, kept_program):
     }
     with pytest.MonkeyPatch.context() as monkeypatch:
         monkeypatch.setattr(verify, "run_config", run_once)
-        yield verify.Runner(Suite(runs), tmp_path_factory.mktemp("configs"))
+        yield verify.Runner(Suite("", runs), tmp_path_factory.mktemp("configs"))
 
 
 @pytest.fixture(scope="module")

@@ -107,7 +107,7 @@ def criteria(entry: dict[str, Any], names: set[str]) -> Iterator[Criterion]:
             raise SuiteError(key, f"unknown key of a check by {kind}{hint}; allowed: {', '.join(FORMS[kind])}")
     for key in ("run", "near", "over", "same_bits_as", "same_velocities_as", "runs"):
         for name in _listed(entry.get(key, ())):
-            if name not in names:
+            if not isinstance(name, str) or name not in names:
                 raise SuiteError(key, f"there is no run {name!r}{nearest(str(name), sorted(names))}")
     if kind == "order":
         yield from _orders(entry)
@@ -221,7 +221,8 @@ def _criterion(entry, key, bound, run, number, words, at, sample):
 def _orders(entry):
     """Criteria that errors fall with a power of the spacing: a fit over all resolutions."""
     resolutions, expected = _given(entry, "runs"), entry.get("expected")
-    if not isinstance(resolutions, dict) or len(resolutions) < 2 or not all(map(is_number, resolutions.values())):
+    across = resolutions.values() if isinstance(resolutions, dict) else ()
+    if len(across) < 2 or not all(is_number(number) and number > 0 for number in across):
         raise SuiteError("runs", "must be a map of two runs or more and their particles across")
     for text in _listed(entry["order"]):
         number = Number(text, "order")
@@ -238,7 +239,9 @@ def _orders(entry):
 
 def _measure(entry, runs):
     """The criterion of a function of ``measures.py``."""
-    name, given = entry["measure"], entry.get("with", {})
+    name, given = str(entry["measure"]), entry.get("with", {})
+    if not isinstance(given, dict):
+        raise SuiteError("with", "must be a map of the parameters of the measure")
     if name not in measures.MEASURES:
         raise SuiteError("measure", f"there is no measure {name!r}{nearest(str(name), sorted(measures.MEASURES))}")
     function = measures.MEASURES[name]

@@ -37,7 +37,7 @@ class Number:
         source = self.text.removesuffix(" off exact")
         try:
             tree = ast.parse(source, mode="eval")
-        except SyntaxError:
+        except (SyntaxError, ValueError, RecursionError, MemoryError):
             raise SuiteError(
                 key, f"{self.text!r} is no arithmetic expression, such as drag/superficial_velocity"
             ) from None
@@ -54,12 +54,22 @@ class Number:
         if sample is None:
             return math.nan
         lookup = lambda name: _number(result, sample, name)  # noqa: E731
-        value = eval(self._code, {"__builtins__": {}, **FUNCTIONS, "number": lookup})
-        return abs(value / lookup(f"{self._name}_exact") - 1) if self._off_exact else value
+        try:
+            value = eval(self._code, {"__builtins__": {}, **FUNCTIONS, "number": lookup})
+            value = abs(value / lookup(f"{self._name}_exact") - 1) if self._off_exact else value
+        except (ArithmeticError, ValueError):
+            return math.nan
+        return math.nan if isinstance(value, complex) else value
 
 
 class _Lookup(ast.NodeTransformer):
-    """Makes every name of an expression a call of ``number`` with this name."""
+    """Makes every name of an expression a call of ``number`` with this name, and every number a float.
+
+    Powers of floats overflow at once, powers of whole numbers take any time and memory.
+    """
+
+    def visit_Constant(self, node):
+        return ast.copy_location(ast.Constant(float(node.value)), node)
 
     def visit_Call(self, node):
         node.args = [self.visit(argument) for argument in node.args]

@@ -14,6 +14,7 @@ A run with ``resumed: true`` is stopped after its first checkpoint and resumed.
 """
 
 import copy
+import re
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -33,6 +34,9 @@ PARTS += ("circular_couette", "cavity", "bodies", "free_bodies", "axisymmetric",
 PARTS += ("two_dimensional_polymers",)
 """Suites of ``tisph verify``, in the order of its table."""
 
+NAME = re.compile(r"\w[\w.-]*")
+"""Of a run, which is a folder, too."""
+
 SECTION = ("base", "bases", "runs", "checks")
 OF_RUNS = ("base", "like", "samples", "resumed")
 
@@ -41,6 +45,7 @@ OF_RUNS = ("base", "like", "samples", "resumed")
 class Suite:
     """Configs of runs by name, as plain dicts, the criteria that judge them, and the runs that are resumed."""
 
+    title: str = ""
     runs: dict[str, dict[str, Any]] = field(default_factory=dict)
     criteria: list[Criterion] = field(default_factory=list)
     resumed: set[str] = field(default_factory=set)
@@ -62,6 +67,11 @@ def whole(quick: bool = False) -> Suite:
 
 def ours(name: str, quick: bool = False, long: bool = False) -> Suite:
     """Return one of ``PARTS``."""
+    return copy.deepcopy(_ours(name, quick, long))
+
+
+@cache
+def _ours(name, quick, long):
     return read(FOLDER / f"{name}.yaml", quick, long)
 
 
@@ -75,12 +85,7 @@ def read(path: Path, quick: bool = False, long: bool = False) -> Suite:
 
     ConfigError names file, line, key and the fix of a mistake; it is raised, too, where there is no long section.
     """
-    return copy.deepcopy(_read(Path(path), "quick" if quick else "long" if long else None))
-
-
-@cache
-def _read(path, section):
-    return _File(path).suite(section)
+    return _File(Path(path)).suite("quick" if quick else "long" if long else None)
 
 
 class _File:
@@ -98,12 +103,14 @@ class _File:
         if not isinstance(self.data, dict) or not {"title", "runs", "checks"} <= set(self.data):
             raise ConfigError(f"{path}: a suite is a map with the keys title, base, runs and checks")
         self._require_keys(self.data, (), ("title", *SECTION, "quick", "long"))
+        if not isinstance(self.data["title"], str):
+            self._fail(("title",), "must be text")
 
     def suite(self, section: str | None) -> Suite:
         """Return the suite: the main one, or of a ``section``, ``quick`` or ``long``."""
         configs, resumed = self._runs(self.data, (), {})
         if section is None:
-            return Suite(configs, self._criteria(self.data, (), configs), resumed)
+            return Suite(self.data["title"], configs, self._criteria(self.data, (), configs), resumed)
         if section not in self.data:
             if section == "quick":
                 return self.suite(None)
@@ -114,11 +121,8 @@ class _File:
         configs |= own
         criteria = self._criteria(data, (section,), configs)
         used = {name for criterion in criteria for name in criterion.runs}
-        return Suite(
-            {name: config for name, config in configs.items() if name in own or name in used},
-            criteria,
-            (resumed | own_resumed) & used,
-        )
+        needed = {name: config for name, config in configs.items() if name in own or name in used}
+        return Suite(self.data["title"], needed, criteria, (resumed | own_resumed) & used)
 
     def _runs(self, data, place, known):
         """Return the configs of the runs of a section by name, and the names of those that are resumed."""
@@ -127,6 +131,8 @@ class _File:
         configs, resumed = {}, set()
         for name, changes in self._map(data, place, "runs").items():
             where = (*place, "runs", name)
+            if not NAME.fullmatch(name):
+                self._fail(where, "a name has letters, digits, and the signs . _ - inside")
             if not isinstance(changes, dict):
                 self._fail(where, "must be a map of changes, such as {discretisation.particles_across: 50}")
             config = self._start(changes, where, base, bases, {**known, **configs})
@@ -138,6 +144,8 @@ class _File:
                 if not isinstance(times, list) or not times:
                     self._fail((*where, "samples"), "must be a list of times, such as [1.8, 2.7]")
                 config["time"] = {**config.get("time", {}), "end": times[-1], "samples": times}
+            if changes.get("resumed", False) not in (True, False):
+                self._fail((*where, "resumed"), "must be true or false")
             if changes.get("resumed"):
                 resumed.add(name)
             configs[name] = self._valid(config, where)
@@ -156,8 +164,8 @@ class _File:
         """Return a copy of the config that a run changes."""
         for key, found in (("like", known), ("base", bases)):
             if key in changes:
-                if changes[key] not in found:
-                    name = str(changes[key])
+                name = changes[key] = str(changes[key])
+                if name not in found:
                     self._fail((*where, key), f"there is no {name!r}{nearest(name, list(found))} before it")
                 return copy.deepcopy(found[changes[key]])
         if base is None:
@@ -204,7 +212,10 @@ class _File:
             if not isinstance(entry, dict):
                 self._fail(where, "must be a map, such as {run: fine, t: 2.7, at_most: {l2: 1.0e-3}}")
             try:
-                found += checks.criteria(entry, set(configs))
+                criteria = list(checks.criteria(entry, set(configs)))
+                if not criteria:
+                    raise SuiteError(None, "checks nothing: a list or a map in it is empty")
+                found += criteria
             except SuiteError as mistake:
                 self._fail(where if mistake.key is None else (*where, mistake.key), mistake.text)
         return found

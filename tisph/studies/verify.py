@@ -65,7 +65,7 @@ def suite_of(name, quick=False, long=False):
     if name == MANUFACTURED and not long:
         from tisph.studies import manufactured
 
-        return Suite(manufactured.runs(quick), manufactured.criteria(quick))
+        return Suite("Manufactured solutions", manufactured.runs(quick), manufactured.criteria(quick))
     if name in suites.PARTS:
         return suites.ours(name, quick, long)
     if Path(name).suffix in (".yaml", ".yml"):
@@ -136,6 +136,8 @@ def _print_table(runner):
     criteria = runner.suite.criteria
     labels = [(criterion.case, criterion.quantity, "1.23e-06", criterion.bound, "pass") for criterion in criteria]
     widths = [max(map(len, column)) for column in zip(HEADER, *labels, strict=True)]
+    if runner.suite.title:
+        print(f"{runner.suite.title}\n")
     print(format_header(HEADER, widths))
     checks = []
     for check in runner.checks():
@@ -152,7 +154,8 @@ def _print_json(runner):
     checks = list(runner.checks())
     rows = [{**asdict(check), "value": check.value if math.isfinite(check.value) else None} for check in checks]
     passed = all(check.passed for check in checks)
-    print(json.dumps({"passed": passed, "checks": rows, "failures": runner.failures}, indent=2))
+    title = runner.suite.title
+    print(json.dumps({"title": title, "passed": passed, "checks": rows, "failures": runner.failures}, indent=2))
     return passed
 
 

@@ -8,7 +8,6 @@ from tisph.geometry.line import Line
 from tisph.geometry.polygon import Polygon
 
 _BEYOND = 10.0  # lengths of the box that an inner cylinder is drawn beyond it
-_EDGE = 0.1  # radius of its corners there over its own
 
 _POINTS = 400  # on the mirror image of a closed body
 

@@ -14,9 +14,9 @@ import pytest
 
 import tisph
 from tisph import runtime
-from tisph.runtime import ti
+from tisph.runtime import ti, unrolled
 
-of_taichi_1_7_4 = pytest.mark.skipif(not runtime._package.KNOWN, reason="about launches that are replaced there alone")
+of_taichi_1_7_4 = pytest.mark.skipif(not runtime._package.KNOWN, reason="about parts that are replaced there alone")
 
 
 def test_serial_and_parallel_kernels_are_cached_apart():
@@ -192,6 +192,71 @@ def test_kernels_of_taichi_s_own_options_are_not_found_again(tmp_path, monkeypat
     monkeypatch.setattr(runtime, "CACHE", tmp_path)
     runtime.start("f64", 1)
     assert str(tmp_path / runtime.GENERATION) in ti.lang.impl.current_cfg().offline_cache_file_path
+
+
+@ti.data_oriented
+class Loops:
+    """Counts the iterations of loops: outermost, inside, and inside ``unrolled``."""
+
+    def __init__(self, serial):
+        self.serial = serial
+        self.outer, self.inner, self.longer = (runtime.integer(0) for _ in range(3))
+
+    @ti.kernel
+    def count(self, number: ti.i32):
+        ti.loop_config(serialize=self.serial)
+        for _ in range(number):
+            ti.atomic_add(self.outer[None], 1)
+        ti.loop_config(serialize=self.serial)
+        for _ in range(1):
+            for _first in range(number):
+                self.inner[None] += 1
+            for _second in range(unrolled(number)):
+                self.longer[None] += 1
+
+    @ti.kernel
+    def count_in_static_loop(self, number: ti.i32):
+        for _ in ti.static(range(2)):
+            ti.loop_config(serialize=self.serial)
+            for _each in range(number):
+                ti.atomic_add(self.outer[None], 1)
+
+    def counted(self):
+        return [int(runtime.view(number)) for number in (self.outer, self.inner, self.longer)]
+
+
+def set_never(value):
+    """Let loops that may end early do so from now on, or not."""
+    runtime.view(ti.lang.impl.get_runtime().never)[()] = value
+
+
+@pytest.mark.parametrize("serial", [True, False])
+def test_loops_count_to_their_ends(serial):
+    runtime.start("f64", 1)
+    loops = Loops(serial)
+    loops.count(20)
+    assert loops.counted() == [20, 20, 20]
+
+
+@of_taichi_1_7_4
+@pytest.mark.parametrize("serial", [True, False])
+def test_all_loops_but_unrolled_ones_may_end_early(serial):
+    # were LLVM told that the number is 0 it would unroll them again; loops of several threads cannot end early
+    runtime.start("f64", 1)
+    loops = Loops(serial)
+    set_never(1)
+    loops.count(20)
+    assert loops.counted() == [1 if serial else 20, 1, 20]
+
+
+@of_taichi_1_7_4
+@pytest.mark.parametrize("serial", [True, False])
+def test_a_loop_in_a_static_one_alone_is_an_outermost_one(serial):
+    runtime.start("f64", 1)
+    loops = Loops(serial)
+    set_never(1)
+    loops.count_in_static_loop(20)
+    assert loops.counted()[0] == 2 * (1 if serial else 20)
 
 
 @pytest.mark.parametrize("kind", ["scalar", "vector", "matrix"])

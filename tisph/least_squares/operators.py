@@ -24,7 +24,7 @@ import numpy as np
 from tisph.least_squares.elimination import horner, moment_chains, moment_indices, moment_of_entries, powers, targets
 from tisph.least_squares.polar import to_polar
 from tisph.neighbours.point_cloud import LANES
-from tisph.runtime import CHUNK, holding, integer, real, scalar, threads, ti, view
+from tisph.runtime import CHUNK, holding, integer, real, scalar, threads, ti, unrolled, view
 
 BLOCK = 16
 """Particles whose moments lie side by side: a multiple of every SIMD width."""
@@ -148,7 +148,7 @@ class LeastSquaresOperators:
     def sum_moments(self, i):
         """Sum the moments of particle ``i``."""
         total = ti.Vector(self.zeros)
-        for k in range(self.points.count[i]):
+        for k in range(unrolled(self.points.count[i])):
             x, y, weighted = self.d_dx[i, k], self.d_dy[i, k], self.laplacian[i, k]
             for chain in ti.static(self.chains):
                 product = weighted
@@ -157,7 +157,7 @@ class LeastSquaresOperators:
                         total[index] += product
                     product *= y
                 weighted *= x
-        for index in range(ti.static(len(self.zeros))):
+        for index in range(unrolled(ti.static(len(self.zeros)))):
             self.moments[i // BLOCK, index][i % BLOCK] = total[index]
 
     @ti.func
@@ -240,16 +240,16 @@ class LeastSquaresOperators:
     def set_weights(self, i):
         """Turn the vectors and weights of particle ``i`` into its operators."""
         coefficients = ti.Matrix(self.no_coefficients)  # local, or they would be read again for every neighbour
-        for operator in range(3):
-            for unknown in range(ti.static(self.unknowns)):
+        for operator in range(unrolled(3)):
+            for unknown in range(unrolled(ti.static(self.unknowns))):
                 coefficients[operator, unknown] = self.coefficients[i // BLOCK, operator, unknown][i % BLOCK]
         if ti.static(self.varying):
             per_factor = 1.0 / self.support_factor[i]
-            for unknown in range(ti.static(self.unknowns)):
+            for unknown in range(unrolled(ti.static(self.unknowns))):
                 coefficients[LAPLACIAN, unknown] *= per_factor * per_factor
                 coefficients[D_DX, unknown] *= per_factor
                 coefficients[D_DY, unknown] *= per_factor
-        for k in range(self.points.count[i]):
+        for k in range(unrolled(self.points.count[i])):
             x, y, weight = self.d_dx[i, k], self.d_dy[i, k], self.laplacian[i, k]
             self.laplacian[i, k] = weight * self.polynomial(coefficients, LAPLACIAN, x, y)
             self.d_dx[i, k] = weight * self.polynomial(coefficients, D_DX, x, y)
@@ -277,7 +277,7 @@ class LeastSquaresOperators:
         """Return sum_j operator[i, j] (values[j] - values[i]); the sentinel's value must be finite."""
         own = values[i]
         total = 0.0 * own
-        for group in range(self.points.count[i] // LANES):
+        for group in range(unrolled(self.points.count[i] // LANES)):
             for lane in ti.static(range(LANES)):
                 k = group * LANES + lane
                 total += operator[i, k] * (values[self.points.neighbours[i, k]] - own)

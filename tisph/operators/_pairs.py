@@ -7,7 +7,7 @@ that saves.
 """
 
 from tisph.operators._weights import WeightTable
-from tisph.runtime import real, scalar, ti
+from tisph.runtime import real, scalar, ti, unrolled
 
 
 @ti.data_oriented
@@ -92,7 +92,7 @@ class PairOperators:
         trace = 0.0
         pull = ti.Vector([0.0, 0.0])
         push = ti.Vector([0.0, 0.0])
-        for k in range(self.lists.count[i]):
+        for k in range(unrolled(self.lists.count[i])):
             j = self.lists.table[i, k]
             apart, weight = self.pair(now, i, j, True)
             trace += weight * apart.dot(apart)

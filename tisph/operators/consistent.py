@@ -18,7 +18,7 @@ renormalised density gradient is the linear correction above.
 """
 
 from tisph.operators._pairs import PairOperators
-from tisph.runtime import real, ti
+from tisph.runtime import real, ti, unrolled
 
 DIFFUSION = 0.1
 """Density diffusion coefficient, the value usual in the delta-SPH literature."""
@@ -113,7 +113,7 @@ class Operators(PairOperators):
         sums = self.Sums()
         j = self.lists.table[i, 0]
         apart, weight = self.pair(now, i, j, periodic)
-        for k in range(self.lists.count[i]):
+        for k in range(unrolled(self.lists.count[i])):
             following = self.lists.table[i, k + 1]
             next_apart, next_weight = self.pair(now, i, following, periodic)
             weighted = weight * apart

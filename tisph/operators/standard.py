@@ -8,7 +8,7 @@ density by the continuity equation; no correction, shifting or diffusion.
 """
 
 from tisph.operators._pairs import PairOperators
-from tisph.runtime import real, ti
+from tisph.runtime import real, ti, unrolled
 
 
 @ti.data_oriented
@@ -58,7 +58,7 @@ class Operators(PairOperators):
         j = self.lists.table[i, 0]
         apart, weight = self.pair(now, i, j, periodic)
         viscous = weight * self.softened(apart.dot(apart))
-        for k in range(self.lists.count[i]):
+        for k in range(unrolled(self.lists.count[i])):
             following = self.lists.table[i, k + 1]
             next_apart, next_weight = self.pair(now, i, following, periodic)
             next_viscous = next_weight * self.softened(next_apart.dot(next_apart))

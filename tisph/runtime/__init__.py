@@ -1,7 +1,7 @@
 """Taichi, imported and initialised in one place.
 
 Everything that needs Taichi imports ``ti`` from here, and does not know whether that is Taichi or Quadrants, its
-maintained fork, which takes its place where Taichi has no wheels (``_package``). Of Taichi 1.7.4 two inner parts are
+maintained fork, which takes its place where Taichi has no wheels (``_package``). Of Taichi 1.7.4 three inner parts are
 replaced by faster ones (``_inner``), which changes how long a run takes and no bit of its results.
 """
 
@@ -12,7 +12,7 @@ import os
 from tisph.runtime import _clock, _fields, _package, _program
 from tisph.runtime._cache import CACHE, CACHE_BYTES, GENERATION, WRITTEN_SECONDS, unlock
 from tisph.runtime._clock import compile_seconds
-from tisph.runtime._fields import holding, integer, real, scalar, view
+from tisph.runtime._fields import holding, integer, real, scalar, unrolled, view
 from tisph.runtime._program import foreign_program, program
 from tisph.runtime._taichi import ti
 from tisph.runtime._threads import CHUNK, available_threads, processors_shared
@@ -40,6 +40,7 @@ __all__ = [
     "stop",
     "threads",
     "ti",
+    "unrolled",
     "view",
 ]
 

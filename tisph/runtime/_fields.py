@@ -78,3 +78,9 @@ def _numpy_type(kind):
 def address(field: ti.template()) -> ti.u64:
     """Return where the memory of ``field`` begins."""
     return ti.get_addr(field, ti.static([0] * len(field.shape)))
+
+
+@ti.func
+def unrolled(number):
+    """Return ``number``; of ``for k in range(unrolled(number))`` the compiler may make several iterations one."""
+    return number

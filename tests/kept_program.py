@@ -18,6 +18,7 @@ from tisph.runtime import _package, ti
 PLAIN = not _package.KNOWN
 
 if not PLAIN:
+    import fast_translation
     import shared_kernels
     from taichi.lang.impl import get_runtime
 
@@ -128,6 +129,7 @@ def install():
         runtime.start, runtime.stop = started_anew, stopped
         return
     runtime.start, runtime.stop = kept.start, lambda: None
+    fast_translation.install()
     shared_kernels.install()
     ti.field = lambda dtype, shape: kept.field(scalar_field, dtype, shape)
     ti.Vector.field = lambda n, dtype, shape: kept.field(vector_field, n, dtype, shape)

@@ -9,6 +9,7 @@ something else was read, such as an object in a list, nothing is shared.
 
 import types
 
+import fast_translation
 import numpy as np
 from taichi.lang.ast.ast_transformer import ASTTransformer
 from taichi.lang.field import Field
@@ -122,10 +123,12 @@ def install():
     """Put this in the place of Taichi's own."""
     ASTTransformer.build_Attribute, ASTTransformer.build_Name = staticmethod(_read_attribute), staticmethod(_read_name)
     Kernel.materialize = _find_or_materialize
+    fast_translation._translator.cache_clear()
 
 
 def uninstall():
     """Take it back, and forget all kernels: they are of the program that ends."""
     ASTTransformer.build_Attribute, ASTTransformer.build_Name = staticmethod(_attribute), staticmethod(_name)
     Kernel.materialize = _materialize
+    fast_translation._translator.cache_clear()
     known.clear()

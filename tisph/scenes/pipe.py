@@ -117,7 +117,7 @@ class Scene(AxisymmetricScene):
         return self._oscillating if self.drive.oscillates else None
 
     def _oscillating(self, x, y, t):
-        return self.drive.velocity(t) + np.zeros_like(x), np.zeros_like(x)
+        return self.drive.velocity(t) + np.zeros_like(x), np.zeros_like(x), np.zeros_like(x)
 
     @property
     def velocity_scale(self):

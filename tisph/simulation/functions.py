@@ -83,12 +83,11 @@ def _on_places(function, count):
 
 
 def _sum(function, other):
-    """Return the sum of two functions; ``other`` may be None, and may have fewer components."""
+    """Return the sum of two functions; ``other`` may be None."""
     if other is None:
         return function
 
     def both(x, y, t):
-        values = function(x, y, t)
-        return [a + b for a, b in zip(values, [*other(x, y, t), *np.zeros((1, *x.shape))], strict=False)]
+        return [a + b for a, b in zip(function(x, y, t), other(x, y, t), strict=True)]
 
     return both

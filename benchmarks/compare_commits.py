@@ -116,8 +116,10 @@ def compare_bits(old, new, only):
         for name, (config, settings) in chosen.items():
             settings = shortened(old, config, settings, folder)
             outs = [Path(folder) / f"{name}_{which}" for which in ("old", "new")]
-            summaries = list(pool.map(short_run, (old, new), outs, [config] * 2, [settings] * 2))
-            verdict = difference(*outs)
+            each = lambda checkout, out: summary_of(checkout, out, config, settings, ["--no-pictures"])  # noqa: B023, E731
+            summaries = list(pool.map(each, (old, new), outs))
+            ran = all(one.get("cost", {}).get("steps") for one in summaries)
+            verdict = difference(*outs) if ran else "did not run"
             print(bits_row(name, verdict, *summaries), flush=True)
             if verdict:
                 different.append(name)
@@ -126,7 +128,7 @@ def compare_bits(old, new, only):
 
 
 def frozen_cases(checkout):
-    """Return (config, texts of --set) of the cases by name: all configs of ``checkout``, and those of freeze.yaml."""
+    """Return (config, texts of --set) by case: all configs of ``checkout``, and the cases of freeze.yaml."""
     more = YAML(typ="safe").load(Path(__file__).with_name("freeze.yaml"))
     settings = {path.stem: {} for path in sorted((checkout / "configs").glob("*.yaml"))}
     settings |= {f"{stem}-{name}": given for stem, cases in more.items() for name, given in cases.items()}
@@ -139,7 +141,7 @@ def frozen_cases(checkout):
 
 
 def shortened(checkout, config, settings, folder):
-    """Return the texts of --set of a short run, of which there are as many steps as ``checkout`` expects."""
+    """Return the texts of --set of a short run, whose number of steps ``checkout`` estimates."""
     done = python(checkout, folder, "-c", PLANNED, config, *settings)
     if done.returncode:
         sys.exit(f"{config.stem} {settings}: {done.stderr.strip().splitlines()[-1]}")
@@ -147,19 +149,28 @@ def shortened(checkout, config, settings, folder):
     wanted = max(8, min(SHORT[kind], int(MOST_PARTICLE_STEPS / particles)))
     duration = (end - start) * min(1.0, wanted / steps)
     times = [float(f"{start + part * duration:.6g}") for part in (0.5, 1.0)]
-    return [*settings, f"time={json.dumps({'end': times[1], 'samples': times, **({'start': start} if start else {})})}"]
+    return [*settings, f"time.end={times[1]}", f"time.samples={times}"]
 
 
-def short_run(checkout, out, config, settings):
-    """Run ``config`` with the package of ``checkout`` into ``out``; return its summary, or the message."""
-    words = ["run", config, "--out", out, "--no-pictures", *(word for text in settings for word in ("--set", text))]
-    done = python(checkout, out.parent, "-m", "tisph", *words)
+def summary_of(checkout, out, config, settings, flags):
+    """Run ``config`` with the package of ``checkout`` into ``out``; return its summary, or the end of the message."""
     path = out / "summary.json"
+    path.unlink(missing_ok=True)
+    words = [
+        "run",
+        config,
+        "--out",
+        out,
+        "--overwrite",
+        *flags,
+        *(word for text in settings for word in ("--set", text)),
+    ]
+    done = python(checkout, out.parent, "-m", "tisph", *words)
     return json.loads(path.read_text()) if path.is_file() else {"status": done.stderr[-200:].strip()}
 
 
 def difference(old, new):
-    """Return in what the arrays of samples.h5 in two folders differ, "" in nothing."""
+    """Return the names of the arrays of samples.h5 that differ between two folders, "" where all are equal."""
     contents = []
     for folder in (old, new):
         path = folder / "samples.h5"
@@ -201,13 +212,8 @@ def in_turn(checkouts, config, options, number, folder):
     """Return the summaries (old, new) of a round."""
     found = {}
     for checkout in checkouts if number % 2 == 0 else reversed(checkouts):
-        out = Path(folder) / "out"
-        more = ["--no-pictures"] if options.errors_only else []
-        words = ["run", config, "--out", out, "--overwrite", *more]
-        done = python(checkout, folder, "-m", "tisph", *words, *(w for s in options.settings for w in ("--set", s)))
-        path = out / "summary.json"
-        found[checkout] = json.loads(path.read_text()) if path.is_file() else {"status": done.stderr[-200:].strip()}
-        path.unlink(missing_ok=True)
+        flags = ["--no-pictures"] if options.errors_only else []
+        found[checkout] = summary_of(checkout, Path(folder) / "out", config, options.settings, flags)
     return [found[checkout] for checkout in checkouts]
 
 

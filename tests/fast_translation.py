@@ -2,7 +2,7 @@
 
 Taichi draws the lines around each expression before it translates it, for the message that an error in it would have,
 and writes down which lines have led to each field. A run does so once; tests make hundreds of schemes in a process,
-each of which is translated anew. Here a message is made when there is an error, and names file and line.
+and each scheme is translated anew. Here a message with file and line is made only when there is an error.
 """
 
 import ast

@@ -11,7 +11,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "acceptance-tests.md"
 
 
 def verify(folder, text):
-    """Exit status of the command of the page, and what it prints as JSON."""
+    """Exit status of the page's command, and the JSON document that it prints."""
     (folder / "my_flow.yaml").write_text(text)
     command = [sys.executable, "-m", "tisph", "verify", "my_flow.yaml", "--json", "--out", "kept"]
     ended = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)

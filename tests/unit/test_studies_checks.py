@@ -170,7 +170,7 @@ def test_a_number_that_no_sample_has_is_named():
     ],
 )
 def test_a_number_is_nothing_but_arithmetic(text):
-    """Whatever Python it looks like: it is refused when it is read, or its names are those of numbers only."""
+    """Other Python is refused when the suite is read, or when its names are looked up as numbers."""
     with pytest.raises((SuiteError, ConfigError)):
         criterion(run="a", number=text, at_most=1.0).judge(ended({"drag": 1.0}))
 

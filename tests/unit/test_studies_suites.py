@@ -3,7 +3,6 @@
 import json
 import math
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -142,23 +141,22 @@ def test_the_fluid_without_polymer_differs_in_its_rheology_only():
 @pytest.mark.parametrize("name", ["bodies", "free_bodies"])
 def test_numbers_of_bodies_are_those_of_their_runs(name):
     """Constants in expressions and measures repeat the config: area, drive, load, viscosity."""
-    for path in (suites.FOLDER / f"{name}.yaml",):
-        for entry in parse(path.read_text(encoding="utf-8")).data["checks"]:
-            if not isinstance(entry.get("run"), str):
-                continue
-            config = suites.config_of(name, entry["run"])
-            body = config["bodies"][0]
-            area = math.pi * body["radius"] ** 2 if "radius" in body else None
-            if "with" in entry and "area" in entry["with"]:
-                assert entry["with"]["area"] == pytest.approx(area, rel=1e-9)
-                assert entry["with"]["density"] == body["density"]
-            if "number" in entry and "drag + " in entry["number"] and "*" in entry["number"]:
-                drive, solid = entry["number"].split("(drag + ")[1].split(")")[0].split("*")
-                assert float(drive) == config["drive"]["acceleration"]
-                assert float(solid) == pytest.approx(area, rel=1e-9)
-            if entry.get("called") == "stress of the walls":
-                scale = 2 * config["geometry"]["length"] * config["fluid"]["kinematic_viscosity"]
-                assert float(entry["number"].rpartition("/")[2]) == pytest.approx(scale)
+    for entry in parse((suites.FOLDER / f"{name}.yaml").read_text(encoding="utf-8")).data["checks"]:
+        if not isinstance(entry.get("run"), str):
+            continue
+        config = suites.config_of(name, entry["run"])
+        body = config["bodies"][0]
+        area = math.pi * body["radius"] ** 2 if "radius" in body else None
+        if "with" in entry and "area" in entry["with"]:
+            assert entry["with"]["area"] == pytest.approx(area, rel=1e-9)
+            assert entry["with"]["density"] == body["density"]
+        if "number" in entry and "drag + " in entry["number"] and "*" in entry["number"]:
+            drive, solid = entry["number"].split("(drag + ")[1].split(")")[0].split("*")
+            assert float(drive) == config["drive"]["acceleration"]
+            assert float(solid) == pytest.approx(area, rel=1e-9)
+        if entry.get("called") == "stress of the walls":
+            scale = 2 * config["geometry"]["length"] * config["fluid"]["kinematic_viscosity"]
+            assert float(entry["number"].rpartition("/")[2]) == pytest.approx(scale)
 
 
 def test_released_bodies_have_the_acceleration_of_their_added_mass():
@@ -328,7 +326,7 @@ def test_a_suite_of_a_user_is_read_from_files(tmp_path):
     assert suite.runs["fine"]["discretisation"] == {"particles_across": 32}
     assert suite.runs["fine"]["time"] == {"end": 0.1, "samples": [0.1]}
     (row,) = suite.criteria
-    results = [SimpleNamespace(summary={"samples": [{"t": 0.1, "l2": number**-4.0}]}) for number in (16, 32)]
+    results = [Result(Path(), {"samples": [{"t": 0.1, "l2": number**-4.0}]}) for number in (16, 32)]
     assert row.judge(*results).value == pytest.approx(4.0)
 
 

@@ -87,15 +87,6 @@ def bounded(case, quantity, bound, value, runs=None, sign="<="):
     return Criterion(case, quantity, f"{sign} {bound:g}", runs or (case,), value, accepts)
 
 
-def of_whole_runs(case, quantity, bound, value, runs=None, sign="<="):
-    """As ``bounded``; the value is NaN where one of the runs stopped early."""
-
-    def whole(*results):
-        return value(*results) if all(result.last for result in results) else math.nan
-
-    return bounded(case, quantity, bound, whole, runs, sign)
-
-
 def criteria(entry: dict[str, Any], names: set[str]) -> Iterator[Criterion]:
     """Yield the criteria of an entry of ``checks``; ``names`` are the names of the runs. Raises SuiteError."""
     kind = next((key for key in FORMS if key in entry), None)
@@ -156,16 +147,11 @@ def _times(entry) -> list[tuple[str, Callable]]:
             for time in times:
                 if not is_number(time):
                     raise SuiteError(key, f"{time!r}: must be a number, or a list of numbers")
-            return [(f" at {sign} = {time:g}", _at(key, time)) for time in times]
+            return [
+                (f" at {sign} = {time:g}", lambda result, time=time, key=key: result.sample(time, key))
+                for time in times
+            ]
     return [("", lambda result: result.last)]
-
-
-def _at(key, time):
-    def sample(result):
-        samples = result.summary.get("samples", ())
-        return next((one for one in samples if math.isclose(one[key], time, rel_tol=1e-9)), None)
-
-    return sample
 
 
 def _of_numbers(entry, run):
@@ -252,13 +238,17 @@ def _measure(entry, runs):
     ]
     if wrong:
         raise SuiteError("with", f"{wrong[0]}: {name} takes {', '.join(keys) or 'nothing'}")
-    value = lambda *results: function(*results, **given)  # noqa: E731
+
+    def value(*results):
+        """NaN where one of the runs stopped early."""
+        return function(*results, **given) if all(result.last for result in results) else math.nan
+
     case, words = entry.get("case", runs[0]), entry.get("called", name.replace("_", " "))
     if "expected" not in entry:
-        return of_whole_runs(case, words, _bound(entry, "at_most"), value, runs)
+        return bounded(case, words, _bound(entry, "at_most"), value, runs)
     expected = _bound(entry, "expected")
     off = lambda *results: abs(value(*results) / expected - 1)  # noqa: E731
-    return of_whole_runs(case, f"{words} off {expected:g}", _bound(entry, "within"), off, runs)
+    return bounded(case, f"{words} off {expected:g}", _bound(entry, "within"), off, runs)
 
 
 def _differing_arrays(ours, other):

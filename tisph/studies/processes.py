@@ -19,7 +19,6 @@ import numpy as np
 
 from tisph import clock, registry
 from tisph.folder import Folder
-from tisph.measures.wall_shear import wall_shear_error
 from tisph.results._arrays import Arrays
 
 METHOD = "forkserver" if sys.platform == "linux" else "spawn"
@@ -31,8 +30,6 @@ IMPORTED = ("tisph.cli", "tisph.simulation", *MODELS, *COMPILED, __name__)
 
 POLL_SECONDS = 0.02
 
-OFF_EXACT = " off exact"
-
 
 @dataclass(frozen=True)
 class Result:
@@ -41,28 +38,10 @@ class Result:
     folder: Path
     summary: dict
 
-    def measure(self, t_star, quantity):
-        """Number ``quantity`` of the sample at dimensionless time ``t_star``; NaN where there is none.
-
-        ``transverse`` is ``max_transverse_velocity`` over the reference velocity, ``wall_shear`` the error of
-        ``wall_shear_error``, ``NAME off exact`` the relative difference of NAME from NAME_exact.
-        """
-        for sample in self.summary.get("samples", []):
-            if math.isclose(sample["t_star"], t_star, rel_tol=1e-9):
-                value = self._value(sample, quantity)
-                return math.nan if value is None else value
-        return math.nan
-
-    def _value(self, sample, quantity):
-        if quantity == "transverse":
-            return sample["max_transverse_velocity"] / self.reference_velocity
-        if quantity == "wall_shear":
-            return wall_shear_error(sample)
-        name = quantity.removesuffix(OFF_EXACT)
-        if name == quantity:
-            return sample[name]
-        value, exact = sample[name], sample[f"{name}_exact"]
-        return None if value is None or exact is None else abs(value / exact - 1)
+    def sample(self, time, key="t_star"):
+        """The sample at a ``time``, which ``key`` of samples has, t or t_star; None where there is none."""
+        samples = self.summary.get("samples", ())
+        return next((one for one in samples if math.isclose(one[key], time, rel_tol=1e-9)), None)
 
     @property
     def last(self):

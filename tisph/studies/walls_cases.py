@@ -14,6 +14,7 @@ import numpy as np
 
 from tisph.measures.metrics import fitted_order
 from tisph.studies import flows
+from tisph.studies.expressions import Number
 from tisph.studies.flows import Flow, across, jitter, treatment
 
 FLOWS = {
@@ -140,7 +141,8 @@ def row(case, results, measured_at, cost):
     """The ``Row`` of a case; ``results`` maps particles across to (``Result``, message)."""
 
     def largest(number, measure):
-        return float(np.max([results[number][0].measure(time, measure) for time in case.times]))
+        result, value = results[number][0], Number(measure, "measure")
+        return float(np.max([value(result, result.sample(time)) for time in case.times]))
 
     errors = {number: largest(number, case.measure) for number in results}
     viscoelastic = "rheology" in FLOWS[case.flow].config["fluid"]

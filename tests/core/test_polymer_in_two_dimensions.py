@@ -13,8 +13,7 @@ from scipy.linalg import logm
 
 from tisph import config, registry, runtime
 from tisph.errors import DivergedError
-from tisph.exact.circular_start_up import CircularStartUp
-from tisph.exact.start_up import ViscoelasticFluid
+from tisph.exact.start_up import CircularStartUp, ViscoelasticFluid
 from tisph.geometry.line import Line
 from tisph.geometry.motion import WallMotion
 from tisph.geometry.sliding import SlidingWall

@@ -7,8 +7,7 @@ import pytest
 from tisph import config, registry, runtime, schemes
 from tisph.cli.check import estimates
 from tisph.errors import ConfigError
-from tisph.exact.circular_start_up import CircularStartUp
-from tisph.exact.start_up import ViscoelasticFluid
+from tisph.exact.start_up import CircularStartUp, ViscoelasticFluid
 from tisph.geometry.motion import WallMotion
 from tisph.geometry.schedule import Schedule
 from tisph.measures.rheometry import read

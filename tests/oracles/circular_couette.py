@@ -28,7 +28,7 @@ import numpy as np
 
 from oracles import _chebyshev
 from oracles._annulus_modes import modes, shear_rates, velocities
-from tisph.exact._channel import EXPONENT
+from tisph.exact.couette import EXPONENT
 
 EARLY_TIME = 1e-6
 """nu t/min(R1, R2 - R1)^2 up to which the early form is taken. It leaves out parts of (nu t/R^2)^(3/2), here 1e-9: the

@@ -3,7 +3,7 @@
 import numpy as np
 
 from tisph.exact import couette
-from tisph.exact._channel import dimensionless
+from tisph.exact.couette import dimensionless
 
 
 def fourier(y, t, *, gap, kinematic_viscosity, bottom, top):

@@ -29,7 +29,7 @@ import numpy as np
 
 from oracles._oldroyd_normal import normal_stress_at
 from oracles._oldroyd_start import Problem, Steady, profiles
-from tisph.exact._channel import dimensionless
+from tisph.exact.couette import dimensionless
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from functools import partial
 
 import numpy as np
 
-from tisph.exact._channel import dimensionless, image_distances, select, series_terms
+from tisph.exact.couette import dimensionless, image_distances, select, series_terms
 
 
 @dataclass(frozen=True)

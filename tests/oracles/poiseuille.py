@@ -16,7 +16,7 @@ self-consistent units, ``kinematic_viscosity`` in length^2/time, ``acceleration`
 
 import numpy as np
 
-from tisph.exact._channel import EXPONENT, dimensionless, erfc, select, series_terms
+from tisph.exact.couette import EXPONENT, dimensionless, erfc, select, series_terms
 
 
 def velocity(y, t, *, gap, kinematic_viscosity, acceleration):

@@ -21,7 +21,7 @@ self-consistent units. ``breakpoints``: triples (t_k, J_k, a_k).
 import numpy as np
 
 from tisph.exact import couette
-from tisph.exact._channel import dimensionless, erfc, image_distances, select, series_terms
+from tisph.exact.couette import dimensionless, erfc, image_distances, select, series_terms
 
 
 def velocity(y, t, *, gap, kinematic_viscosity, breakpoints):

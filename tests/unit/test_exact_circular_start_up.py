@@ -11,8 +11,7 @@ from polymer_laws import law, steady_shear
 from scipy.integrate import quad
 from scipy.special import jn_zeros, jv
 
-from tisph.exact.circular_start_up import CircularStartUp
-from tisph.exact.start_up import Flow, InelasticFluid, StartUp, ViscoelasticFluid, Wall
+from tisph.exact.start_up import CircularStartUp, Flow, InelasticFluid, StartUp, ViscoelasticFluid, Wall
 from tisph.geometry.schedule import Schedule
 from tisph.rheology import power_law
 

@@ -9,8 +9,7 @@ from oracles import oscillating_wall, poiseuille, scheduled_wall
 from oracles.circular_couette import CircularCouette
 
 from tisph.exact import couette
-from tisph.exact.circular_start_up import CircularStartUp
-from tisph.exact.start_up import Flow, StartUp, ViscoelasticFluid, Wall
+from tisph.exact.start_up import CircularStartUp, Flow, StartUp, ViscoelasticFluid, Wall
 from tisph.geometry.motion import WallMotion
 from tisph.geometry.schedule import Schedule
 

@@ -10,7 +10,7 @@ from scipy.linalg import expm
 from scipy.special import erfc
 
 from tisph.exact import couette
-from tisph.exact._channel import SWITCH_TIME
+from tisph.exact.couette import SWITCH_TIME
 
 # For t* >= 1e-4: the rounding 1.1e-16 of y/gap times the steepest slope 1/sqrt(pi t*) = 56 is 6e-15, and the
 # 200 terms of the series, each rounded to 1.1e-16 with a random sign, add 2e-15.

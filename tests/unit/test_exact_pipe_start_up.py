@@ -6,8 +6,7 @@ from oracles._annulus_modes import modes, velocities
 from polymer_laws import law
 from scipy.special import jn_zeros, jv
 
-from tisph.exact.pipe_start_up import PipeStartUp
-from tisph.exact.start_up import InelasticFluid, ViscoelasticFluid, Wall
+from tisph.exact.start_up import InelasticFluid, PipeStartUp, ViscoelasticFluid, Wall
 from tisph.geometry.motion import WallMotion
 from tisph.rheology import power_law
 

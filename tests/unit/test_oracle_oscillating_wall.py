@@ -12,7 +12,7 @@ from oracles.oscillating_wall import Oscillation
 from scipy.linalg import expm
 from scipy.special import erfc
 
-from tisph.exact import _channel, couette
+from tisph.exact import couette
 
 HEIGHTS = np.linspace(0.0, 1.0, 101)
 FROM_REST = (oscillating_wall.velocity, oscillating_wall.shear_rate)
@@ -40,7 +40,7 @@ def test_series_and_images_agree(cosine, sine, frequency, time):
         results = []
         for switch_time in (np.inf, 0.0):
             with pytest.MonkeyPatch.context() as patch:
-                patch.setattr(_channel, "SWITCH_TIME", switch_time)
+                patch.setattr(couette, "SWITCH_TIME", switch_time)
                 results.append(function(HEIGHTS, time, **flow))
         assert np.max(np.abs(results[0] - results[1])) <= allowed * scale
 

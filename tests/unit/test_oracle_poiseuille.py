@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from oracles import poiseuille
 from scipy.linalg import expm
 
-from tisph.exact import _channel, couette
+from tisph.exact import couette
 
 UNIT = {"gap": 1.0, "kinematic_viscosity": 1.0, "acceleration": 1.0}
 HEIGHTS = np.linspace(0.0, 1.0, 101)
@@ -21,7 +21,7 @@ def both_forms(function, time, switch):
     results = []
     for switch_time in (np.inf, 0.0):
         with switch.context() as patch:
-            patch.setattr(_channel, "SWITCH_TIME", switch_time)
+            patch.setattr(couette, "SWITCH_TIME", switch_time)
             results.append(function(HEIGHTS, time, **UNIT))
     return results
 

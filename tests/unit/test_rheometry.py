@@ -9,14 +9,13 @@ from typer.testing import CliRunner
 
 from tisph import cli, registry, scenes
 from tisph.errors import ConfigError
-from tisph.exact.circular_start_up import CircularStartUp
 from tisph.exact.linear_viscoelasticity import (
     Spectrum,
     apparent_viscosity,
     corrected_viscosity,
     cylinder_apparent_viscosity,
 )
-from tisph.exact.start_up import ViscoelasticFluid, Wall
+from tisph.exact.start_up import CircularStartUp, ViscoelasticFluid, Wall
 from tisph.geometry.stress_controlled import StressControlledWall
 from tisph.measures._cylinders import as_plane
 from tisph.measures.rheometry import _amplitudes, _creep, _oscillation, _slowest_pair, _start_up, _window, read

@@ -139,7 +139,7 @@ ATTRIBUTES = {
 EXCEPTIONS = {
     ("rheometry.yaml", "ringing"): "rows that tisph verify prints, and programs may read",
     ("frame.py", "liquid"): "what files of other codes may call their fluid",
-    ("circular_start_up.py", "liquids"): "the title of a book",
+    ("start_up.py", "liquids"): "the title of a book",
     ("multi_mode.py", "liquids"): "the title of a book",
     ("power_law.py", "liquids"): "the title of a book",
 }

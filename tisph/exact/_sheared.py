@@ -1,18 +1,127 @@
-"""Equations of a fluid that is sheared between two walls, on spectral elements, as ``_stiff`` wants them.
+"""Equations of a fluid that is sheared between two walls, on the spectral elements of ``_collocation``.
 
     dv/dt = g + d/dy [ flux(rate) + sum S_xy(C) ],    dC/dt = law.rate_in_shear(C, rate),    rate = dv/dy + layer
 
-and around or along an axis as in ``_elements``. The state is v at the nodes, then the components of C
-of each law at the points of each element. ``layer`` is a known part of the shear rate (``_layer``). Derivatives of laws
-are taken by complex steps, which are exact to round-off.
+and around or along an axis as in ``_collocation.Elements``. The state is v at the nodes, then the components of C
+of each law at the points of each element. Derivatives of laws are taken by complex steps, which are exact to round-off.
 
 In a system (shift - J) x = b the C of each point follow from the shear rate there alone; put into the equation of v,
 they leave a banded matrix of v, however many modes there are.
+
+``AnalyticLayer``, the shear of a solvent whose walls jump, is a closed form. Between planes it is the start-up flow Q
+of the solvent alone (``couette``). Around or along an axis the continuous field of the elements obeys dv/dt = nu
+(d2v/dr2 + k/r dv/dr), k = 3 or 1. The layer is v = h Q, with Q the plane flow between the same walls, or, with the axis
+in the fluid, the plane flow between r = -R and R, which is even in r. It leaves
+
+    nu h [(2 a + k/r) dQ/dr + (da/dr + a^2 + k a/r) Q],    a = (dh/dr)/h
+
+its drift, to the equation of the rest. That is as smooth as Q for h = r^(-k/2), a = -k/(2 r), which has no part with
+dQ/dr; and for h = (R^2 + r^2)^(-k/2), a = -k r/(R^2 + r^2), which is even in r, and where that part is 0 at the wall.
 """
 
+from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
+
+from tisph.exact import couette
+
+
+class AnalyticLayer:
+    """Layers at walls whose ``jumps``, triples (time, bottom, top), are in the unit of ``elements``' continuous field.
+
+    ``viscosity``: the kinematic one of the solvent. Nothing is felt of a jump at its very time, but of one at t = 0,
+    where the walls have started. ``shear_rates`` and ``drift`` have clocks that start at ``begin``.
+    """
+
+    def __init__(self, elements, jumps, viscosity, begin=0.0):
+        self.begin, self.all = begin, jumps
+        self.elements, self.viscosity = elements, viscosity
+        self.jumps = [(time, *both) for time, *both in jumps if any(both)]
+        self.gap, self.axis = float(elements.edges[-1]), elements.inner_radius == 0.0
+
+    def later(self, begin):
+        """The layers of the jumps up to ``begin``, on a clock that starts then."""
+        return AnalyticLayer(self.elements, [jump for jump in self.all if jump[0] <= begin], self.viscosity, begin)
+
+    def field(self, y, t):
+        """The continuous field: the velocity along the walls, or the angular one around the axis."""
+        return self._factor(y)[0] * self._summed(couette.velocity, y, t)
+
+    def shear_rate(self, y, t):
+        """Shear rate lever d(field)/dy."""
+        factor, slope, _ = self._factor(y)
+        rate = self._summed(couette.shear_rate, y, t)
+        if self.elements.power:
+            rate = rate + slope * self._summed(couette.velocity, y, t)
+        return self.elements.lever(y) * factor * rate
+
+    def _factor(self, y):
+        """h, a and da/dr."""
+        k, r = self.elements.power, self.elements.radius(y)
+        if self.axis:
+            squares = self.gap**2 + r * r
+            return squares ** (-k / 2), -k * r / squares, -k * (self.gap**2 - r * r) / squares**2
+        return r ** (-k / 2), -k / (2 * r), k / (2 * r * r)
+
+    def _summed(self, profile, y, t):
+        total = np.zeros(np.broadcast_shapes(np.shape(y), np.shape(t)))
+        for time, *both in self.jumps:
+            if time == 0.0 or time < np.min(t):
+                bottom, top = (jump / self._factor(end)[0] for jump, end in zip(both, (0.0, self.gap), strict=True))
+                flow = {"gap": self.gap, "kinematic_viscosity": self.viscosity, "bottom": bottom, "top": top}
+                if self.axis:
+                    flow |= {"gap": 2 * self.gap, "bottom": top}
+                total = total + profile(y + self.gap * self.axis, t - time, **flow)
+        return total
+
+    def shear_rates(self, times):
+        """Shear rate (times, count, p + 1) at the points of the elements."""
+        if not self.jumps:
+            return np.zeros((len(times), *self.elements.y.shape))
+        return self.shear_rate(self.elements.y, self.begin + times[:, None, None])
+
+    def drift(self, times):
+        """Rate of the continuous field (times, size) that the layer leaves to the rest; 0.0 between planes."""
+        if not (self.jumps and self.elements.power):
+            return 0.0
+        y, t = self.elements.node_positions, self.begin + times[:, None]
+        factor, slope, bend = self._factor(y)
+        # on the axis, which has no mass, any finite number will do
+        curvature = self.elements.power / np.maximum(self.elements.radius(y), 1e-100)
+        drift = (bend + slope * (slope + curvature)) * self._summed(couette.velocity, y, t)
+        if self.axis:
+            drift = drift + (2 * slope + curvature) * self._summed(couette.shear_rate, y, t)
+        return self.viscosity * factor * drift
+
+
+def jump(wall, time):
+    """By how much the velocity of a wall that has changes jumps at one of them."""
+    return 0.0 if wall.stress_controlled else float(wall.after(time).velocity(time) - wall.velocity(time))
+
+
+@dataclass(frozen=True)
+class ShiftedWall:
+    """A ``wall`` on a clock that starts at ``begin``."""
+
+    wall: Any
+    begin: float
+
+    @property
+    def stress_controlled(self):
+        return self.wall.stress_controlled
+
+    @property
+    def mass_per_area(self):
+        return self.wall.mass_per_area
+
+    def acceleration(self, t):
+        return self.wall.acceleration(self.begin + t)
+
+    def stress(self, t):
+        return self.wall.stress(self.begin + t)
+
 
 STEP = 1e-30
 """Complex step: no difference is taken, so that it may be as small as one likes."""
@@ -30,7 +139,7 @@ class Equations:
     per unit density instead: their mass is added to that of their node, which obeys the weak form of the momentum
     equation as all others do.
 
-    ``layer``: a ``_layer.AnalyticLayer``. ``speed`` is what 1 of the velocity is in the tolerance, at least. ``mass``
+    ``layer``: an ``AnalyticLayer``. ``speed`` is what 1 of the velocity is in the tolerance, at least. ``mass``
     (nodes,): of each node with the plate on it.
     """
 

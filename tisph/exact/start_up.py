@@ -10,16 +10,20 @@ velocities, or are stress-controlled (``geometry/stress_controlled.py``), with m
 stress of the fluid; the flow starts from rest at t = 0, or, with ``before``, from the developed flow of other walls.
 Where a wall velocity or stress jumps later on, a new solution begins, in the root of the time from then on.
 
-Between cylinders y = r - R1. Seen by who turns with the fluid, the flow is simple shear of the rate r d(u/r)/dr, x
-around the axis and y outwards, so that the laws are the same; u/r has the place of u, as ``_elements`` says. Along the
-axis du/dt = g + (1/r) d/dr [r (flux(du/dr) + sum of S_xr)], x along the axis. With R1 = 0 there is no inner wall.
+Along an axis, y = r - R1, and around it, with rate = r d(u/r)/dr, the pressure p per unit density and the angle theta:
 
-A wall whose velocity jumps at t = 0, or later, makes a layer sqrt(t) deep. Where a solvent of constant viscosity takes
-it, its own start (``_layer``) is left to a closed form, u = v + that, and v is smooth. Fluids that remember nothing
-start with the jump between the wall and the next point. The periodic flow of a Newtonian fluid whose wall, or g,
-oscillates is added to the solution of the rest, which decays.
+    du/dt = g + (1/r) d/dr [r (flux(du/dr) + sum of S_xr)]
+    du/dt = (1/r^2) d/dr [r^2 (flux(rate) + sum of S_rtheta)],    dp/dr = u^2/r + dS_rr/dr + (S_rr - S_thetatheta)/r
 
-Numerics: polynomials on elements that are finest at the walls (``_elements``), collocation in sqrt(t) (``_stiff``).
+In the frame that rotates with the fluid the flow around the axis is simple shear, x around the axis and y outwards, so
+that the laws are the same; u/r takes the place of u (``_collocation``). With R1 = 0 there is no inner wall.
+
+A wall whose velocity jumps at t = 0, or later, makes a layer sqrt(t) deep. In a solvent of constant viscosity the
+layer is a closed form (``_sheared``), u = v + layer, and v is smooth. Generalised Newtonian fluids start with the jump
+between the wall and the next point. The periodic flow of a Newtonian fluid whose wall, or g, oscillates is added to
+the solution of the rest, which decays.
+
+Numerics: polynomials on elements that are finest at the walls, collocation in sqrt(t) (``_collocation``).
 Solved once, as far as it is asked for; no result depends on what was asked before.
 
 Accuracy, relative to the largest value in the gap, measured against closed forms and against other orders: polymers
@@ -30,21 +34,219 @@ Viscosities that differ by more than some 1e3 within the gap lose digits to roun
 A polymer takes about a second of processor time, an inelastic fluid less in a driven flow, and more after a jump of
 a wall: until the layer is as deep as an element is wide, steps are as short as it takes the front to pass from point to
 point. At large regularisation a fluid with a yield stress does not get beyond that: UnsolvedError.
+
+Sources: R. B. Bird, R. C. Armstrong and O. Hassager, Dynamics of Polymeric Liquids 1 (2nd ed. 1987), appendix B, for
+the equations; P. Szymanski, J. Math. Pures Appl. 11 (1932) 67-107, and J. R. Womersley, J. Physiol. 127 (1955) 553-563,
+for the closed forms of a Newtonian fluid in a pipe under constant and oscillating g.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 import numpy as np
 
-from tisph.exact._developed import periodic, steady_newtonian
-from tisph.exact._elements import Elements, graded_edges
-from tisph.exact._flow import Axis, Flow, Wall
-from tisph.exact._fluids import InelasticFluid, ViscoelasticFluid, fluid_of
-from tisph.exact._layer import AnalyticLayer, ShiftedWall, jump
-from tisph.exact._sheared import Equations
-from tisph.exact._stiff import RadauSolution
+from tisph.exact._collocation import Elements, RadauSolution, graded_edges
+from tisph.exact._sheared import AnalyticLayer, Equations, ShiftedWall, jump
 
-__all__ = ["Flow", "InelasticFluid", "StartUp", "ViscoelasticFluid", "Wall", "fluid_of"]
+
+class Steady:
+    """What does not change in time."""
+
+    oscillates = False
+    angular_frequency = 0.0
+    jump_times = ()
+
+    def after(self, time):
+        """The same: it does not change."""
+        return self
+
+
+@dataclass(frozen=True)
+class Wall(Steady):
+    """A wall of constant ``speed``."""
+
+    stress_controlled: ClassVar[bool] = False
+
+    speed: float = 0.0
+
+    def velocity(self, t):
+        """``speed``, of the shape of ``t``."""
+        return self.speed + 0.0 * np.asarray(t)
+
+    def acceleration(self, t):
+        """0, of the shape of ``t``."""
+        return 0.0 * np.asarray(t)
+
+
+@dataclass(frozen=True)
+class Axis(Steady):
+    """The axis r = 0 in the place of an inner wall, with methods of a wall of no mass and no stress."""
+
+    stress_controlled: ClassVar[bool] = True
+    mass_per_area: ClassVar[float] = 0.0
+
+    def stress(self, t):
+        """0, of the shape of ``t``."""
+        return 0.0 * np.asarray(t)
+
+
+@dataclass(frozen=True)
+class Flow:
+    """Walls y = 0 and y = ``gap``, and the acceleration g along planes or along the axis.
+
+    Walls have ``velocity(t)`` and ``acceleration(t)``, or are a ``StressControlledWall`` per unit density; they change
+    at once at the times ``jump_times``, and ``after(time)`` is what they are from then on. ``inner_radius``: that of
+    the cylinder y = 0, None between planes; 0 where there is none and y = 0 is the axis, whatever ``bottom`` is.
+    Cylinders have angular velocities, or, ``along`` the axis, velocities.
+
+    g = ``acceleration`` + cosine cos(w t) + sine sin(w t), w = angular_frequency > 0, all attributes of ``pulsation``.
+    """
+
+    gap: float
+    bottom: Any = Wall()
+    top: Any = Wall()
+    acceleration: float = 0.0
+    inner_radius: float | None = None
+    along: bool = False
+    pulsation: Any = None
+
+    @property
+    def walls(self):
+        """What is at y = 0 and y = ``gap``."""
+        return Axis() if self.inner_radius == 0.0 else self.bottom, self.top
+
+    def largest_drive(self, viscous_time):
+        """A velocity that g reaches: g gap^2/(12 nu), or less where g oscillates fast."""
+        part, found = self.pulsation, abs(self.acceleration) * viscous_time / 12
+        if part is None:
+            return found
+        return found + np.hypot(part.cosine, part.sine) * min(viscous_time / 12, 1 / part.angular_frequency)
+
+    def drive(self, times):
+        """The acceleration g at ``times``."""
+        part, steady = self.pulsation, self.acceleration + 0.0 * times
+        if part is None:
+            return steady
+        angle = part.angular_frequency * times
+        return steady + part.cosine * np.cos(angle) + part.sine * np.sin(angle)
+
+
+@dataclass(frozen=True)
+class ViscoelasticFluid:
+    """Kinematic viscosity of the solvent (> 0, else ValueError) and ``laws`` of the polymer's modes, over density.
+
+    Without any it is a Newtonian fluid.
+
+    ``tolerance`` of a step in time and its ``stages``: with 7 there are twice as many steps, in 1.5 times the time.
+    """
+
+    subtracts_layer: ClassVar[bool] = True
+    tolerance: ClassVar[float] = 1e-9
+    stages: ClassVar[int] = 9
+
+    solvent_viscosity: float
+    laws: tuple[Any, ...]
+
+    def __post_init__(self):
+        if not self.solvent_viscosity > 0:
+            raise ValueError(f"solvent_viscosity must be above 0, not {self.solvent_viscosity}")
+
+    @property
+    def longest_time(self):
+        """The longest relaxation time."""
+        return max((law.relaxation_time for law in self.laws), default=0.0)
+
+    @property
+    def total_viscosity(self):
+        """Kinematic viscosity at vanishing shear rate."""
+        return self.solvent_viscosity + sum(law.polymer_viscosity for law in self.laws)
+
+    def flux(self, rate):
+        """The solvent's shear stress."""
+        return self.solvent_viscosity * rate
+
+    layer_flux = flux
+    """That of the part of the shear rate which has inertia of its own."""
+
+
+@dataclass(frozen=True)
+class InelasticFluid:
+    """Generalised Newtonian: ``law.viscosity(shear_rate_squared)``, kinematic; ``total_viscosity``, typical of it.
+
+    ``tolerance`` of a step in time: at a jump the front passes point by point, and 1e-10 takes twice the time, while
+    the elements leave 5e-8. More ``stages`` make steps longer, but Newton's method slower. ``subtracts_layer``: whether
+    a jump of a wall is left to a closed form.
+    """
+
+    subtracts_layer: ClassVar[bool] = False
+    tolerance: ClassVar[float] = 1e-8
+    stages: ClassVar[int] = 5
+
+    law: Any
+    total_viscosity: float
+    laws: tuple[Any, ...] = ()
+    longest_time: float = 0.0
+
+    def flux(self, rate):
+        """Shear stress."""
+        return self.law.viscosity(rate * rate) * rate
+
+    def layer_flux(self, rate):
+        """Nothing: the whole flow is solved for."""
+        return 0.0 * rate
+
+
+def fluid_of(rheology, kinematic_viscosity, density):
+    """The fluid with the parameters ``rheology``, None of a Newtonian one."""
+    if rheology is None:
+        return ViscoelasticFluid(kinematic_viscosity, ())
+    if rheology.carries_stress:
+        return ViscoelasticFluid(rheology.solvent_fraction * kinematic_viscosity, rheology.laws(kinematic_viscosity))
+    return InelasticFluid(rheology.law(kinematic_viscosity, density), kinematic_viscosity)
+
+
+REFINEMENTS = 3
+"""Solutions for the residual of a periodic flow: the first one alone loses digits to round-off, 1e-8 in places."""
+
+
+def steady_newtonian(start_up):
+    """The continuous field (nodes,) of the steady flow of a ``StartUp``, v'' + k/r v' = -g/nu (``_collocation``).
+
+    Poiseuille and Couette flow: a parabola, and y, log r or r^-2.
+    """
+    flow, y, viscosity = start_up.flow, start_up.elements.node_positions, start_up.fluid.total_viscosity
+    power, radius = start_up.elements.power, flow.inner_radius or 0.0
+    half = flow.acceleration / (2 * (power + 1) * viscosity)
+    parabola = half * (flow.gap - y) * (flow.gap + y + 2 * radius)
+    if radius == 0.0 and power:
+        return flow.top.speed + parabola
+
+    def grown(y):
+        return y if power == 0 else np.log1p(y / radius) if power == 1 else radius**-2 - (radius + y) ** -2
+
+    share = grown(y) / grown(flow.gap)
+    # the parabola is 0 at the top only
+    return flow.bottom.speed + (flow.top.speed - flow.bottom.speed) * share + parabola - parabola[0] * (1 - share)
+
+
+def periodic(equations, frequency, amplitude, node=None):
+    """Complex amplitude x (nodes,) of the flow Re[x e^(iwt)] under the acceleration Re[amplitude e^(iwt)].
+
+    Or between walls of which that at ``node`` has the velocity Re[amplitude e^(iwt)]: (iw - J) x = the acceleration,
+    or i w amplitude at that wall.
+    """
+    forcing, x = np.zeros((2, 1, equations.size), dtype=complex)
+    if node is None:
+        forcing[0] = amplitude * equations.share
+    else:
+        forcing[0, node] = 1j * frequency * amplitude
+    # not at t = 0, when the layer of a jump is infinitely thin
+    solve = equations.jacobian(x[0].real, 1 / frequency).solver(np.array([1j * frequency]))
+    for _ in range(REFINEMENTS):
+        rates = equations.rates(np.concatenate([x.real, x.imag]), (0.0, 0.0))
+        x = x + solve(forcing - 1j * frequency * x + rates[0] + 1j * rates[1])
+    return x[0]
+
 
 ORDER = 16
 FINEST, WIDEST = 1e-3, 0.0625
@@ -250,3 +452,103 @@ def _developed(fluid, flow, order, edges):
     if not _newtonian(fluid):
         raise ValueError("only a Newtonian fluid has a periodic flow to start from")
     return state + StartUp(fluid, flow, order=order, edges=edges)._oscillating(0.0)
+
+
+class Coaxial:
+    """Flow of a ``fluid`` between cylinders of ``radii``, or inside of one where the first is 0.
+
+    ``walls``: (inner, outer) from t = 0 on, of which the inner one counts for nothing where there is none; ``before``:
+    the same whose developed flow it starts from, or None for rest. ``flow``: what else a ``start_up.Flow`` has. Radii
+    ``r`` and times ``t`` >= 0 broadcast; results have their shape.
+    """
+
+    def __init__(self, radii, fluid, walls, before, flow, elements):
+        inner, outer = radii
+        if not 0 <= inner < outer < np.inf:
+            raise ValueError(f"radii must grow outwards from 0, not {inner}, {outer}")
+        self.radii = radii
+
+        def flow_of(pair):
+            return Flow(outer - inner, pair[0] if inner else Wall(), pair[1], inner_radius=inner, **flow)
+
+        self._solved = StartUp(fluid, flow_of(walls), before and flow_of(before), **elements)
+
+    def velocity(self, r, t):
+        """Velocity; at t = 0 the walls have their new velocity already, the fluid its old one."""
+        return self._solved.velocity(self._place(r), t)
+
+    def shear_rate(self, r, t):
+        """Shear rate du/dr, or around the axis r d(u/r)/dr (1/time); infinite at t = 0 where a wall jumps."""
+        return self._solved.shear_rate(self._place(r), t)
+
+    def shear_stress(self, r, t):
+        """Shear stress of solvent and polymer together, per unit density."""
+        return self._solved.shear_stress(self._place(r), t)
+
+    def polymer_stress(self, r, t):
+        """Stress of all modes per unit density, shape (3, ...): with x along the flow S_xx, S_xr and S_rr."""
+        return self._solved.polymer_stress(self._place(r), t)
+
+    def conformation_excess(self, r, t):
+        """C of each mode at radii ``r`` (radii,) and one time ``t``, in the order xx, xr, rr (and that across both)."""
+        return self._solved.conformation_excess(self._place(r), t)
+
+    def _place(self, r):
+        """Distance from the inner cylinder; round-off leaves none outside."""
+        return np.clip(np.asarray(r, dtype=float) - self.radii[0], 0.0, self.radii[1] - self.radii[0])
+
+
+class PipeStartUp(Coaxial):
+    """Flow of a ``fluid`` of ``start_up`` along the axis, from t = 0 on, between pipes of ``radii`` (inner, outer).
+
+    ``walls``: the pair of them, with ``velocity(t)`` and ``acceleration(t)`` along the axis; where the inner radius is
+    0, the first counts for nothing. The fluid was at rest, or in the developed flow of the pair ``before`` of walls.
+    g, before t = 0 too: the constant ``acceleration``, and that of a ``pulsation`` with the attributes ``cosine``,
+    ``sine`` and ``angular_frequency`` > 0. ``elements``: what ``StartUp`` takes by name. Stresses have x along the
+    axis. ValueError for radii that do not grow outwards from 0, UnsolvedError as of ``StartUp``.
+    """
+
+    def __init__(self, radii, fluid, walls, before=None, *, acceleration=0.0, pulsation=None, **elements):
+        drive = {"acceleration": acceleration, "pulsation": pulsation, "along": True}
+        super().__init__(radii, fluid, walls, before, drive, elements)
+
+    def force(self, t, *, density):
+        """Forces (inner, outer) of the fluid on the walls along the axis, per length of it."""
+        circumferences = 2 * np.pi * self.radii[0], -2 * np.pi * self.radii[1]
+        stresses = (density * self.shear_stress(r, t) for r in self.radii)
+        return tuple(length * stress for length, stress in zip(circumferences, stresses, strict=True))
+
+
+class CircularStartUp(Coaxial):
+    """Flow of a ``ViscoelasticFluid`` between two cylinders that turn as ``inner`` and ``outer`` from t = 0 on.
+
+    Both have ``velocity(t)`` and ``acceleration(t)``, of an angle (``start_up.Wall``). The fluid was at rest, or
+    in the developed flow of the pair ``before`` of cylinders. With ``inner_radius`` 0 there is the outer one alone,
+    around a fluid that spins up. ``elements``: what ``StartUp`` takes by name. ValueError for radii that do not grow
+    outwards from 0, UnsolvedError as of ``StartUp``. Stresses have x around the axis.
+    """
+
+    def __init__(self, inner_radius, outer_radius, fluid, inner, outer, before=None, **elements):
+        super().__init__((inner_radius, outer_radius), fluid, (inner, outer), before, {}, elements)
+
+    def torque(self, t, *, density):
+        """Torques (inner, outer), counterclockwise, of the fluid on the cylinders, per length along the axis."""
+        return tuple(
+            sign * 2 * np.pi * r**2 * density * self._solved.shear_stress(self._place(r), t)
+            for sign, r in zip((1, -1), self.radii, strict=True)
+        )
+
+    def pressure(self, r, t, *, density):
+        """Pressure at radii ``r`` and one time, of zero mean over the area."""
+        elements = self._solved.elements
+        radius, places = elements.radii, self.radii[0] + elements.y
+        along, _, across = self.polymer_stress(places, t)
+        u = self.velocity(places, t)
+        if t == 0:  # what turns is what turned before
+            u -= elements.levers * self._solved.layer.field(elements.y, t)
+        inward = np.divide(u**2 + across - along, radius, out=np.zeros_like(u), where=radius > 0.0)
+        pressure = across + elements.integral(inward)
+        area = elements.half_width * elements.weights * radius
+        mean = np.sum(area * pressure) / np.sum(area)
+        values = elements.interpolated(pressure, self._place(r).ravel()) - mean
+        return density * values.reshape(np.shape(r))[()]

@@ -3,7 +3,7 @@ or as velocities at some times say.
 
 Particles fill the annulus evenly, the first layer half a spacing from the walls. Motion starts, or changes, at t = 0.
 The run's clock starts at ``start_time``: at the initial time of the config for the state ``exact``, else at 0. The
-fluid is any of ``tisph/rheology``. See ``tisph/exact/circular_start_up.py`` for the reference.
+fluid is any of ``tisph/rheology``. See ``tisph/exact/start_up.py`` for the reference.
 """
 
 import math

@@ -3,7 +3,7 @@
 An acceleration along the axis drives the fluid, constant or oscillating; walls move along the axis and turn around it
 at constant speeds. Motion starts, or changes, at t = 0. Nothing depends on the place along the axis, but what disorder
 makes of it. Of a Newtonian fluid the flows along and around the axis add up; other fluids have one of the two.
-See ``tisph/exact/pipe_start_up.py`` and ``circular_start_up.py`` for the reference.
+See ``tisph/exact/start_up.py`` for the reference.
 """
 
 import math
@@ -16,9 +16,7 @@ import numpy as np
 from pydantic import Field
 
 from tisph.config.base import Problem
-from tisph.exact.circular_start_up import CircularStartUp
-from tisph.exact.pipe_start_up import PipeStartUp
-from tisph.exact.start_up import fluid_of
+from tisph.exact.start_up import CircularStartUp, PipeStartUp, fluid_of
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.measures.metrics import field_error
 from tisph.scenes._axisymmetric import config as axisymmetric

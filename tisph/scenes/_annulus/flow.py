@@ -4,8 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from tisph.exact.circular_start_up import CircularStartUp
-from tisph.exact.start_up import Wall, fluid_of
+from tisph.exact.start_up import CircularStartUp, Wall, fluid_of
 
 
 def reference_flow(annulus):

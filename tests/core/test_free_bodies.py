@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import tisph
-from tisph.measures.mean_velocity import cell_mean
+from tisph.measures.fits import cell_mean
 from tisph.measures.resolution import resolution
 from tisph.schemes._splitting._free_bodies import RESIDUAL
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tisph.measures.wall_shear import wall_shear
+from tisph.measures.channel import wall_shear
 from tisph.runtime import view
 from tisph.schemes.wcsph._impulse import ImpulsiveStart
 

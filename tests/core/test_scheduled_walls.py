@@ -6,7 +6,7 @@ from implicit_case import channel_of, layers, run, start_of_layers
 from oracles import oldroyd_b
 
 from tisph import registry, runtime
-from tisph.measures.wall_shear import _slope
+from tisph.measures.channel import _slope
 from tisph.schemes._stages.stages import FlowState
 from tisph.schemes._stages.walls import PrescribedWall
 from tisph.simulation.start import start_values

@@ -5,9 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tisph.measures.distribution import max_void_radius, min_distance
-from tisph.measures.fits import interpolated
-from tisph.measures.gradients import velocity_gradients
+from tisph.measures.fits import interpolated, max_void_radius, min_distance, velocity_gradients
 
 WAVE = 2 * np.pi
 

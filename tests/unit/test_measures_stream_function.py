@@ -8,7 +8,7 @@ from test_measures_gradients import scattered
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, WallMotion
-from tisph.measures.stream_function import stream_function
+from tisph.measures.fits import stream_function
 
 WAVE = 2 * np.pi
 

@@ -17,8 +17,16 @@ from tisph.exact.linear_viscoelasticity import (
 )
 from tisph.exact.start_up import CircularStartUp, ViscoelasticFluid, Wall
 from tisph.geometry.stress_controlled import StressControlledWall
-from tisph.measures._cylinders import as_plane
-from tisph.measures.rheometry import _amplitudes, _creep, _oscillation, _slowest_pair, _start_up, _window, read
+from tisph.measures.rheometry import (
+    _amplitudes,
+    _creep,
+    _oscillation,
+    _slowest_pair,
+    _start_up,
+    _window,
+    as_plane,
+    read,
+)
 from tisph.report import rheometry as report
 from tisph.scenes._motion import WallMotion
 

@@ -10,8 +10,8 @@ from typer.testing import CliRunner
 from tisph import cli, scenes
 from tisph.config import load
 from tisph.errors import ConfigError
-from tisph.measures._suspension import batch_means
 from tisph.measures.rheometry import read
+from tisph.measures.viscometers import batch_means
 from tisph.report import rheometry as report
 from tisph.scenes._cell.shear_stress import BODIES, CONTACTS, WALLS, columns, stresses
 from tisph.schemes._splitting._contact import Contact

@@ -7,7 +7,7 @@ import pytest
 
 from tisph.config.from_python import loaded
 from tisph.errors import ConfigError
-from tisph.measures._viscometers import rabinowitsch, read_viscometer, wall_factor
+from tisph.measures.viscometers import rabinowitsch, read_viscometer, wall_factor
 from tisph.scenes import of
 
 T = np.linspace(0.0, 2.0, 41)

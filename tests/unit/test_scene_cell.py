@@ -13,9 +13,8 @@ from report_scene import Drawn, make_video
 from tisph import scenes
 from tisph.config import load
 from tisph.errors import ConfigError
-from tisph.measures.mean_velocity import _rule, cell_mean
-from tisph.measures.resolution import resolution
-from tisph.measures.steady import steadiness, steady_since
+from tisph.measures.fits import _rule, cell_mean
+from tisph.measures.resolution import resolution, steadiness, steady_since
 from tisph.observers.samples import Samples, read_samples
 from tisph.report.error_label import error_label
 from tisph.report.profiles import profile_figure

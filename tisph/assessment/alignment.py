@@ -8,8 +8,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from tisph.errors import ConfigError
-from tisph.measures.fits import periodic_tree
-from tisph.measures.gradients import NEIGHBOURS
+from tisph.measures.fits import NEIGHBOURS, periodic_tree
 from tisph.measures.metrics import root_mean_square
 from tisph.snapshot import Bodies, Snapshot
 

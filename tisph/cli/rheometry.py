@@ -27,8 +27,8 @@ def rheometry(
       tisph rheometry runs/falling_ball
     """
     from tisph import scenes
-    from tisph.measures._viscometers import VISCOMETERS, rabinowitsch
     from tisph.measures.rheometry import read
+    from tisph.measures.viscometers import VISCOMETERS, rabinowitsch
     from tisph.report.rheometry import plot_reading
     from tisph.results import open_run
 

@@ -2,22 +2,210 @@
 
 A reading has a ``title``, lines of text, and curves for a picture. "Apparent" is the usual evaluation of a rheometer:
 stress at the moving wall over the nominal shear rate (its speed over the gap), as if the shear rate were uniform and
-the fluid had no inertia. What that is off is the difference from the linear theory of the fluid. Between cylinders
-the torque gives the stress (``_cylinders.py``). With bodies that the flow carries it is a suspension
-(``_suspension.py``). Viscometers around an axis are read at the end of a run (``_viscometers.py``).
+the fluid had no inertia. Its error is the difference from the linear theory of the fluid.
+
+A rheometer of two cylinders is read as a plane one. The stress at the moving cylinder, of radius a, is its torque per
+length over 2 pi a^2. The nominal shear rate there, of the usual evaluation, is the one of steady flow of a fluid of
+constant viscosity, 2 W b^2/(a^2 - b^2) with the radius b of the other cylinder and the angular velocity W. Without
+inertia it holds for all linear fluids.
+
+Where the velocity of a wall follows a schedule, the reading is a step strain or a flow curve. Beside it stands the
+answer of the law to the same nominal shear rate without inertia (``uniform_shear``). Inertia and an uneven shear rate
+make the difference between this answer and the reference of the run; the strain, or a ramp too fast for the relaxation
+of the fluid, makes the difference between this answer and the linear theory of a step, or steady shear.
+
+Suspensions and viscometers around an axis are read at the end of a run (``viscometers``).
 """
+
+from types import SimpleNamespace
 
 import numpy as np
 
 from tisph.errors import ConfigError
-from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity
+from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity, cylinder_apparent_viscosity
+from tisph.exact.uniform_shear import UniformShear
 from tisph.geometry.schedule import Schedule
-from tisph.measures._cylinders import as_plane
-from tisph.measures._reading import Axes, Reading, normal_curves, normal_stress, over_time
-from tisph.measures._schedules import read_schedule
-from tisph.measures._suspension import read_suspension
-from tisph.measures._viscometers import VISCOMETERS, read_viscometer
-from tisph.measures.wall_shear import integral
+from tisph.measures.channel import integral
+from tisph.measures.viscometers import (
+    SHOWN,
+    VISCOMETERS,
+    Axes,
+    Reading,
+    at_rows,
+    normal_curves,
+    normal_stress,
+    over_time,
+    read_suspension,
+    read_viscometer,
+)
+
+
+def as_plane(annulus, table):
+    """Return what stands for the channel, its moving wall, and the columns of the history as of an upper wall.
+
+    ConfigError where not one cylinder alone moves. ``gap`` is 1: the wall has the nominal shear rate for its speed.
+    """
+    moving = [name for name in ("inner", "outer") if getattr(annulus, name).largest_speed]
+    if len(moving) != 1:
+        raise ConfigError("a rheometer has one moving cylinder and one at rest")
+    if "torque_inner_exact" not in table:
+        raise ConfigError("its history has no torques beside the exact ones: it has not ended")
+    radii = annulus.inner_radius, annulus.outer_radius
+    own, other = radii if moving == ["inner"] else radii[::-1]
+    wall = getattr(annulus, moving[0]).scaled(2 * other**2 / abs(own**2 - other**2))
+    # what the fluid does to the cylinder that moves is against its motion
+    columns = {name: -table[f"torque_{moving[0]}{name}"] / (2 * np.pi * own**2) for name in ("", "_exact")}
+    plane = SimpleNamespace(
+        gap=1.0,
+        density=annulus.density,
+        dynamic_viscosity=annulus.dynamic_viscosity,
+        solvent_viscosity=annulus.solvent_viscosity,
+        viscous_stress=lambda rate: annulus.dynamic_viscosity * rate,
+        top=wall,
+        apparent_viscosity=lambda viscosity, frequency: cylinder_apparent_viscosity(
+            viscosity, frequency, annulus.density, own, other
+        ),
+    )
+    shears = {f"wall_shear{name}": values for name, values in columns.items()}
+    normals = {f"n1{end}": table[f"n1_{moving[0]}{end}"] for end in ("", "_exact") if f"n1_{moving[0]}{end}" in table}
+    return plane, wall, {"t": table["t"], "strain": wall.displacement(table["t"]), **shears, **normals}
+
+
+SMALL = 0.01
+"""What inertia may take off a modulus where it counts as gone."""
+
+FASTEST = 0.1
+"""Of the largest shear rate: from there on a flow curve is judged."""
+
+NOTHING = 1e-9
+"""Of the way at the largest speed: what counts for no strain."""
+
+TINY = 0.01
+"""Of the largest shear rate: below, the stress is that of what was before."""
+
+POINTS = 101
+"""Of the steady flow curve."""
+
+
+def read_schedule(config, channel, fluid, wall, table):
+    """Return the ``Reading``: of a step strain where the ``wall`` rests for longer than it moved, else a flow curve.
+
+    ``fluid``: its ``Spectrum``; ``table``: columns of the history as of a moving upper wall. One that comes back to
+    where it was leaves no strain.
+    """
+    law, end = _uniform(config, channel), wall.times[-1]
+    pieces = [(begin, wall.after(begin)) for begin in (0.0, *wall.jump_times)]
+    rates = [(begin, lambda t, ramp=ramp: ramp.velocity(t) / channel.gap) for begin, ramp in pieces]
+    alone = law.response(rates, table["t"])
+    strained = abs(wall.displacement(end)) > NOTHING * wall.largest_speed * end
+    if strained and wall.velocities[-1] == 0.0 and table["t"][-1] > 2.0 * end:
+        return _step_strain(channel.gap, fluid, wall, table, alone)
+    return _flow_curve(channel.gap, law, wall, table, alone)
+
+
+def _uniform(config, channel):
+    rheology = config.fluid.rheology
+    if rheology.carries_stress:
+        solvent = channel.density * channel.solvent_viscosity
+        return UniformShear(lambda rate: solvent * rate, rheology.laws(channel.dynamic_viscosity))
+    return UniformShear(channel.viscous_stress)
+
+
+def _step_strain(gap, fluid, wall, table, alone):
+    """``alone``: shear stress and N1 without inertia at all times of the table."""
+    end = wall.times[-1]
+    strain, late = wall.displacement(end) / gap, table["t"] > end
+    t = table["t"][late] - _middle(wall)
+    alone, alone_normal = (values[late] for values in alone)
+    found, known = (table[name][late] / strain for name in ("wall_shear", "wall_shear_exact"))
+    alone, step = alone / strain, fluid.modulus(t)
+    lines = [f"relaxation modulus G, t from the middle of the step on; strain {strain:.6g} in the time {end:.6g}"]
+    lines += over_time(t, {"apparent": found, "reference": known, "no inertia": alone, "linear, step": step})
+    numbers = {"strain": strain}
+    names = {"": found, "_reference": known, "_without_inertia": alone, "_linear": step}
+    numbers |= {f"modulus_at_the_end{name}": float(values[-1]) for name, values in names.items()}
+    wrong = np.flatnonzero(np.abs(known - alone) > SMALL * np.abs(alone))
+    if len(wrong) == 0 or wrong[-1] + 1 < len(t):
+        gone = float(t[wrong[-1] + 1] if len(wrong) else t[0])
+        lines.append(f"  inertia makes less than {SMALL:.0%} from t = {gone:.4g} on")
+        numbers["inertia_gone_at"] = gone
+    axis = Axes("time from the middle of the step", "relaxation modulus G", ("time", "stress"), logarithmic=True)
+    curves = [
+        (axis, "run", t, found, "."),
+        (axis, "reference", t, known, "-"),
+        (axis, "linear theory of a step, without inertia", t, step, "--"),
+    ]
+    normal = normal_stress(table)
+    if normal is not None:
+        ratio = normal[late] / table["wall_shear"][late]
+        lines.append(f"  N1 over the shear stress at the end: {ratio[-1]:.6g} (Lodge and Meissner: the strain)")
+        numbers["normal_over_shear_stress_at_the_end"] = float(ratio[-1])
+        axis = Axes(axis.x, "N1 over the square of the strain", axis.units, logarithmic=True)
+        curves += normal_curves(table, axis, t, late, strain**2)
+        curves.append((axis, "without inertia", t, alone_normal / strain**2, "--"))
+    return Reading("step strain", lines, numbers, curves)
+
+
+def _middle(wall):
+    """The mean time of the strain (Zapas and Phillips): from then on a ramp looks like a step."""
+    t = np.linspace(0.0, wall.times[-1], 2001)
+    way = wall.displacement(t)
+    area = np.sum(0.5 * (way[1:] + way[:-1]) * np.diff(t))
+    return float(wall.times[-1] - area / way[-1])
+
+
+def _flow_curve(gap, law, wall, table, alone):
+    """``law``: in uniform shear; else as ``_step_strain``."""
+    t, rate = table["t"], wall.velocity(table["t"]) / gap
+    alone, alone_normal = alone
+    found, known = table["wall_shear"], table["wall_shear_exact"]
+    fastest = float(np.abs(rate).max())
+    judged = (np.abs(rate) >= FASTEST * fastest) & (t > 0.0)
+    rows = np.flatnonzero(judged)[np.linspace(0, judged.sum() - 1, SHOWN).astype(int)]
+    steady = np.full(len(t), np.nan)
+    steady[rows] = [law.steady(rate[row])[0] for row in rows]
+    with np.errstate(all="ignore"):
+        columns = {"rate": rate}
+        parts = {"apparent": found, "reference": known, "no inertia": alone, "steady": steady}
+        columns |= {name: stress / rate for name, stress in parts.items()}
+    lines = ["viscosity, stress at the moving wall over the nominal shear rate", *at_rows(t, columns, rows)]
+    off = {
+        "the run is off its reference by": _largest(found, known, judged),
+        "inertia and an uneven shear rate make": _largest(known, alone, judged),
+        "the ramp, too fast for the relaxation of the fluid, makes": _largest(alone, steady, rows),
+    }
+    lines += [
+        f"  {words} {value:.2e} of the stress at most, from {FASTEST:.0%} of the fastest rate on"
+        for words, value in off.items()
+    ]
+    names = ("off_reference", "off_by_inertia", "off_by_memory")
+    numbers = dict(zip(names, off.values(), strict=True)) | {"fastest_rate": fastest}
+    curve = np.linspace(float(rate.min()), float(rate.max()), POINTS)
+    settled = np.array([law.steady(one) for one in curve])
+    axis = Axes("shear rate", "shear stress at the moving wall", ("rate", "stress"))
+    over = Axes("shear rate", "viscosity", ("rate", "viscosity"), logarithmic=True)
+    shear, size = (np.where(np.abs(each) > TINY * fastest, each, np.nan) for each in (rate, curve))
+    curves = [
+        (over, "run", np.abs(rate), found / shear, "."),
+        (over, "reference", np.abs(rate), known / shear, "-"),
+        (over, "steady shear", np.abs(curve), settled[:, 0] / size, "--"),
+        (axis, "run", rate, found, "."),
+        (axis, "reference", rate, known, "-"),
+        (axis, "steady shear", curve, settled[:, 0], "--"),
+    ]
+    if normal_stress(table) is not None:
+        axis = Axes("shear rate", "N1", ("rate", "stress"))
+        curves += normal_curves(table, axis, rate, slice(None))
+        curves.append((axis, "without inertia", rate, alone_normal, ":"))
+        curves.append((axis, "steady shear", curve, settled[:, 1], "--"))
+    return Reading("flow curve", lines, numbers, curves)
+
+
+def _largest(found, best, where):
+    """The largest relative difference at some of the times; NaN where a stress is none, as after a jump."""
+    found, best = found[where], best[where]
+    return float(np.nanmax(np.abs(found - best) / np.maximum(np.abs(best), 1e-300)))
+
 
 LINEAR = 1e-2
 """Third harmonic of the stress over the first below which the strain is small: it grows with the square of the strain,

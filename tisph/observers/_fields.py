@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from tisph.measures.gradients import vorticity
+from tisph.measures.fits import vorticity
 from tisph.snapshot import OPTIONAL
 
 Field = tuple[str, np.ndarray, str]

@@ -1,6 +1,6 @@
 """Samples: the whole state at exact times, in ``samples.h5``."""
 
-from tisph.measures.reference import with_reference
+from tisph.measures.metrics import with_reference
 from tisph.observers._storage import Storage, read_snapshots
 from tisph.observers.protocol import StateObserver
 from tisph.observers.schedule import Times

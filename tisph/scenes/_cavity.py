@@ -12,7 +12,7 @@ from tisph.geometry.body import Body
 from tisph.geometry.line import Line
 from tisph.geometry.sliding import SlidingWall
 from tisph.measures.fits import interpolated, with_walls
-from tisph.measures.steady import steadiness
+from tisph.measures.resolution import steadiness
 from tisph.scenes import _two_dimensional
 from tisph.scenes._body_scene import BodyScene
 from tisph.scenes._layers import depth
@@ -146,7 +146,7 @@ class Cavity(BodyScene):
         each also ``_exact``, over the width and the speed of the lid as all else. ``centre_line_error``: largest
         difference of u and v from the tables; with the regular lid ``l2``, ``rms`` and ``linf`` of the velocities.
         ``kinetic_energy`` per mass; ``energy_change``, ``steady`` and ``steady_reason``, see
-        ``measures/steady.py``.
+        ``measures/resolution.py``.
         """
         u, v = (line / self.velocity for line in self.lines(snapshot, np.linspace(0.0, 1.0, POINTS)))
         exact = self.extremes()

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tisph.measures.gradients import velocity_gradients, vorticity
-from tisph.measures.reference import with_reference
-from tisph.measures.stream_function import stream_function
+from tisph.measures.fits import stream_function, velocity_gradients, vorticity
+from tisph.measures.metrics import with_reference
 from tisph.scenes._views import MovieView, Profile
 
 

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from tisph.measures.distribution import max_void_radius, min_distance
-from tisph.measures.gradients import velocity_gradients, vorticity
+from tisph.measures.fits import max_void_radius, min_distance, velocity_gradients, vorticity
 from tisph.scenes._views import Line, Profile, TimeSeries
 
 
@@ -71,8 +70,8 @@ def diagnostics(scene, snapshot):
     """Return the mean square of the vorticity, and the numbers of a sample that need no reference.
 
     ``divergence_over_gradient``: largest |div u| over the largest velocity gradient (Frobenius norm), None at rest;
-    ``min_distance`` and ``max_void_radius``, see ``measures/distribution.py``; ``density_variation`` = max
-    |density/density_0 - 1|. Gradients are those of ``measures/gradients.py``, whose own errors are about 1e-4
+    ``min_distance`` and ``max_void_radius``, see ``measures/fits.py``; ``density_variation`` = max
+    |density/density_0 - 1|. Gradients are those of ``measures/fits.py``, whose own errors are about 1e-4
     of the largest at 50 particles a wave, and fall with the fourth power of the spacing.
     """
     slopes = velocity_gradients(scene, snapshot)

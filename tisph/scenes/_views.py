@@ -129,7 +129,7 @@ class TimeSeries:
     names in ``history.csv``, ``exact_columns`` those of their references, which ``exact`` returns for times (records,)
     as an array (records, numbers), or None; ``labels`` are pairs for the legend: a name, and a value or None. ``name``
     and ``unit`` are for the axis of the plot, ``scale`` is the size of the values, ``angular_frequency`` that of their
-    fastest oscillation, or 0. ``probes`` (``measures/interpolation.py``) read them from the particles around some
+    fastest oscillation, or 0. ``probes`` (``measures/channel.py``) read them from the particles around some
     places, if they are velocities at places: a scheme need not give the others then. Where the numbers are of different
     kinds, ``sizes`` are theirs, and ``panels`` a pair as ``name`` and ``unit`` for the axes that each of them is drawn
     on: numbers of the same pair share axes, and those of None are on none. ``levels``: what they come to in the steady

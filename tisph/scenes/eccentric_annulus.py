@@ -17,7 +17,7 @@ from tisph.config.base import Problem
 from tisph.exact.eccentric_cylinders import EccentricCylinders
 from tisph.measures import resolution
 from tisph.measures.metrics import relative_difference
-from tisph.measures.steady import steadiness
+from tisph.measures.resolution import steadiness
 from tisph.scenes import _two_dimensional, annulus
 from tisph.scenes._annulus import views
 from tisph.scenes._annulus.cylinders import Cylinders
@@ -101,7 +101,7 @@ class Scene(Cylinders):
     def diagnostics(self, snapshot, series):
         """``LOADS``, each also ``_exact``, errors of the velocity and ``l2_pressure``, and whether the flow is steady.
 
-        Errors and exact values are None unless it is steady (``measures/steady.py``) and slow (``CREEPING``).
+        Errors and exact values are None unless it is steady (``measures/resolution.py``) and slow (``CREEPING``).
         ``l2_pressure``: sqrt(sum (p-p_exact)^2 / sum p_exact^2), p - p_exact less its mean. Further
         ``kinetic_energy`` per mass, and ``_two_dimensional.diagnostics``.
         """

@@ -20,7 +20,7 @@ from pydantic import Field
 
 from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem
-from tisph.measures.gradients import velocity_gradients
+from tisph.measures.fits import velocity_gradients
 from tisph.scenes import _two_dimensional
 from tisph.scenes._scene import Scene as AnyScene
 from tisph.snapshot import STRESSES

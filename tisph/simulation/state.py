@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from tisph.measures.metrics import relative_error, velocities
-from tisph.measures.reference import with_reference
+from tisph.measures.metrics import relative_error, velocities, with_reference
 from tisph.snapshot import Snapshot
 
 

@@ -4,7 +4,7 @@ import math
 import time
 
 from tisph.measures.metrics import sample_metrics
-from tisph.measures.steady import steady_since
+from tisph.measures.resolution import steady_since
 from tisph.observers._files import hdf5_file, replaced
 from tisph.observers._storage import write_snapshot
 from tisph.observers.history import read_history

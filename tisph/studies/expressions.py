@@ -12,7 +12,7 @@ from typing import Any
 
 from tisph.config.fields import nearest
 from tisph.errors import ConfigError
-from tisph.measures.wall_shear import wall_shear_error
+from tisph.measures.channel import wall_shear_error
 
 FUNCTIONS = {name: getattr(math, name) for name in ("sqrt", "hypot", "sin", "cos", "exp", "log")} | {"abs": abs}
 

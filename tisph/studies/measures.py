@@ -10,8 +10,8 @@ from scipy.integrate import simpson
 from scipy.interpolate import CubicSpline
 
 from tisph import scenes
+from tisph.measures.channel import integral
 from tisph.measures.fits import interpolated
-from tisph.measures.wall_shear import integral
 from tisph.results import open_run
 from tisph.studies.expressions import Number
 

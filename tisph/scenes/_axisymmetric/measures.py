@@ -2,9 +2,7 @@
 
 import numpy as np
 
-from tisph.measures.distribution import max_void_radius, min_distance
-from tisph.measures.fits import with_walls
-from tisph.measures.mean_velocity import section_weights
+from tisph.measures.fits import max_void_radius, min_distance, section_weights, with_walls
 
 ENERGIES = "kinetic_energy_axial", "kinetic_energy_radial", "kinetic_energy_azimuthal"
 """Names of ``kinetic_energies``."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tisph.measures.mean_velocity import cell_mean
+from tisph.measures.fits import cell_mean
 from tisph.scenes import _two_dimensional
 from tisph.scenes._cell import free_bodies, shear_stress
 

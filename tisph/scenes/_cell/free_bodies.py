@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tisph.measures.mean_velocity import cell_mean
+from tisph.measures.fits import cell_mean
 from tisph.scenes._views import TimeSeries
 
 MOST = 6

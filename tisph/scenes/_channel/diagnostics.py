@@ -6,9 +6,8 @@ symmetric about mid-gap. It is given, and always beside the errors of the whole 
 
 import numpy as np
 
-from tisph.measures.interpolation import interpolate
+from tisph.measures.channel import interpolate, wall_shear, wall_velocity
 from tisph.measures.metrics import fit_line, relative_difference
-from tisph.measures.wall_shear import wall_shear, wall_velocity
 
 CENTRELINE_POINTS = 32
 """Points along the channel over which the velocity at mid-gap is averaged."""
@@ -21,7 +20,7 @@ def diagnostics(channel, snapshot, series):
     that of the first normal stress difference S_xx - S_yy;
     ``slope`` (1/time), ``intercept`` (velocity) of the least-squares line u(y) through the probes; ``centreline``: u
     at mid-gap, averaged along the channel; ``wall_shear_bottom``, ``wall_shear_top``: total shear stress on the
-    fluid's side of the walls, see ``wall_shear.py``; each also ``_exact``, the lines being fitted to exact
+    fluid's side of the walls, see ``measures/channel.py``; each also ``_exact``, the lines being fitted to exact
     velocities at the same probes; ``density_variation`` = max |density/density_0 - 1|;
     ``max_transverse_velocity`` = max |v|. None where one does not exist (a wall shear that is infinite).
     """

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tisph.measures.wall_shear import integral, wall_shear, wall_velocity
+from tisph.measures.channel import integral, wall_shear, wall_velocity
 from tisph.scenes._views import ExtraSeries
 
 SIDES = ("bottom", "top")

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tisph.measures.interpolation import Probes
+from tisph.measures.channel import Probes
 from tisph.scenes._channel import flow
 from tisph.scenes._views import Line, Profile, TimeSeries
 

@@ -7,7 +7,7 @@ the outer iterations of the step, dm/dg being that of the last two of them.
 
 import numpy as np
 
-from tisph.measures.mean_velocity import section_weights
+from tisph.measures.fits import section_weights
 from tisph.runtime import view
 
 SETTLED = 0.3

@@ -1,4 +1,4 @@
-"""Viscometers around an axis: Couette, falling ball, capillary, read at the end of a run.
+"""Readings at the end of a run: viscometers around an axis, and the viscosity of a suspension that walls shear.
 
 * Couette: the stress at the inner cylinder is its torque over 2 pi R1^2 L, the rate there 2 W R2^2/(R2^2 - R1^2) with
   the difference W of the angular velocities. Assumed: laminar flow, and a constant viscosity.
@@ -8,14 +8,80 @@
 * Capillary: the stress at the wall is the force on it over its area, the apparent rate 4 Q/(pi R^3), which is the rate
   at the wall if the viscosity is constant. For other fluids ``rabinowitsch`` takes several runs: L. B. Rabinowitsch,
   Z. phys. Chem. A 145 (1929) 1-26.
+* Suspension: a mean over a run whose bodies never come to rest. The stress is correlated in time: the statistical error
+  of its mean comes from batch means. The values, evenly spaced in time, are cut into ten batches in a row, whose means
+  are taken to be independent of each other; the error of the mean of all is their standard deviation over the square
+  root of ten. Ten are enough (B. Schmeiser, Oper. Res. 30 (1982) 556-568), and long ones are less correlated: where a
+  batch is shorter than bodies take to pass each other, a strain of about one, the error is too small.
+
+``Reading`` is the form of all readings, those of ``rheometry`` too: a title, lines of text, numbers, curves.
 """
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from tisph.errors import ConfigError
 from tisph.exact.taylor_vortices import coefficients
 from tisph.geometry.circle import Circle
-from tisph.measures._reading import Axes, Reading
+
+SHOWN = 9
+"""Lines of a table over time."""
+
+
+class Axes(NamedTuple):
+    """Labels of both axes, kinds of their units as in ``report/labels.py``, and whether both are logarithmic."""
+
+    x: str
+    y: str
+    units: tuple[str, str]
+    logarithmic: bool = False
+
+
+@dataclass
+class Reading:
+    """``curves``: (``Axes``, name, abscissae, ordinates, style); style is one of ``report/rheometry.py: STYLES``.
+
+    ``numbers`` by name; ``lines`` of text.
+    """
+
+    title: str
+    lines: list[str]
+    numbers: dict[str, float]
+    curves: list[tuple] = field(default_factory=list)
+
+
+NORMALS = (
+    ("n1_mean", "run, mean of the gap", "."),
+    ("n1", "run, at the wall that moves", "."),
+    ("n1_exact", "reference", "-"),
+)
+"""Column, name and style of an N1: of a channel the mean of the gap, between cylinders at the one that moves."""
+
+
+def normal_stress(table):
+    """N1 of the run; None without a polymer."""
+    return table.get("n1", table.get("n1_mean"))
+
+
+def normal_curves(table, axis, abscissae, rows, scale=1.0):
+    """Curves of each N1 over a ``scale``, in the ``rows`` of the ``table``."""
+    return [(axis, words, abscissae, table[name][rows] / scale, kind) for name, words, kind in NORMALS if name in table]
+
+
+def over_time(t, columns):
+    """Lines of a table of ``columns`` by name at some of the times, more of them at first."""
+    return at_rows(t, columns, np.unique(np.geomspace(1, len(t), SHOWN).astype(int)) - 1)
+
+
+def at_rows(t, columns, chosen):
+    """Lines of a table of ``columns`` by name at the ``chosen`` ones of the times."""
+    return [
+        f"  {'t':>10} " + " ".join(f"{name:>12}" for name in columns),
+        *(f"  {t[k]:10.4g} " + " ".join(f"{values[k]:12.6g}" for values in columns.values()) for k in chosen),
+    ]
+
 
 VISCOMETERS = ("taylor_couette", "pipe", "sphere_in_tube")
 """Scenes that are read here."""
@@ -137,3 +203,73 @@ def _reading(title, scene, t, viscosity, lines, numbers):
     if scene.rheology is None:
         curves.append((axis, "config", t[[0, -1]], [given, given], "--"))
     return Reading(title, lines, {**numbers, "viscosity": end}, curves)
+
+
+BATCHES = 10
+LEAST_STRAIN = 1.0
+"""Of a batch, for an error that can be trusted."""
+
+WAYS = {"walls": "by the stress on the walls", "bodies": "by the stresses of the bodies"}
+
+
+def batch_means(values):
+    """Return the mean of ``values`` (n,) and its standard error; the first n modulo ``BATCHES`` of them do not count.
+
+    ConfigError where there are fewer than ``BATCHES``.
+    """
+    if len(values) < BATCHES:
+        raise ConfigError(f"its history has {len(values)} lines to average over; there must be {BATCHES} at least")
+    means = values[len(values) % BATCHES :].reshape(BATCHES, -1).mean(axis=1)
+    return float(means.mean()), float(means.std(ddof=1) / np.sqrt(BATCHES))
+
+
+def read_suspension(channel, table, contacts=None):
+    """Return the ``Reading`` of a run of bodies that the flow carries between walls: means over its second half.
+
+    ``table`` has the columns of its history by name, ``contacts`` is how often bodies touched, if it is known.
+    """
+    walls = dict(channel.walls)
+    rate = float(walls["top"].cosine - walls["bottom"].cosine) / channel.extent[1]
+    if any(wall.oscillates for wall in walls.values()) or not rate or "shear_stress_walls" not in table:
+        raise ConfigError(
+            "the viscosity of a suspension is read between walls of different, constant velocities, without a drive"
+        )
+    strain = abs(rate) * table["t"]
+    late = strain > 0.5 * strain[-1]
+    viscosity = channel.dynamic_viscosity * rate
+    relative = {way: table[f"shear_stress_{way}"] / viscosity for way in WAYS if f"shear_stress_{way}" in table}
+    found = {way: batch_means(values[late]) for way, values in relative.items()}
+    solid = sum(body.shape.area for body in channel.bodies[: channel.count])
+    fraction = solid / float(np.prod(channel.extent))
+    dilute = 1.0 + 2.0 * fraction
+    numbers = {"area_fraction": fraction, "strain": float(strain[-1]), "shear_rate": rate}
+    for way, (mean, error) in found.items():
+        numbers |= {f"relative_viscosity_{way}": mean, f"relative_viscosity_{way}_error": error}
+    if "shear_stress_contacts" in table:
+        numbers["relative_viscosity_contacts"] = float(np.mean(table["shear_stress_contacts"][late])) / viscosity
+    if contacts is not None:
+        numbers["contacts"] = contacts
+    axis = Axes("strain", "viscosity over that of the fluid", ("number", "number"))
+    styles = {"walls": ".", "bodies": "-"}
+    curves = [(axis, WAYS[way], strain, values, styles[way]) for way, values in relative.items()]
+    curves.append((axis, "Einstein, 1 + 2\N{GREEK SMALL LETTER PHI}", strain[[0, -1]], [dilute, dilute], "--"))
+    return Reading("suspension in shear", _lines(numbers, found, dilute), numbers, curves)
+
+
+def _lines(numbers, found, dilute):
+    """Text of the ``numbers``; of a ``dilute`` suspension J. F. Brady, Int. J. Multiphase Flow 10 (1984) 113-114."""
+    strain = numbers["strain"]
+    lines = [
+        f"area fraction phi = {numbers['area_fraction']:.4g}, shear rate {numbers['shear_rate']:.6g}",
+        f"viscosity over that of the fluid, mean from strain {0.5 * strain:.4g} to {strain:.4g}:",
+    ]
+    lines += [f"  {WAYS[way]:32} {mean:.5g} +- {error:.2g}" for way, (mean, error) in found.items()]
+    if "relative_viscosity_contacts" in numbers:
+        lines.append(f"  {'of which contacts are':32} {numbers['relative_viscosity_contacts']:.3g}")
+    lines.append(f"  {'Einstein, dilute: 1 + 2 phi':32} {dilute:.5g}")
+    if "contacts" in numbers:
+        lines.append(f"contacts in the whole run: {numbers['contacts']}")
+    batch = 0.5 * strain / BATCHES
+    if batch < LEAST_STRAIN:
+        lines.append(f"unsure: errors are those of {BATCHES} batches of strain {batch:.2g}; run for {BATCHES * 2:g}")
+    return lines

@@ -8,11 +8,11 @@ R^2/29 in a curved profile, which is more than the error of the flow that it sho
 ``fits`` takes the nearest particles, so that points on a wall have as narrow a fit as others.
 
 Shear stress at a wall: with d the distance from the wall, u - u_wall = a d + b d^2 + c d^3 + e d^4 is fitted by
-weighted least squares to the particles within R = 5 spacings, weight (1 - d/R)^2 (1 + 2 d/R); u_wall is the wall velocity at
-that time. The solvent's stress is +-mu_s a. The polymer's stress is S_xy at d = 0 in a parabola fitted in the same way
-to the same particles. Nothing is assumed of the curvature at the wall, which a body acceleration, an accelerating wall
-and a polymer give the profile. For exact fields the errors fall with the fourth (a) and third (S_xy) power of the
-spacing.
+weighted least squares to the particles within R = 5 spacings, weight (1 - d/R)^2 (1 + 2 d/R); u_wall is the velocity of
+the wall at that time. The solvent's stress is +-mu_s a. The polymer's stress is S_xy at d = 0 in a parabola fitted in
+the same way to the same particles. Nothing is assumed of the curvature at the wall, which a body acceleration, an
+accelerating wall and a polymer give the profile. For exact fields the errors fall with the fourth (a) and third (S_xy)
+power of the spacing.
 
 The quartic term is for thin layers: without it the error is of third order where u_yyyy differs from 0 at the wall,
 and 0.7 % next to an oscillating wall with five spacings in its penetration depth; with it, less than 0.1 %. For S_xy

@@ -268,7 +268,7 @@ def add(files, config):
     from mkdocs.exceptions import PluginError
     from mkdocs.structure.files import File
 
-    from tisph.report.poster import poster
+    from tisph.report.encoder import poster
 
     for file in [file for file in files if file.src_uri.startswith("_gallery/")]:
         files.remove(file)

@@ -15,7 +15,7 @@ from PIL import Image
 
 from tisph import config, scenes
 from tisph.observers.frames import read_frames
-from tisph.report.gif import write_gif
+from tisph.report.encoder import write_gif
 
 ROOT = Path(__file__).resolve().parents[1]
 MEDIA = ROOT / "media"

@@ -18,11 +18,10 @@ from tisph.observers._vtkhdf import append_bodies
 from tisph.observers.description import Description
 from tisph.observers.history import History, read_resolved
 from tisph.observers.trajectories import FIELDS, Trajectories
-from tisph.report.frame import _overlays
-from tisph.report.history import history_figure
 from tisph.report.layout import arrange
-from tisph.report.solids import Solids
-from tisph.report.tracks import BodyTracks, Tracks
+from tisph.report.movie import _overlays
+from tisph.report.overlays import BodyTracks, Solids, Tracks
+from tisph.report.plots import history_figure
 from tisph.results._trajectories import Trajectories as Read
 from tisph.scenes._cell import shear_stress
 from tisph.schemes._splitting._contact import Contact

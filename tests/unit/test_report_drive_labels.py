@@ -3,7 +3,7 @@ import pytest
 from report_scene import END, Drawn, make_channel, make_snapshot, make_video, particles
 
 from tisph.report import style
-from tisph.report.drive_labels import DriveLabel, wall_labels
+from tisph.report.text import DriveLabel, wall_labels
 from tisph.scenes._motion import WallMotion
 
 VIDEO = make_video(960, 480)

@@ -5,10 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tisph.report.dye import Dye
-from tisph.report.field import FieldGrid
+from tisph.report.field import Dye, FieldGrid
 from tisph.report.layout import arrange
-from tisph.report.tracks import Tracks
+from tisph.report.overlays import Tracks
 
 SHAPE = 160, 240
 SIZE = 1.5, 1.0

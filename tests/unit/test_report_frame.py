@@ -7,7 +7,7 @@ from report_scene import END, Drawn, make_channel, make_snapshot, make_video, pa
 
 from tisph.measures.metrics import relative_error
 from tisph.report import style
-from tisph.report.error_label import error_label
+from tisph.report.labels import error_label
 from tisph.scenes._motion import WallMotion
 
 WIDTH, HEIGHT = 960, 480

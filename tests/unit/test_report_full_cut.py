@@ -9,9 +9,9 @@ import pytest
 from report_scene import Drawn, make_video
 
 from tisph import config, scenes
-from tisph.report.full_cut import FullCut
 from tisph.report.layout import arrange
-from tisph.report.streamlines import Streamlines
+from tisph.report.movie import FullCut
+from tisph.report.overlays import Streamlines
 from tisph.simulation.start import start_snapshot, start_values
 
 CONFIGS = Path(__file__).parents[2] / "configs"

@@ -5,7 +5,7 @@ import pytest
 
 from tisph import scenes
 from tisph.config import load
-from tisph.report.history import history_figure
+from tisph.report.plots import history_figure
 
 LATTICE = """
 scene: lattice

@@ -8,10 +8,9 @@ from report_scene import END, Drawn, make_channel, make_polymer_channel, make_sn
 
 from tisph.report import style
 from tisph.report.background import build_figure
-from tisph.report.drive_labels import DriveLabel, wall_labels
 from tisph.report.layout import arrange
-from tisph.report.text import text_width
-from tisph.report.time_panel import TimePanel
+from tisph.report.panels import TimePanel
+from tisph.report.text import DriveLabel, text_width, wall_labels
 from tisph.scenes._motion import WallMotion
 
 RATIOS = [0.3, 0.5, 1.0, 2.0, 4.0, 10.0, 20.0]

@@ -6,8 +6,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 from report_scene import make_annulus, make_channel, make_polymer_channel, make_snapshot
 
-from tisph.report.history import history_figure
-from tisph.report.profiles import profile_figure
+from tisph.report.plots import history_figure, profile_figure
 from tisph.scenes._motion import WallMotion
 
 PNG_SIZE = (1320, 720)

@@ -14,7 +14,7 @@ from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.polygon import Polygon
 from tisph.report import style
 from tisph.report.layout import arrange
-from tisph.report.solids import Solids
+from tisph.report.overlays import Solids
 from tisph.simulation.start import start_snapshot, start_values
 from tisph.snapshot import Bodies
 

@@ -8,7 +8,7 @@ import pytest
 from report_scene import END, Drawn, make_annulus, make_channel, make_snapshot, make_video
 
 from tisph.report.layout import arrange
-from tisph.report.streamlines import Streamlines
+from tisph.report.overlays import Streamlines
 from tisph.simulation.start import start_snapshot, start_values
 from tisph.snapshot import Snapshot
 

@@ -8,7 +8,7 @@ import pytest
 from report_scene import END, Drawn, make_channel, make_polymer_channel, make_snapshot, make_video, particles
 
 from tisph.report import style
-from tisph.report.error_label import error_label
+from tisph.report.labels import error_label
 from tisph.scenes._motion import WallMotion
 
 VIDEO = make_video(960, 480, color_by="shear_stress")

@@ -7,7 +7,7 @@ import pytest
 from report_scene import END, Drawn, make_channel, make_snapshot, make_video
 
 from tisph.report.layout import arrange
-from tisph.report.vectors import Vectors
+from tisph.report.overlays import Vectors
 from tisph.snapshot import Snapshot
 
 SCENE = SimpleNamespace(

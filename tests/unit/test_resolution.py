@@ -13,7 +13,7 @@ from tisph.config import load
 from tisph.config.from_python import loaded
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import LEAST_DEPTH, resolution
-from tisph.report.error_label import error_label
+from tisph.report.labels import error_label
 from tisph.scenes._motion import WallMotion
 from tisph.snapshot import Bodies
 

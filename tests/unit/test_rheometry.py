@@ -27,7 +27,7 @@ from tisph.measures.rheometry import (
     as_plane,
     read,
 )
-from tisph.report import rheometry as report
+from tisph.report import plots as report
 from tisph.scenes._motion import WallMotion
 
 LIQUID = Spectrum(0.1, ((0.6, 1.0), (0.3, 0.1)))

@@ -12,7 +12,7 @@ from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.measures.rheometry import read
 from tisph.measures.viscometers import batch_means
-from tisph.report import rheometry as report
+from tisph.report import plots as report
 from tisph.scenes._cell.shear_stress import BODIES, CONTACTS, WALLS, columns, stresses
 from tisph.schemes._splitting._contact import Contact
 from tisph.simulation.start import start_snapshot, start_values

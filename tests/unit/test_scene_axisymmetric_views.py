@@ -9,8 +9,8 @@ import pytest
 from tisph import config, scenes
 from tisph.config.checks import colours
 from tisph.report.layout import arrange
+from tisph.report.panels import TimePanel
 from tisph.report.quantities import quantity
-from tisph.report.time_panel import TimePanel
 from tisph.simulation.start import start_snapshot, start_values
 
 CONFIGS = Path(__file__).parents[2] / "configs"

@@ -11,7 +11,7 @@ from tisph.errors import ConfigError
 from tisph.exact.cavity import RegularCavity, centre_lines, extremes
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import resolution
-from tisph.report.profiles import profile_figure
+from tisph.report.plots import profile_figure
 from tisph.scenes.cavity import Scene
 from tisph.simulation.start import start_snapshot, start_values
 

@@ -16,8 +16,8 @@ from tisph.errors import ConfigError
 from tisph.measures.fits import _rule, cell_mean
 from tisph.measures.resolution import resolution, steadiness, steady_since
 from tisph.observers.samples import Samples, read_samples
-from tisph.report.error_label import error_label
-from tisph.report.profiles import profile_figure
+from tisph.report.labels import error_label
+from tisph.report.plots import profile_figure
 from tisph.scenes._cell.scene import Cell
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Bodies, Snapshot

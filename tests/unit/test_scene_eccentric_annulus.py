@@ -13,8 +13,7 @@ from tisph.errors import ConfigError
 from tisph.geometry.gaps import smallest_gap
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import resolution
-from tisph.report.history import history_figure
-from tisph.report.profiles import profile_figure
+from tisph.report.plots import history_figure, profile_figure
 from tisph.scenes.eccentric_annulus import LOADS, Scene
 from tisph.simulation.start import start_snapshot, start_values
 from tisph.snapshot import Bodies

@@ -7,7 +7,7 @@ import pytest
 
 from tisph import config, scenes
 from tisph.errors import ConfigError
-from tisph.report.full_cut import FullCut
+from tisph.report.movie import FullCut
 
 TEXT = """
 scene: region

@@ -12,9 +12,8 @@ from tisph.errors import ConfigError
 from tisph.measures.metrics import sample_metrics
 from tisph.observers.history import History, read_history
 from tisph.observers.samples import Samples, read_samples
-from tisph.report.error_label import error_label
-from tisph.report.history import history_figure
-from tisph.report.profiles import profile_figure
+from tisph.report.labels import error_label
+from tisph.report.plots import history_figure, profile_figure
 from tisph.scenes.shear_layer import Scene
 from tisph.simulation.start import start_snapshot, start_values
 

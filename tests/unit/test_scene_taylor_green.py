@@ -17,9 +17,8 @@ from tisph.observers.frames import Frames, read_frames
 from tisph.observers.guard import Guard
 from tisph.observers.history import History, read_history
 from tisph.observers.samples import Samples
-from tisph.report.error_label import error_label
-from tisph.report.history import history_figure
-from tisph.report.profiles import profile_figure
+from tisph.report.labels import error_label
+from tisph.report.plots import history_figure, profile_figure
 from tisph.simulation.start import start_snapshot, start_values
 
 ROUNDING = 1e-13  # relative, of sums over hundreds of particles of values with 1e-16

@@ -2,7 +2,7 @@
 
 import json
 
-from tisph.report.profiles import profile_figure
+from tisph.report.plots import profile_figure
 from tisph.text_table import format_table
 
 NUMBERS, PICTURE = "comparison.json", "comparison.png"

@@ -29,7 +29,7 @@ def rheometry(
     from tisph import scenes
     from tisph.measures.rheometry import read
     from tisph.measures.viscometers import VISCOMETERS, rabinowitsch
-    from tisph.report.rheometry import plot_reading
+    from tisph.report.plots import plot_reading
     from tisph.results import open_run
 
     capillaries = {}

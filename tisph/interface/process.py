@@ -9,7 +9,7 @@ import threading
 from collections.abc import Callable, Sequence
 
 from tisph.errors import INTERRUPTED, ConfigError, DivergedError, TisphError
-from tisph.report.processes import apart_from_terminal
+from tisph.report.drawing_process import apart_from_terminal
 
 _PROGRAM = "import sys; sys.path[:] = {path!r}; from tisph.interface.process import main; main()"
 _PROGRESS = re.compile(r" *(\d+)%  (.*)")

@@ -41,7 +41,7 @@ class Axes(NamedTuple):
 
 @dataclass
 class Reading:
-    """``curves``: (``Axes``, name, abscissae, ordinates, style); style is one of ``report/rheometry.py: STYLES``.
+    """``curves``: (``Axes``, name, abscissae, ordinates, style); style is one of ``report/plots.py: STYLES``.
 
     ``numbers`` by name; ``lines`` of text.
     """

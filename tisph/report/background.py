@@ -11,8 +11,8 @@ from matplotlib.ticker import MaxNLocator
 from tisph.report import style
 from tisph.report.labels import TIMES, axis_exponent, axis_label, number, unit_label
 from tisph.report.layout import Layout, Rect
+from tisph.report.panels import TimePanel
 from tisph.report.quantities import Quantity
-from tisph.report.time_panel import TimePanel
 
 _PIXELS_PER_INCH = 72  # then matplotlib's points are pixels, and every size below is in pixels
 

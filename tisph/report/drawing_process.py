@@ -8,6 +8,7 @@ again, and cannot be had in a worker of ``multiprocessing.Pool``; and Python wai
 """
 
 import contextlib
+import os
 import pickle
 import subprocess
 import sys
@@ -22,7 +23,18 @@ from types import SimpleNamespace
 import numpy as np
 
 from tisph.errors import TisphError
-from tisph.report.processes import apart_from_terminal
+
+
+def apart_from_terminal() -> dict:
+    """Return the settings that keep Ctrl-C and a closed terminal from a process: it must live to finish its file.
+
+    It writes UTF-8, which is how its messages are read, whatever the terminal shows.
+    """
+    settings = {"env": {**os.environ, "PYTHONIOENCODING": "utf-8"}}
+    if sys.platform == "win32":
+        return {**settings, "creationflags": subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.CREATE_NO_WINDOW}
+    return {**settings, "start_new_session": True}
+
 
 BACKLOG = 64
 """Tasks that may wait for the process that draws, such as frames of 3 MB for 10^5 particles: then the run waits."""

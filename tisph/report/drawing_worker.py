@@ -14,9 +14,8 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
 from tisph.errors import TisphError
-from tisph.report.history import history_figure
 from tisph.report.movie import Movie
-from tisph.report.profiles import profile_figure
+from tisph.report.plots import history_figure, profile_figure
 
 PLOTS = {"profiles": profile_figure, "history": history_figure}
 

@@ -1,15 +1,61 @@
-"""RGB frames into an MP4 (H.264, yuv420p) through the ffmpeg that imageio-ffmpeg brings along."""
+"""Files of a movie: RGB frames as MP4 (H.264, yuv420p), an animated GIF, and a still for where the movie does not play.
+
+The ffmpeg is the one that imageio-ffmpeg brings along. The GIF is for pages and slides that play no video. The still is
+the last frame, since nothing has happened yet in the first one.
+"""
 
 import contextlib
+import io
 import subprocess
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 
+import imageio_ffmpeg
 import numpy as np
 from imageio_ffmpeg import get_ffmpeg_exe
+from PIL import Image
 
 from tisph.errors import TisphError
-from tisph.report.processes import apart_from_terminal
+from tisph.report.drawing_process import apart_from_terminal
+
+_WIDTH, _RATE = 640, 12  # pixels, and frames a second
+_FILTERS = (
+    f"fps={_RATE},scale={_WIDTH}:-2:flags=lanczos,split[film][sample];"
+    "[sample]palettegen=max_colors=128[palette];[film][palette]paletteuse=dither=none"
+)
+
+
+def write_gif(movie: Path, path: Path) -> None:
+    """Write the ``movie`` as GIF to ``path``; TisphError where ffmpeg cannot."""
+    command = [get_ffmpeg_exe(), "-y", "-loglevel", "error", "-i", f"file:{movie}", "-vf", _FILTERS, f"file:{path}"]
+    try:
+        done = subprocess.run(command, capture_output=True, stdin=subprocess.DEVNULL)
+    except OSError as error:
+        raise TisphError(f"{path}: ffmpeg could not be started, so there is no GIF: {error}") from error
+    if done.returncode != 0:
+        words = done.stderr.decode(errors="replace").strip()
+        raise TisphError(f"{path}: ffmpeg stopped with status {done.returncode}: {words}")
+
+
+SOUGHT = "-2"
+"""Seconds before the end from which frames are read; a movie has one a second at least."""
+
+
+def poster(path: Path) -> bytes | None:
+    """Return the last frame of the movie in the file ``path`` as JPEG, None where that is no whole movie."""
+    frame = None
+    with suppress(OSError, RuntimeError):  # what imageio-ffmpeg raises of a damaged file
+        frames = imageio_ffmpeg.read_frames(str(path), input_params=["-sseof", SOUGHT])
+        size = next(frames)["size"]
+        for frame in frames:  # noqa: B007 (the last one is used)
+            pass
+    if frame is None:
+        return None
+    image = io.BytesIO()
+    Image.frombytes("RGB", size, frame).save(image, format="JPEG", quality=85)
+    return image.getvalue()
+
 
 # From RGB with the matrix of HD video, and the file says so: every player shows the colours that were drawn.
 _COLOURS = (

@@ -1,4 +1,6 @@
-"""Values of the particles as a continuous field: by local linear fits on a grid, blended from node to node.
+"""The fluid of a movie frame: a continuous field, particles as discs, or both; dye.
+
+The field comes from local linear fits on a grid, blended from node to node.
 
 At each node X of a grid about one particle spacing wide, a + b . (x - X) is fitted to the values of the particles
 around it by weighted least squares; the field at a point is the mean of the fits of the nodes around it. Both weights
@@ -11,6 +13,44 @@ I. Babuska, Comput. Methods Appl. Mech. Engrg. 139 (1996) 289-314.
 """
 
 import numpy as np
+
+from tisph.report import style
+from tisph.report.layout import Layout
+from tisph.report.quantities import Quantity
+from tisph.report.raster import Discs, Shades, blend
+from tisph.snapshot import Snapshot
+
+_STRIPES = 8  # along x
+_SQUARES = 6  # along the shorter side
+_BLOB = 0.25, 0.5, 0.15  # where the middle of a blob is in the box, and its radius over the shorter side
+
+
+class Dye:
+    """The ``pattern`` of a movie of ``scene``: stripes across x, a checkerboard, or a round blob."""
+
+    def __init__(self, scene, pattern: str):
+        self._low, self._size = np.array(scene.origin), np.array(scene.extent, dtype=float)
+        self._share = getattr(self, f"_{pattern}")
+        self._first = None
+
+    def of(self, snapshot) -> np.ndarray:
+        """Return 0 or 1 for each particle, by where it was in the first snapshot for which this was called."""
+        if self._first is None:
+            places = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
+            self._first = self._share(np.where(np.isfinite(places), places, 0.0) - self._low)
+        return self._first
+
+    def _stripes(self, places):
+        return np.floor(_STRIPES * places[:, 0] / self._size[0]) % 2
+
+    def _checkerboard(self, places):
+        return np.floor(_SQUARES * places / self._size.min()).sum(axis=1) % 2
+
+    def _blob(self, places):
+        aim = np.array(_BLOB[:2]) * self._size
+        middle = places[np.argmin(np.linalg.norm(places - aim, axis=1))]  # in the fluid, wherever bodies are
+        return (np.linalg.norm(places - middle, axis=1) < _BLOB[2] * self._size.min()).astype(float)
+
 
 _MOST = 40_000  # nodes
 _MARGIN = 4  # nodes beyond each side
@@ -134,3 +174,53 @@ def _blend(place):
     f = (place - node)[:, None]
     weight = np.concatenate([0.5 * (0.5 - f) ** 2, 0.75 - f * f, 0.5 * (0.5 + f) ** 2], axis=1)
     return node - 1, weight, f + np.arange(1, -2, -1)
+
+
+_SMALLEST_DIAMETER = 1.5  # pixels: below it discs would fade away
+_SHADES = 256
+_DOT, _DOT_COVER = 1.4, 0.55  # radius in a frame of 1280 x 640, and cover, of particles over a field
+
+
+class FluidPainter:
+    """Paints the fluid of ``scene`` into its box of ``layout``, coloured as ``quantity`` and ``video`` say."""
+
+    def __init__(self, scene, layout: Layout, quantity: Quantity, video):
+        self.style = ("particles" if scene.parallel else "field") if video.style == "auto" else video.style
+        self._layout, self._range, shape = layout, quantity.colour_range, layout.box.shape
+        whole = layout.shown_length == scene.extent[0] and scene.periodic[0]
+        self._periodic = whole, scene.periodic[1]
+        colours = style.colours(_SHADES, colour_map=quantity.colour_map)
+        ground = style.rgb(layout.theme.background) / 255.0
+        self.disc_radius = max(_SMALLEST_DIAMETER, scene.spacing * layout.pixels_per_length) / 2.0
+        self.grid = None
+        if self.style == "particles":
+            self._discs, self._shades = Discs(self.disc_radius, shape), Shades(colours, ground)
+            return
+        self.grid = FieldGrid(layout.low, layout.high, shape, scene.spacing, self._periodic)
+        palette = np.full((_SHADES + 1, 4), 255, dtype=np.uint8)
+        palette[:, :3] = np.rint(255.0 * np.vstack([colours, ground]))
+        self._palette = palette.view(np.uint32).ravel()
+        self._dots = Discs(max(0.5, _DOT * layout.scale), shape)
+
+    def paint(self, panel: np.ndarray, snapshot: Snapshot, values: np.ndarray, profile: np.ndarray) -> None:
+        """Fill the ``panel`` of the box, RGB and an idle byte (rows, columns, 4), with ``values`` (particles,).
+
+        The grid is left with ``profile``, what the profile panel shows.
+        """
+        if self.style == "particles":
+            share = np.clip(np.nan_to_num(self._share(values), nan=1.0), 0.0, 1.0)  # a run that went wrong, too
+            points = self._layout.pixel_positions(snapshot.x, snapshot.y)
+            self._shades.fill(panel, *self._discs.sums(points, share, periodic=self._periodic))
+            return
+        self.grid.fit(snapshot.x, snapshot.y, values, *([] if profile is values else [profile]))
+        shade = self._share(self.grid.image()) * np.float32(_SHADES - 1) + np.float32(0.5)
+        shade = np.clip(shade, 0.0, _SHADES - 1)
+        shade[np.isnan(shade)] = _SHADES  # no particles: the ground
+        panel.view(np.uint32)[:, :, 0] = self._palette[shade.astype(np.uint16)]
+        if self.style == "both":
+            dots = self._dots.cover(self._layout.pixel_positions(snapshot.x, snapshot.y))
+            blend(panel[:, :, :3], dots * np.float32(_DOT_COVER), style.rgb(style.TEXT))
+
+    def _share(self, values):
+        lowest, highest = self._range
+        return (values - np.float32(lowest)) * np.float32(1.0 / (highest - lowest))

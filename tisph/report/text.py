@@ -1,12 +1,18 @@
-"""Text and arrows that change from frame to frame, laid over an RGB picture (rows, columns, 3) of uint8."""
+"""Text and arrows that change from frame to frame, laid over an RGB picture (rows, columns, 3) of uint8.
 
+With them the velocities of the walls and the body acceleration are drawn.
+"""
+
+import math
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from PIL import Image, ImageDraw
 
 from tisph.report import style
-from tisph.report.layout import Rect
+from tisph.report.labels import fixed_point, number, unit_label
+from tisph.report.layout import Layout, Rect
 from tisph.report.raster import blend, filled
 
 _SMALLEST = 6  # pixels: the smallest font that a text may shrink to
@@ -53,3 +59,110 @@ def _arrow_coverage(width: int, height: int, length: float) -> np.ndarray:
     column = np.array([tip - length, neck, neck, tip, neck, neck, tip - length])
     aside = np.array([1 / 8, 1 / 8, head / height / 2, 0.0, -head / height / 2, -1 / 8, -1 / 8])
     return filled((column, (0.5 + aside) * height), (height, width))
+
+
+_ARROW, _HEAD, _PITCH = 34, 11, 120  # pixels in a frame of 1280 x 640: length and height of arrows, their distance
+
+
+class WallLabel:
+    """The velocity of a wall, written on its bar between arrows, or beside a bar that is too short for both.
+
+    A wall at rest has no arrow, and a label only if it moved before t = 0. ``box`` is the place of the words,
+    ``font_size`` theirs, ``animated`` whether they have to be painted anew for every frame.
+    """
+
+    def __init__(self, layout: Layout, bar: Rect, motion, units):
+        self._layout, self._motion = layout, motion
+        self._speed = math.hypot(motion.cosine, motion.sine)
+        self._unit = unit_label("velocity", units)
+        self._digits = fixed_point(self._speed, 3) if motion.oscillates else None
+        self.animated = motion.oscillates
+        self._place(bar)
+
+    def paint(self, frame: np.ndarray, t: float) -> None:
+        """Lay words and arrows of time ``t`` over ``frame``."""
+        words = self.words(t)
+        if self._speed == 0.0 and words and self._side == "middle":
+            frame[self.box.slices] = style.rgb(self._layout.theme.wall_resting)  # no hatching behind the words
+        paint_text(frame, self.box, words, self.font_size, self._side, self._colour)
+        for arrow in self._arrows:
+            paint_arrow(frame, arrow, float(self._motion.velocity(t)) / self._speed, self._layout.theme.on_wall_moving)
+
+    @property
+    def boxes(self) -> list[Rect]:
+        """All places that ``paint`` touches."""
+        return [self.box, *self._arrows]
+
+    def words(self, t: float) -> str:
+        """Return the words of time ``t``."""
+        if self._digits:
+            return self._changing_words(float(self._motion.velocity(t)))
+        now, before = self._motion.cosine, self._motion.before
+        words = f"{number(now)} {self._unit}" if self._speed else ""
+        if before is None:
+            return words
+        if words:
+            return f"{words} ({number(before)} before t = 0)"
+        return f"stopped ({number(before)} {self._unit} before t = 0)"
+
+    def _changing_words(self, velocity: float) -> str:
+        return f"{self._digits(velocity)} {self._unit}"
+
+    def _place(self, bar: Rect) -> None:
+        """Choose where words and arrows stand, for the widest words."""
+        layout, px = self._layout, self._layout.pixels
+        words = self._changing_words(-self._speed) if self._digits else self.words(0.0)
+        size, arrow = px(14), px(_ARROW)
+        middle = bar.left + bar.width // 2
+        on_bar = bar.width - 2 * px(22) - (2 * arrow if self._speed else 0)
+        beside = layout.split - px(16) - bar.right
+        if text_width(words, size) <= on_bar or on_bar >= beside:
+            self.font_size = fitting_size(words, size, on_bar)
+            half = math.ceil(text_width(words, self.font_size) / 2) + px(6)
+            self.box = Rect(middle - half, bar.top, 2 * half, bar.height)
+            theme = layout.theme
+            self._side, self._colour = "middle", theme.on_wall_moving if self._speed else theme.text
+            first, last = half + px(8) + arrow // 2, bar.width // 2 - px(8) - arrow // 2
+            centres = [middle + side * offset for offset in range(first, last + 1, px(_PITCH)) for side in (1, -1)]
+        else:
+            self.font_size = fitting_size(words, size, beside)
+            self.box = Rect(bar.right + px(8), bar.top, beside, bar.height)
+            self._side, self._colour, centres = "left", layout.theme.text, [middle]
+        top = bar.top + (bar.height - px(_HEAD)) // 2
+        self._arrows = [Rect(x - arrow // 2, top, arrow, px(_HEAD)) for x in centres] if self._speed else []
+
+
+def wall_labels(scene, layout: Layout) -> list[WallLabel]:
+    """Return the labels of the walls of ``scene``."""
+    return [WallLabel(layout, layout.wall(side), motion, scene.units) for side, motion in scene.walls]
+
+
+@dataclass(frozen=True)
+class DriveLabel:
+    """The body acceleration with an arrow, above the upper wall; nothing without one."""
+
+    scene: object
+    layout: Layout
+
+    @property
+    def box(self) -> Rect:
+        """The place of words and arrow."""
+        wall, px = self.layout.wall("top"), self.layout.pixels
+        width = min(math.ceil(text_width(self._words, px(14))) + px(10 + _ARROW), self.layout.split - px(16))
+        left = min(wall.left, self.layout.split - px(8) - width)
+        return Rect(left, wall.top - px(18), width, px(17))
+
+    def paint(self, frame: np.ndarray) -> None:
+        """Lay words and arrow over ``frame``."""
+        if self.scene.acceleration == 0.0:
+            return
+        box, px = self.box, self.layout.pixels
+        words = Rect(box.left, box.top, box.width - px(10 + _ARROW), box.height)
+        size, colour = fitting_size(self._words, px(14), words.width), self.layout.theme.text
+        paint_text(frame, words, self._words, size, "left", colour)
+        arrow = Rect(box.right - px(_ARROW), box.top + (box.height - px(_HEAD)) // 2, px(_ARROW), px(_HEAD))
+        paint_arrow(frame, arrow, math.copysign(1.0, self.scene.acceleration), colour)
+
+    @property
+    def _words(self) -> str:
+        return f"drive {number(self.scene.acceleration)} {unit_label('acceleration', self.scene.units)}"

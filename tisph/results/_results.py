@@ -82,7 +82,7 @@ class Results:
     def profile_figure(self) -> "Figure":
         """Return profiles at the samples, with the exact curves and the errors, as a matplotlib figure."""
         from tisph.observers.samples import read_samples
-        from tisph.report.profiles import profile_figure
+        from tisph.report.plots import profile_figure
 
         snapshots = read_samples(self._files.samples) if self._files.samples.is_file() else []
         if not snapshots:
@@ -92,7 +92,7 @@ class Results:
     def history_figure(self) -> "Figure":
         """Return what is followed in time, with the exact curves, as a matplotlib figure."""
         from tisph.observers.history import read_history, read_resolved
-        from tisph.report.history import history_figure
+        from tisph.report.plots import history_figure
 
         times, values = read_history(self._files.history) if self._files.history.is_file() else ([], [])
         if not len(times):

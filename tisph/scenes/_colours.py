@@ -74,7 +74,7 @@ COLOURS = {
     ),
     "error": Colour("error of the velocity", "velocity", _error, signed=False),
 }
-"""By the names that ``output.video.color_by`` takes; dye is no quantity of the flow (``report/dye.py``)."""
+"""By the names that ``output.video.color_by`` takes; dye is no quantity of the flow (``report/field.py``)."""
 
 
 ERRORS = {"pressure": ("pressure", "p"), "shear_stress": ("stress_xy", "Sxy")}

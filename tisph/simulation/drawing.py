@@ -67,8 +67,10 @@ def render(run_dir, overrides=(), gif=False):
 
 def _small(folder):
     """Write the movie as GIF and its last frame, and return their paths; ConfigError where there is no movie."""
-    from tisph.report.gif import write_gif  # a run, which needs neither, does not pay for imageio-ffmpeg and Pillow
-    from tisph.report.poster import poster
+    from tisph.report.encoder import (
+        poster,
+        write_gif,  # a run, which needs neither, does not pay for imageio-ffmpeg and Pillow
+    )
 
     if not folder.movie.is_file():
         raise ConfigError(f"{folder.root}: there is no {folder.movie.name} to make a GIF of")

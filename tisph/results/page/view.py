@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from tisph import schemes
 from tisph.folder import Folder
+from tisph.report.encoder import poster
 from tisph.report.labels import number
-from tisph.report.poster import poster
 
 if TYPE_CHECKING:
     from tisph.results import Results

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tisph import scenes
-from tisph.assessment import alignment, diagnosis, faults
+from tisph.assessment import alignment, diagnosis
 from tisph.config import load
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -68,7 +68,7 @@ def test_a_plain_factor_is_named_as_one(name, equals, factor):
 @pytest.mark.parametrize("name", ["couette", "poiseuille"])
 def test_a_gap_that_is_wrong_is_named_or_nothing_is(name, width):
     scene = scene_of(name)
-    other = faults.exact(replace(scene, gap=width * scene.gap))
+    other = diagnosis.exact(replace(scene, gap=width * scene.gap))
     for times in samples(scene):
         found = findings(scene, lambda y, t: other("u", width * y, width * y, t), *times)
         developed = min(times) > scene.viscous_time
@@ -82,7 +82,7 @@ def test_a_gap_that_is_wrong_is_named_or_nothing_is(name, width):
 
 def test_a_viscosity_is_said_with_the_gap_of_the_same_flow():
     scene = scene_of("poiseuille")
-    other = faults.exact(replace(scene, gap=1.25 * scene.gap))
+    other = diagnosis.exact(replace(scene, gap=1.25 * scene.gap))
     t = 0.15 * scene.viscous_time
     aligned = alignment.align({"y": heights(scene), "u": other("u", 0, 1.25 * heights(scene), t)}, scene, t)
     (found,) = diagnosis.diagnose([aligned]).explaining
@@ -147,6 +147,6 @@ def test_the_series_of_the_fits_is_the_reference(name, overrides):
     y = np.linspace(0.0, scene.gap, 40)
     for t in (0.1, 0.5, 2.0):
         t = t * scene.viscous_time
-        difference = faults.exact(scene)("u", y, y, t) - scene.exact("u", y, y, t)
+        difference = diagnosis.exact(scene)("u", y, y, t) - scene.exact("u", y, y, t)
         # the numerical reference is good to 1e-8 of the largest velocity, the series of a polymer cut where it is, too
         assert np.abs(difference).max() < 3e-8 * scene.reference_velocity

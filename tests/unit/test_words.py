@@ -138,7 +138,7 @@ ATTRIBUTES = {
 # Where a listed word is meant: file name, the word as it stands there, and why.
 EXCEPTIONS = {
     ("rheometry.yaml", "ringing"): "rows that tisph verify prints, and programs may read",
-    ("frame.py", "liquid"): "what files of other codes may call their fluid",
+    ("readers.py", "liquid"): "what files of other codes may call their fluid",
     ("start_up.py", "liquids"): "the title of a book",
     ("multi_mode.py", "liquids"): "the title of a book",
     ("power_law.py", "liquids"): "the title of a book",

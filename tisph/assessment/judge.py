@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from tisph import scenes
-from tisph.assessment import alignment, columns, diagnosis, readers, units
-from tisph.assessment.error_location import error_location, trend
+from tisph.assessment import alignment, columns, diagnosis, readers
+from tisph.assessment.diagnosis import error_location, trend
 from tisph.errors import ConfigError
 from tisph.measures.metrics import fitted_order, sample_metrics
 
@@ -82,7 +82,7 @@ def _frames(paths, question, scene):
     for index, path in enumerate(paths):
         found = [columns.by_quantity(frame, chosen, path) for frame in readers.frames(path, question.select)]
         found = [part for frame in found for part in columns.by_time(columns.in_plane(frame, chosen), path)]
-        found = [units.in_config(frame, question.units, scene.units, path) for frame in found]
+        found = [columns.in_config(frame, question.units, scene.units, path) for frame in found]
         own = times if len(paths) == 1 or len(times) < 2 else [times[index]]
         paired = _paired(found, own, path)
         if not paired:

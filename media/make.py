@@ -14,7 +14,7 @@ import walls
 from PIL import Image
 
 from tisph import config, scenes
-from tisph.observers.frames import read_frames
+from tisph.observers.samples import read_frames
 from tisph.report.encoder import write_gif
 
 ROOT = Path(__file__).resolve().parents[1]

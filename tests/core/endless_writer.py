@@ -16,9 +16,8 @@ import numpy as np
 
 from tisph import config
 from tisph.folder import Folder
-from tisph.observers.frames import Frames
 from tisph.observers.history import History
-from tisph.observers.samples import Samples
+from tisph.observers.samples import Frames, Samples
 from tisph.scenes.channel import Channel
 from tisph.simulation.results import write_summary
 from tisph.snapshot import Snapshot

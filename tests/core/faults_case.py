@@ -7,9 +7,8 @@ import numpy as np
 from PIL import Image
 
 from tisph import config
-from tisph.observers.frames import read_frames
 from tisph.observers.history import read_history
-from tisph.observers.samples import read_samples
+from tisph.observers.samples import read_frames, read_samples
 
 END = 5.0
 CASE = f"""

@@ -7,7 +7,7 @@ from report_scene import make_snapshot
 
 from tisph import __version__
 from tisph.config import load
-from tisph.observers.description import Description
+from tisph.observers._storage import Description
 from tisph.observers.history import History, read_history
 from tisph.observers.samples import Samples, read_samples
 from tisph.scenes.channel import Channel

@@ -14,10 +14,9 @@ from tisph.cli.result_table import result_text
 from tisph.config import load
 from tisph.geometry.gaps import gap
 from tisph.observers import history as histories
-from tisph.observers._vtkhdf import append_bodies
-from tisph.observers.description import Description
-from tisph.observers.history import History, read_resolved
-from tisph.observers.trajectories import FIELDS, Trajectories
+from tisph.observers._storage import Description
+from tisph.observers.history import BODY_FIELDS, History, Trajectories, read_resolved
+from tisph.observers.vtk import append_bodies
 from tisph.report.layout import arrange
 from tisph.report.movie import _overlays
 from tisph.report.overlays import BodyTracks, Solids, Tracks
@@ -168,8 +167,8 @@ def test_trajectories_have_bodies_with_names_and_units(tmp_path, make):
     found = Read(path)
     assert (found.names, found.shapes) == (["0", "1", "2"], ["circle", "circle", "ellipse"])
     assert found.free.tolist() == [True, False, True]
-    assert set(found) == {"t", *FIELDS}
-    for name in FIELDS:
+    assert set(found) == {"t", *BODY_FIELDS}
+    for name in BODY_FIELDS:
         assert np.array_equal(found[name], [getattr(state.bodies, name)[:3] for state in states])
     assert found.units["contact_force"] == found.units["force"] == "g/s^2"
     assert (found.units["angular_velocity"], found.units["t"], found.units["centre"]) == ("rad/s", "s", "cm")

@@ -13,10 +13,9 @@ from vortices import make_scene, make_snapshot, scaled
 
 from tisph.errors import DivergedError
 from tisph.measures.metrics import sample_metrics
-from tisph.observers.frames import Frames, read_frames
 from tisph.observers.guard import Guard
 from tisph.observers.history import History, read_history
-from tisph.observers.samples import Samples
+from tisph.observers.samples import Frames, Samples, read_frames
 from tisph.report.labels import error_label
 from tisph.report.plots import history_figure, profile_figure
 from tisph.simulation.start import start_snapshot, start_values

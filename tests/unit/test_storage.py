@@ -6,8 +6,7 @@ import h5py
 import numpy as np
 
 from tisph.observers._storage import write_snapshot
-from tisph.observers.frames import Frames, read_frames
-from tisph.observers.samples import read_samples
+from tisph.observers.samples import Frames, read_frames, read_samples
 from tisph.snapshot import Bodies, Snapshot
 
 

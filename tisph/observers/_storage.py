@@ -1,18 +1,156 @@
-"""Snapshots as HDF5 groups: attributes ``t`` and ``step``, a dataset for each field, and a group for the bodies."""
+"""Files of a run: whole or not there, whatever ends the run, and what they say of themselves.
+
+Snapshots are HDF5 groups: attributes ``t`` and ``step``, a dataset for each field, and a group for the bodies. A
+``Description`` has software, flow, units, and the config that made a file.
+"""
 
 import contextlib
+import io
 import math
 import os
 import shutil
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import h5py
 import numpy as np
 
+from tisph.errors import ConfigError, TisphError
 from tisph.folder import partial, spare
-from tisph.observers._files import hdf5_file, readable, replaced
-from tisph.snapshot import OPTIONAL, Bodies, Snapshot
+from tisph.snapshot import OPTIONAL, STRESSES, STRESSES_AROUND, Bodies, Snapshot
+from tisph.version import __version__
+
+
+@dataclass(frozen=True)
+class Description:
+    """Of the run of ``config`` in ``scene``; the same for the same config, whenever it runs."""
+
+    config: Any
+    scene: Any
+
+    @cached_property
+    def resolved(self):
+        """The config as YAML; to write that takes longer than all else here."""
+        return self.config.resolved_yaml()
+
+    def attributes(self, content):
+        """Return names and values, text and numbers in the config's units, of a file with this ``content``."""
+        scene, units = self.scene, self.config.units
+        return {
+            "content": content,
+            "name": self.config.name,
+            "tisph_version": __version__,
+            "scene": self.config.scene,
+            "units": f"length {units.length}, mass {units.mass}, time {units.time}",
+            **scene.description(),
+            "spacing": scene.spacing,
+            "density": scene.density,
+            "kinematic_viscosity": scene.kinematic_viscosity,
+            "rheology": self.config.fluid.rheology.type,
+            **(vars(scene.polymer) if scene.polymer else {}),
+            "reference_velocity": scene.reference_velocity,
+            "frame_velocity": scene.frame_velocity,
+            "config": self.resolved,
+        }
+
+    @property
+    def units(self):
+        """Units by the name of a field."""
+        length, mass, time = (getattr(self.config.units, name) for name in ("length", "mass", "time"))
+        fields = {"x": length, "y": length, "u": f"{length}/{time}", "v": f"{length}/{time}", "w": f"{length}/{time}"}
+        stresses = ("pressure", *STRESSES, *STRESSES_AROUND, "normal_stress")
+        fields |= {"centre": length, "velocity": f"{length}/{time}", "angle": "rad", "angular_velocity": f"rad/{time}"}
+        loads = {"force": f"{mass}/{time}^2", "torque": f"{mass} {length}/{time}^2"}  # per length across the plane
+        if self.config.axisymmetric:
+            loads = {"force": f"{mass} {length}/{time}^2", "torque": f"{mass} {length}^2/{time}^2"}
+        fields |= {"contact_force": loads["force"], "t": time}
+        fields |= dict.fromkeys(("stresslet", "contact_torque", "contact_stresslet"), loads["torque"])
+        fields |= {f"{part}{name}": unit for name, unit in loads.items() for part in ("", "pressure_")}
+        fields["vorticity"] = f"1/{time}"
+        return {**fields, "density": f"{mass}/{length}^3", **dict.fromkeys(stresses, f"{mass}/({length} {time}^2)")}
+
+    def comment(self, content):
+        """Return the attributes as lines that begin with ``#``."""
+        lines = []
+        for name, value in self.attributes(content).items():
+            first, *more = str(value).splitlines() if name != "config" else ["", *value.splitlines()]
+            lines += [f"# {name}: {first}".rstrip(), *(f"#   {line}" for line in more)]
+        return "".join(f"{line}\n" for line in lines)
+
+
+DAMAGE = (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError)
+"""What reading a damaged file raises: h5py has no error of its own."""
+
+
+@contextlib.contextmanager
+def written(path):
+    """Raise one TisphError that names ``path`` where the system does not let it be written."""
+    try:
+        yield
+    except OSError as error:
+        raise TisphError(f"{path}: cannot be written: {error.strerror or error}") from error
+
+
+@contextlib.contextmanager
+def replaced(path):
+    """Yield the path of a new file, which takes the place of ``path`` once it is complete.
+
+    Until then, and where that fails, ``path`` is what it was; TisphError where the system is why.
+    """
+    new = partial(path)
+    with written(path):
+        try:
+            yield new
+            os.replace(new, path)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                new.unlink()
+            raise
+
+
+@contextlib.contextmanager
+def readable(path):
+    """Raise one ConfigError that names ``path`` where what it holds cannot be read."""
+    try:
+        yield
+    except DAMAGE as error:
+        raise ConfigError(f"{path}: cannot be read ({error}); run again with --overwrite") from error
+
+
+@contextlib.contextmanager
+def hdf5_file(path, mode="w"):
+    """Yield ``path`` as HDF5 file to write, new or (``r+``) as it is; OSError, once closed, where a write failed."""
+    with _Disk(path, "w+" if mode == "w" else "r+") as disk:
+        with h5py.File(disk, mode) as hdf5:
+            yield hdf5
+        if disk.error:
+            raise disk.error
+
+
+class _Disk(io.FileIO):
+    """A file that keeps its first failure for later: HDF5 crashes the process where it sees a write fail."""
+
+    error = None
+
+    def write(self, data):
+        """Write all of ``data`` as long as nothing has failed."""
+        rest = memoryview(data).cast("B")
+        try:
+            while rest and not self.error:
+                rest = rest[super().write(rest) :]
+        except OSError as error:
+            self.error = error
+        return len(data)
+
+    def truncate(self, size=None):
+        """Set the size of the file."""
+        try:
+            return super().truncate(size)
+        except OSError as error:
+            self.error = self.error or error
+
 
 FIELDS = ("x", "y", "u", "v", "density", "pressure")
 

@@ -1,13 +1,15 @@
-"""History: what a scene follows in time, in ``history.csv``."""
+"""Numbers over time: what a scene follows in ``history.csv``, what the bodies in the fluid do in ``bodies.h5``."""
 
 import io
 import math
 import os
+import time
 
+import h5py
 import numpy as np
 
 from tisph.measures.resolution import resolution
-from tisph.observers._files import readable, replaced, written
+from tisph.observers._storage import hdf5_file, readable, replaced, written
 from tisph.observers.protocol import StateObserver
 from tisph.observers.schedule import Times, even_times
 
@@ -157,3 +159,70 @@ def read_rows(path):
     lines = [line for line in text[: text.rfind("\n") + 1].splitlines() if not line.startswith("#")]
     names = lines[0].split(",") if lines else ["t"]
     return names, [tuple(float(cell or "nan") for cell in line.split(",")) for line in lines[1:]]
+
+
+TRAJECTORIES = "trajectories of the bodies in the fluid, over time t"
+
+BODY_FIELDS = ("centre", "angle", "velocity", "angular_velocity", "force", "torque", "stresslet", "contact_force")
+"""Those of ``tisph.snapshot.Bodies`` that are followed."""
+
+DELAY = 5.0
+"""Seconds of the clock after which a record is in the file at the latest, if the next one comes: all are written each
+time, at most some megabytes."""
+
+
+class Trajectories(StateObserver):
+    """Keeps the bodies in the fluid at evenly spaced times from the start to ``end``, as many as ``History``.
+
+    Datasets: ``t`` (records,) and each of ``BODY_FIELDS``, (records, bodies, ...), in the units of the config.
+    Attributes ``names`` (bodies,): their numbers among those of the config, as columns of the history have them;
+    ``shapes`` (bodies,): what they are; ``free`` (bodies,): whether the flow carries them. ``about`` is the ``Description``
+    of the run. ``resumed_at`` is the time up to which records of an interrupted run are kept, None for a new file. The
+    file can be read at any time, whatever ends the process.
+    """
+
+    def __init__(self, path, scene, end, resumed_at=None, about=None):
+        self.path, self.about = path, about
+        shapes = [body.shape for body in scene.bodies]
+        self.chosen = [k for k, shape in enumerate(shapes) if shape.area and shape.fluid_side == "outside"]
+        self.shapes = [type(shapes[index]).__name__.lower() for index in self.chosen]
+        self.free = [scene.bodies[index].free for index in self.chosen]
+        self.schedule = Times(even_times(scene.start_time, end, RECORDS))
+        self.times, self.records = [], {name: [] for name in BODY_FIELDS}
+        if resumed_at is not None:
+            self.schedule.mark(resumed_at)
+            self._keep(resumed_at)
+        self.flush()
+
+    def _keep(self, resumed_at):
+        """Take up the records of an interrupted run."""
+        with readable(self.path), h5py.File(self.path, "r") as file:
+            times = file["t"][...]
+            self.times = times[times <= resumed_at].tolist()
+            self.records = {name: list(file[name][: len(self.times)]) for name in BODY_FIELDS}
+
+    def observe(self, snapshot):
+        """Add one record."""
+        self.times.append(snapshot.t)
+        for name, records in self.records.items():
+            records.append(getattr(snapshot.bodies, name)[self.chosen])
+        if time.monotonic() >= self.due:
+            self.flush()
+
+    def flush(self):
+        """Have all records in the file."""
+        with replaced(self.path) as new, hdf5_file(new) as file:
+            if self.about:
+                file.attrs.update(self.about.attributes(TRAJECTORIES))
+            file.attrs["names"] = list(map(str, self.chosen))
+            file.attrs["shapes"] = self.shapes
+            file.attrs["free"] = self.free
+            for name, values in {"t": self.times, **self.records}.items():
+                data = file.create_dataset(name, data=np.array(values) if values else np.empty(0))
+                if self.about:
+                    data.attrs["units"] = self.about.units[name]
+        self.due = time.monotonic() + DELAY
+
+    def close(self):
+        """Have all records in the file."""
+        self.flush()

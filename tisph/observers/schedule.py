@@ -1,4 +1,4 @@
-"""When an observer is told, apart from what it does then."""
+"""When an observer is told, apart from what it does then; and checkpoints, which an interrupted run goes on from."""
 
 import math
 from bisect import bisect_right
@@ -103,3 +103,29 @@ def even_times(start, end, count):
     """Return ``count`` equally spaced times from ``start`` to ``end``, both included and exact."""
     between = [start + (end - start) * k / (count - 1) for k in range(1, count - 1)]
     return [start, *between, end]
+
+
+class Checkpoints:
+    """Calls ``save`` every ``interval`` [time] from where the run is when its observation begins."""
+
+    def __init__(self, interval, save):
+        self.schedule = FromHere(interval)
+        self.save = save
+
+    def tell(self, step, times):
+        """Write one, however many are due."""
+        self.save()
+
+    def flush(self):
+        """Do nothing: it is written whole or not at all."""
+
+    def close(self):
+        """Do nothing: at the end of a run that is done there is nothing to go on from."""
+
+
+class FromHere(EveryTime):
+    """Multiples of an interval after the time at which the observation begins."""
+
+    def begin(self, start, time, steps):
+        """Count from ``time``."""
+        super().begin(time, time, steps)

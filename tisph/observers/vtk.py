@@ -1,9 +1,194 @@
-"""The samples as ParaView reads them, while the run goes on: ``samples.vtkhdf``, and the bodies beside it."""
+"""The samples as ParaView reads them, while the run goes on: ``samples.vtkhdf``, and the bodies beside it.
 
+VTKHDF has snapshots as one UnstructuredGrid over time, each particle a vertex (VTK 9.3 and later, ParaView 5.12).
+Bodies are in a file of their own, each a polygon, or the line around the fluid in it. Vectors and tensors are in one piece, in
+three dimensions.
+
+https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/index.html
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any, Protocol
+
+import h5py
+import numpy as np
+
+from tisph.geometry.body import Placement
+from tisph.measures.fits import vorticity
 from tisph.observers._storage import Storage
-from tisph.observers._vtkhdf import append, append_bodies, beside, has_outlines
 from tisph.observers.protocol import StateObserver
 from tisph.observers.schedule import Times
+from tisph.snapshot import OPTIONAL
+
+Field = tuple[str, np.ndarray, str]
+"""Name, array (particles,) or (particles, components), unit."""
+
+STRESS = ("stress_xx", "stress_yy", "", "stress_xy", "", "")
+"""A symmetric tensor in the order of VTK: xx, yy, zz, xy, yz, xz; the plane has no others."""
+
+
+class Particles(Protocol):
+    """Arrays (particles,) by the names of ``samples.h5``, at time ``t``; ``units`` has every name that there is."""
+
+    @property
+    def t(self) -> float:
+        """Time."""
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Unit by name."""
+
+    def __getitem__(self, name: str) -> np.ndarray: ...
+
+
+class Arrays(dict):
+    """Arrays of a snapshot named as in ``samples.h5``, and of two-dimensional flow ``vorticity``, with ``units``.
+
+    ``about`` is the ``Description`` of the run.
+    """
+
+    def __init__(self, about, snapshot):
+        found = {name: getattr(snapshot, name) for name in ("x", "y", "u", "v", "density", "pressure", *OPTIONAL)}
+        found |= {f"{name}_exact": values for name, values in (snapshot.reference or {}).items()}
+        super().__init__({name: values for name, values in found.items() if values is not None and len(values)})
+        self.t = snapshot.t
+        if not about.scene.parallel:
+            self["vorticity"] = vorticity(about.scene, snapshot)
+        self.units = {name: about.units.get(name.removesuffix("_exact"), "") for name in self}
+
+
+def places(particles: Particles) -> np.ndarray:
+    """Return the positions, an array (particles, 3), z being 0."""
+    return _together(particles, ("x", "y", ""))
+
+
+def fields(particles: Particles) -> Iterator[Field]:
+    """Yield what there is of the particles, and of the reference at each, whose names end in ``_exact``."""
+    units = particles.units
+    yield "particle", np.arange(len(particles["x"])), ""
+    for suffix in ("", "_exact"):
+        for name, parts in (("velocity", ("u", "v", "w")), ("stress", STRESS)):
+            if parts[0] + suffix in units:
+                here = tuple(part and part + suffix for part in parts)
+                yield name + suffix, _together(particles, here), units[here[0]]
+        for name in ("pressure" + suffix, "density" + suffix, "vorticity" + suffix):
+            if name in units:
+                yield name, particles[name].astype(float), units[name]
+
+
+def _together(particles: Particles, parts: tuple[str, ...]) -> np.ndarray:
+    """Return the arrays named ``parts`` as columns, zeros where there is no name or no such array."""
+    nothing = np.zeros(len(particles["x"]))
+    return np.stack([particles[part].astype(float) if part in particles.units else nothing for part in parts], axis=1)
+
+
+VERSION = (2, 0)
+VERTEX, POLY_LINE, POLYGON = 1, 4, 7
+
+LARGEST_CHUNK = 65536
+"""Rows of a dataset that HDF5 keeps in one piece, at the most."""
+
+PIECES = 4
+"""Of an outline, on the length of a particle spacing."""
+
+
+def append(file: Any, snapshot: Any, about: Any) -> None:
+    """Append particles as the next step to an open HDF5 ``file``, which is empty before the first one.
+
+    It has ``velocity``, ``pressure``, ``density``, ``stress``, of two-dimensional flow ``vorticity``, and ``particle``,
+    and the exact ones. Field data: ``units``, a text that names that of each field; and the ``config`` as YAML.
+    ``about`` is the ``Description`` of the run.
+    """
+    particles, count = Arrays(about, snapshot), len(snapshot.x)
+    found = list(fields(particles))
+    root = file.get("VTKHDF") or _begun(file, "PointData", {name: unit for name, _, unit in found}, about)
+    data = {name: array for name, array, _ in found}
+    _add_step(root, snapshot.t, places(particles), np.full(count, VERTEX), np.ones(count, int), data)
+
+
+def append_bodies(file: Any, snapshot: Any, about: Any) -> None:
+    """Append the bodies of ``snapshot`` likewise, with what ``tisph.snapshot.Bodies`` has of each, and its number."""
+    bodies, scene = snapshot.bodies, about.scene
+    chosen = [index for index, body in enumerate(scene.bodies) if body.shape.area]
+    outlines = [_outline(scene, scene.bodies[index], bodies.centre[index], bodies.angle[index]) for index in chosen]
+    kinds = [POLY_LINE if scene.bodies[index].shape.fluid_side == "inside" else POLYGON for index in chosen]
+    found = {name: np.asarray(values)[chosen] for name, values in vars(bodies).items() if values is not None}
+    found = {name: np.pad(values, ((0, 0), (0, 1))) if values.ndim == 2 else values for name, values in found.items()}
+    units = {name: about.units.get(name, "") for name in found}
+    root = file.get("VTKHDF") or _begun(file, "CellData", {"body": "", **units}, about)
+    points, sizes = np.pad(np.concatenate(outlines), ((0, 0), (0, 1))), np.array(list(map(len, outlines)))
+    _add_step(root, snapshot.t, points, np.array(kinds), sizes, {"body": np.array(chosen), **found})
+
+
+def _outline(scene: Any, body: Any, centre: np.ndarray, angle: float) -> np.ndarray:
+    """Return the boundary (n, 2) of a body, closed where the fluid is in it, at the copy that is in the box."""
+    edge, periods = body.shape.boundary_points(scene.spacing / PIECES).point, np.array(body.periods)
+    left = np.floor((centre - scene.origin) / periods)  # 0 along an axis without a period
+    centre = centre - np.where(np.isfinite(periods), left, 0.0) * np.nan_to_num(periods, posinf=0.0)
+    return Placement(centre, angle).to_lab_frame(
+        np.concatenate([edge, edge[:1]]) if body.shape.fluid_side == "inside" else edge
+    )
+
+
+def has_outlines(scene: Any) -> bool:
+    """Tell whether the scene has bodies other than straight walls."""
+    return any(body.shape.area for body in scene.bodies)
+
+
+def beside(path: Any) -> Any:
+    """Return the path of the bodies' file beside that of the particles."""
+    return path.with_name(f"{path.stem}_bodies{path.suffix}")
+
+
+def _begun(file: Any, part: str, named: dict[str, str], about: Any) -> Any:
+    units = {"Points": about.config.units.length, "time": about.config.units.time, **named}
+    said = ", ".join(f"{name} [{unit or '-'}]" for name, unit in units.items())
+    root = file.create_group("VTKHDF")
+    root.attrs["Version"] = VERSION
+    root.attrs.create("Type", np.bytes_("UnstructuredGrid"))  # of fixed length and ASCII, or VTK does not know it
+    root.create_group(part)
+    root.create_group("Steps").attrs["NSteps"] = 0
+    for name, text in (("units", said), ("config", about.resolved)):  # in other characters VTK 9.7 ends the process
+        root.create_dataset(f"FieldData/{name}", data=[_ascii(text)], dtype=h5py.string_dtype("ascii"))
+    return root
+
+
+def _add_step(root: Any, time: float, points: Any, kinds: Any, sizes: Any, data: dict[str, Any]) -> None:
+    """Add cells of these ``kinds`` and ``sizes``, each of the next points, and ``data`` of the points or cells."""
+    steps, part = root["Steps"], "PointData" if "PointData" in root else "CellData"
+    number, point, cell = int(steps.attrs["NSteps"]), *(len(root.get(name, ())) for name in ("Points", "Types"))
+    _add(root, "Points", points)
+    for name, array in data.items():
+        _add(root[part], name, array)
+        _add(steps, f"{part}Offsets/{name}", np.array([point if part == "PointData" else cell]))
+    for name, count in (("Points", len(points)), ("Cells", len(sizes)), ("ConnectivityIds", len(points))):
+        _add(root, f"NumberOf{name}", np.array([count]))
+    _add(root, "Connectivity", np.arange(len(points)))
+    _add(root, "Offsets", np.append(0, np.cumsum(sizes)))
+    _add(root, "Types", kinds.astype(np.uint8))
+    for name, value in (("Values", time), ("PartOffsets", number), ("NumberOfParts", 1), ("PointOffsets", point)):
+        _add(steps, name, np.array([value]))
+    for name, value in (("CellOffsets", cell), ("ConnectivityIdOffsets", point)):
+        _add(steps, name, np.array([[value]]))
+    for name in root["FieldData"]:  # without offsets VTK 9.7 ends the process; the texts are the same at every step
+        _add(steps, f"FieldDataOffsets/{name}", np.array([0]))
+        _add(steps, f"FieldDataSizes/{name}", np.array([[1, 1]]))
+    steps.attrs["NSteps"] = number + 1
+
+
+def _add(group: Any, name: str, rows: np.ndarray) -> None:
+    """Append ``rows`` to a dataset, which is made if there is none."""
+    if name not in group:
+        chunk = (min(max(len(rows), 64), LARGEST_CHUNK), *rows.shape[1:])
+        group.create_dataset(name, data=rows, maxshape=(None, *rows.shape[1:]), chunks=chunk)
+        return
+    data = group[name]
+    data.resize(len(data) + len(rows), axis=0)
+    data[-len(rows) :] = rows
+
+
+def _ascii(text: str) -> str:
+    return text.replace("µ", "u").encode("ascii", "backslashreplace").decode()
 
 
 class Vtk(StateObserver):

@@ -7,7 +7,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from tisph.observers._files import readable
+from tisph.observers._storage import readable
 
 
 class Arrays(Mapping[str, np.ndarray]):

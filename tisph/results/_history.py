@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from tisph.observers._files import readable
+from tisph.observers._storage import readable
 from tisph.observers.history import read_rows
 
 

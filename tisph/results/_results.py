@@ -9,7 +9,7 @@ import numpy as np
 
 from tisph.errors import ConfigError
 from tisph.folder import Folder
-from tisph.observers._files import readable
+from tisph.observers._storage import readable
 from tisph.results._history import History, read
 from tisph.results._samples import Samples
 from tisph.results._summary import Summary, typed

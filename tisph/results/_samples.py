@@ -6,7 +6,7 @@ from typing import overload
 
 import h5py
 
-from tisph.observers._files import readable
+from tisph.observers._storage import readable
 from tisph.results._arrays import Arrays
 
 

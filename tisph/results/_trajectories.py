@@ -3,7 +3,7 @@
 import h5py
 import numpy as np
 
-from tisph.observers._files import readable
+from tisph.observers._storage import readable
 from tisph.results._arrays import Arrays
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from tisph.config import yaml_text
 from tisph.errors import ConfigError
-from tisph.observers._files import readable, replaced
+from tisph.observers._storage import readable, replaced
 from tisph.runtime import ti, view
 from tisph.simulation.resumption import require_fit
 

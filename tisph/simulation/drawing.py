@@ -11,10 +11,9 @@ from tisph import config, scenes
 from tisph.config.schema import Video
 from tisph.errors import ConfigError
 from tisph.folder import Folder
-from tisph.observers._files import replaced
-from tisph.observers.frames import read_frames
+from tisph.observers._storage import replaced
 from tisph.observers.history import read_history, read_resolved
-from tisph.observers.samples import read_samples
+from tisph.observers.samples import read_frames, read_samples
 from tisph.report.drawing_process import RemoteMovie, described, shared
 
 VIDEO = "output.video."

@@ -5,13 +5,10 @@ from contextlib import ExitStack
 from tisph.config.checks import colours
 from tisph.errors import DivergedError, TisphError
 from tisph.folder import Folder, claimed
-from tisph.observers._files import replaced
-from tisph.observers.checkpoints import Checkpoints
-from tisph.observers.frames import Frames
-from tisph.observers.history import History
-from tisph.observers.samples import Samples
-from tisph.observers.schedule import even_times
-from tisph.observers.trajectories import Trajectories
+from tisph.observers._storage import replaced
+from tisph.observers.history import History, Trajectories
+from tisph.observers.samples import Frames, Samples
+from tisph.observers.schedule import Checkpoints, even_times
 from tisph.report import drawing_process
 from tisph.simulation import checkpoint, drawing
 from tisph.simulation.interrupts import Interrupts

@@ -9,7 +9,7 @@ from importlib import metadata
 from pathlib import Path
 
 from tisph import runtime
-from tisph.observers._files import replaced
+from tisph.observers._storage import replaced
 from tisph.version import __version__
 
 

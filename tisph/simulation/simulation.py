@@ -13,7 +13,7 @@ from tisph import runtime, scenes, schemes
 from tisph.config import Config
 from tisph.config.from_python import Asked, loaded
 from tisph.errors import ConfigError, DivergedError, TisphError
-from tisph.observers.description import Description
+from tisph.observers._storage import Description
 from tisph.observers.guard import Guard
 from tisph.observers.protocol import Observer, Schedule
 from tisph.observers.schedule import EveryTime

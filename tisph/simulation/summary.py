@@ -5,8 +5,7 @@ import time
 
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import steady_since
-from tisph.observers._files import hdf5_file, replaced
-from tisph.observers._storage import write_snapshot
+from tisph.observers._storage import hdf5_file, replaced, write_snapshot
 from tisph.observers.history import read_history
 from tisph.simulation.drawing import begin_still
 from tisph.simulation.results import peak_memory_mb, provenance

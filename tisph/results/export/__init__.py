@@ -6,7 +6,7 @@ from pkgutil import iter_modules
 from typing import TYPE_CHECKING
 
 from tisph.errors import ConfigError
-from tisph.observers._files import replaced
+from tisph.observers._storage import replaced
 
 if TYPE_CHECKING:
     from tisph.results import Results

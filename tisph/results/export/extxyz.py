@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tisph.observers._fields import fields, places
+from tisph.observers.vtk import fields, places
 
 if TYPE_CHECKING:
     from tisph.results import Results

@@ -4,11 +4,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tisph.observers._files import hdf5_file, replaced
-from tisph.observers._vtkhdf import append, append_bodies, beside, has_outlines
-from tisph.observers.description import Description
-from tisph.observers.frames import read_frames
-from tisph.observers.samples import read_samples
+from tisph.observers._storage import Description, hdf5_file, replaced
+from tisph.observers.samples import read_frames, read_samples
+from tisph.observers.vtk import append, append_bodies, beside, has_outlines
 
 if TYPE_CHECKING:
     from tisph.results import Results

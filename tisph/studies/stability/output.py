@@ -6,7 +6,7 @@ import platform
 import time
 from datetime import datetime
 
-from tisph.observers._files import replaced
+from tisph.observers._storage import replaced
 from tisph.studies.engine import START_SECONDS
 from tisph.studies.stability import limits, maps
 from tisph.studies.stability.judge import VERDICTS

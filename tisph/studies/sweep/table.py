@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 
 from tisph.measures.metrics import fitted_order
-from tisph.observers._files import hdf5_file, replaced
+from tisph.observers._storage import hdf5_file, replaced
 
 TABLE, COSTS, ARRAYS = "table.csv", "costs.csv", "table.h5"
 

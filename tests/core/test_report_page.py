@@ -18,9 +18,16 @@ from typer.testing import CliRunner
 import tisph
 from tisph import cli
 from tisph.report.labels import scientific
-from tisph.results.page import movie_element, report
-from tisph.results.page.tables import Row, config, errors, estimates, measures
-from tisph.results.page.view import View
+from tisph.results.page import (
+    Row,
+    View,
+    config_table,
+    error_table,
+    estimate_table,
+    measure_table,
+    movie_element,
+    report,
+)
 
 CASE = """
 name: small
@@ -164,15 +171,15 @@ def test_the_page_has_every_part(folder):
 
 def test_keys_that_differ_are_marked(folder, other):
     runs = [tisph.open(folder), tisph.open(other)]
-    table = config(runs)
+    table = config_table(runs)
     assert [row.cells for row in table.rows if row.marked] == [["name", "small", "other"], ["initial.seed", "0", "7"]]
-    assert not any(row.marked for row in config(runs[:1]).rows)
+    assert not any(row.marked for row in config_table(runs[:1]).rows)
     assert Row(["geometry.gap", "1", "1"]) in table.rows
 
 
 def test_errors_are_those_of_the_summary(folder):
     run = tisph.open(folder)
-    table = errors([run], [View.of(run, "small")])
+    table = error_table([run], [View.of(run, "small")])
     assert [row.cells[0] for row in table.rows] == ["0.4 s", "1 s"]
     mantissa, exponent = f"{run.summary.samples[-1].l2:.1e}".split("e")
     assert table.rows[-1].cells[2].startswith(f"{mantissa}×10")
@@ -183,7 +190,7 @@ def test_errors_are_those_of_the_summary(folder):
 
 def test_numbers_stand_beside_the_exact_ones(folder):
     run = tisph.open(folder)
-    rows = {tuple(row.cells[:2]): row.cells[2:] for row in measures([run], [View.of(run, "small")]).rows}
+    rows = {tuple(row.cells[:2]): row.cells[2:] for row in measure_table([run], [View.of(run, "small")]).rows}
     last = run.summary.samples[-1]
     value, exact, difference = rows["1 s", "wall shear top"]
     assert float(value) == pytest.approx(last["wall_shear_top"], rel=5e-6)  # six digits
@@ -194,13 +201,13 @@ def test_numbers_stand_beside_the_exact_ones(folder):
 
 def test_estimated_errors_are_a_table_where_there_are_any(folder):
     run = tisph.open(folder)
-    assert estimates([run], [View.of(run, "small")]).rows == []
+    assert estimate_table([run], [View.of(run, "small")]).rows == []
     found = {"error": 1.31e-4, "order": 3.9, "reason": None}
     samples = [
         {"t": 1.0, "fields": {"velocity": found}, "numbers": {"drag": {**found, "error": None, "reason": "why"}}}
     ]
     run.summary = replace(run.summary, error_estimate={"reason": None, "samples": samples})
-    assert [row.cells for row in estimates([run], [View.of(run, "small")]).rows] == [
+    assert [row.cells for row in estimate_table([run], [View.of(run, "small")]).rows] == [
         ["1 s", "velocity", "1.3×10⁻⁴", "3.9", "relative, L2"],
         ["1 s", "drag", "–", "3.9", "why"],
     ]

@@ -21,7 +21,7 @@ from tisph.report.layout import arrange
 from tisph.report.movie import _overlays
 from tisph.report.overlays import BodyTracks, Solids, Tracks
 from tisph.report.plots import history_figure
-from tisph.results._trajectories import Trajectories as Read
+from tisph.results._results import Trajectories as Read
 from tisph.scenes._cell import shear_stress
 from tisph.schemes._splitting._contact import Contact
 from tisph.simulation.start import start_snapshot, start_values

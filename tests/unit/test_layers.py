@@ -41,8 +41,7 @@ LEVEL_OF = {part: level for level, parts in enumerate(LEVELS) for part in parts}
 WITHOUT_TAICHI = ["bodies", "suspensions", "config", "scenes", "exact", "geometry", "measures", "report", "assessment"]
 WITHOUT_TAICHI += ["kernels"]
 FILES = sorted(PACKAGE.rglob("*.py"))
-BY_NAME = {"tisph/registry.py", "tisph/__init__.py"}
-BY_NAME |= {"tisph/results/export/__init__.py", "tisph/runtime/_taichi.py"}
+BY_NAME = {"tisph/registry.py", "tisph/__init__.py", "tisph/runtime/_taichi.py"}
 """Files that import modules whose names are put together: members of a folder, public names, what is installed."""
 
 

@@ -176,9 +176,9 @@ class Trajectories(StateObserver):
 
     Datasets: ``t`` (records,) and each of ``BODY_FIELDS``, (records, bodies, ...), in the units of the config.
     Attributes ``names`` (bodies,): their numbers among those of the config, as columns of the history have them;
-    ``shapes`` (bodies,): what they are; ``free`` (bodies,): whether the flow carries them. ``about`` is the ``Description``
-    of the run. ``resumed_at`` is the time up to which records of an interrupted run are kept, None for a new file. The
-    file can be read at any time, whatever ends the process.
+    ``shapes`` (bodies,): what they are; ``free`` (bodies,): whether the flow carries them. ``about`` is the
+    ``Description`` of the run. ``resumed_at`` is the time up to which records of an interrupted run are kept, None for
+    a new file. The file can be read at any time, whatever ends the process.
     """
 
     def __init__(self, path, scene, end, resumed_at=None, about=None):

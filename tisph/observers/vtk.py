@@ -1,8 +1,8 @@
 """The samples as ParaView reads them, while the run goes on: ``samples.vtkhdf``, and the bodies beside it.
 
 VTKHDF has snapshots as one UnstructuredGrid over time, each particle a vertex (VTK 9.3 and later, ParaView 5.12).
-Bodies are in a file of their own, each a polygon, or the line around the fluid in it. Vectors and tensors are in one piece, in
-three dimensions.
+Bodies are in a file of their own, each a polygon, or the line around the fluid in it. Vectors and tensors are in one
+piece, in three dimensions.
 
 https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/index.html
 """

@@ -1,26 +1,258 @@
-"""A run's folder as an object."""
+"""A run's folder as an object: samples, history, bodies, movie and summary, read when they are asked for."""
 
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 
+import h5py
 import numpy as np
 
 from tisph.errors import ConfigError
 from tisph.folder import Folder
 from tisph.observers._storage import readable
-from tisph.results._history import History, read
-from tisph.results._samples import Samples
-from tisph.results._summary import Summary, typed
-from tisph.results._trajectories import Trajectories
+from tisph.observers.history import read_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
     from tisph.config import Config
-    from tisph.results._movie import Movie
+
+
+class Arrays(Mapping[str, np.ndarray]):
+    """Those in a ``group`` of the file by name, read when they are asked for."""
+
+    def __init__(self, path: Path, group: str = "/"):
+        self._path, self._group = path, group
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self.units:
+            raise KeyError(f"{name!r}; there are {', '.join(self.units)}")
+        with readable(self._path), h5py.File(self._path, "r") as file:
+            return np.asarray(file[self._group][name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.units)
+
+    def __len__(self) -> int:
+        return len(self.units)
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """Unit of each array by its name."""
+        found: dict[str, str] = {}
+
+        def take(name: str, item: object) -> None:
+            if isinstance(item, h5py.Dataset):
+                found[name] = str(item.attrs.get("units", ""))
+
+        with readable(self._path), h5py.File(self._path, "r") as file:
+            file[self._group].visititems(take)
+        return found
+
+
+class Sample(Arrays):
+    """The fluid particles at time ``t``, after ``step`` steps: arrays of shape (particles,) by name.
+
+    ``x``, ``y``, ``u``, ``v``, ``density``, ``pressure``, with polymer ``stress_xx``, ``stress_xy``, ``stress_yy``, and
+    what the reference says there, ``u_exact`` and so on; of bodies ``bodies/centre`` and so on, of shape (bodies, ...).
+    """
+
+    def __init__(self, path: Path, group: str, t: float, step: int):
+        super().__init__(path, group)
+        self.t, self.step = t, step
+
+    def __repr__(self) -> str:
+        return f"<Sample t={self.t:g}: {', '.join(self)}>"
+
+
+class Samples(Sequence[Sample]):
+    """The samples of a run in the order of time."""
+
+    def __init__(self, path: Path):
+        self._samples: list[Sample] = []
+        if path.is_file():
+            with readable(path), h5py.File(path, "r") as file:
+                groups = sorted(file.values(), key=lambda group: group.attrs["t"])
+                self._samples = [
+                    Sample(path, group.name, float(group.attrs["t"]), int(group.attrs["step"])) for group in groups
+                ]
+
+    @overload
+    def __getitem__(self, index: int) -> Sample: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Sample]: ...
+    def __getitem__(self, index: int | slice) -> Sample | list[Sample]:
+        return self._samples[index]
+
+    def __len__(self) -> int:
+        return len(self._samples)
+
+    def __repr__(self) -> str:
+        return f"<Samples at t = {', '.join(f'{sample.t:g}' for sample in self)}>"
+
+
+class History(np.recarray):
+    """A row a time: ``history.t``, and by their names in the file ``history["u(y=0.5)"]`` and so on.
+
+    Numbers are in the units of the config; where there is none it is NaN.
+    """
+
+    def to_pandas(self) -> Any:
+        """Return a ``pandas.DataFrame``, a column a name; ImportError where there is no pandas."""
+        import pandas  # not needed otherwise
+
+        return pandas.DataFrame({name: self[name] for name in self.dtype.names or ()})
+
+
+@dataclass(frozen=True)
+class Movie:
+    """The movie in the file ``path``; ``os.fspath`` takes it, too."""
+
+    path: Path
+    title: str
+
+    def __fspath__(self) -> str:
+        return str(self.path)
+
+    def _repr_html_(self) -> str:
+        from tisph.results.page import movie_element
+
+        return movie_element(self.path, self.title)
+
+
+class Trajectories(Arrays):
+    """Bodies in the fluid at evenly spaced times: arrays by name, read when they are asked for.
+
+    ``t`` (times,); ``centre`` (times, bodies, 2), not wrapped by periods; ``angle`` [radians], ``angular_velocity``
+    (times, bodies), counterclockwise; ``velocity``, ``force`` and ``contact_force`` (times, bodies, 2); ``torque``,
+    ``stresslet`` (times, bodies). Loads are per length across the plane, NaN at the start. All are in the units of the
+    config.
+    """
+
+    def __repr__(self) -> str:
+        return f"<Trajectories of {len(self.names)} bodies: {', '.join(self)}>"
+
+    @property
+    def names(self) -> list[str]:
+        """Number of each body in the config, as in columns of the history."""
+        return [str(name) for name in self._attribute("names")]
+
+    @property
+    def shapes(self) -> list[str]:
+        """What each body is, such as ``circle``."""
+        return [str(name) for name in self._attribute("shapes")]
+
+    @property
+    def free(self) -> np.ndarray:
+        """Whether the flow carries each of the bodies, bool (bodies,)."""
+        return np.asarray(self._attribute("free"), dtype=bool)
+
+    def _attribute(self, name: str) -> np.ndarray:
+        with readable(self._path), h5py.File(self._path, "r") as file:
+            return np.asarray(file.attrs[name])
+
+
+Value = float | int | bool | str | None
+"""None where there is no such number, such as an error without a reference."""
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class SampleErrors:
+    """One sample at time ``t``; ``sample["NAME"]`` is any number of it, also those that only its scene has.
+
+    ``l2`` is relative, ``rms`` and ``linf`` are over the reference velocity, ``t_star`` is ``t`` over the time scale.
+    ``measures`` has all numbers by name, in the units of the config.
+    """
+
+    t: float
+    t_star: float
+    step: int
+    resolved: bool
+    reason: str | None
+    l2: float | None
+    rms: float | None
+    linf: float | None
+    measures: Mapping[str, Value] = field(repr=False)
+
+    def __getitem__(self, name: str) -> Value:
+        return self.measures[name]
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Steps, seconds of the clock (``_s``), and the largest memory [MB] of a run."""
+
+    steps: int | None
+    wall_total_s: float | None
+    wall_import_s: float | None
+    wall_compile_s: float | None
+    wall_loop_s: float | None
+    wall_output_s: float | None
+    particle_steps_per_s: float | None
+    peak_memory_mb: float | None
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """What else the numbers depend on: versions by package, machine, threads, precision, seed, config, commit."""
+
+    versions: Mapping[str, str]
+    platform: str | None
+    processor: str | None
+    threads: int | None
+    precision: str | None
+    seed: int | None
+    config_hash: str | None
+    commit: str | None
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a run says of itself; one that was killed, or still runs, has the status ``failed`` and no samples here.
+
+    ``message`` says what went wrong, ``numbers`` are those of the whole run by name, ``momentum`` is the balance along
+    x [mass velocity per length out of the plane], ``error_estimate`` is there after ``--estimate-error``.
+    """
+
+    name: str
+    status: Literal["done", "diverged", "interrupted", "failed"]
+    message: str | None
+    samples: tuple[SampleErrors, ...]
+    numbers: Mapping[str, Value]
+    momentum: Mapping[str, float | None]
+    cost: Cost
+    provenance: Provenance
+    error_estimate: Mapping[str, Any] | None
+
+
+def typed(data: Mapping[str, Any], name: str) -> Summary:
+    """Return the contents of a ``summary.json``, of the run ``name`` where it does not say so.
+
+    ValueError where it is none.
+    """
+    if not isinstance(data, dict) or "status" not in data or any("t" not in each for each in data.get("samples", [{}])):
+        raise ValueError("it is no summary of a run")
+    return Summary(
+        name=data.get("name", name),
+        status=data["status"],
+        message=data.get("message"),
+        samples=tuple(_known(SampleErrors, {**sample, "measures": sample}) for sample in data["samples"]),
+        numbers=data.get("numbers", {}),
+        momentum=data.get("momentum", {}),
+        cost=_known(Cost, data.get("cost", {})),
+        provenance=_known(Provenance, {"versions": {}, **data.get("provenance", {})}),
+        error_estimate=data.get("error_estimate"),
+    )
+
+
+def _known(kind: type[T], data: Mapping[str, Any]) -> T:
+    return kind(**{each.name: data.get(each.name) for each in fields(kind)})  # type: ignore[arg-type]
 
 
 class Results:
@@ -52,8 +284,14 @@ class Results:
 
     @cached_property
     def history(self) -> History:
-        """What the scene follows in time, a NumPy record array (times,); ``to_pandas()`` where pandas is there."""
-        return read(self._files.history)
+        """What the scene follows in time, a NumPy record array (times,); ``to_pandas()`` where pandas is there.
+
+        No rows where there is no such file, or a run was killed before its first one.
+        """
+        path = self._files.history
+        with readable(path):
+            names, rows = read_rows(path) if path.is_file() else (["t"], [])
+            return np.array(rows, dtype=[(name, float) for name in names]).view(History)
 
     @cached_property
     def bodies(self) -> Trajectories | None:
@@ -63,7 +301,6 @@ class Results:
     @cached_property
     def movie(self) -> "Movie | None":
         """The movie (``.path``; a notebook plays it), None where the run made none."""
-        from tisph.results._movie import Movie
 
         return Movie(self._files.movie, self.summary.name) if self._files.movie.is_file() else None
 

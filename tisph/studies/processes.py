@@ -19,7 +19,7 @@ import numpy as np
 
 from tisph import clock, registry
 from tisph.folder import Folder
-from tisph.results._arrays import Arrays
+from tisph.results._results import Arrays
 
 METHOD = "forkserver" if sys.platform == "linux" else "spawn"
 

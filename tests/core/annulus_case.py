@@ -6,11 +6,10 @@ import numpy as np
 
 from tisph import runtime
 from tisph.geometry.body import Body
-from tisph.geometry.box import box_around
 from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.packing import pack
-from tisph.geometry.region import Region
+from tisph.geometry.region import Region, box_around
 from tisph.schemes._splitting._problem import BoundedProblem
 from tisph.schemes._splitting._scheme import COURANT, Scheme
 from tisph.schemes._splitting._wall_points import WallPoints

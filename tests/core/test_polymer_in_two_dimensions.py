@@ -14,9 +14,9 @@ from scipy.linalg import logm
 from tisph import config, registry, runtime
 from tisph.errors import DivergedError
 from tisph.exact.start_up import CircularStartUp, ViscoelasticFluid
+from tisph.geometry.body import SlidingWall
 from tisph.geometry.line import Line
 from tisph.geometry.motion import WallMotion
-from tisph.geometry.sliding import SlidingWall
 from tisph.neighbours.point_cloud import active
 from tisph.rheology import giesekus, oldroyd_b
 from tisph.runtime import view

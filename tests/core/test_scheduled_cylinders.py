@@ -8,8 +8,7 @@ from tisph import config, registry, runtime, schemes
 from tisph.cli.check import estimates
 from tisph.errors import ConfigError
 from tisph.exact.start_up import CircularStartUp, ViscoelasticFluid
-from tisph.geometry.motion import WallMotion
-from tisph.geometry.schedule import Schedule
+from tisph.geometry.motion import Schedule, WallMotion
 from tisph.measures.rheometry import read
 from tisph.schemes._splitting._scheme import Scheme
 from tisph.simulation import checkpoint

@@ -12,7 +12,7 @@ from scipy.integrate import quad
 from scipy.special import jn_zeros, jv
 
 from tisph.exact.start_up import CircularStartUp, Flow, InelasticFluid, StartUp, ViscoelasticFluid, Wall
-from tisph.geometry.schedule import Schedule
+from tisph.geometry.motion import Schedule
 from tisph.rheology import power_law
 
 R = np.linspace(1.0, 2.0, 41)

@@ -10,8 +10,7 @@ from oracles.circular_couette import CircularCouette
 
 from tisph.exact import couette
 from tisph.exact.start_up import CircularStartUp, Flow, StartUp, ViscoelasticFluid, Wall
-from tisph.geometry.motion import WallMotion
-from tisph.geometry.schedule import Schedule
+from tisph.geometry.motion import Schedule, WallMotion
 
 GAP, NU = 0.7, 0.3
 HEIGHTS = np.linspace(0.0, GAP, 41)

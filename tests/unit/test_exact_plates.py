@@ -5,7 +5,7 @@ import pytest
 
 from tisph import registry
 from tisph.exact.start_up import Flow, InelasticFluid, StartUp, ViscoelasticFluid
-from tisph.geometry.stress_controlled import StressControlledWall
+from tisph.geometry.motion import StressControlledWall
 
 HEIGHTS = np.linspace(0.1, 1.0, 10)
 ACCURACY = 1e-9

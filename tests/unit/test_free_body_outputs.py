@@ -12,7 +12,7 @@ from tisph import scenes
 from tisph.cli.check import described, forecast
 from tisph.cli.result_table import result_text
 from tisph.config import load
-from tisph.geometry.gaps import gap
+from tisph.geometry.body import gap
 from tisph.observers import history as histories
 from tisph.observers._storage import Description
 from tisph.observers.history import BODY_FIELDS, History, Trajectories, read_resolved

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from shapes import CLOSED
 
-from tisph.geometry.body import Body
+from tisph.geometry.body import Body, gap, smallest_gap
 from tisph.geometry.circle import Circle
-from tisph.geometry.gaps import gap, smallest_gap
 from tisph.geometry.line import Line
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.polygon import Polygon

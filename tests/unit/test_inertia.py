@@ -9,12 +9,12 @@ from shapes import CLOSED, ELL, ellipse
 
 from tisph.geometry.circle import Circle
 from tisph.geometry.ellipse import Ellipse
-from tisph.geometry.inertia import centroid, polar_moment
 from tisph.geometry.polygon import Polygon
+from tisph.geometry.shape import centroid, polar_moment
 from tisph.geometry.spline import Spline
 
 EVEN = 1e-12  # sums over even points of an analytic closed curve are exact but for round-off
-SECOND_ORDER = 1e-7  # where the curvature jumps, of corners rounded by 1/100 of the perimeter (geometry/inertia.py)
+SECOND_ORDER = 1e-7  # where the curvature jumps, of corners rounded by 1/100 of the perimeter (geometry/shape.py)
 
 
 @pytest.mark.parametrize("shape", [Circle(0.7), Ellipse((1.2, 0.5)), Ellipse((0.1, 2.0))])

@@ -8,7 +8,7 @@ import pytest
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.line import Line
-from tisph.geometry.random_packing import random_centres
+from tisph.geometry.packing import random_centres
 from tisph.geometry.region import Region
 
 PLANES = (Body(Line((0, 0), (1, 0), 2.0)), Body(Line((0, 1), (-1, 0), 2.0)))

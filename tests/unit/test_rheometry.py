@@ -16,7 +16,7 @@ from tisph.exact.linear_viscoelasticity import (
     cylinder_apparent_viscosity,
 )
 from tisph.exact.start_up import CircularStartUp, ViscoelasticFluid, Wall
-from tisph.geometry.stress_controlled import StressControlledWall
+from tisph.geometry.motion import StressControlledWall
 from tisph.measures.rheometry import (
     _amplitudes,
     _creep,

@@ -8,7 +8,7 @@ import pytest
 from tisph import registry
 from tisph.exact.linear_viscoelasticity import Spectrum
 from tisph.exact.uniform_shear import UniformShear
-from tisph.geometry.schedule import Schedule
+from tisph.geometry.motion import Schedule
 from tisph.measures.rheometry import _flow_curve, _middle, _step_strain, read_schedule
 
 LIQUID = Spectrum(0.1, ((0.9, 2.0),))

@@ -10,7 +10,7 @@ from report_scene import Drawn, make_video
 
 from tisph.config import load
 from tisph.errors import ConfigError
-from tisph.geometry.gaps import smallest_gap
+from tisph.geometry.body import smallest_gap
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import resolution
 from tisph.report.plots import history_figure, profile_figure

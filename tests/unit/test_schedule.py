@@ -6,7 +6,7 @@ from oracles import scheduled_wall
 from oracles.scheduled_wall import _image_gradient, _image_velocity, _series_gradient, _series_velocity
 
 from tisph.exact import couette
-from tisph.geometry.schedule import Schedule
+from tisph.geometry.motion import Schedule
 
 WALL = Schedule((0.1, 0.3, 0.3, 0.6, 0.9), (0.0, 1.0, 0.5, 2.0, 0.0))
 LIQUID = {"gap": 0.5, "kinematic_viscosity": 2.0}

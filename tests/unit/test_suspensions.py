@@ -8,7 +8,7 @@ import pytest
 from tisph import scenes
 from tisph.config import load
 from tisph.errors import ConfigError
-from tisph.geometry.gaps import smallest_gap
+from tisph.geometry.body import smallest_gap
 
 FLUID = "fluid: {density: 1.0, kinematic_viscosity: 1.0}\ntime: {end: 1.0}\n"
 CIRCLES = "bodies: {type: random_circles, radius: 0.08, fraction: 0.2, seed: 4}\n"

@@ -9,9 +9,8 @@ from pydantic import Field, model_validator
 from tisph.config.base import Model, NonNegative, Positive, Signed, findings, refusals, refuse
 from tisph.config.fields import either
 from tisph.geometry.body import Body
-from tisph.geometry.free_motion import FREEDOMS, FreeMotion, Inertia
-from tisph.geometry.inertia import centroid, polar_moment
-from tisph.geometry.motion import REST, RigidMotion, WallMotion
+from tisph.geometry.motion import FREEDOMS, REST, FreeMotion, Inertia, RigidMotion, WallMotion
+from tisph.geometry.shape import centroid, polar_moment
 
 Point = Annotated[tuple[Signed, Signed], Field(strict=False)]
 """A place or a vector [x, y]."""

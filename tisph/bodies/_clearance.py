@@ -7,14 +7,13 @@ from typing import Any
 import numpy as np
 
 from tisph.config.base import Problem
-from tisph.geometry.body import Body
-from tisph.geometry.gaps import gap, smallest_gap
+from tisph.geometry.body import Body, gap, smallest_gap
 
 LEAST_GAP = 2.0
 """In particle spacings."""
 
 ROUNDING = 1e-5
-"""Part of a gap that counts for nothing: it is good to 1e-6 of the walls (``geometry/gaps.py``)."""
+"""Part of a gap that counts for nothing: it is good to 1e-6 of the walls (``geometry/body.py``)."""
 
 LEAST_RADIUS, LEAST_HOLLOW, LEAST_WIDTH = 2.0, 1.0, 5.0
 """Of corners and bends that bulge into the fluid, of those that it fills, and of whole bodies, in particle spacings.

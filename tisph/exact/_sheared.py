@@ -135,7 +135,7 @@ class Equations:
 
     ``drive(times)``: the acceleration g.
 
-    Walls that are ``stress_controlled`` (``geometry/stress_controlled.py``) have ``stress(t)`` and ``mass_per_area``
+    Walls that are ``stress_controlled`` (``geometry/motion.py``) have ``stress(t)`` and ``mass_per_area``
     per unit density instead: their mass is added to that of their node, which obeys the weak form of the momentum
     equation as all others do.
 

@@ -6,7 +6,7 @@ Equations for 0 < y < gap, with g = -(dp/dx)/density, all stresses per unit dens
 
 for each law (mode) of a polymer, C the deviation of its conformation tensor from rest (``tisph/rheology``), and flux =
 solvent_viscosity * du/dy, or viscosity((du/dy)^2) * du/dy of a generalised Newtonian fluid. The walls move with given
-velocities, or are stress-controlled (``geometry/stress_controlled.py``), with mass_per_area * dU/dt = stress - shear
+velocities, or are stress-controlled (``geometry/motion.py``), with mass_per_area * dU/dt = stress - shear
 stress of the fluid; the flow starts from rest at t = 0, or, with ``before``, from the developed flow of other walls.
 Where a wall velocity or stress jumps later on, a new solution begins, in the root of the time from then on.
 

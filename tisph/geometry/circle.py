@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tisph.geometry._shape import ClosedCurve, ClosestPoint, Side, check_side, evenly
+from tisph.geometry.shape import ClosedCurve, ClosestPoint, Side, check_side, evenly
 
 
 @dataclass(frozen=True)

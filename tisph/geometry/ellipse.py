@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tisph.geometry._shape import ClosedCurve, ClosestPoint, Side, check_side, evenly
+from tisph.geometry.shape import ClosedCurve, ClosestPoint, Side, check_side, evenly
 
 NEWTON_STEPS, ROUNDING = 60, 1e-15
 """At most, for the angles of arc lengths, and the part of the longer half axis to which they are right.

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from tisph.geometry._shape import Boundary, ClosestPoint, Side, evenly, mirrored
+from tisph.geometry.shape import Boundary, ClosestPoint, Side, evenly, mirrored
 
 
 @dataclass(frozen=True)

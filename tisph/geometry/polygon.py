@@ -6,8 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tisph.geometry._crossing import crossing
-from tisph.geometry._shape import ClosedCurve, ClosestPoint, Side, check_side, checked_points, evenly
+from tisph.geometry.shape import ClosedCurve, ClosestPoint, Side, check_side, checked_points, crossing, evenly
 
 STRAIGHT = 1e-12
 """Turn of the tangent, in radians, and share of a length, below which there is rounding only."""

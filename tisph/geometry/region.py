@@ -1,4 +1,7 @@
-"""The fluid's region: what bodies and walls leave of a cell, periodic in either direction or not."""
+"""The fluid's region, what bodies and walls leave of a cell, and the box in which particles are searched.
+
+The cell may be periodic in either direction; the box is whole spacings wide and high, and periodic whatever is in it.
+"""
 
 import math
 from dataclasses import dataclass
@@ -6,6 +9,56 @@ from dataclasses import dataclass
 import numpy as np
 
 from tisph.geometry.body import Body
+
+
+@dataclass(frozen=True, kw_only=True)
+class Box:
+    """``columns`` x ``rows`` spacings from the lowest corner, the ``origin``."""
+
+    columns: int
+    rows: int
+    spacing: float
+    origin: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def length(self):
+        """Period along x."""
+        return self.columns * self.spacing
+
+    @property
+    def height(self):
+        """Period along y."""
+        return self.rows * self.spacing
+
+    def places(self, position):
+        """Places x and y (n,) in the box of ``position`` (n, 2), from its lowest corner on."""
+        return position[:, 0] % self.length + self.origin[0], position[:, 1] % self.height + self.origin[1]
+
+
+def box_around(corners, spacing, periodic, margin, axisymmetric=False):
+    """Box of a region from the lowest to the highest of its ``corners`` (2, 2), which is ``periodic`` (2,) or not.
+
+    Where it is not, the box goes on beyond it by the ``margin`` or a little more: what lies at one end has then nothing
+    to do with what lies at the other. ``axisymmetric``: y is the distance from an axis, and nothing is beyond that; by
+    what the box does not go on there, it goes on above.
+    """
+    low, high = np.asarray(corners, dtype=float)
+    ahead = [0.0 if closed else margin for closed in periodic]
+    origin = low - ahead
+    if axisymmetric:
+        origin[1] = max(origin[1], 0.0)
+    columns, rows = (
+        round((top - bottom) / spacing) if closed else int(np.ceil((top - bottom + 2 * margin) / spacing))
+        for bottom, top, closed in zip(low, high, periodic, strict=True)
+    )
+    return Box(columns=columns, rows=rows, spacing=spacing, origin=tuple(origin.tolist()))
+
+
+def nearest_image(difference, period):
+    """``difference`` of places to the nearest periodic copy; the ``period`` [length] is 0 along axes without one."""
+    period = np.asarray(period)
+    return difference - period * np.round(difference / np.where(period > 0, period, math.inf))
+
 
 PUSHES = 4
 """Rounds at most in which places are moved off walls: in a corner one wall may push towards the other."""
@@ -37,6 +90,11 @@ class Region:
     def size(self):
         """Width and height (2,) of the cell."""
         return np.subtract(self.high, self.low)
+
+    @property
+    def periods(self):
+        """Periods (2,) of the cell, 0 along axes that are not periodic."""
+        return np.where(self.periodic, self.size, 0.0)
 
     @property
     def area(self):

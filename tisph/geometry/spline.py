@@ -10,8 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tisph.geometry._crossing import crossing
-from tisph.geometry._shape import ClosedCurve, ClosestPoint, Side, check_side, checked_points, evenly
+from tisph.geometry.shape import ClosedCurve, ClosestPoint, Side, check_side, checked_points, crossing, evenly
 
 DEGREE = 5
 SAMPLES = 16

@@ -25,6 +25,8 @@ Math. 4 (1995) 389-396.
 
 import numpy as np
 
+from tisph.geometry.region import nearest_image
+
 PROBE_RADIUS = 3.0
 """Radius R in particle spacings: 28 particles, and 14 in three rows for a point on a wall; 6 are needed."""
 
@@ -46,7 +48,7 @@ class Probes:
 
     def velocity(self, snapshot):
         """Velocity along x at the points, shape (points,); NaN where no particle is within the radius."""
-        near = np.abs(self._periodic(snapshot.x - self.centre)) < self.half_width
+        near = np.abs(nearest_image(snapshot.x - self.centre, self._length)) < self.half_width
         near &= snapshot.y > self.y.min() - self._radius
         near &= snapshot.y < self.y.max() + self._radius
         when = np.zeros(np.count_nonzero(near), dtype=int)
@@ -59,7 +61,7 @@ class Probes:
         (ascending) is the time at which each is seen.
         """
         particle, point = np.nonzero(np.abs(y[:, None] - self.y) < self._radius)
-        along = self._periodic(x[particle] - self.x[point]) / self._radius
+        along = nearest_image(x[particle] - self.x[point], self._length) / self._radius
         across = (y[particle] - self.y[point]) / self._radius
         distance = np.sqrt(along * along + across * across)
         where = when[particle] * self.x.size + point
@@ -77,10 +79,6 @@ class Probes:
             moments = np.add.reduceat(weighted[:, :, None] * basis[:, None, :], first)
             values.flat[found] = _solved(moments, np.add.reduceat(weighted * u[particle, None], first))
         return values
-
-    def _periodic(self, difference):
-        """Differences in x to the nearest periodic copy."""
-        return difference - self._length * np.round(difference / self._length)
 
 
 def _solved(moments, sums):

@@ -22,6 +22,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from tisph.geometry.region import nearest_image
+
 CHUNK = 4096
 """Points at a time: some tens of megabytes."""
 
@@ -86,9 +88,7 @@ def _normal_equations(tree, points, degree, near):
     """Return matrices (points, terms, terms) and (points, terms, near), the ``near`` values, and the radii R."""
     distance, nearest = tree.query(points, near)
     radius = distance[:, -1:]
-    offset = tree.data[nearest] - points[:, None]
-    sizes = np.where(tree.boxsize > 0, tree.boxsize, np.inf)
-    offset -= np.where(np.isfinite(sizes), sizes, 0.0) * np.round(offset / sizes)
+    offset = nearest_image(tree.data[nearest] - points[:, None], tree.boxsize)
     fraction = distance / radius
     weight = (1 - fraction) ** 4 * (1 + 4 * fraction)
     basis = np.stack(_terms((offset / radius[..., None]).transpose(2, 0, 1), degree), axis=1)

@@ -24,7 +24,7 @@ import numpy as np
 from tisph.errors import ConfigError
 from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity, cylinder_apparent_viscosity
 from tisph.exact.uniform_shear import UniformShear
-from tisph.geometry.schedule import Schedule
+from tisph.geometry.motion import Schedule
 from tisph.measures.channel import integral
 from tisph.measures.viscometers import (
     SHOWN,

@@ -8,9 +8,8 @@ import numpy as np
 from tisph.exact.cavity import LID, RegularCavity, centre_lines
 from tisph.exact.cavity import extremes as tabulated_extremes
 from tisph.exact.sliding_corner import CornerSingularity
-from tisph.geometry.body import Body
+from tisph.geometry.body import Body, SlidingWall
 from tisph.geometry.line import Line
-from tisph.geometry.sliding import SlidingWall
 from tisph.measures.fits import interpolated, with_walls
 from tisph.measures.resolution import steadiness
 from tisph.scenes import _two_dimensional

@@ -4,7 +4,7 @@ import math
 
 from tisph.exact._sheared import STEP
 from tisph.exact.start_up import fluid_of
-from tisph.geometry.schedule import Schedule
+from tisph.geometry.motion import Schedule
 
 FIXED_POINT = 20
 """Iterations for a depth; each reduces its error to a third or less."""

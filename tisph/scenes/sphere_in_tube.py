@@ -19,9 +19,8 @@ from tisph.config.base import Problem
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.ellipse import Ellipse
-from tisph.geometry.free_motion import FreeMotion, Inertia
-from tisph.geometry.inertia import POINTS, volume_of_revolution
-from tisph.geometry.motion import RigidMotion, WallMotion
+from tisph.geometry.motion import FreeMotion, Inertia, RigidMotion, WallMotion
+from tisph.geometry.shape import POINTS, volume_of_revolution
 from tisph.scenes._axisymmetric import config as axisymmetric
 from tisph.scenes._axisymmetric import measures, views
 from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder, wall_speed

@@ -1,6 +1,6 @@
 """Circles at random places, of one radius or several, by the area fraction that they fill.
 
-Where they are follows from the seed (``geometry/random_packing.py``). What a circle alone may have beside its place and
+Where they are follows from the seed (``geometry/packing.py``). What a circle alone may have beside its place and
 radius, such as a motion, all of them have.
 """
 
@@ -13,7 +13,7 @@ from pydantic import Field, create_model, model_validator
 from tisph.bodies import circle
 from tisph.config.base import Model, Positive, refusals
 from tisph.config.fields import MOST_BODIES, either
-from tisph.geometry.random_packing import random_centres
+from tisph.geometry.packing import random_centres
 from tisph.geometry.region import Region
 
 USUAL_GAP = 2.5

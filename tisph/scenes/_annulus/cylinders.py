@@ -6,8 +6,7 @@ from functools import cached_property
 
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
-from tisph.geometry.motion import RigidMotion, WallMotion
-from tisph.geometry.schedule import Schedule
+from tisph.geometry.motion import RigidMotion, Schedule, WallMotion
 from tisph.scenes._body_scene import BodyScene
 from tisph.scenes._layers import age, depth, spreading_viscosity
 

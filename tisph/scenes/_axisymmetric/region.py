@@ -14,8 +14,7 @@ import numpy as np
 
 from tisph.bodies._clearance import LEAST_GAP
 from tisph.config.base import Problem
-from tisph.geometry.body import Body
-from tisph.geometry.gaps import gap
+from tisph.geometry.body import Body, gap
 from tisph.geometry.line import Line
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.polygon import Polygon

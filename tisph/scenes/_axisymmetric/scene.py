@@ -6,9 +6,9 @@ from functools import cached_property
 import numpy as np
 
 from tisph.geometry.body import Body
-from tisph.geometry.inertia import POINTS, volume_of_revolution
 from tisph.geometry.line import Line
 from tisph.geometry.region import Region
+from tisph.geometry.shape import POINTS, volume_of_revolution
 from tisph.scenes._axisymmetric.views import NAMES
 from tisph.scenes._body_scene import BodyScene
 from tisph.snapshot import STRESSES_AROUND

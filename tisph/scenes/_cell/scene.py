@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tisph.geometry.gaps import POINTS, smallest_gap
+from tisph.geometry.body import POINTS, smallest_gap
 from tisph.scenes._body_scene import BodyScene
 from tisph.scenes._cell import diagnostics, free_bodies, shear_stress, views
 from tisph.scenes._cell.walls import farthest, largest_speed

@@ -8,8 +8,7 @@ from functools import lru_cache
 
 from tisph.exact.start_up import Flow, StartUp, Wall, fluid_of
 from tisph.exact.uniform_shear import UniformShear
-from tisph.geometry.schedule import Schedule
-from tisph.geometry.stress_controlled import StressControlledMotion, StressControlledWall
+from tisph.geometry.motion import Schedule, StressControlledMotion, StressControlledWall
 from tisph.scenes._motion import WallMotion
 
 

@@ -5,8 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tisph.exact.linear_viscoelasticity import apparent_viscosity
-from tisph.geometry.schedule import Schedule
-from tisph.geometry.stress_controlled import StressControlledWall
+from tisph.geometry.motion import Schedule, StressControlledWall
 from tisph.scenes._channel import diagnostics, extra_series, flow, layers, views
 from tisph.scenes._motion import PolymerParameters, WallMotion
 from tisph.scenes._scene import Scene

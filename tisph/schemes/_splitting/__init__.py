@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tisph.geometry.box import box_around
+from tisph.geometry.region import box_around
 from tisph.schemes._error_estimate import SampleEstimate
 from tisph.schemes._splitting._problem import BoundedProblem, PeriodicProblem
 from tisph.schemes._splitting._step_limits import FIRST, TOLERANCE, courant_speed, viscous_step

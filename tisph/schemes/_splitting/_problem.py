@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tisph.geometry.box import Box
+from tisph.geometry.region import Box
 
 CROWDING = 1.6
 

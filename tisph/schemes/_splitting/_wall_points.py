@@ -8,7 +8,7 @@ import itertools
 
 import numpy as np
 
-from tisph.geometry.sliding import SlidingWall
+from tisph.geometry.body import SlidingWall
 
 WALL_DISTANCE = 2.9
 """Distance from a wall below which the support is wider, in particle spacings."""

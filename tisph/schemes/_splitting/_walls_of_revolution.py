@@ -6,7 +6,7 @@ to the fluid: points are those with y > 0.
 
 import numpy as np
 
-from tisph.geometry._shape import Boundary
+from tisph.geometry.shape import Boundary
 from tisph.schemes._splitting._wall_points import WallPoints
 
 NEAR_AXIS = 2.0

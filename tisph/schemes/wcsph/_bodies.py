@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from tisph import registry
-from tisph.geometry.box import box_around
+from tisph.geometry.region import box_around
 from tisph.periodic import PeriodicDomain
 from tisph.runtime import view
 from tisph.schemes._supported import AROUND_BODIES

@@ -19,7 +19,7 @@ import pyperf
 
 from tisph import runtime, scenes, schemes
 from tisph.config import load
-from tisph.simulation.start import start_values
+from tisph.simulation.state import start_values
 from tisph.studies.flows import drive, jitter, merged, oldroyd_b
 
 COUETTE = {

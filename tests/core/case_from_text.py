@@ -1,7 +1,7 @@
 """Scenes and schemes of configs that stand in a test file, for tests of flows that have no case of their own."""
 
 from tisph import config, runtime, scenes, schemes
-from tisph.simulation.start import start_values
+from tisph.simulation.state import start_values
 
 
 def read(folder, text, changes):

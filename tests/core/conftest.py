@@ -6,7 +6,7 @@ from kept_program import kept
 from tisph import config, runtime, schemes
 from tisph.scenes._motion import WallMotion
 from tisph.scenes.channel import Channel
-from tisph.simulation.start import start_values
+from tisph.simulation.state import start_values
 
 CASE = """
 scene: channel

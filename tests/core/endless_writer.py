@@ -19,7 +19,7 @@ from tisph.folder import Folder
 from tisph.observers.history import History
 from tisph.observers.samples import Frames, Samples
 from tisph.scenes.channel import Channel
-from tisph.simulation.results import write_summary
+from tisph.simulation.recording import write_summary
 from tisph.snapshot import Snapshot
 
 TIMES = [0.01 * k for k in range(2000)]

@@ -108,7 +108,7 @@ def take_steps(path):
     import tisph
     from tisph import runtime, scenes, schemes
     from tisph.config import load
-    from tisph.simulation.start import start_values
+    from tisph.simulation.state import start_values
 
     config = load(path, ())
     scene = scenes.of(config)

@@ -15,7 +15,7 @@ from tisph.errors import ConfigError, DivergedError
 from tisph.measures.metrics import sample_metrics
 from tisph.observers.guard import Guard
 from tisph.scenes.channel import Channel
-from tisph.simulation.start import start_values
+from tisph.simulation.state import start_values
 
 STEPS = {"wcsph": 50, "implicit": 5}
 """How far a config is run, by the scheme that it means."""

@@ -6,7 +6,7 @@ import pytest
 from tisph import config, registry, runtime, scenes
 from tisph.least_squares import operators
 from tisph.schemes._splitting import _wall_points
-from tisph.simulation.start import start_values
+from tisph.simulation.state import start_values
 
 ANNULUS = """
 scene: annulus

@@ -7,7 +7,7 @@ from same_bits import check_resuming, check_threads, state
 from tisph import config, registry, runtime, scenes
 from tisph.measures.metrics import relative_error
 from tisph.runtime import view
-from tisph.simulation.start import start_values
+from tisph.simulation.state import start_values
 
 VORTEX = """
 scene: taylor_green

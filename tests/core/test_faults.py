@@ -60,7 +60,7 @@ def whole(tmp_path_factory):
     root = tmp_path_factory.mktemp("whole")
     (root / "small.yaml").write_text(CASE)
     with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr("tisph.simulation.drawing.begin_pictures", lambda *_: [])
+        monkeypatch.setattr("tisph.simulation.recording.begin_pictures", lambda *_: [])
         simulation.run(config.load(root / "small.yaml"), root / "out")
     return Folder(root / "out")
 
@@ -184,7 +184,7 @@ def test_a_run_that_cannot_write_any_more_says_so_and_loses_nothing(tmp_path, fo
     assert "Traceback" not in done.stderr
     before, after = require_readable(Folder(tmp_path / "before")), require_readable(folder)
     assert all(now >= earlier > 0 for now, earlier in zip(after, before, strict=True))
-    monkeypatch.setattr("tisph.simulation.drawing.begin_pictures", lambda *_: [])  # which are not compared
+    monkeypatch.setattr("tisph.simulation.recording.begin_pictures", lambda *_: [])  # which are not compared
     simulation.run(config.load(tmp_path / "small.yaml"), folder.root, resume=True)
     same_results(folder, whole)
 

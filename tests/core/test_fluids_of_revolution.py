@@ -13,7 +13,7 @@ from tisph.scenes._axisymmetric import measures
 from tisph.schemes import _splitting
 from tisph.schemes._local_newton import SMALL
 from tisph.schemes._splitting._scheme import Scheme
-from tisph.simulation.start import start_values
+from tisph.simulation.state import start_values
 from tisph.snapshot import STRESSES, STRESSES_AROUND
 
 CASE = """

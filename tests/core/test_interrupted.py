@@ -59,7 +59,7 @@ def test_a_hang_up_leaves_results_and_a_checkpoint(folder, tmp_path, monkeypatch
 def test_a_failed_picture_is_reported_once_and_loses_no_other_result(folder, tmp_path, monkeypatch):
     gone = DrawingProcess()
     gone._process.kill()
-    monkeypatch.setattr("tisph.simulation.drawing.shared", lambda: gone)
+    monkeypatch.setattr("tisph.simulation.recording.shared", lambda: gone)
     with pytest.raises(TisphError, match="the process that draws has ended"):
         simulation.run(config.load(tmp_path / "small.yaml"), folder.root)
     assert json.loads(folder.summary.read_text())["status"] == "done"

@@ -7,7 +7,7 @@ from tisph import config, runtime, schemes
 from tisph.scenes.channel import Channel
 from tisph.schemes._error_estimate import implicit_layers
 from tisph.schemes.implicit._settings import control
-from tisph.simulation.start import start_values
+from tisph.simulation.state import start_values
 
 CASE = """
 scene: channel

@@ -24,7 +24,7 @@ from tisph.scenes._annulus.flow import cartesian
 from tisph.schemes._splitting import _viscoelastic_stress
 from tisph.schemes._splitting._wall_points import WallPoints
 from tisph.simulation import checkpoint
-from tisph.simulation.start import start_values
+from tisph.simulation.state import start_values
 
 LIQUID = oldroyd_b.Parameters(relaxation_time=1.0, solvent_fraction=0.1)
 STILL = (0.0, 0.0)

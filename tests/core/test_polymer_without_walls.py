@@ -11,7 +11,7 @@ from tisph.rheology import oldroyd_b
 from tisph.runtime import view
 from tisph.schemes._splitting._problem import PeriodicProblem
 from tisph.schemes._splitting._scheme import Scheme
-from tisph.simulation.start import start_values
+from tisph.simulation.state import start_values
 
 SPEED, VISCOSITY, END = 1e-6, 0.1, 0.5
 LIQUID = oldroyd_b.Parameters(relaxation_time=0.1, solvent_fraction=0.2)

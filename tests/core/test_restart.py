@@ -94,7 +94,7 @@ def case(tmp_path, monkeypatch):
 
     No run of it draws pictures, and its history has a tenth of the lines, which cost as much as the steps of some.
     """
-    monkeypatch.setattr("tisph.simulation.drawing.begin_pictures", lambda *_: [])
+    monkeypatch.setattr("tisph.simulation.recording.begin_pictures", lambda *_: [])
     monkeypatch.setattr("tisph.observers.history.RECORDS", 41)
     path = tmp_path / "case.yaml"
     path.write_text(CASE)

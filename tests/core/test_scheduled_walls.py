@@ -9,7 +9,7 @@ from tisph import registry, runtime
 from tisph.measures.channel import _slope
 from tisph.schemes._stages.stages import FlowState
 from tisph.schemes._stages.walls import PrescribedWall
-from tisph.simulation.start import start_values
+from tisph.simulation.state import start_values
 
 CASE = """
 scene: channel

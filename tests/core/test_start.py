@@ -12,7 +12,7 @@ from tisph.measures.metrics import sample_metrics
 from tisph.observers.history import read_history
 from tisph.observers.samples import read_samples
 from tisph.scenes.annulus import Annulus
-from tisph.simulation.start import start_snapshot, start_values
+from tisph.simulation.state import start_snapshot, start_values
 
 CASE = """
 scene: channel
@@ -40,7 +40,7 @@ def runs(request, tmp_path_factory):
         return Folder(simulation.run(settings, folder / f"out{frame}"))
 
     with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr("tisph.simulation.drawing.begin_pictures", lambda *_: [])
+        monkeypatch.setattr("tisph.simulation.recording.begin_pictures", lambda *_: [])
         return run(0.0), run(SPEED)
 
 

@@ -8,7 +8,7 @@ from implicit_case import channel_of, layers, run
 
 from tisph import registry, runtime
 from tisph.schemes._stages.massless_wall import MasslessWall
-from tisph.simulation.start import start_values
+from tisph.simulation.state import start_values
 
 CASE = """
 scene: channel

@@ -14,7 +14,7 @@ from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion
 from tisph.measures.metrics import relative_error, sample_metrics
 from tisph.scenes._motion import WallMotion
-from tisph.simulation.start import seen_from_config
+from tisph.simulation.state import seen_from_config
 from tisph.snapshot import Bodies
 
 SPEED = 1.0

@@ -24,8 +24,8 @@ from tisph.report.plots import history_figure
 from tisph.results._results import Trajectories as Read
 from tisph.scenes._cell import shear_stress
 from tisph.schemes._splitting._contact import Contact
-from tisph.simulation.start import start_snapshot, start_values
-from tisph.simulation.summary import _steady
+from tisph.simulation.recording import _steady
+from tisph.simulation.state import start_snapshot, start_values
 from tisph.snapshot import Bodies
 
 CASE = """

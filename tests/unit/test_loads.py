@@ -5,7 +5,7 @@ import pytest
 
 from tisph import config, scenes
 from tisph.schemes.wcsph._loads import Loads
-from tisph.simulation.start import start_values
+from tisph.simulation.state import start_values
 from tisph.snapshot import Snapshot
 
 CELL = """

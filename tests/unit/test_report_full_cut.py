@@ -12,7 +12,7 @@ from tisph import config, scenes
 from tisph.report.layout import arrange
 from tisph.report.movie import FullCut
 from tisph.report.overlays import Streamlines
-from tisph.simulation.start import start_snapshot, start_values
+from tisph.simulation.state import start_snapshot, start_values
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 

@@ -15,7 +15,7 @@ from tisph.geometry.polygon import Polygon
 from tisph.report import style
 from tisph.report.layout import arrange
 from tisph.report.overlays import Solids
-from tisph.simulation.start import start_snapshot, start_values
+from tisph.simulation.state import start_snapshot, start_values
 from tisph.snapshot import Bodies
 
 SIDE = 2.0

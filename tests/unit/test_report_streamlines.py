@@ -9,7 +9,7 @@ from report_scene import END, Drawn, make_annulus, make_channel, make_snapshot, 
 
 from tisph.report.layout import arrange
 from tisph.report.overlays import Streamlines
-from tisph.simulation.start import start_snapshot, start_values
+from tisph.simulation.state import start_snapshot, start_values
 from tisph.snapshot import Snapshot
 
 ACROSS = 40

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from tisph.errors import ConfigError
-from tisph.simulation.resumption import require_fit
+from tisph.simulation.checkpoint import require_fit
 
 PATH = Path("checkpoint.h5")
 OLD = ["time={end: 2.0, samples: [1.0]}"]

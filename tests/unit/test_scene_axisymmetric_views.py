@@ -11,7 +11,7 @@ from tisph.config.checks import colours
 from tisph.report.layout import arrange
 from tisph.report.panels import TimePanel
 from tisph.report.quantities import quantity
-from tisph.simulation.start import start_snapshot, start_values
+from tisph.simulation.state import start_snapshot, start_values
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 ONLY_AROUND_AN_AXIS = {"swirl", "stream_function"}

@@ -13,7 +13,7 @@ from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import resolution
 from tisph.report.plots import profile_figure
 from tisph.scenes.cavity import Scene
-from tisph.simulation.start import start_snapshot, start_values
+from tisph.simulation.state import start_snapshot, start_values
 
 GOOD = """
 scene: cavity

@@ -15,7 +15,7 @@ from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import resolution
 from tisph.report.plots import history_figure, profile_figure
 from tisph.scenes.eccentric_annulus import LOADS, Scene
-from tisph.simulation.start import start_snapshot, start_values
+from tisph.simulation.state import start_snapshot, start_values
 from tisph.snapshot import Bodies
 
 GOOD = """

@@ -15,7 +15,7 @@ from tisph.observers.samples import Samples, read_samples
 from tisph.report.labels import error_label
 from tisph.report.plots import history_figure, profile_figure
 from tisph.scenes.shear_layer import Scene
-from tisph.simulation.start import start_snapshot, start_values
+from tisph.simulation.state import start_snapshot, start_values
 
 GOOD = """\
 scene: shear_layer

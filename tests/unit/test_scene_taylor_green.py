@@ -18,7 +18,7 @@ from tisph.observers.history import History, read_history
 from tisph.observers.samples import Frames, Samples, read_frames
 from tisph.report.labels import error_label
 from tisph.report.plots import history_figure, profile_figure
-from tisph.simulation.start import start_snapshot, start_values
+from tisph.simulation.state import start_snapshot, start_values
 
 ROUNDING = 1e-13  # relative, of sums over hundreds of particles of values with 1e-16
 

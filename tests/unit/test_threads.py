@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from tisph import runtime
-from tisph.simulation.start import useful_threads
+from tisph.simulation.state import useful_threads
 
 
 def threads(scheme, parallel, particles, asked="auto"):

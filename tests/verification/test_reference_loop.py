@@ -11,7 +11,7 @@ from tisph import registry, runtime, scenes
 from tisph.config import load
 from tisph.exact import couette
 from tisph.kernels import wendland_c2
-from tisph.simulation.start import start_values
+from tisph.simulation.state import start_values
 
 CASE = {
     "scene": "channel",

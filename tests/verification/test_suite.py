@@ -65,7 +65,7 @@ def checks(quick):
 def run_here(config_path, folder):
     """Run one config in this process; return what ``run_config`` does: no pictures, and little history."""
     with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr("tisph.simulation.drawing.begin_pictures", lambda *_: [])
+        monkeypatch.setattr("tisph.simulation.recording.begin_pictures", lambda *_: [])
         monkeypatch.setattr("tisph.observers.history.RECORDS", 21)  # steady or not is read off a quarter of them
         try:
             simulation.run(config.load(config_path), folder)

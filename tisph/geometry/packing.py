@@ -4,10 +4,11 @@ Relaxing moves every particle down the gradient of the particles' density (Fick'
 Phys. 231 (2012) 1499-1523), in which the mirror images of the particles behind the walls count: the first
 layer comes to rest about half a spacing from a wall (0.46 to 0.52 on average, as the rows pack).
 
-Circles at random places keep apart from one another and from walls. They are put in one after another, the largest first, each where it is drawn to lie free (random sequential addition:
-B. Widom, J. Chem. Phys. 44 (1966) 3888-3894). Circles of one size block one another at an area fraction of 0.547
-(E. L. Hinrichsen, J. Feder and T. Jossang, J. Stat. Phys. 44 (1986) 793-827), gaps and the places between them counted
-as theirs. What this cannot place starts at any places, and circles that are too close push one another apart.
+Circles at random places keep apart from one another and from walls. They are put in one after another, the largest
+first, each where it is drawn to lie free (random sequential addition: B. Widom, J. Chem. Phys. 44 (1966) 3888-3894).
+Circles of one size block one another at an area fraction of 0.547 (E. L. Hinrichsen, J. Feder and T. Jossang, J. Stat.
+Phys. 44 (1986) 793-827), gaps and the places between them counted as theirs. What this cannot place starts at any
+places, and circles that are too close push one another apart.
 """
 
 import numpy as np

@@ -1,16 +1,119 @@
-"""``tisph run``: a simulation to its end, with the observers that leave a folder of results."""
+"""``tisph run``: a simulation to its end, with the observers that leave a folder of results.
 
+Progress is a bar with the remaining time on a terminal, plain lines otherwise.
+"""
+
+import math
+import sys
 import time
 
 from tisph import clock
 from tisph.errors import TisphError
 from tisph.folder import Folder
+from tisph.observers.protocol import StateObserver
 from tisph.report import drawing_process
-from tisph.simulation.interrupts import Interrupts
-from tisph.simulation.log import logging_to
-from tisph.simulation.progress import RunProgress
+from tisph.simulation.process import Interrupts, logging_to
 from tisph.simulation.recording import Recording
 from tisph.simulation.simulation import Simulation
+
+REFRESH = 0.2
+"""Seconds between two updates of the bar."""
+
+LOOK = 0.05
+"""Seconds between two looks at how far the run is."""
+
+LINES = 10
+"""Plain lines over a whole run of medium length."""
+
+SHORTEST_PAUSE, LONGEST_PAUSE = 1.0, 60.0
+"""Seconds between two plain lines; the first one and the last one come at once."""
+
+LEAST_BAR = 30
+"""Columns of the terminal that are kept for bar, percentage and remaining time."""
+
+
+class RunProgress(StateObserver):
+    """Shows how far a run from ``start`` to ``end`` is, and its particle-steps per second.
+
+    It is its own schedule, by the clock on the wall.
+    """
+
+    def __init__(self, start, end, particles, unit):
+        self.start, self.end = start, end
+        self.particles, self.unit = particles, unit
+        self.schedule = self
+        self.looked = -math.inf
+        self.began = self.shown = time.perf_counter()
+        self.first_step = 0
+        self.lines = 0
+        self.bar = None
+        if sys.stderr.isatty():
+            from tisph.report.terminal_bar import terminal_bar  # where there is no terminal nothing waits for it
+
+            self.bar = terminal_bar()
+            self.task = self.bar.add_task("", total=1.0, state="")
+
+    def __enter__(self):
+        if self.bar:
+            self.bar.start()
+        return self
+
+    def __exit__(self, *_):
+        if self.bar:
+            self.bar.stop()
+
+    def begin(self, start, time, steps):
+        """Count the steps from here."""
+        self.first_step = steps
+
+    def due(self, now, steps):
+        """Tell whether it is worth while to look again."""
+        return now >= self.end or time.perf_counter() - self.looked > LOOK
+
+    def pending(self, now, steps):
+        """Return nothing: no state is needed."""
+        return []
+
+    def mark(self, now, steps):
+        """Take note that somebody has looked."""
+        self.looked = time.perf_counter()
+
+    def tell(self, step, times):
+        """Show where the run is."""
+        if step.steps > self.first_step:
+            self.update(step.time, step.steps)
+
+    def update(self, now, steps):
+        """Show simulated time ``now`` and ``steps`` if it is time to."""
+        wall = time.perf_counter()
+        part = (now - self.start) / (self.end - self.start)
+        if self.bar and (wall - self.shown > REFRESH or part >= 1.0):
+            self.shown = wall
+            state = self._state(now, steps, wall, self.bar.console.width - LEAST_BAR)
+            self.bar.update(self.task, completed=part, state=state)
+        elif not self.bar and self._line_due(part, wall - self.shown):
+            self.lines, self.shown = int(part * LINES), wall
+            left = (wall - self.began) * (1.0 - part) / part
+            print(
+                f"{part:4.0%}  {self._state(now, steps, wall)}  {left:.0f} s left",
+                file=sys.stderr,
+                flush=True,
+            )
+
+    def _line_due(self, part, pause):
+        further = int(part * LINES) > self.lines and (pause > SHORTEST_PAUSE or self.lines == 0 or part >= 1.0)
+        return further or pause > LONGEST_PAUSE
+
+    def _state(self, now, steps, wall, columns=sys.maxsize):
+        """Time, step and speed, as many of them as fit into ``columns``."""
+        rate = (steps - self.first_step) * self.particles / max(wall - self.began, 1e-9)
+        state = ""
+        for text in (f"t = {now:.4g} {self.unit}", f"step {steps}", f"{rate / 1e6:.2f} M particle-steps/s"):
+            longer = f"{state}  {text}" if state else text
+            if len(longer) > columns:
+                break
+            state = longer
+        return state
 
 
 def run(config, out_dir, *, pictures=True, video=True, resume=False):

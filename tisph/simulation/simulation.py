@@ -17,16 +17,12 @@ from tisph.observers._storage import Description
 from tisph.observers.guard import Guard
 from tisph.observers.protocol import Observer, Schedule
 from tisph.observers.schedule import EveryTime
-from tisph.simulation import checkpoint, exclusive
-from tisph.simulation.callback import Callback
-from tisph.simulation.costs import Costs
+from tisph.simulation import checkpoint, process
+from tisph.simulation.checkpoint import OTHER_STEPS
 from tisph.simulation.functions import with_functions
-from tisph.simulation.interrupts import interrupts_after
-from tisph.simulation.last_step import LastStep
-from tisph.simulation.log import log, warn
-from tisph.simulation.resumption import OTHER_STEPS
-from tisph.simulation.start import start_snapshot, start_values, useful_threads
-from tisph.simulation.state import State
+from tisph.simulation.process import Costs, interrupts_after, log, warn
+from tisph.simulation.recording import Recording
+from tisph.simulation.state import Callback, LastStep, State, start_snapshot, start_values, useful_threads
 
 Field: TypeAlias = "Callable[[np.ndarray, np.ndarray, float], tuple[Any, ...]]"
 """A field of places x, y and a time: its physical components, one array (or number) each."""
@@ -100,12 +96,12 @@ class Simulation:
         self.restored = restored_from is not None
         self.scheme = self._last = self._start = None
         self._begun = False
-        exclusive.claim(self)
+        process.claim(self)
         try:
             with self.costs.timed("compile"):
                 self._build(restored_from)
         except BaseException:
-            exclusive.release(self)
+            process.release(self)
             raise
 
     def _build(self, restored_from: Path | None) -> None:
@@ -211,9 +207,7 @@ class Simulation:
         the folder in which the run has been recorded up to then. The folder is complete once the run is finished, or
         has diverged, or was closed: then it can be gone on from as after Ctrl-C. ``overwrite`` as for ``tisph.run``.
         """
-        from tisph.simulation.recording import Recording  # it imports what draws
-
-        exclusive.require(self)
+        process.require(self)
         if self.functions:
             raise ConfigError("results: a folder holds what its config says, and that cannot say what a function is")
         if self.recording or (self.steps > self.first_step):
@@ -241,11 +235,11 @@ class Simulation:
     def release(self) -> None:
         """Give Taichi's memory back, and leave everything else as it is."""
         self.scheme = None
-        exclusive.release(self)
+        process.release(self)
 
     def begin(self) -> None:
         """Place the particles, which compiles kernels, and tell what is due at the start; once, before the rest."""
-        exclusive.require(self)
+        process.require(self)
         if self._begun:
             return
         with interrupts_after(), self._ending_on_failure():

@@ -24,7 +24,7 @@ from tisph.errors import ConfigError
 from tisph.folder import Folder
 from tisph.measures.fits import interpolated
 from tisph.observers._storage import read_snapshots
-from tisph.simulation.results import write_summary
+from tisph.simulation.recording import write_summary
 from tisph.snapshot import STRESSES
 from tisph.studies.extrapolation import PAIRS, of_norms, of_number, of_pair
 from tisph.studies.processes import read_result

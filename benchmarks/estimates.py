@@ -23,7 +23,7 @@ from rich.console import Console
 from ruamel.yaml import YAML
 
 from tisph import runtime
-from tisph.cli import check, stability
+from tisph.cli import check, studies
 from tisph.cli.check import ERROR_FACTORS
 from tisph.config import load
 from tisph.errors import ConfigError
@@ -107,7 +107,7 @@ def main():
     parser.add_argument("--only", metavar="TEXT", default="", help="cases with this text in their names")
     parser.add_argument("--out", metavar="DIR", help="results [default: the folder of tisph stability]")
     given = parser.parse_args()
-    default = stability.FOLDER.with_name("stress-quick") if given.quick else stability.FOLDER
+    default = studies.STABILITY_FOLDER.with_name("stress-quick") if given.quick else studies.STABILITY_FOLDER
     try:
         passed = run(given.out or default, check.forecast, runtime.available_threads(), given.quick, given.only)
     except ConfigError as error:

@@ -10,8 +10,7 @@ import pytest
 
 import tisph.__main__
 import tisph.cli
-from tisph.cli.outcome import held_back
-from tisph.cli.terminal import lasting
+from tisph.cli.terminal import held_back, lasting
 from tisph.signals import ending_signals
 
 POSIX = pytest.mark.skipif(os.name == "nt", reason="sends signals, closes descriptors")

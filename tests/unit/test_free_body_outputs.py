@@ -10,7 +10,7 @@ import pytest
 
 from tisph import scenes
 from tisph.cli.check import described, forecast
-from tisph.cli.result_table import result_text
+from tisph.cli.run import result_text
 from tisph.config import load
 from tisph.geometry.body import gap
 from tisph.observers import history as histories

@@ -6,7 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 from tisph import cli
-from tisph.cli.new import SHORTEST, first_words, menu
+from tisph.cli.menu import SHORTEST, first_words, menu
 from tisph.config import load
 
 

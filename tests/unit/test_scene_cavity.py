@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tisph.cli.result_table import result_text
+from tisph.cli.run import result_text
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.exact.cavity import RegularCavity, centre_lines, extremes

@@ -11,7 +11,7 @@ STUDY = """
 import multiprocessing, sys, time
 from pathlib import Path
 import typer
-from tisph.cli.outcome import reported
+from tisph.cli.terminal import reported
 from tisph.studies import processes
 
 def sleeper(*_):

@@ -1,4 +1,4 @@
-"""Command line: one file a command. What a command needs is imported when it runs, so that help is quick."""
+"""Command line: a function a command. What a command needs is imported when it runs, so that help is quick."""
 
 import gc
 import sys
@@ -6,23 +6,8 @@ from typing import Annotated
 
 import typer
 
-from tisph.cli import (
-    bench,
-    check,
-    compare,
-    export,
-    list_families,
-    new,
-    render,
-    report,
-    rheometry,
-    run,
-    stability,
-    sweep,
-    terminal,
-    verify,
-)
-from tisph.cli.outcome import reported
+from tisph.cli import check, compare, finished, menu, run, studies, terminal
+from tisph.cli.terminal import reported
 from tisph.version import __version__
 
 HELP = """Laminar, wall-bounded flow by smoothed particles: a YAML file describes a run, one command runs it.
@@ -66,20 +51,20 @@ def _options(
 for _name, _command in {
     "run": run.run,
     "check": check.check,
-    "list": list_families.list_families,
-    "verify": verify.verify,
-    "bench": bench.bench,
-    "stability": stability.stability,
-    "new": new.new,
-    "render": render.render,
-    "report": report.report,
-    "export": export.export,
+    "list": menu.list_families,
+    "verify": studies.verify,
+    "bench": studies.bench,
+    "stability": studies.stability,
+    "new": menu.new,
+    "render": finished.render,
+    "report": finished.report,
+    "export": finished.export,
     "compare": compare.compare,
-    "sweep": sweep.sweep,
-    "rheometry": rheometry.rheometry,
+    "sweep": studies.sweep,
+    "rheometry": finished.rheometry,
 }.items():
     app.command(_name)(reported(_command))
-app.command("stress", short_help="The old name of stability.")(reported(stability.stability))
+app.command("stress", short_help="The old name of stability.")(reported(studies.stability))
 
 
 def main() -> None:

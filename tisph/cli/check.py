@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from tisph.cli.options import ConfigFile, Overrides
+from tisph.cli.terminal import ConfigFile, Overrides
 from tisph.errors import ConfigError
 from tisph.measures.resolution import resolution
 from tisph.schemes._limits import (

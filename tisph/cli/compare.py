@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tisph.cli.options import Overrides, out_folder
+from tisph.cli.terminal import Overrides, out_folder
 from tisph.errors import ConfigError
 
 if TYPE_CHECKING:

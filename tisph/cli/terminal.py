@@ -1,10 +1,82 @@
-"""Standard output and error that take all text, and outlive who reads them: a closed pipe ends no command."""
+"""What all commands share: lasting output, shared options, and one message with an exit status for an error.
 
+Standard output and error take all text, and outlive who reads them: a closed pipe ends no command.
+"""
+
+import atexit
 import errno
+import functools
 import io
 import os
+import signal
 import sys
-from typing import Any, TextIO
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any, TextIO
+
+import typer
+
+from tisph.errors import INTERRUPTED, TisphError
+from tisph.signals import ending_signals
+
+
+def reported(command: Callable[..., None]) -> Callable[..., None]:
+    """Make a command end with its error's status and message instead of a traceback; an ending signal interrupts it."""
+
+    @functools.wraps(command)
+    def wrapped(*arguments: Any, **options: Any) -> None:
+        previous = {number: signal.signal(number, signal.default_int_handler) for number in ending_signals()}
+        try:
+            command(*arguments, **options)
+        except TisphError as error:
+            print(f"error: {error}", file=sys.stderr)
+            raise typer.Exit(error.exit_status) from None
+        except KeyboardInterrupt:
+            print("interrupted", file=sys.stderr)
+            raise typer.Exit(INTERRUPTED) from None
+        finally:
+            for number, handler in previous.items():
+                signal.signal(number, handler)
+            # once Python clears up, an interrupt could only spoil the status and show a traceback
+            atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
+
+    return wrapped
+
+
+@contextmanager
+def held_back() -> Iterator[None]:
+    """Let an interrupt wait for what is done inside: imports, which may lose it or turn it into another error."""
+    heard: list[int] = []
+    previous = {number: signal.signal(number, lambda number, _: heard.append(number)) for number in ending_signals()}
+    try:
+        yield
+    finally:
+        for number, handler in previous.items():
+            signal.signal(number, handler)
+    if heard:
+        raise KeyboardInterrupt
+
+
+ConfigFile = Annotated[str, typer.Argument(metavar="CONFIG", help="YAML file that describes the run.")]
+
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY.PATH=VALUE", help="Replace one value of the config; may be repeated."),
+]
+
+
+def out_folder(words: str) -> Any:
+    """Return the option of the folder of results, whose help is ``words``."""
+    return typer.Option("--out", metavar="DIR", parser=folder_name, help=words)
+
+
+def folder_name(text: str) -> Path:
+    """Parse the name of a folder; an empty one, as of an unset variable of a shell, is not the current folder."""
+    if not text.strip():
+        raise typer.BadParameter("the name is empty; give a folder (. is the current one)")
+    return Path(text)
+
 
 NOBODY_READS = (errno.EPIPE, errno.EIO)
 """Errors of a closed pipe and of a terminal that is gone, as against a full disk: there somebody meant to keep it."""

@@ -1,0 +1,143 @@
+"""Commands for finished runs: ``tisph render``, ``report``, ``export`` and ``rheometry``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from tisph.cli.terminal import Overrides
+from tisph.errors import ConfigError
+
+
+def render(
+    run_dir: Annotated[Path, typer.Argument(metavar="RUN_DIR", help="Folder of a finished run.")],
+    overrides: Overrides = None,
+    gif: Annotated[bool, typer.Option("--gif", help="Also write movie.gif, and poster.jpg, the last frame.")] = False,
+) -> None:
+    """Make the movie and the pictures of a finished run again.
+
+    With --set the movie is another one of the same frames; keys of output.video can be set, but for frames.
+
+    \b
+    Examples:
+      tisph render runs/couette
+      tisph render runs/taylor_green --set output.video.overlay=streamlines --gif
+      tisph render runs/cavity --set output.video.color_by=dye --set output.video.dye=checkerboard
+    """
+    if not (run_dir / "config.resolved.yaml").is_file():
+        raise ConfigError(f"{run_dir}: is no folder of results, it has no config.resolved.yaml")
+
+    from tisph import simulation
+
+    for path in simulation.render(run_dir, overrides or (), gif):
+        print(path)
+
+
+def report(
+    run_dirs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Folders of runs.")],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="FILE", help="The page [default: report.html in RUN, of several here]."),
+    ] = None,
+) -> None:
+    """Make one HTML page of runs, side by side.
+
+    It has movie, plots, errors, wall forces, costs, config and provenance, in one file that needs no network.
+
+    \b
+    Examples:
+      tisph report runs/couette
+      tisph report runs/couette runs/fine --out couette.html
+    """
+    from tisph.observers._storage import replaced
+    from tisph.results import open_run
+    from tisph.results.page import report as page
+
+    text = page([open_run(folder) for folder in run_dirs])
+    path = out or Path(run_dirs[0] if len(run_dirs) == 1 else ".") / "report.html"
+    with replaced(path) as new:
+        new.write_text(text, encoding="utf-8")
+    print(path)
+
+
+def export(
+    run_dir: Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a run.")],
+    to: Annotated[str, typer.Option("--to", metavar="FORMAT", help="vtkhdf, csv, npz or extxyz.")],
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="The file [default: samples.FORMAT in RUN].")
+    ] = None,
+    frames: Annotated[bool, typer.Option("--frames", help="The frames of the movie, for vtkhdf.")] = False,
+) -> None:
+    """Write the samples of a run for another program.
+
+    \b
+    vtkhdf   ParaView: File > Open, then play; bodies are in ..._bodies.vtkhdf
+    csv      a line a particle and sample
+    npz      NumPy arrays (samples, particles)
+    extxyz   OVITO, ASE
+    \b
+    Examples:
+      tisph export runs/couette --to vtkhdf
+      tisph export runs/cylinder_lattice --to vtkhdf --frames
+      tisph export runs/couette --to csv --out couette.csv
+    """
+    from tisph.results import open_run
+    from tisph.results.export import export as write
+
+    print(write(open_run(run_dir), to, out, frames=frames))
+
+
+PICTURE = "rheometry.png"
+
+
+def rheometry(
+    run_dirs: Annotated[list[Path], typer.Argument(metavar="RUN_DIR...", help="Folders of finished runs.")],
+) -> None:
+    """Read runs in a channel, between cylinders, in a pipe or of a falling ball as a rheometer, beside theory.
+
+    Viscosity growth, N1, creep compliance, recovery, free oscillation, relaxation modulus, flow curve, moduli G'
+    and G'', harmonics: what the walls of the run do. Effective viscosity, with its statistical error, where the flow
+    carries bodies. Viscosity by a Couette viscometer, a falling ball or a capillary, of which three runs or more give
+    the flow curve. The picture goes into the folder of the run, rheometry.png.
+
+    \b
+    Examples:
+      tisph rheometry runs/creep_and_recovery
+      tisph rheometry runs/oscillation_*
+      tisph rheometry runs/falling_ball
+    """
+    from tisph import scenes
+    from tisph.measures.rheometry import read
+    from tisph.measures.viscometers import VISCOMETERS, rabinowitsch
+    from tisph.report.plots import plot_reading
+    from tisph.results import open_run
+
+    capillaries = {}
+    for run_dir in run_dirs:
+        run = open_run(run_dir)
+        config, history = run.config, run.history
+        scene = scenes.of(config)
+        readable = config.scene in ("annulus", *VISCOMETERS)
+        if config.scene == "channel":
+            readable = config.parallel or scene.has_free_bodies
+        if not readable:
+            raise ConfigError(
+                f"{run_dir}: is no run in a channel, without bodies or with free ones, or between cylinders, in a pipe"
+                " or of a falling ball"
+            )
+        try:
+            last = run.summary.samples[-1] if run.summary.samples else None
+            table = {name: history[name] for name in history.dtype.names}
+            reading = read(config, scene, table, run.summary.numbers.get("contacts"), last)
+        except ConfigError as error:
+            raise ConfigError(f"{run_dir}: {error}") from None
+        if reading.title == "capillary":
+            capillaries.setdefault(repr(config.fluid), []).append(reading)
+        print(f"{config.name}: {reading.title}")
+        for line in reading.lines:
+            print(f"  {line}")
+        plot_reading(run_dir / PICTURE, config.name, reading, config.units)
+        print(f"  picture {run_dir / PICTURE}")
+    for readings in capillaries.values():
+        for line in rabinowitsch(readings):
+            print(line)

@@ -8,7 +8,7 @@ import pytest
 
 import tisph
 from tisph import simulation
-from tisph.config import from_python
+from tisph.config import loader
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "reference" / "files.md").read_text(encoding="utf-8")
@@ -32,7 +32,7 @@ def run(config, folder, **changes):
     """Return the results of a run in this process, with little history and without pictures, which have no keys."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("tisph.observers.history.RECORDS", 21)
-        settings = from_python.loaded(config, changes)
+        settings = loader.loaded(config, changes)
         return tisph.open(simulation.run(settings, folder, pictures=False, video=False))
 
 

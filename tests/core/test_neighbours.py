@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rates import slots_in_use
 
-from tisph.config import resolution
+from tisph.config import checks
 from tisph.neighbours import SKIN
 from tisph.neighbours.verlet import VerletLists
 from tisph.runtime import view
@@ -118,4 +118,4 @@ def test_a_row_names_each_neighbour_once_and_ends_with_its_own_particle(make):
 
 def test_the_config_leaves_room_for_the_skin():
     # the checks of a config, which know no Taichi, have a number of their own for the least length
-    assert resolution.SKIN >= SKIN
+    assert checks.SKIN >= SKIN

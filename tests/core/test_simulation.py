@@ -8,7 +8,7 @@ import pytest
 
 import tisph
 from tisph import runtime, simulation
-from tisph.config.from_python import loaded
+from tisph.config.loader import loaded
 from tisph.errors import ConfigError, DivergedError, TisphError
 from tisph.runtime import ti
 

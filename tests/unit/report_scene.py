@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from tisph.config.video import Video
+from tisph.config.schema import Video
 from tisph.report.movie import Movie, _Ranges
 from tisph.report.quantities import quantity
 from tisph.scenes._motion import WallMotion

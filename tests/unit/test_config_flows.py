@@ -7,7 +7,7 @@ import pytest
 
 from tisph import registry
 from tisph.config import load
-from tisph.config.memory import REALS, estimated_bytes
+from tisph.config.checks import REALS, estimated_bytes
 from tisph.errors import ConfigError
 
 CONFIGS = Path(__file__).parents[2] / "configs"

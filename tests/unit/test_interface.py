@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import tisph
-from tisph.config.from_python import config_file, override_texts
+from tisph.config.loader import config_file, override_texts
 from tisph.errors import ConfigError, DivergedError, TisphError
 from tisph.interface.process import _error
 from tisph.results._results import typed

@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 
 from tisph import registry, scenes
-from tisph.config.from_python import loaded
-from tisph.config.loader import load
+from tisph.config.loader import load, loaded
 from tisph.errors import ConfigError
 
 CONFIGS = Path(__file__).parents[2] / "configs"

@@ -10,7 +10,7 @@ from report_scene import make_channel, make_snapshot
 
 from tisph import scenes
 from tisph.config import load
-from tisph.config.from_python import loaded
+from tisph.config.loader import loaded
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import LEAST_DEPTH, resolution
 from tisph.report.labels import error_label

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tisph.config.from_python import loaded
+from tisph.config.loader import loaded
 from tisph.errors import ConfigError
 from tisph.measures.viscometers import rabinowitsch, read_viscometer, wall_factor
 from tisph.scenes import of

@@ -96,7 +96,7 @@ def forecast(config: Any) -> tuple[dict[str, Any], list[str]]:
 def estimates(config: Any) -> dict[str, Any]:
     """Numbers of a run before it runs, in the config's units; memory in bytes, run time in seconds."""
     from tisph import schemes
-    from tisph.config import memory
+    from tisph.config import checks
 
     scene = _scene(config)
     particles = scene.particles
@@ -110,7 +110,7 @@ def estimates(config: Any) -> dict[str, Any]:
         "cell_reynolds": scene.reference_velocity * scene.spacing / scene.solvent_viscosity,
         "viscous_time": scene.viscous_time,
         "particles": particles,
-        "memory": memory.estimated_bytes(particles, config, resolved.scheme.type == "implicit"),
+        "memory": checks.estimated_bytes(particles, config, resolved.scheme.type == "implicit"),
         "scheme": reason,
         "error": run["samples"][-1].l2,
         "steps_range": (fewest, most),
@@ -131,7 +131,7 @@ def _scene(config: Any) -> Any:
 
 def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
     """What the run is: particles, steps, cost."""
-    from tisph.config.memory import format_bytes
+    from tisph.config.checks import format_bytes
 
     length, time = config.units.length, config.units.time
     explicit, reliable = numbers["sound_speed"], numbers["samples"][-1].steps_reliable

@@ -1,7 +1,7 @@
 """What every config may say: keys, types, ranges and defaults. Units are any self-consistent system.
 
-The sections of a scene are in its file in ``tisph/scenes``. Conditions between keys are in ``checks.py`` and
-``resolution.py``; parameters of wall treatments, rheologies and schemes are in the files of the members themselves.
+The sections of a scene are in its file in ``tisph/scenes``. Conditions between keys are in ``checks.py``;
+parameters of wall treatments, rheologies and schemes are in the files of the members themselves.
 """
 
 import re
@@ -13,9 +13,34 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_v
 from tisph import registry
 from tisph.config import checks, yaml_text
 from tisph.config.base import LARGEST, SMALLEST, Model, Positive, Problem, refusal
+from tisph.config.checks import LEAST_PARTICLES_ACROSS
 from tisph.config.fields import Member, member_name, number_or
-from tisph.config.resolution import LEAST_PARTICLES_ACROSS
-from tisph.config.video import Video
+
+FrameWidth = Annotated[int, Field(ge=640, le=4096, multiple_of=2)]
+FrameHeight = Annotated[int, Field(ge=320, le=4096, multiple_of=2)]
+
+
+class Video(Model):
+    """Movie: frames a second, number of frames, size in pixels (even, as H.264 wants it), and what is drawn how.
+
+    ``color_by`` says what colours show, from ``limits`` [a, b] or from the values of the run. Coloured by dye, the
+    fluid keeps the colour of the pattern ``dye`` in the first frame. ``style`` auto: a continuous field in
+    two-dimensional flow, else particles. ``overlay``: velocities as arrows, lines of equal stream function, or the
+    paths of some particles.
+    """
+
+    fps: Annotated[int, Field(ge=1, le=120)] = 30
+    frames: Annotated[int, Field(ge=2, le=10_000)] = 120
+    width: FrameWidth = 1280
+    height: FrameHeight = 640
+    renderer: Literal["raster"] = "raster"
+    color_by: str = "speed"
+    limits: number_or(Annotated[tuple[float, float], Field(strict=False)], "auto") = "auto"
+    style: Literal["auto", "field", "particles", "both"] = "auto"
+    dye: Literal["stripes", "checkerboard", "blob"] = "stripes"
+    overlay: Literal["none", "vectors", "streamlines", "tracks"] = "none"
+    theme: Literal["light", "dark"] = "light"
+
 
 Count = Annotated[int, Field(ge=LEAST_PARTICLES_ACROSS, le=10**12)]
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from tisph.config.from_python import Asked, config_file, override_texts
+from tisph.config.loader import Asked, config_file, override_texts
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
-from tisph.config.from_python import Asked, config_file, loaded, override_texts
+from tisph.config.loader import Asked, config_file, loaded, override_texts
 from tisph.interface.bar import shown
 from tisph.interface.process import command
 from tisph.results import Results

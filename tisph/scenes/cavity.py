@@ -11,7 +11,7 @@ from typing import Literal
 
 from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem, Signed
-from tisph.config.resolution import is_whole
+from tisph.config.checks import is_whole
 from tisph.scenes._cavity import Cavity
 from tisph.scenes._initial import RestInitial
 

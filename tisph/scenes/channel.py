@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from tisph.config import resolution, schema
+from tisph.config import checks, schema
 from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, refusals
 from tisph.config.fields import Bodies, Member, number_or
 from tisph.config.motion import Amplitude, Times, Values, WallMotion, check_as_many, check_schedule
@@ -197,9 +197,9 @@ class Config(schema.Config):
 
     def incommensurate(self) -> Iterator[Problem]:
         """A length that the spacing does not divide, or that is too short."""
-        wrong = resolution.incommensurate_columns(self)
+        wrong = checks.incommensurate_columns(self)
         yield from wrong
-        least = resolution.LEAST_IN_PERIOD if self.bodies else resolution.least_in_period(self)
+        least = checks.LEAST_IN_PERIOD if self.bodies else checks.least_in_period(self)
         if not wrong and self.columns < least:
             text = f"must be at least {least * self.spacing:.6g}, {least} particle spacings"
             yield "geometry.length", f"{text}: the periodic neighbour search needs three cells along x"

@@ -11,7 +11,7 @@ Multiphase Flow 8 (1982) 193-206.
 
 from collections.abc import Iterator
 
-from tisph.config import resolution, schema
+from tisph.config import checks, schema
 from tisph.config.base import Model, Positive, Problem
 from tisph.config.fields import bodies
 from tisph.scenes._cell.scene import Cell
@@ -60,7 +60,7 @@ class Config(schema.Config):
 
     def incommensurate(self) -> Iterator[Problem]:
         """A length that the spacing does not divide, or periods that are too short."""
-        yield from resolution.incommensurate_columns(self) or incommensurate_periods(self)
+        yield from checks.incommensurate_columns(self) or incommensurate_periods(self)
 
 
 class Scene:

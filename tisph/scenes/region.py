@@ -18,7 +18,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from tisph.config import resolution, schema
+from tisph.config import checks, schema
 from tisph.config.base import Model, NonNegative, Positive, Problem, refusals
 from tisph.config.fields import Bodies, Member, nearest
 from tisph.scenes import annulus
@@ -179,7 +179,7 @@ class Config(schema.Config):
     def incommensurate(self) -> Iterator[Problem]:
         """A length that the spacing does not divide, or that is too short."""
         if self.periodic[0]:
-            yield from resolution.incommensurate_columns(self) or incommensurate_periods(self)
+            yield from checks.incommensurate_columns(self) or incommensurate_periods(self)
 
 
 class Scene:

@@ -11,7 +11,7 @@ import numpy as np
 
 from tisph import runtime, scenes, schemes
 from tisph.config import Config
-from tisph.config.from_python import Asked, loaded
+from tisph.config.loader import Asked, loaded
 from tisph.errors import ConfigError, DivergedError, TisphError
 from tisph.observers._storage import Description
 from tisph.observers.guard import Guard

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from tisph.config.fields import nearest
-from tisph.config.from_python import loaded
+from tisph.config.loader import loaded
 from tisph.config.yaml_text import YamlTextError, parse
 from tisph.errors import ConfigError
 from tisph.studies import checks

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tisph import runtime, scenes, schemes
-from tisph.config.from_python import loaded
+from tisph.config.loader import loaded
 from tisph.measures.metrics import fitted_order, root_mean_square
 from tisph.runtime import view
 from tisph.studies import flows

@@ -10,7 +10,7 @@ import numpy as np
 from tisph.bodies._clearance import LEAST_GAP, size_problems
 from tisph.bodies._clearance import problems as room_problems
 from tisph.config.base import Problem
-from tisph.config.resolution import LEAST_IN_PERIOD
+from tisph.config.checks import LEAST_IN_PERIOD
 from tisph.geometry.body import Body
 from tisph.geometry.region import Region
 from tisph.scenes._cell.walls import largest_speed

@@ -9,7 +9,7 @@ from typing import Literal
 from pydantic import Field
 
 from tisph import registry
-from tisph.config import resolution
+from tisph.config import checks
 from tisph.config.base import Model
 from tisph.config.fields import member_name
 from tisph.equation_of_state import Tait
@@ -64,7 +64,7 @@ def _problems_around_bodies(config):
         yield "walls.treatment.type", f"{text}; take {', '.join(others)} or {last}"
     elif config.smallest_radius < config.spacing:
         text = f"must be at most {config.smallest_radius:g}, the smallest radius of a wall"
-        yield resolution.resolution_key(config), f"the spacing, {config.spacing:g}, {text}, with scheme wcsph"
+        yield checks.resolution_key(config), f"the spacing, {config.spacing:g}, {text}, with scheme wcsph"
     elif "walls" in config.members and config.walls.treatment.type == "comoving_image":
         yield from _problems_of_images(config)
 

@@ -193,7 +193,7 @@ def problems(config: Any) -> Iterator[Problem]:
     yield from _members(config)
     yield from _scheme(config)
     too_large = list(_size(config))
-    yield from too_large or problems(config)
+    yield from too_large or resolution_problems(config)
 
 
 def _value(config: Any, location: tuple[str | int, ...]) -> Any:

@@ -4,7 +4,7 @@ import pytest
 from kept_program import kept
 
 from tisph import config, runtime, schemes
-from tisph.scenes._motion import WallMotion
+from tisph.geometry.motion import WallMotion
 from tisph.scenes.channel import Channel
 from tisph.simulation.state import start_values
 

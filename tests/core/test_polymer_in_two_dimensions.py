@@ -20,7 +20,7 @@ from tisph.geometry.motion import WallMotion
 from tisph.neighbours.point_cloud import active
 from tisph.rheology import giesekus, oldroyd_b
 from tisph.runtime import view
-from tisph.scenes._annulus.flow import cartesian
+from tisph.scenes.annulus import cartesian
 from tisph.schemes._splitting import _viscoelastic_stress
 from tisph.schemes._splitting._wall_points import WallPoints
 from tisph.simulation import checkpoint

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 
 from tisph.config.schema import Video
+from tisph.geometry.motion import WallMotion
 from tisph.report.movie import Movie, _Ranges
 from tisph.report.quantities import quantity
-from tisph.scenes._motion import WallMotion
 from tisph.scenes.annulus import Annulus
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Snapshot

@@ -11,9 +11,8 @@ from tisph.cli.check import estimates
 from tisph.errors import ConfigError
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
-from tisph.geometry.motion import RigidMotion
+from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.measures.metrics import relative_error, sample_metrics
-from tisph.scenes._motion import WallMotion
 from tisph.simulation.state import seen_from_config
 from tisph.snapshot import Bodies
 

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from polymer_laws import oldroyd_b
 
+from tisph.geometry.motion import WallMotion
 from tisph.measures.channel import Probes, interpolate
 from tisph.measures.metrics import ROUNDINGS, fit_line, relative_error, sample_metrics
-from tisph.scenes._motion import WallMotion
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Snapshot
 

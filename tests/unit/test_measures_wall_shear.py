@@ -5,8 +5,8 @@ import pytest
 from polymer_laws import oldroyd_b
 
 from tisph.config import load
+from tisph.geometry.motion import WallMotion
 from tisph.measures.channel import wall_shear, wall_shear_error, wall_velocity
-from tisph.scenes._motion import WallMotion
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Snapshot
 from tisph.studies import flows

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 from report_scene import END, Drawn, make_channel, make_snapshot, make_video, particles
 
+from tisph.geometry.motion import WallMotion
 from tisph.report import style
 from tisph.report.text import DriveLabel, wall_labels
-from tisph.scenes._motion import WallMotion
 
 VIDEO = make_video(960, 480)
 FREQUENCY = np.pi  # radians a second: a period of 2 s

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from report_scene import END, Drawn, make_channel, make_snapshot, make_video, particles
 
+from tisph.geometry.motion import WallMotion
 from tisph.measures.metrics import relative_error
 from tisph.report import style
 from tisph.report.labels import error_label
-from tisph.scenes._motion import WallMotion
 
 WIDTH, HEIGHT = 960, 480
 VIDEO = make_video(WIDTH, HEIGHT)

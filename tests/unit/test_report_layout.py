@@ -6,12 +6,12 @@ import pytest
 from matplotlib.text import Text
 from report_scene import END, Drawn, make_channel, make_polymer_channel, make_snapshot, make_video, shown
 
+from tisph.geometry.motion import WallMotion
 from tisph.report import style
 from tisph.report.background import build_figure
 from tisph.report.layout import arrange
 from tisph.report.panels import TimePanel
 from tisph.report.text import DriveLabel, text_width, wall_labels
-from tisph.scenes._motion import WallMotion
 
 RATIOS = [0.3, 0.5, 1.0, 2.0, 4.0, 10.0, 20.0]
 SIZES = [(1280, 640), (1920, 1080), (640, 480), (480, 960), (2000, 400)]

@@ -6,8 +6,8 @@ from matplotlib.figure import Figure
 from PIL import Image
 from report_scene import make_annulus, make_channel, make_polymer_channel, make_snapshot
 
+from tisph.geometry.motion import WallMotion
 from tisph.report.plots import history_figure, profile_figure
-from tisph.scenes._motion import WallMotion
 
 PNG_SIZE = (1320, 720)
 

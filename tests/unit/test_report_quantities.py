@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from report_scene import make_channel, make_polymer_channel, make_snapshot, shown
 
-from tisph.scenes._motion import WallMotion
+from tisph.geometry.motion import WallMotion
 from tisph.scenes.channel import Channel
 
 DEVELOPED = {"initial_state": "developed"}

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from report_scene import END, Drawn, make_channel, make_polymer_channel, make_snapshot, make_video, particles
 
+from tisph.geometry.motion import WallMotion
 from tisph.report import style
 from tisph.report.labels import error_label
-from tisph.scenes._motion import WallMotion
 
 VIDEO = make_video(960, 480, color_by="shear_stress")
 LARGEST = 4e-4  # of the exact stress over the run

@@ -11,10 +11,10 @@ from report_scene import make_channel, make_snapshot
 from tisph import scenes
 from tisph.config import load
 from tisph.config.loader import loaded
+from tisph.geometry.motion import WallMotion
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import LEAST_DEPTH, resolution
 from tisph.report.labels import error_label
-from tisph.scenes._motion import WallMotion
 from tisph.snapshot import Bodies
 
 NU = 1e-6  # of make_channel, with a spacing of 1e-3

@@ -16,7 +16,7 @@ from tisph.exact.linear_viscoelasticity import (
     cylinder_apparent_viscosity,
 )
 from tisph.exact.start_up import CircularStartUp, ViscoelasticFluid, Wall
-from tisph.geometry.motion import StressControlledWall
+from tisph.geometry.motion import StressControlledWall, WallMotion
 from tisph.measures.rheometry import (
     _amplitudes,
     _creep,
@@ -28,7 +28,6 @@ from tisph.measures.rheometry import (
     read,
 )
 from tisph.report import plots as report
-from tisph.scenes._motion import WallMotion
 
 LIQUID = Spectrum(0.1, ((0.6, 1.0), (0.3, 0.1)))
 NORMALS = {"inner": 1.01, "inner_exact": 1.0, "outer": 7.0, "outer_exact": 7.0}

@@ -8,8 +8,8 @@ import pytest
 from report_scene import make_annulus
 
 from tisph import registry
-from tisph.scenes._annulus.flow import cartesian, polar
-from tisph.scenes._motion import WallMotion
+from tisph.geometry.motion import WallMotion
+from tisph.scenes.annulus import cartesian, polar
 from tisph.snapshot import STRESSES, Snapshot
 
 CENTRE, DENSITY = (0.4, -0.3), 2.0

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from tisph.config import load
 from tisph.exact import couette
-from tisph.scenes._motion import WallMotion
+from tisph.geometry.motion import WallMotion
 from tisph.scenes.channel import Channel
 
 WATER = {

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from tisph import registry
-from tisph.scenes._motion import PolymerParameters, WallMotion
+from tisph.geometry.motion import WallMotion
+from tisph.scenes._layers import PolymerParameters
 from tisph.scenes.channel import Channel
 
 OIL = {

@@ -7,7 +7,8 @@ from polymer_laws import oldroyd_b
 
 from tisph.config import load
 from tisph.exact import couette
-from tisph.scenes._motion import PolymerParameters, WallMotion
+from tisph.geometry.motion import WallMotion
+from tisph.scenes._layers import PolymerParameters
 from tisph.scenes.channel import Channel
 
 NU, GAP, DENSITY = 0.01, 1.0, 2.0

@@ -1,10 +1,39 @@
-"""How deep what starts at a wall has come by a time, in any fluid."""
+"""How deep the motion of a wall that starts has spread by a time, in any fluid."""
 
 import math
+from dataclasses import dataclass
 
 from tisph.exact._sheared import STEP
 from tisph.exact.start_up import fluid_of
 from tisph.geometry.motion import Schedule
+
+FAINT = 0.015
+"""Part of a jump that counts no more: velocities of a resolved sample may have this error (measures/resolution.py)."""
+
+
+@dataclass(frozen=True)
+class PolymerParameters:
+    """Of a polymer: relaxation time [time], and the share of the solvent in the total viscosity."""
+
+    relaxation_time: float
+    solvent_fraction: float
+
+    @classmethod
+    def of(cls, rheology):
+        """What stands first of it for a ``rheology`` with polymer; None for others."""
+        if rheology and rheology.carries_stress:
+            return cls(rheology.relaxation_time, rheology.solvent_fraction)
+        return None
+
+    def diffusive_fraction(self, t):
+        """Share of the total viscosity by which what starts at t = 0 has spread at time ``t``.
+
+        At first there is the front of a shear wave, of which exp(-t/(2 relaxation_time)) is left (Maxwell's fluid: the
+        damped wave equation u_tt + u_t/relaxation_time = modulus u_yy), and which the solvent alone spreads: until less
+        than ``FAINT`` is left.
+        """
+        return self.solvent_fraction if math.exp(-0.5 * t / self.relaxation_time) >= FAINT else 1.0
+
 
 FIXED_POINT = 20
 """Iterations for a depth; each reduces its error to a third or less."""

@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from tisph.scenes._colours import COLOURS, movie_view
-from tisph.scenes._motion import PolymerParameters
-from tisph.scenes._views import MovieView, Profile, TimeSeries
+from tisph.scenes._layers import PolymerParameters
+from tisph.scenes._views import COLOURS, MovieView, Profile, TimeSeries, movie_view
 
 
 @dataclass(frozen=True, kw_only=True)

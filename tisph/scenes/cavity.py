@@ -7,13 +7,243 @@ x/width (``regular``). The fluid is a Newtonian one. References are those of the
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
+
+import numpy as np
 
 from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem, Signed
 from tisph.config.checks import is_whole
-from tisph.scenes._cavity import Cavity
+from tisph.exact.cavity import LID, RegularCavity, centre_lines
+from tisph.exact.cavity import extremes as tabulated_extremes
+from tisph.exact.sliding_corner import CornerSingularity
+from tisph.geometry.body import Body, SlidingWall
+from tisph.geometry.line import Line
+from tisph.measures.fits import interpolated, with_walls
+from tisph.measures.resolution import steadiness
+from tisph.scenes import _two_dimensional
+from tisph.scenes._body_scene import BodyScene
 from tisph.scenes._initial import RestInitial
+from tisph.scenes._layers import depth
+
+DECAY_LENGTH, VISCOUS_DECAY_LENGTH, LEAST_DECAY_LENGTH = 0.5, 100.0, 4.0
+"""Of the inertial part of the flow in the corners: the most in shorter sides and nu/U, the least in spacings."""
+
+RESOLVED_CORNER = 10.0
+"""Cell Reynolds number U spacing/nu above which that part fades: its slopes become too steep for a step."""
+
+LARGEST_REYNOLDS = 400.0
+"""Of the regular lid, up to which its reference is good to 4e-7."""
+
+POINTS = 401
+"""On a centre line, where its extremes are looked for."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cavity(BodyScene):
+    """The box 0 <= x <= ``width``, 0 <= y <= ``height`` under a lid; every number in the config's units.
+
+    ``velocity`` is that of the lid, where it is ``regular`` that of its middle.
+    """
+
+    width: float
+    height: float
+    velocity: float
+    regular: bool
+
+    periodic = (False, False)
+    flow_quantities = ("u_extreme", "v_min", "v_max", "kinetic_energy")
+
+    @classmethod
+    def from_config(cls, config):
+        """The scene that a validated config describes."""
+        return cls(
+            **cls.fluid_of(config),
+            width=config.geometry.width,
+            height=config.geometry.height,
+            velocity=config.walls.lid.velocity,
+            regular=config.walls.lid.profile == "regular",
+        )
+
+    @property
+    def extent(self):
+        """Width and height."""
+        return self.width, self.height
+
+    @cached_property
+    def bodies(self):
+        """Bottom, right wall, lid and left wall."""
+        width, height = self.extent
+        lid = Line((width, height), (-1.0, 0.0), width)
+        profile = LID if self.regular else np.polynomial.Polynomial([1.0])
+        return (
+            Body(Line((0.0, 0.0), (1.0, 0.0), width)),
+            Body(Line((width, 0.0), (0.0, 1.0), height)),
+            SlidingWall(lid, speed=self.velocity, width=width, profile=profile),
+            Body(Line((0.0, height), (0.0, -1.0), height)),
+        )
+
+    @cached_property
+    def corners(self):
+        """The two upper corners, past which a sharp lid slides."""
+        if self.regular:
+            return ()
+        cell = self.velocity_scale * self.spacing / self.kinematic_viscosity
+        viscous = max(VISCOUS_DECAY_LENGTH * self.spacing / cell, LEAST_DECAY_LENGTH * self.spacing)
+        same = {
+            "inward": (0.0, -1.0),
+            "angle": 0.5 * np.pi,
+            "kinematic_viscosity": self.kinematic_viscosity,
+            "decay_length": min(DECAY_LENGTH * min(self.extent), viscous),
+            "share": min(1.0, RESOLVED_CORNER / cell),
+        }
+        return tuple(
+            CornerSingularity((x, self.height), (way, 0.0), speed=way * self.velocity, **same)
+            for x, way in ((0.0, 1.0), (self.width, -1.0))
+        )
+
+    @property
+    def reference_length(self):
+        """The width."""
+        return self.width
+
+    @property
+    def velocity_scale(self):
+        """The largest speed of the lid."""
+        return abs(self.velocity)
+
+    @property
+    def _lid_reynolds(self):
+        """Reynolds number by the speed of the lid, to which references belong."""
+        return self.velocity_scale * self.width / self.kinematic_viscosity
+
+    def thinnest_layer(self, t):
+        """Depth of the layer under the lid, which fluid leaves after a time width/U, and where it is."""
+        return depth(self, min(t, self.width / self.velocity_scale)), "the layer under the lid"
+
+    @cached_property
+    def _exact(self):
+        """The flow under the regular lid, None where there is no reference."""
+        if not self.regular or self.rheology or self._lid_reynolds > LARGEST_REYNOLDS:
+            return None
+        return RegularCavity(self.width, self.height, self.velocity, self.kinematic_viscosity)
+
+    @cached_property
+    def _tables(self):
+        """Tabulated ``CentreLine`` s of the square cavity under the sharp lid; none at other Reynolds numbers."""
+        if self.regular or self.width != self.height:
+            return []
+        try:
+            return centre_lines(round(self._lid_reynolds, 9))
+        except ValueError:
+            return []
+
+    def lines(self, snapshot, coordinate):
+        """Velocity u on the vertical centre line and v on the other, at a ``coordinate`` (n,) from 0 to 1 along both.
+
+        Between particles, and points on the walls with their velocities, by ``measures/fits.py``.
+        """
+        upright = np.stack([np.full(len(coordinate), 0.5), coordinate], 1)
+        points = np.concatenate([upright, upright[:, ::-1]]) * self.extent
+        found = interpolated(self, *with_walls(self, snapshot), points)
+        return found[: len(upright), 0], found[len(upright) :, 1]
+
+    def diagnostics(self, snapshot, series):
+        """Numbers of a snapshot, and, where the flow is steady, their errors.
+
+        ``u_extreme``: of u on the vertical centre line, against the lid; ``v_min``, ``v_max`` on the horizontal one;
+        each also ``_exact``, over the width and the speed of the lid as all else. ``centre_line_error``: largest
+        difference of u and v from the tables; with the regular lid ``l2``, ``rms`` and ``linf`` of the velocities.
+        ``kinetic_energy`` per mass; ``energy_change``, ``steady`` and ``steady_reason``, see
+        ``measures/resolution.py``.
+        """
+        u, v = (line / self.velocity for line in self.lines(snapshot, np.linspace(0.0, 1.0, POINTS)))
+        exact = self.extremes()
+        numbers = {"u_extreme": u.min(), "v_min": v.min(), "v_max": v.max()}
+        state = steadiness(self, snapshot.t, series)
+        references = {f"{name}_exact": exact.get(name) if state["steady"] else None for name in numbers}
+        errors = self._errors(snapshot) if state["steady"] else {}
+        others = _two_dimensional.diagnostics(self, snapshot)[1]
+        if self.corners:
+            del others["divergence_over_gradient"]  # both are infinite in the corners
+        return {
+            **numbers,
+            **references,
+            "centre_line_error": None,
+            **errors,
+            "kinetic_energy": _two_dimensional.kinetic_energy(snapshot),
+            **state,
+            **others,
+        }
+
+    def extremes(self):
+        """References of the extremes over the speed of the lid, by the names of ``diagnostics``; none without one."""
+        if not (self._exact or self._tables):
+            return {}
+        known = self._exact.extremes() if self._exact else tabulated_extremes(round(self._lid_reynolds, 9))
+        return {"u_extreme": known["u_min"], "v_min": known["v_min"], "v_max": known["v_max"]}
+
+    def _errors(self, snapshot):
+        """Errors against the reference, at a steady state."""
+        if self._exact:
+            return _two_dimensional.velocity_errors(self, snapshot, *self._exact.velocity(snapshot.x, snapshot.y))
+        differences = [
+            self.lines(snapshot, self._along_lid(table))["uv".index(table.component)] / self.velocity - table.value
+            for table in self._tables
+        ]
+        return {"centre_line_error": max((np.abs(difference).max() for difference in differences), default=None)}
+
+    def _along_lid(self, table):
+        """Coordinates of a table, which has the lid move along x; mirrored where it moves the other way."""
+        mirrored = self.velocity < 0 and table.component == "v"
+        return 1.0 - table.coordinate if mirrored else table.coordinate
+
+    def _curve(self, field, tables):
+        """A function of places on a centre line, through all ``tables`` of a ``field`` and the walls."""
+        from scipy.interpolate import CubicSpline  # only pictures need it
+
+        along = np.concatenate([[0.0, 1.0], *(self._along_lid(table) for table in tables)])
+        values = np.concatenate([[0.0, float(field == "u")], *(table.value for table in tables)])
+        places, first = np.unique(along.round(9), return_index=True)  # tables share some
+        curve = CubicSpline(places, self.velocity * values[first])
+        return lambda x, y, t: curve((y if field == "u" else x) / self.width) + 0.0 * t
+
+    def parameters(self):
+        """Numbers of the flow."""
+        length, time = self.units.length, self.units.time
+        kind = "regular: 16 X^2 (1 - X)^2 of it" if self.regular else "sharp"
+        given = [("reference velocity U", f"{self.given_velocity:.6g} {length}/{time}")] if self.given_velocity else []
+        references = ["spectral solution"] if self._exact else sorted({table.source for table in self._tables})
+        return [
+            ("Reynolds number", f"{self.reynolds:.6g}  (U W / nu, W the width)"),
+            *given,
+            ("velocity of the lid", f"{self.velocity:.6g} {length}/{time}, {kind}"),
+            ("kinematic viscosity nu", f"{self.kinematic_viscosity:.6g} {length}^2/{time}"),
+            ("cavity", f"{self.width:.6g} x {self.height:.6g} {length}"),
+            ("reference", f"{', '.join(references) or 'none'}{', of the steady state' if references else ''}"),
+        ]
+
+    def profiles(self):
+        """Velocities along the centre lines."""
+        return [self._velocity("u", "y"), self._velocity("v", "x")]
+
+    def time_series(self):
+        """The kinetic energy."""
+        return _two_dimensional.followed_energy(self)
+
+    def _velocity(self, field, along):
+        flow, tables = self._exact, [table for table in self._tables if table.component == field]
+        reference = {}
+        if flow:
+            scale = self.reference_velocity, self.velocity_name("speed of the lid")
+            reference = {"exact": lambda x, y, t: flow.velocity(x, y)["uv".index(field)], "scale": scale}
+        elif tables:
+            name = tables[0].source if len(tables) == 1 else "published tables"  # frames have no room for two
+            reference = {"exact": self._curve(field, tables), "reference": name}
+        return _two_dimensional.velocity_profile(self, field, along, **reference)
+
 
 __all__ = ["Cavity", "Config", "Scene"]
 

@@ -19,9 +19,8 @@ from tisph.measures import resolution
 from tisph.measures.metrics import relative_difference
 from tisph.measures.resolution import steadiness
 from tisph.scenes import _two_dimensional, annulus
-from tisph.scenes._annulus import views
-from tisph.scenes._annulus.cylinders import Cylinders
 from tisph.scenes._views import TimeSeries
+from tisph.scenes.annulus import BetweenCylinders
 
 CREEPING = 0.1
 """Reynolds number up to which Stokes flow is the reference. Inertia then changes velocities by at most 1.4e-4 (L2),
@@ -72,7 +71,7 @@ class Config(annulus.Config):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Scene(Cylinders):
+class Scene(BetweenCylinders):
     """Two cylinders with different axes. There is a reference of slow and steady flow alone."""
 
     flow_quantities = ("torque_inner", "torque_outer", "force_y")
@@ -132,7 +131,7 @@ class Scene(Cylinders):
         least = f"at least {_clearance.LEAST_GAP:g}; resolved from {resolution.LEAST_GAP:g} on"
         other = f"none but of Newtonian fluids up to a Reynolds number of {CREEPING:g}"
         return [
-            *views.parameters(self),
+            *super().parameters(),
             ("narrowest gap", f"{gap:.4g} {self.units.length}, {gap / self.spacing:.3g} spacings ({least})"),
             ("reference", "Stokes flow, of the steady state" if self._creeps else other),
         ]

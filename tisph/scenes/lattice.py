@@ -15,8 +15,7 @@ from tisph.config import checks, schema
 from tisph.config.base import Model, Positive, Problem
 from tisph.config.fields import bodies
 from tisph.scenes._cell.scene import Cell
-from tisph.scenes._cell.sections import bodies_of, cell_problems, incommensurate_periods
-from tisph.scenes._initial import Contact, Drive, RestInitial
+from tisph.scenes._initial import Contact, Drive, RestInitial, bodies_of, cell_problems, incommensurate_periods
 
 
 class Geometry(Model):

@@ -10,28 +10,78 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Annotated
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from tisph.config.base import Problem
+from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, refusals
+from tisph.config.motion import Amplitude
+from tisph.config.motion import WallMotion as Oscillation
 from tisph.exact.start_up import CircularStartUp, PipeStartUp, fluid_of
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.measures.metrics import field_error
-from tisph.scenes._axisymmetric import config as axisymmetric
-from tisph.scenes._axisymmetric import measures, views
-from tisph.scenes._axisymmetric.pipe_keys import Cylinder, Drive, Geometry, Walls
-from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder
+from tisph.scenes import _axisymmetric
+from tisph.scenes._axisymmetric import AxisymmetricScene, cylinder
 from tisph.scenes._initial import Initial, start_problems, still_problem
 from tisph.scenes._layers import depth
 from tisph.snapshot import STRESSES
+
+
+class Geometry(Model):
+    """Radius and length of the pipe [length]; ``inner_radius`` of a second one inside, 0 without."""
+
+    radius: Positive
+    length: Positive
+    inner_radius: NonNegative = 0.0
+
+    @model_validator(mode="after")
+    def _check_order(self) -> "Geometry":
+        if not self.inner_radius < self.radius:
+            text = f"must be less than geometry.radius {self.radius:g}"
+            raise refusals([(("inner_radius",), text, self.inner_radius)])
+        return self
+
+
+class Cylinder(Model):
+    """Velocity along the axis [length/time] and angular velocity around it [1/time] of a wall, from t = 0 on."""
+
+    velocity: Signed = 0.0
+    angular_velocity: Signed = 0.0
+
+
+class Walls(Model):
+    """The walls of the pipe: ``outer``, and ``inner`` where there is one."""
+
+    unset_keys = ("inner",)
+
+    outer: Cylinder = Cylinder()
+    inner: Cylinder | None = None
+
+
+class Drive(Oscillation):
+    """Acceleration along the axis [length/time^2], -(dp/dx)/density: constant, or oscillating.
+
+    ``acceleration``; or ``amplitude`` * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t.
+    """
+
+    speed_key = "acceleration"
+    exclusive_keys = ("acceleration", "amplitude")
+    unset_keys = ("angular_frequency", "phase")
+
+    acceleration: Signed | None = None
+    amplitude: Amplitude | None = None
+    angular_frequency: Positive | None = None
+    phase: Literal["cos", "sin"] | None = None
+
+    acceleration_before: ClassVar[None] = None
+
 
 AROUND = ("stress_tt", "stress_yt", "stress_yy")
 """Stresses of flow around the axis, in the order of ``Coaxial.polymer_stress``."""
 
 
-class Config(axisymmetric.Config):
+class Config(_axisymmetric.Config):
     """A whole run of flow in a pipe."""
 
     geometry: Geometry
@@ -195,7 +245,7 @@ class Scene(AxisymmetricScene):
         return {**super().initial(x, y), **exact}
 
     def exact_loads(self, t):
-        """References of ``measures.loads`` by name, at times ``t``."""
+        """References of ``_axisymmetric.loads`` by name, at times ``t``."""
         along, around = self._flows
         none = 2 * (np.zeros(np.shape(t)),)
         forces = along.force(t, density=self.density) if along else none
@@ -215,10 +265,10 @@ class Scene(AxisymmetricScene):
         exact = {f"{name}_exact": value for name, value in self.exact_loads(snapshot.t).items()}
         return {
             **{f"l2_{name}": field_error(self, snapshot, name) for name in self.fields[3:]},
-            **measures.loads(self, snapshot),
+            **_axisymmetric.loads(self, snapshot),
             **exact,
-            "mean_velocity": measures.mean_velocity(self, snapshot),
-            **measures.spread(self, snapshot),
+            "mean_velocity": _axisymmetric.mean_velocity(self, snapshot),
+            **_axisymmetric.spread(self, snapshot),
         }
 
     @property
@@ -228,7 +278,7 @@ class Scene(AxisymmetricScene):
 
     def parameters(self):
         """Numbers of the flow."""
-        return views.parameters(self, cause="the largest velocity, at most, that the drive gives a Newtonian fluid")
+        return super().parameters(cause="the largest velocity, at most, that the drive gives a Newtonian fluid")
 
     def profiles(self):
         """Velocities over the radius."""
@@ -238,8 +288,8 @@ class Scene(AxisymmetricScene):
         def reference(name):
             return lambda x, y, t: self.exact(name, x, y, t)
 
-        line = views.across(self)
-        return [views.velocity(self, name, line, exact=reference(name), scale=scale) for name in shown]
+        line = _axisymmetric.across(self)
+        return [_axisymmetric.velocity(self, name, line, exact=reference(name), scale=scale) for name in shown]
 
     def time_series(self):
         """Loads on the walls."""
@@ -249,7 +299,7 @@ class Scene(AxisymmetricScene):
             loads = self.exact_loads(np.asarray(times))
             return np.stack([loads[name] for name in columns], axis=1)
 
-        return views.loads_series(
+        return _axisymmetric.loads_series(
             self,
             columns,
             labels=[(name.replace("_", " on the ") + " wall", None) for name in columns],
@@ -260,7 +310,7 @@ class Scene(AxisymmetricScene):
 
     def movie_series(self):
         """Forces on the walls, or torques where nothing goes along the axis."""
-        return views.only_first(self.time_series())
+        return _axisymmetric.only_first(self.time_series())
 
 
 def _wall(name, wall, radii, length):

@@ -13,28 +13,83 @@ from functools import cached_property
 from typing import ClassVar, Literal
 
 import numpy as np
+from pydantic import model_validator
 
 from tisph.bodies import _clearance, circle
-from tisph.config.base import Problem
+from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, refusals
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.ellipse import Ellipse
 from tisph.geometry.motion import FreeMotion, Inertia, RigidMotion, WallMotion
 from tisph.geometry.shape import POINTS, volume_of_revolution
-from tisph.scenes._axisymmetric import config as axisymmetric
-from tisph.scenes._axisymmetric import measures, views
-from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder, wall_speed
-from tisph.scenes._axisymmetric.sphere_keys import Drive, Geometry, Sphere, Walls
+from tisph.scenes import _axisymmetric
+from tisph.scenes._axisymmetric import AxisymmetricScene, cylinder, wall_speed
 from tisph.scenes._initial import RestInitial, still_problem
 from tisph.scenes._layers import depth
 from tisph.scenes._views import TimeSeries
+from tisph.scenes.pipe import Cylinder
+
+FREE_KEYS = ("density", "force")
+
+
+class Geometry(Model):
+    """Radii of tube and sphere, and period along the axis [length].
+
+    ``half_length``: of a spheroid, half of its axis along the tube; that of a sphere where left out.
+    """
+
+    unset_keys = ("half_length",)
+
+    tube_radius: Positive
+    sphere_radius: Positive
+    length: Positive
+    half_length: Positive | None = None
+
+
+class Sphere(Model):
+    """What the body does from t = 0 on: constant ``velocity`` along the axis, or ``free``; and what turns it.
+
+    ``angular_velocity`` around the axis [1/time]. A free body has a ``density`` [mass/length^3], that of the fluid
+    where left out, and a ``force`` along the axis from outside [mass length/time^2], as its weight less its buoyancy.
+    """
+
+    unset_keys = ("velocity", *FREE_KEYS)
+
+    velocity: Signed | None = None
+    free: bool = False
+    density: NonNegative | None = None
+    force: Signed | None = None
+    angular_velocity: Signed = 0.0
+
+    @model_validator(mode="after")
+    def _check_free(self) -> "Sphere":
+        wrong = ("velocity",) if self.free else FREE_KEYS
+        text = f"is only for a sphere that is {'not ' if self.free else ''}free"
+        found = [((key,), text, getattr(self, key)) for key in wrong if getattr(self, key) is not None]
+        if found:
+            raise refusals(found)
+        return self
+
+
+class Walls(Model):
+    """The tube."""
+
+    tube: Cylinder = Cylinder()
+
+
+class Drive(Model):
+    """Acceleration along the axis [length/time^2], or the mean velocity that closure ``no_flux`` keeps."""
+
+    acceleration: Signed = 0.0
+    mean_velocity: Signed = 0.0
+
 
 FRONT = 1.95
 """Depth of the layer in front of the body, in sqrt(nu/a), a = (3/2) U/R being the strain rate there: the velocity is
 99 % of that outside (stagnation flow, F. Homann, Z. angew. Math. Mech. 16 (1936) 153-164)."""
 
 
-class Config(axisymmetric.Config):
+class Config(_axisymmetric.Config):
     """A whole run of a sphere in a tube."""
 
     geometry: Geometry
@@ -165,7 +220,7 @@ class Scene(AxisymmetricScene):
         the axis; None of a fluid at rest. ``mean_velocity``: over a cross-section; ``acceleration``
         along the axis, that of the mean pressure gradient.
         """
-        found = measures.loads(self, snapshot)
+        found = _axisymmetric.loads(self, snapshot)
         force = found["force_sphere"]
         velocity = snapshot.bodies.velocity[0, 0] - snapshot.bodies.velocity[1, 0]
         drag = -force * np.sign(velocity) if velocity else abs(force)
@@ -177,24 +232,22 @@ class Scene(AxisymmetricScene):
             "place": snapshot.bodies.centre[0, 0],
             "velocity": snapshot.bodies.velocity[0, 0],
             **found,
-            "acceleration": measures.acceleration(self, snapshot),
-            "mean_velocity": measures.mean_velocity(self, snapshot),
-            **measures.spread(self, snapshot),
+            "acceleration": _axisymmetric.acceleration(self, snapshot),
+            "mean_velocity": _axisymmetric.mean_velocity(self, snapshot),
+            **_axisymmetric.spread(self, snapshot),
         }
 
     def parameters(self):
         """Numbers of the flow."""
         ratio = self.reference_length / self.outer_radius
         kept = self.reference_velocity == abs(self.kept_mean_velocity or 0.0)
-        lines = views.parameters(
-            self, "the radius of the sphere, across the axis", "the mean velocity" if kept else None
-        )
+        lines = super().parameters("the radius of the sphere, across the axis", "the mean velocity" if kept else None)
         return [*lines, ("sphere over tube", f"{ratio:.6g}, the ratio of the radii")]
 
     def profiles(self):
         """Velocities over the radius at the place of the sphere at first."""
-        line = views.across(self, 0.5 * self.length)
-        return [views.velocity(self, name, line) for name in ("u", "v")]
+        line = _axisymmetric.across(self, 0.5 * self.length)
+        return [_axisymmetric.velocity(self, name, line) for name in ("u", "v")]
 
     def time_series(self):
         """Force on the sphere along the axis, torque around it, and its velocity."""
@@ -224,7 +277,7 @@ class Scene(AxisymmetricScene):
         bodies = snapshot.bodies
         return np.array(
             [
-                measures.loads(self, snapshot)["force_sphere"],
+                _axisymmetric.loads(self, snapshot)["force_sphere"],
                 bodies.torque[0],
                 bodies.centre[0, 0],
                 bodies.velocity[0, 0],

@@ -20,13 +20,11 @@ from tisph.exact.taylor_vortices import coefficients
 from tisph.geometry.body import Body
 from tisph.geometry.line import Line
 from tisph.geometry.motion import STILL
-from tisph.scenes import annulus
-from tisph.scenes._annulus.cylinders import turning_of
-from tisph.scenes._axisymmetric import config as axisymmetric
-from tisph.scenes._axisymmetric import measures, views
-from tisph.scenes._axisymmetric.scene import AxisymmetricScene, cylinder, layer_at_plates
+from tisph.scenes import _axisymmetric, annulus
+from tisph.scenes._axisymmetric import AxisymmetricScene, cylinder, layer_at_plates
 from tisph.scenes._initial import RestInitial, still_problem
 from tisph.scenes._views import TimeSeries
+from tisph.scenes.annulus import turning_of
 
 RECENT = 0.1
 """Part of the time so far over which a growth rate is taken."""
@@ -54,7 +52,7 @@ class Initial(RestInitial):
     disturbance: NonNegative = 0.0
 
 
-class Config(axisymmetric.Config):
+class Config(_axisymmetric.Config):
     """A whole run of Taylor-Couette flow."""
 
     geometry: Geometry
@@ -171,15 +169,15 @@ class Scene(AxisymmetricScene):
         ``radial_velocity``: largest, over the speed of the fastest wall; ``growth_rate``: of the radial velocity, from
         its mean square over the last tenth of the time so far [1/time], None where it is 0.
         """
-        loads = measures.loads(self, snapshot)
+        loads = _axisymmetric.loads(self, snapshot)
         newtonian = self.rheology is None and self.periodic[0] and self.laminar_torque
         return {
             **loads,
             "torque_ratio": -loads["torque_inner"] / self.laminar_torque if newtonian else None,
             "radial_velocity": np.max(np.abs(snapshot.v)) / self.reference_velocity,
             "growth_rate": self._growth_rate(snapshot.t, series),
-            **dict(zip(measures.ENERGIES, measures.kinetic_energies(snapshot), strict=True)),
-            **measures.spread(self, snapshot),
+            **dict(zip(_axisymmetric.ENERGIES, _axisymmetric.kinetic_energies(snapshot), strict=True)),
+            **_axisymmetric.spread(self, snapshot),
         }
 
     def _growth_rate(self, t, series):
@@ -196,12 +194,12 @@ class Scene(AxisymmetricScene):
         """Numbers of the flow."""
         ratio, wave = self.inner_radius / self.outer_radius, 2.0 * np.pi * self.reference_length / self.length
         turning = (("radius ratio", f"{ratio:.6g}"), ("axial wavenumber", f"{wave:.6g}  (2 pi H / length)"))
-        return [*views.parameters(self), *turning]
+        return [*super().parameters(), *turning]
 
     def profiles(self):
         """Velocities around the axis and along radii where the radial velocity of the disturbance is largest."""
-        line = views.across(self, 0.0 if self.periodic[0] else 0.5 * self.length)
-        return [views.velocity(self, name, line) for name in ("w", "v")]
+        line = _axisymmetric.across(self, 0.0 if self.periodic[0] else 0.5 * self.length)
+        return [_axisymmetric.velocity(self, name, line) for name in ("w", "v")]
 
     def time_series(self):
         """Torques on the cylinders, and kinetic energies."""
@@ -222,7 +220,7 @@ class Scene(AxisymmetricScene):
         )
 
     def _followed(self, snapshot):
-        return np.array([*snapshot.bodies.torque[:2], *measures.kinetic_energies(snapshot)])
+        return np.array([*snapshot.bodies.torque[:2], *_axisymmetric.kinetic_energies(snapshot)])
 
     def movie_series(self):
         """Torques on the cylinders."""
@@ -238,4 +236,4 @@ def _spins(config):
     return found | {"left": plates, "right": plates}
 
 
-COLUMNS = ("torque_inner", "torque_outer", *measures.ENERGIES)
+COLUMNS = ("torque_inner", "torque_outer", *_axisymmetric.ENERGIES)

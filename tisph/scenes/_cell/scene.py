@@ -7,9 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from tisph.geometry.body import POINTS, smallest_gap
-from tisph.scenes._body_scene import BodyScene
+from tisph.scenes._body_scene import BodyScene, farthest, largest_speed
 from tisph.scenes._cell import diagnostics, free_bodies, shear_stress, views
-from tisph.scenes._cell.walls import farthest, largest_speed
 from tisph.scenes._layers import depth
 
 KOZENY = 5.0

@@ -8,8 +8,7 @@ from functools import lru_cache
 
 from tisph.exact.start_up import Flow, StartUp, Wall, fluid_of
 from tisph.exact.uniform_shear import UniformShear
-from tisph.geometry.motion import Schedule, StressControlledMotion, StressControlledWall
-from tisph.scenes._motion import WallMotion
+from tisph.geometry.motion import Schedule, StressControlledMotion, StressControlledWall, WallMotion
 
 
 def reference_flow(channel):

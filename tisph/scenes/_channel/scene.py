@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tisph.exact.linear_viscoelasticity import apparent_viscosity
-from tisph.geometry.motion import Schedule, StressControlledWall
+from tisph.geometry.motion import Schedule, StressControlledWall, WallMotion
 from tisph.scenes._channel import diagnostics, extra_series, flow, layers, views
-from tisph.scenes._motion import PolymerParameters, WallMotion
+from tisph.scenes._layers import PolymerParameters
 from tisph.scenes._scene import Scene
 
 

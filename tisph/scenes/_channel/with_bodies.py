@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from tisph.config.base import Problem
+from tisph.scenes._body_scene import plane_walls, planes
 from tisph.scenes._cell.scene import Cell
-from tisph.scenes._cell.sections import bodies_of, cell_problems
-from tisph.scenes._cell.walls import plane_walls, planes
+from tisph.scenes._initial import bodies_of, cell_problems
 
 
 def scene(config):

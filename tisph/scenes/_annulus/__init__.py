@@ -1,1 +1,0 @@
-"""The annulus between two cylinders."""

@@ -3,7 +3,7 @@
 import pytest
 
 import tisph
-from tisph.scenes._cell.shear_stress import stresses
+from tisph.scenes._suspension_stress import stresses
 
 CASE = {
     "name": "sheared",

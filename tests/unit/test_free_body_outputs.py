@@ -22,7 +22,7 @@ from tisph.report.movie import _overlays
 from tisph.report.overlays import BodyTracks, Solids, Tracks
 from tisph.report.plots import history_figure
 from tisph.results._results import Trajectories as Read
-from tisph.scenes._cell import shear_stress
+from tisph.scenes import _suspension_stress
 from tisph.schemes._splitting._contact import Contact
 from tisph.simulation.recording import _steady
 from tisph.simulation.state import start_snapshot, start_values
@@ -91,7 +91,7 @@ def test_of_many_bodies_means_are_followed(make):
         "bodies_mean_u",
         "bodies_mean_v",
         "bodies_mean_angular_speed",
-        *shear_stress.columns(scene),
+        *_suspension_stress.columns(scene),
         "superficial_velocity",
     ]
     count = len(scene.bodies)

@@ -18,7 +18,7 @@ from tisph.measures.resolution import resolution, steadiness, steady_since
 from tisph.observers.samples import Samples, read_samples
 from tisph.report.labels import error_label
 from tisph.report.plots import profile_figure
-from tisph.scenes._cell.scene import Cell
+from tisph.scenes._cell import Cell
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Bodies, Snapshot
 

@@ -31,7 +31,7 @@ from tisph.geometry.polygon import Polygon
 from tisph.scenes import _axisymmetric, annulus
 from tisph.scenes._axisymmetric import AxisymmetricScene, cylinder, layer_at_plates
 from tisph.scenes._body_scene import farthest, plane_walls, planes
-from tisph.scenes._cell.scene import Cell
+from tisph.scenes._cell import Cell
 from tisph.scenes._initial import (
     Contact,
     Drive,

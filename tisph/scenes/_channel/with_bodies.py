@@ -8,7 +8,7 @@ import numpy as np
 
 from tisph.config.base import Problem
 from tisph.scenes._body_scene import plane_walls, planes
-from tisph.scenes._cell.scene import Cell
+from tisph.scenes._cell import Cell
 from tisph.scenes._initial import bodies_of, cell_problems
 
 

@@ -10,7 +10,7 @@ import math
 import re
 from dataclasses import dataclass
 
-from tisph.scenes._cell.shear_stress import BODIES, WALLS
+from tisph.scenes._suspension_stress import BODIES, WALLS
 from tisph.studies.stability.cells import FINISHED, FLAGGED, REFUSED, STABLE
 from tisph.studies.stability.flows import BOTH_STRESSES, EXACT, FINER, FLOWS
 

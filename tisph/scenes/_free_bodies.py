@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from tisph.measures.fits import cell_mean
 from tisph.scenes._views import TimeSeries
 
 MOST = 6
@@ -13,9 +12,6 @@ MOTIONS = ("u", "v", "angular_velocity")
 MEANS = ("bodies_mean_u", "bodies_mean_v", "bodies_mean_angular_speed")
 SHOWN = 3
 """Bodies in a movie's panel."""
-
-TOGETHER = 1e-3
-"""Part of the reference velocity below which bodies and fluid count as moving together."""
 
 UNITS = {"x": "length", "y": "length", "angle": "angle", "u": "velocity", "v": "velocity", "angular_velocity": "rate"}
 UNITS |= {"bodies_mean_u": "velocity", "bodies_mean_v": "velocity", "bodies_mean_angular_speed": "rate"}
@@ -50,25 +46,6 @@ def states(cell, snapshot):
         parts = bodies.centre, bodies.angle[:, None], bodies.velocity, bodies.angular_velocity[:, None]
         values = np.hstack([part[chosen] for part in parts]).ravel()
     return {f"{kind}{name}": float(value) for (kind, name), value in zip(columns(cell), values, strict=True)}
-
-
-def drift(cell, snapshot):
-    """See ``Scene.drift``: what the momentum of a box without walls is off the impulse of all loads, over its mass.
-
-    A step does not conserve it by its construction, and nothing else tells how fast all moves together.
-    """
-    inertias = [body.motion.inertia for body in cell.bodies if body.free]
-    if len(inertias) < len(cell.bodies) or not all(cell.periodic) or any(any(each.held[:2]) for each in inertias):
-        return 0.0
-    area, fluid = float(np.prod(cell.size)), cell.density * cell.region.area
-    mean, bodies = cell_mean(cell, snapshot), snapshot.bodies.velocity
-    mass = np.array([[each.mass[0]] for each in inertias])
-    displaced = cell.density * np.array([[body.shape.area] for body in cell.bodies])
-    impulse = np.sum([each.load[:2] for each in inertias], axis=0) + fluid * np.array([cell.acceleration, 0.0])
-    given = np.sum(mass * [each.velocity[:2] for each in inertias], axis=0) + impulse * (snapshot.t - cell.start_time)
-    off = cell.density * area * mean + np.sum((mass - displaced) * bodies, axis=0) - given
-    apart = max(np.hypot(*(bodies - mean).T).max(), TOGETHER * cell.reference_velocity)
-    return float(np.hypot(*off) / (fluid + mass.sum()) / apart)
 
 
 def sizes(cell):

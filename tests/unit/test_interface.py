@@ -12,7 +12,7 @@ import tisph
 from tisph.config.loader import config_file, override_texts
 from tisph.errors import ConfigError, DivergedError, TisphError
 from tisph.interface.process import _error
-from tisph.results._results import typed
+from tisph.results._summary import typed
 
 MOST_LINES, MOST_COLUMNS = 260, 200
 """Of ``help(tisph)``: two screens of 65 lines."""

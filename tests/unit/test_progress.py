@@ -8,6 +8,8 @@ import pytest
 
 from tisph.simulation.run import RunProgress
 
+MODULE = importlib.import_module("tisph.simulation.run")  # the package has the function of that name
+
 
 class Terminal(io.StringIO):
     def isatty(self):
@@ -18,7 +20,7 @@ class Terminal(io.StringIO):
 def test_a_bar_has_percentage_and_remaining_time_at_any_width(monkeypatch, columns):
     terminal = Terminal()
     monkeypatch.setattr("sys.stderr", terminal)
-    monkeypatch.setattr(importlib.import_module("tisph.simulation.run"), "REFRESH", -1.0)
+    monkeypatch.setattr(MODULE, "REFRESH", -1.0)
     for name, value in (("COLUMNS", str(columns)), ("TERM", "xterm"), ("NO_COLOR", "1")):
         monkeypatch.setenv(name, value)
     with RunProgress(0.0, 2.0, 5000, "s") as bar:
@@ -40,7 +42,7 @@ def lines(monkeypatch):
 
     def run(seconds, steps=1000):
         clock = [0.0]
-        monkeypatch.setattr(run.time, "perf_counter", lambda: clock[0])
+        monkeypatch.setattr(MODULE.time, "perf_counter", lambda: clock[0])
         stream = io.StringIO()
         monkeypatch.setattr("sys.stderr", stream)
         with RunProgress(0.0, 1.0, 100, "s") as shown:

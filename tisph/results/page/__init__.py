@@ -15,7 +15,7 @@ from tisph import schemes
 from tisph.folder import Folder
 from tisph.report.encoder import poster
 from tisph.report.labels import number, scientific
-from tisph.results._results import SampleErrors
+from tisph.results._summary import SampleErrors
 from tisph.version import __version__
 
 if TYPE_CHECKING:

@@ -374,7 +374,10 @@ class StartUp:
 
     def conformation_excess(self, y, t):
         """C of each mode at heights ``y`` (heights,) and one time ``t``: list of arrays (components, heights)."""
-        return [self.elements.interpolated(c, y) for c in self.equations.conformation_excess(self._at(t))]
+        return self._excess(y, t)
+
+    def _excess(self, y, time):
+        return [self.elements.interpolated(c, y) for c in self.equations.conformation_excess(self._at(time))]
 
     def shear_stress(self, y, t):
         """Shear stress of solvent and polymer together."""
@@ -404,8 +407,7 @@ class StartUp:
         return self.elements.interpolated(own, y) + self.layer.shear_rate(y, time)
 
     def _stress(self, y, time):
-        conformation_excess = self.conformation_excess(y, time)
-        whole = [law.stress(tuple(c)) for law, c in zip(self.fluid.laws, conformation_excess, strict=True)]
+        whole = [law.stress(tuple(c)) for law, c in zip(self.fluid.laws, self._excess(y, time), strict=True)]
         return sum((np.stack(stress[:3]) for stress in whole), np.zeros((3, len(y))))
 
     def _whole_stress(self, y, time):
@@ -454,12 +456,12 @@ def _developed(fluid, flow, order, edges):
     return state + StartUp(fluid, flow, order=order, edges=edges)._oscillating(0.0)
 
 
-class Coaxial:
+class Coaxial(StartUp):
     """Flow of a ``fluid`` between cylinders of ``radii``, or inside of one where the first is 0.
 
     ``walls``: (inner, outer) from t = 0 on, of which the inner one counts for nothing where there is none; ``before``:
-    the same whose developed flow it starts from, or None for rest. ``flow``: what else a ``start_up.Flow`` has. Radii
-    ``r`` and times ``t`` >= 0 broadcast; results have their shape.
+    the same whose developed flow it starts from, or None for rest. ``flow``: other attributes of its ``Flow``. Radii
+    ``r`` and times ``t`` >= 0 broadcast; results have their shape. Stresses have x along the flow and y along radii.
     """
 
     def __init__(self, radii, fluid, walls, before, flow, elements):
@@ -471,27 +473,14 @@ class Coaxial:
         def flow_of(pair):
             return Flow(outer - inner, pair[0] if inner else Wall(), pair[1], inner_radius=inner, **flow)
 
-        self._solved = StartUp(fluid, flow_of(walls), before and flow_of(before), **elements)
-
-    def velocity(self, r, t):
-        """Velocity; at t = 0 the walls have their new velocity already, the fluid its old one."""
-        return self._solved.velocity(self._place(r), t)
-
-    def shear_rate(self, r, t):
-        """Shear rate du/dr, or around the axis r d(u/r)/dr (1/time); infinite at t = 0 where a wall jumps."""
-        return self._solved.shear_rate(self._place(r), t)
-
-    def shear_stress(self, r, t):
-        """Shear stress of solvent and polymer together, per unit density."""
-        return self._solved.shear_stress(self._place(r), t)
-
-    def polymer_stress(self, r, t):
-        """Stress of all modes per unit density, shape (3, ...): with x along the flow S_xx, S_xr and S_rr."""
-        return self._solved.polymer_stress(self._place(r), t)
+        super().__init__(fluid, flow_of(walls), before and flow_of(before), **elements)
 
     def conformation_excess(self, r, t):
         """C of each mode at radii ``r`` (radii,) and one time ``t``, in the order xx, xr, rr (and that across both)."""
-        return self._solved.conformation_excess(self._place(r), t)
+        return super().conformation_excess(self._place(r), t)
+
+    def _by_time(self, profile, r, t, parts=()):
+        return super()._by_time(profile, self._place(r), t, parts)
 
     def _place(self, r):
         """Distance from the inner cylinder; round-off leaves none outside."""
@@ -534,18 +523,18 @@ class CircularStartUp(Coaxial):
     def torque(self, t, *, density):
         """Torques (inner, outer), counterclockwise, of the fluid on the cylinders, per length along the axis."""
         return tuple(
-            sign * 2 * np.pi * r**2 * density * self._solved.shear_stress(self._place(r), t)
+            sign * 2 * np.pi * r**2 * density * self.shear_stress(r, t)
             for sign, r in zip((1, -1), self.radii, strict=True)
         )
 
     def pressure(self, r, t, *, density):
         """Pressure at radii ``r`` and one time, of zero mean over the area."""
-        elements = self._solved.elements
+        elements = self.elements
         radius, places = elements.radii, self.radii[0] + elements.y
         along, _, across = self.polymer_stress(places, t)
         u = self.velocity(places, t)
         if t == 0:  # what turns is what turned before
-            u -= elements.levers * self._solved.layer.field(elements.y, t)
+            u -= elements.levers * self.layer.field(elements.y, t)
         inward = np.divide(u**2 + across - along, radius, out=np.zeros_like(u), where=radius > 0.0)
         pressure = across + elements.integral(inward)
         area = elements.half_width * elements.weights * radius

@@ -11,7 +11,7 @@ import pytest
 import tisph
 from tisph.config.loader import config_file, override_texts
 from tisph.errors import ConfigError, DivergedError, TisphError
-from tisph.interface.process import _error
+from tisph.interface.running import _error
 from tisph.results._summary import typed
 
 MOST_LINES, MOST_COLUMNS = 260, 200

@@ -43,16 +43,13 @@ def _header(samples):
 def _rows(samples):
     rows = [["t*", *(f"{each.numbers['t_star']:.4g}" for each in samples)]]
     rows.append(["resolved", *("yes" if each.numbers["resolved"] else "no" for each in samples)])
-    rows += [[label, *(_short(each.numbers[key], ".3e") for each in samples)] for key, label in ERRORS.items()]
+    for key, label in ERRORS.items():
+        rows.append([label, *("-" if each.numbers[key] is None else f"{each.numbers[key]:.3e}" for each in samples)])
     keys = dict.fromkeys(key for each in samples for key in each.numbers)
     for key in keys:
         if f"{key}_exact" in keys:
             rows.append([f"{key.replace('_', ' ')} (exact)", *(_beside(each.numbers, key) for each in samples)])
     return rows
-
-
-def _short(value, style):
-    return "-" if value is None else format(value, style)
 
 
 def _beside(numbers, key):

@@ -89,11 +89,6 @@ SMALLEST_F32 = 1e-6
 """Spacing whose fourth power, in the determinant of the moments, is well inside the range of single precision."""
 
 
-def resolution_problems(config: Any) -> Iterator[Problem]:
-    """What is wrong with the spacing of the validated ``config``, or with the box that it has to fill."""
-    yield from list(_across(config)) or list(config.incommensurate()) or _precision(config)
-
-
 def resolution_key(config: Any) -> str:
     """The dotted key by which the config gives its spacing."""
     return "discretisation." + ("particles_across" if config.discretisation.spacing is None else "spacing")
@@ -192,8 +187,8 @@ def problems(config: Any) -> Iterator[Problem]:
     yield from _video(config)
     yield from _members(config)
     yield from _scheme(config)
-    too_large = list(_size(config))
-    yield from too_large or resolution_problems(config)
+    # a size that fits, then whole numbers of particles, then the precision
+    yield from list(_size(config)) or list(_across(config)) or list(config.incommensurate()) or _precision(config)
 
 
 def _value(config: Any, location: tuple[str | int, ...]) -> Any:

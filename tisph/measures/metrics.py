@@ -49,13 +49,12 @@ def sample_metrics(scene, snapshot, series, errors_alone=False):
         "linf": _largest_error(scene, snapshot),
         **({} if errors_alone else scene.diagnostics(snapshot, series)),
     }
-    numbers = {key: value if _is_word(key, value) else _number(value) for key, value in diagnostics.items()}
+    numbers = {
+        key: value if key == "step" or isinstance(value, bool | str) else _number(value)
+        for key, value in diagnostics.items()
+    }
     resolved, reason = resolution(scene, snapshot.t, snapshot)
     return {"t": numbers.pop("t"), "resolved": resolved, "reason": reason, **numbers}
-
-
-def _is_word(key, value):
-    return key == "step" or isinstance(value, bool | str)
 
 
 def _number(value):

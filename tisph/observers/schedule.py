@@ -4,6 +4,7 @@ import math
 from bisect import bisect_right
 
 from tisph.errors import ConfigError
+from tisph.observers.protocol import StateObserver
 
 ROUND_OFF = 1e-9
 """Part of an interval by which a time may miss a multiple of it."""
@@ -105,7 +106,7 @@ def even_times(start, end, count):
     return [start, *between, end]
 
 
-class Checkpoints:
+class Checkpoints(StateObserver):
     """Calls ``save`` every ``interval`` [time] from where the run is when its observation begins."""
 
     def __init__(self, interval, save):
@@ -115,12 +116,6 @@ class Checkpoints:
     def tell(self, step, times):
         """Write one, however many are due."""
         self.save()
-
-    def flush(self):
-        """Do nothing: it is written whole or not at all."""
-
-    def close(self):
-        """Do nothing: at the end of a run that is done there is nothing to go on from."""
 
 
 class FromHere(EveryTime):

@@ -149,7 +149,8 @@ def _begun(file: Any, part: str, named: dict[str, str], about: Any) -> Any:
     root.create_group(part)
     root.create_group("Steps").attrs["NSteps"] = 0
     for name, text in (("units", said), ("config", about.resolved)):  # in other characters VTK 9.7 ends the process
-        root.create_dataset(f"FieldData/{name}", data=[_ascii(text)], dtype=h5py.string_dtype("ascii"))
+        plain = text.replace("µ", "u").encode("ascii", "backslashreplace").decode()
+        root.create_dataset(f"FieldData/{name}", data=[plain], dtype=h5py.string_dtype("ascii"))
     return root
 
 
@@ -185,10 +186,6 @@ def _add(group: Any, name: str, rows: np.ndarray) -> None:
     data = group[name]
     data.resize(len(data) + len(rows), axis=0)
     data[-len(rows) :] = rows
-
-
-def _ascii(text: str) -> str:
-    return text.replace("µ", "u").encode("ascii", "backslashreplace").decode()
 
 
 class Vtk(StateObserver):

@@ -96,14 +96,13 @@ def acceleration(scene, snapshot):
     return scene.acceleration if snapshot.acceleration is None else snapshot.acceleration
 
 
-def volume_mean(snapshot, values):
-    """Mean over the volume of ``values`` (particles,), of particles that are even in the half-plane."""
-    return float(np.average(values, weights=snapshot.y))
-
-
 def kinetic_energies(snapshot):
-    """Mean kinetic energies per mass (3,): of what goes along the axis, along radii and around the axis."""
-    return np.array([0.5 * volume_mean(snapshot, np.square(part)) for part in (snapshot.u, snapshot.v, snapshot.w)])
+    """Mean kinetic energies per mass (3,) over the volume: of the flow along the axis, along radii and around the axis.
+
+    Particles are even in the half-plane, so that each has the weight of its distance from the axis.
+    """
+    parts = (snapshot.u, snapshot.v, snapshot.w)
+    return np.array([0.5 * float(np.average(np.square(part), weights=snapshot.y)) for part in parts])
 
 
 def mean_velocity(scene, snapshot):

@@ -226,8 +226,8 @@ class Config(Model):
 
     @property
     def across(self) -> float:
-        """The length that ``discretisation.particles_across`` counts [length]."""
-        raise NotImplementedError
+        """The length that ``discretisation.particles_across`` counts [length]: the height of the box."""
+        return self.extent[1]
 
     @property
     def extent(self) -> tuple[float, float]:

@@ -216,11 +216,6 @@ class Config(schema.Config):
         return not self.bodies
 
     @property
-    def across(self) -> float:
-        """The gap."""
-        return self.geometry.gap
-
-    @property
     def extent(self) -> tuple[float, float]:
         """Length and gap."""
         return self.geometry.length, self.geometry.gap

@@ -39,11 +39,6 @@ class Config(schema.Config):
     across_name = "the height"
 
     @property
-    def across(self) -> float:
-        """The height."""
-        return self.geometry.height
-
-    @property
     def extent(self) -> tuple[float, float]:
         """Width and height."""
         return self.geometry.length, self.geometry.height

@@ -303,11 +303,6 @@ class Config(schema.Config):
         return tuple(self.box[0].tolist())
 
     @property
-    def across(self) -> float:
-        """The height of the box."""
-        return self.extent[1]
-
-    @property
     def extent(self) -> tuple[float, float]:
         """Width and height of the box."""
         return tuple(np.ptp(self.box, axis=0).tolist())

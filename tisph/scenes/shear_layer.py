@@ -62,11 +62,6 @@ class Config(schema.Config):
     across_name = "the side"
 
     @property
-    def across(self) -> float:
-        """The side."""
-        return self.geometry.length
-
-    @property
     def extent(self) -> tuple[float, float]:
         """Width and height."""
         return self.geometry.length, self.geometry.length

@@ -19,44 +19,6 @@ from tisph.report.labels import MINUS, axis_exponent, axis_label, error_label, n
 from tisph.scenes._views import Profile
 from tisph.snapshot import Snapshot
 
-_PAD = 0.12  # inches, around axes with their labels
-
-
-def set_margins(figure: Figure, axes: np.ndarray, legend: Legend, *, below: bool) -> None:
-    """Give all ``axes`` (rows, columns) of ``figure`` the same size, as large as their labels and the legend leave it.
-
-    The legend is at the right, or ``below``. Axes of a column, and of a row, have the same room around them.
-    """
-    pad, (width, height) = _PAD * figure.dpi, figure.bbox.size
-    renderer = figure.canvas.get_renderer()
-    around = (
-        np.array([[_room_for_labels(one, renderer) for one in row] for row in axes]) + pad
-    )  # left, bottom, right, top
-    left, right = around[:, :, 0].max(axis=0), around[:, :, 2].max(axis=0)
-    bottom, top = around[:, :, 1].max(axis=1), around[:, :, 3].max(axis=1)
-    box = legend.get_window_extent(renderer)
-    right[-1] += 0.0 if below else width - box.x0
-    bottom[-1] += box.y1 if below else 0.0
-    across = (width - left.sum() - right.sum()) / axes.shape[1]
-    down = (height - bottom.sum() - top.sum()) / axes.shape[0]
-    for row, column in np.ndindex(axes.shape):
-        x = left[: column + 1].sum() + right[:column].sum() + column * across
-        y = height - top[: row + 1].sum() - bottom[:row].sum() - (row + 1) * down
-        axes[row, column].set_position((x / width, y / height, across / width, down / height))
-
-
-def _room_for_labels(axes: Axes, renderer) -> tuple[float, float, float, float]:
-    """Return how far ticks and labels stand out of ``axes`` at the left, bottom, right and top, in pixels."""
-    inner, boxes = axes.bbox, [axis.get_tightbbox(renderer) for axis in (axes.xaxis, axes.yaxis)]
-    boxes = [inner, *(box for box in boxes if box)]
-    return (
-        inner.x0 - min(box.x0 for box in boxes),
-        inner.y0 - min(box.y0 for box in boxes),
-        max(box.x1 for box in boxes) - inner.x1,
-        max(box.y1 for box in boxes) - inner.y1,
-    )
-
-
 _MARKERS = 40  # a number, on its exact curve
 _FEW = 8  # on a line of its own, where there is no exact one
 _SHAPES = "osD^v"
@@ -190,7 +152,6 @@ def _label_axes(axes, scene, kind: tuple[str, str], latest: float) -> None:
 
 _DOTS = 400  # particles drawn a sample: more only hide each other
 _PROFILE_POINTS = 400
-_SAMPLE_SHAPES = "osD^v"
 _SMALLEST_MARKER, _LARGEST_MARKER = (
     3.5,
     8.0,
@@ -237,7 +198,7 @@ def _looks(count: int) -> list[dict]:
     return [
         {
             "color": colour,
-            "marker": _SAMPLE_SHAPES[index % len(_SAMPLE_SHAPES)],
+            "marker": _SHAPES[index % len(_SHAPES)],
             "markersize": size,
             "markeredgewidth": 0.0,
         }
@@ -335,3 +296,41 @@ def plot_reading(path, name, reading, units):
         figure.suptitle(f"{name}: {reading.title}")
         figure.tight_layout()
         figure.save(path)
+
+
+_PAD = 0.12  # inches, around axes with their labels
+
+
+def set_margins(figure: Figure, axes: np.ndarray, legend: Legend, *, below: bool) -> None:
+    """Give all ``axes`` (rows, columns) of ``figure`` the same size, as large as their labels and the legend leave it.
+
+    The legend is at the right, or ``below``. Axes of a column, and of a row, have the same room around them.
+    """
+    pad, (width, height) = _PAD * figure.dpi, figure.bbox.size
+    renderer = figure.canvas.get_renderer()
+    around = (
+        np.array([[_room_for_labels(one, renderer) for one in row] for row in axes]) + pad
+    )  # left, bottom, right, top
+    left, right = around[:, :, 0].max(axis=0), around[:, :, 2].max(axis=0)
+    bottom, top = around[:, :, 1].max(axis=1), around[:, :, 3].max(axis=1)
+    box = legend.get_window_extent(renderer)
+    right[-1] += 0.0 if below else width - box.x0
+    bottom[-1] += box.y1 if below else 0.0
+    across = (width - left.sum() - right.sum()) / axes.shape[1]
+    down = (height - bottom.sum() - top.sum()) / axes.shape[0]
+    for row, column in np.ndindex(axes.shape):
+        x = left[: column + 1].sum() + right[:column].sum() + column * across
+        y = height - top[: row + 1].sum() - bottom[:row].sum() - (row + 1) * down
+        axes[row, column].set_position((x / width, y / height, across / width, down / height))
+
+
+def _room_for_labels(axes: Axes, renderer) -> tuple[float, float, float, float]:
+    """Return how far ticks and labels stand out of ``axes`` at the left, bottom, right and top, in pixels."""
+    inner, boxes = axes.bbox, [axis.get_tightbbox(renderer) for axis in (axes.xaxis, axes.yaxis)]
+    boxes = [inner, *(box for box in boxes if box)]
+    return (
+        inner.x0 - min(box.x0 for box in boxes),
+        inner.y0 - min(box.y0 for box in boxes),
+        max(box.x1 for box in boxes) - inner.x1,
+        max(box.y1 for box in boxes) - inner.y1,
+    )

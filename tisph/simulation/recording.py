@@ -37,237 +37,6 @@ from tisph.simulation import checkpoint
 from tisph.simulation.process import Interrupts, log, logging_to
 from tisph.version import __version__
 
-VIDEO = "output.video."
-"""What the keys of the movie begin with."""
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A picture that is being drawn, for the file ``path``: ``image`` waits for it and returns it as PNG."""
-
-    path: Path
-    image: Callable
-
-    def write(self):
-        """Wait for it and write it. TisphError where it could not be drawn or cannot be written."""
-        image = self.image()
-        with replaced(self.path) as new:
-            new.write_bytes(image)
-
-
-def render(run_dir, overrides=(), gif=False):
-    """Draw what the files in ``run_dir`` allow and return the paths of the pictures.
-
-    ``overrides`` are texts ``output.video.KEY=VALUE``, for another movie of the same frames; with ``gif`` it is also
-    written as GIF, and its last frame as JPEG. Raises ConfigError where ``run_dir`` is no results folder, its files
-    cannot be read or do not have what is asked for, TisphError where the pictures cannot be written.
-    """
-    folder = Folder(run_dir)
-    if not any(path.exists() for path in (folder.samples, folder.history, folder.frames)):
-        raise ConfigError(f"{folder.root}: has nothing to draw: neither samples.h5 nor history.csv nor frames.h5")
-    _require_movie_keys(folder, overrides)
-    settings = config.load(folder.config, overrides)
-    channel = scenes.of(settings)
-    if overrides:
-        _require_fields(folder, channel, settings.output.video.color_by)
-    pictures = begin_pictures(folder, settings, channel)
-    for picture in pictures:
-        picture.write()
-    drawn = [picture.path for picture in pictures]
-    if settings.output.video and folder.frames.exists():
-        film = movie(folder, settings, channel)
-        try:
-            for snapshot in read_frames(folder.frames):
-                film.add(snapshot)
-        finally:
-            film.close()
-        drawn.append(folder.movie)
-    return [*drawn, *_small(folder)] if gif else drawn
-
-
-def _small(folder):
-    """Write the movie as GIF and its last frame, and return their paths; ConfigError where there is no movie."""
-    from tisph.report.encoder import (
-        poster,
-        write_gif,  # a run, which needs neither, does not pay for imageio-ffmpeg and Pillow
-    )
-
-    if not folder.movie.is_file():
-        raise ConfigError(f"{folder.root}: there is no {folder.movie.name} to make a GIF of")
-    write_gif(folder.movie, folder.movie_gif)
-    folder.poster.write_bytes(poster(folder.movie))
-    return folder.movie_gif, folder.poster
-
-
-def _require_movie_keys(folder, overrides):
-    """Raise ConfigError for what is no key of the movie, or another number of frames, or where there are no frames."""
-    for text in overrides:
-        key = text.partition("=")[0].strip()
-        if not key.startswith(VIDEO) or key == f"{VIDEO}frames":
-            known = ", ".join(name for name in Video.model_fields if name != "frames")
-            raise ConfigError(f"--set {text}: a finished run is drawn again with other {VIDEO}KEY only; KEY: {known}")
-    if overrides and not folder.frames.exists():
-        raise ConfigError(f"{folder.root}: the run kept no frames ({folder.frames.name}), so there is no other movie")
-
-
-def _require_fields(folder, channel, color_by):
-    """Raise ConfigError where the stored frames lack a field that a movie coloured by ``color_by`` shows."""
-    for snapshot in islice(read_frames(folder.frames), 1):
-        lacking = [name for name in channel.movie_fields(color_by) if not np.size(getattr(snapshot, name))]
-        if lacking:
-            raise ConfigError(
-                f"{VIDEO}color_by = {color_by}: {folder.frames} has no {', '.join(lacking)}; "
-                f"run again with --set {VIDEO}color_by={color_by}"
-            )
-
-
-def movie(folder, settings, channel):
-    """Return the movie of a run, to which frames can be added."""
-    return RemoteMovie(shared(), folder.movie, channel, settings.output.video, settings.name, settings.time.end)
-
-
-def begin_pictures(folder, settings, channel):
-    """Let profiles.png and history.png be drawn from the stored samples and history; return those there will be."""
-    wanted, paths = {}, {"profiles": folder.profiles_picture, "history": folder.history_picture}
-    snapshots = read_samples(folder.samples) if folder.samples.exists() else []
-    if snapshots:
-        wanted["profiles"] = (snapshots,)
-    times, values = read_history(folder.history) if folder.history.exists() else ((), ())
-    if len(times):
-        wanted["history"] = settings.time_series, times, values, read_resolved(folder.history)
-    drawn = shared().request("plots", described(channel)[0], wanted) if wanted else None
-    return [Picture(paths[name], lambda name=name: drawn.result()[name]) for name in wanted]
-
-
-def begin_still(path, settings, channel, snapshot):
-    """Let the frame of ``snapshot`` be drawn for the file ``path``."""
-    video = settings.output.video or type(settings.output).model_fields["video"].default
-    scene = described(channel, video)
-    return Picture(path, shared().request("still", *scene, settings.name, settings.time.end, snapshot).result)
-
-
-def write_summary(path, summary):
-    """Write ``summary`` as JSON, whole or not at all."""
-    with replaced(path) as new:
-        new.write_text(json.dumps(summary, indent=2, allow_nan=False, ensure_ascii=False) + "\n", encoding="utf-8")
-
-
-def fingerprint(resolved):
-    """Return a hash of all that decides a run's outcome: the ``resolved`` config as YAML."""
-    return hashlib.sha256(resolved.encode()).hexdigest()[:16]
-
-
-def provenance(config, resolved, threads):
-    """Return what else a number in the summary depends on; ``resolved`` is the config as YAML."""
-    packages = (runtime.PACKAGE, "numpy", "scipy", "h5py", "pydantic", "matplotlib")
-    return {
-        "versions": {
-            "tisph": __version__,
-            "python": platform.python_version(),
-            **{name: metadata.version(name) for name in packages},
-        },
-        "platform": platform.platform(),
-        "processor": platform.machine(),
-        "threads": threads,
-        "precision": config.discretisation.precision,
-        "seed": config.initial.seed,
-        "config_hash": fingerprint(resolved),
-        "commit": _commit(),
-    }
-
-
-def peak_memory_mb():
-    """Return the largest resident memory of this process so far, None where the system does not tell."""
-    try:
-        import resource
-    except ImportError:
-        return None
-    unit = 1 if sys.platform == "darwin" else 1024
-    return round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6, 1)
-
-
-def _commit():
-    """Return the commit of the checkout that the package lies in, None for an installed package."""
-    root = Path(__file__).resolve().parents[2]
-    if not (root / ".git").exists():
-        return None
-    try:
-        run = subprocess.run(
-            ["git", "-C", str(root), "rev-parse", "HEAD"],
-            capture_output=True,
-            text=True,
-            timeout=5,
-            check=True,
-        )
-    except (OSError, subprocess.SubprocessError):
-        return None
-    return run.stdout.strip()
-
-
-def summarise(recording):
-    """Return the summary of a run that has ended in whatever way, from its ``Recording``."""
-    simulation, history = recording.simulation, recording.history
-    scene, config = simulation.scene, simulation.config
-    snapshots = recording.samples.snapshots
-    return {
-        "name": config.name,
-        "status": recording.status,
-        **({"message": recording.message} if recording.message else {}),
-        "samples": [sample_metrics(scene, snapshot, history.reading(snapshot)) for snapshot in snapshots],
-        "numbers": _numbers(scene, simulation.scheme, history),
-        "momentum": _momentum(simulation.scheme),
-        "cost": cost(simulation),
-        "provenance": provenance(config, recording.about.resolved, simulation.threads),
-    }
-
-
-def _numbers(scene, scheme, history):
-    return {
-        "reynolds": scene.reynolds,
-        "reference_velocity": scene.reference_velocity,
-        "spacing": scene.spacing,
-        "particles_fluid": scene.particles,
-        **scheme.numbers(),
-        **_steady(history),
-        "dt_min": scheme.shortest if scheme.steps else None,
-        "dt_max": scheme.longest if scheme.steps else None,
-    }
-
-
-def _steady(history):
-    """Since when the numbers that the scene follows have been the last ones, of scenes that may become steady."""
-    series = history.time_series
-    if not series.sizes:
-        return {}
-    drifting = set(series.drifting)
-    sizes = [math.inf if name in drifting else size for name, size in zip(series.columns, series.sizes, strict=True)]
-    return {"steady_since": steady_since(*read_history(history.path), sizes)}
-
-
-def _momentum(scheme):
-    """The balance of momentum along x [mass * velocity per length out of the plane]; None for what is no number."""
-    balance = scheme.momentum_balance()
-    return {key: value if value is not None and math.isfinite(value) else None for key, value in balance.items()}
-
-
-def cost(simulation):
-    """Return what the run has cost by now; times elapsed, in seconds of the clock."""
-    steps, loop = simulation.steps - simulation.first_step, simulation.costs.seconds["loop"]
-    return {
-        "steps": simulation.steps,
-        "wall_total_s": time.perf_counter() - simulation.costs.began,
-        **{f"wall_{kind}_s": seconds for kind, seconds in simulation.costs.seconds.items()},
-        "particle_steps_per_s": steps * simulation.scene.particles / loop if loop > 0 else None,
-        "peak_memory_mb": peak_memory_mb(),
-    }
-
-
-def write_last_good(folder, channel, config, snapshot):
-    """Keep the last sound state of a run that went wrong, as data and as a picture."""
-    with replaced(folder.last_good) as new, hdf5_file(new) as file:
-        write_snapshot(file, snapshot)
-    begin_still(folder.last_good_picture, config, channel, snapshot).write()
-
 
 class Recording:
     """What a ``simulation`` leaves in ``folder``: with the movie and the plots, if they are wanted.
@@ -403,3 +172,235 @@ class Recording:
     def _summarise(self):
         self.summary = summarise(self)
         write_summary(self.folder.summary, self.summary)
+
+
+def summarise(recording):
+    """Return the summary of a run that has ended in whatever way, from its ``Recording``."""
+    simulation, history = recording.simulation, recording.history
+    scene, config = simulation.scene, simulation.config
+    snapshots = recording.samples.snapshots
+    return {
+        "name": config.name,
+        "status": recording.status,
+        **({"message": recording.message} if recording.message else {}),
+        "samples": [sample_metrics(scene, snapshot, history.reading(snapshot)) for snapshot in snapshots],
+        "numbers": _numbers(scene, simulation.scheme, history),
+        "momentum": _momentum(simulation.scheme),
+        "cost": cost(simulation),
+        "provenance": provenance(config, recording.about.resolved, simulation.threads),
+    }
+
+
+def _numbers(scene, scheme, history):
+    return {
+        "reynolds": scene.reynolds,
+        "reference_velocity": scene.reference_velocity,
+        "spacing": scene.spacing,
+        "particles_fluid": scene.particles,
+        **scheme.numbers(),
+        **_steady(history),
+        "dt_min": scheme.shortest if scheme.steps else None,
+        "dt_max": scheme.longest if scheme.steps else None,
+    }
+
+
+def _steady(history):
+    """Since when the numbers that the scene follows have been the last ones, of scenes that may become steady."""
+    series = history.time_series
+    if not series.sizes:
+        return {}
+    drifting = set(series.drifting)
+    sizes = [math.inf if name in drifting else size for name, size in zip(series.columns, series.sizes, strict=True)]
+    return {"steady_since": steady_since(*read_history(history.path), sizes)}
+
+
+def _momentum(scheme):
+    """The balance of momentum along x [mass * velocity per length out of the plane]; None for what is no number."""
+    balance = scheme.momentum_balance()
+    return {key: value if value is not None and math.isfinite(value) else None for key, value in balance.items()}
+
+
+def cost(simulation):
+    """Return what the run has cost by now; times elapsed, in seconds of the clock."""
+    steps, loop = simulation.steps - simulation.first_step, simulation.costs.seconds["loop"]
+    return {
+        "steps": simulation.steps,
+        "wall_total_s": time.perf_counter() - simulation.costs.began,
+        **{f"wall_{kind}_s": seconds for kind, seconds in simulation.costs.seconds.items()},
+        "particle_steps_per_s": steps * simulation.scene.particles / loop if loop > 0 else None,
+        "peak_memory_mb": peak_memory_mb(),
+    }
+
+
+def write_last_good(folder, channel, config, snapshot):
+    """Keep the last sound state of a run that went wrong, as data and as a picture."""
+    with replaced(folder.last_good) as new, hdf5_file(new) as file:
+        write_snapshot(file, snapshot)
+    begin_still(folder.last_good_picture, config, channel, snapshot).write()
+
+
+def write_summary(path, summary):
+    """Write ``summary`` as JSON, whole or not at all."""
+    with replaced(path) as new:
+        new.write_text(json.dumps(summary, indent=2, allow_nan=False, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+def provenance(config, resolved, threads):
+    """Return what else a number in the summary depends on; ``resolved`` is the config as YAML."""
+    packages = (runtime.PACKAGE, "numpy", "scipy", "h5py", "pydantic", "matplotlib")
+    return {
+        "versions": {
+            "tisph": __version__,
+            "python": platform.python_version(),
+            **{name: metadata.version(name) for name in packages},
+        },
+        "platform": platform.platform(),
+        "processor": platform.machine(),
+        "threads": threads,
+        "precision": config.discretisation.precision,
+        "seed": config.initial.seed,
+        "config_hash": fingerprint(resolved),
+        "commit": _commit(),
+    }
+
+
+def fingerprint(resolved):
+    """Return a hash of all that decides a run's outcome: the ``resolved`` config as YAML."""
+    return hashlib.sha256(resolved.encode()).hexdigest()[:16]
+
+
+def _commit():
+    """Return the commit of the checkout that the package lies in, None for an installed package."""
+    root = Path(__file__).resolve().parents[2]
+    if not (root / ".git").exists():
+        return None
+    try:
+        run = subprocess.run(
+            ["git", "-C", str(root), "rev-parse", "HEAD"],
+            capture_output=True,
+            text=True,
+            timeout=5,
+            check=True,
+        )
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return run.stdout.strip()
+
+
+def peak_memory_mb():
+    """Return the largest resident memory of this process so far, None where the system does not tell."""
+    try:
+        import resource
+    except ImportError:
+        return None
+    unit = 1 if sys.platform == "darwin" else 1024
+    return round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6, 1)
+
+
+VIDEO = "output.video."
+"""What the keys of the movie begin with."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture that is being drawn, for the file ``path``: ``image`` waits for it and returns it as PNG."""
+
+    path: Path
+    image: Callable
+
+    def write(self):
+        """Wait for it and write it. TisphError where it could not be drawn or cannot be written."""
+        image = self.image()
+        with replaced(self.path) as new:
+            new.write_bytes(image)
+
+
+def movie(folder, settings, channel):
+    """Return the movie of a run, to which frames can be added."""
+    return RemoteMovie(shared(), folder.movie, channel, settings.output.video, settings.name, settings.time.end)
+
+
+def begin_pictures(folder, settings, channel):
+    """Let profiles.png and history.png be drawn from the stored samples and history; return those there will be."""
+    wanted, paths = {}, {"profiles": folder.profiles_picture, "history": folder.history_picture}
+    snapshots = read_samples(folder.samples) if folder.samples.exists() else []
+    if snapshots:
+        wanted["profiles"] = (snapshots,)
+    times, values = read_history(folder.history) if folder.history.exists() else ((), ())
+    if len(times):
+        wanted["history"] = settings.time_series, times, values, read_resolved(folder.history)
+    drawn = shared().request("plots", described(channel)[0], wanted) if wanted else None
+    return [Picture(paths[name], lambda name=name: drawn.result()[name]) for name in wanted]
+
+
+def begin_still(path, settings, channel, snapshot):
+    """Let the frame of ``snapshot`` be drawn for the file ``path``."""
+    video = settings.output.video or type(settings.output).model_fields["video"].default
+    scene = described(channel, video)
+    return Picture(path, shared().request("still", *scene, settings.name, settings.time.end, snapshot).result)
+
+
+def render(run_dir, overrides=(), gif=False):
+    """Draw what the files in ``run_dir`` allow and return the paths of the pictures.
+
+    ``overrides`` are texts ``output.video.KEY=VALUE``, for another movie of the same frames; with ``gif`` it is also
+    written as GIF, and its last frame as JPEG. Raises ConfigError where ``run_dir`` is no results folder, its files
+    cannot be read or do not have what is asked for, TisphError where the pictures cannot be written.
+    """
+    folder = Folder(run_dir)
+    if not any(path.exists() for path in (folder.samples, folder.history, folder.frames)):
+        raise ConfigError(f"{folder.root}: has nothing to draw: neither samples.h5 nor history.csv nor frames.h5")
+    _require_movie_keys(folder, overrides)
+    settings = config.load(folder.config, overrides)
+    channel = scenes.of(settings)
+    if overrides:
+        _require_fields(folder, channel, settings.output.video.color_by)
+    pictures = begin_pictures(folder, settings, channel)
+    for picture in pictures:
+        picture.write()
+    drawn = [picture.path for picture in pictures]
+    if settings.output.video and folder.frames.exists():
+        film = movie(folder, settings, channel)
+        try:
+            for snapshot in read_frames(folder.frames):
+                film.add(snapshot)
+        finally:
+            film.close()
+        drawn.append(folder.movie)
+    return [*drawn, *_small(folder)] if gif else drawn
+
+
+def _small(folder):
+    """Write the movie as GIF and its last frame, and return their paths; ConfigError where there is no movie."""
+    from tisph.report.encoder import (
+        poster,
+        write_gif,  # a run, which needs neither, does not pay for imageio-ffmpeg and Pillow
+    )
+
+    if not folder.movie.is_file():
+        raise ConfigError(f"{folder.root}: there is no {folder.movie.name} to make a GIF of")
+    write_gif(folder.movie, folder.movie_gif)
+    folder.poster.write_bytes(poster(folder.movie))
+    return folder.movie_gif, folder.poster
+
+
+def _require_movie_keys(folder, overrides):
+    """Raise ConfigError for what is no key of the movie, or another number of frames, or where there are no frames."""
+    for text in overrides:
+        key = text.partition("=")[0].strip()
+        if not key.startswith(VIDEO) or key == f"{VIDEO}frames":
+            known = ", ".join(name for name in Video.model_fields if name != "frames")
+            raise ConfigError(f"--set {text}: a finished run is drawn again with other {VIDEO}KEY only; KEY: {known}")
+    if overrides and not folder.frames.exists():
+        raise ConfigError(f"{folder.root}: the run kept no frames ({folder.frames.name}), so there is no other movie")
+
+
+def _require_fields(folder, channel, color_by):
+    """Raise ConfigError where the stored frames lack a field that a movie coloured by ``color_by`` shows."""
+    for snapshot in islice(read_frames(folder.frames), 1):
+        lacking = [name for name in channel.movie_fields(color_by) if not np.size(getattr(snapshot, name))]
+        if lacking:
+            raise ConfigError(
+                f"{VIDEO}color_by = {color_by}: {folder.frames} has no {', '.join(lacking)}; "
+                f"run again with --set {VIDEO}color_by={color_by}"
+            )

@@ -6,7 +6,7 @@ import pytest
 from tisph import config, runtime, schemes
 from tisph.scenes.channel import Channel
 from tisph.schemes._error_estimate import implicit_layers
-from tisph.schemes.implicit._settings import control
+from tisph.schemes.implicit import control
 from tisph.simulation.start import start_values
 
 CASE = """

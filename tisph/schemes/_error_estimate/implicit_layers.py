@@ -8,12 +8,18 @@ import math
 import numpy as np
 
 from tisph.least_squares import SUPPORT
-from tisph.schemes._stages.esdirk import EMBEDDED_ORDER
-from tisph.schemes._stages.fits import even_fit, polynomial_fit, stress_excess
-from tisph.schemes._stages.impulse import apply_impulse
 from tisph.schemes._stages.models import model_of
-from tisph.schemes._stages.stages import MOST_ATTEMPTS, WORST, FlowState, stages_of
-from tisph.schemes._stages.wall_pair import WallPair
+from tisph.schemes._stages.stages import (
+    EMBEDDED_ORDER,
+    MOST_ATTEMPTS,
+    WORST,
+    FlowState,
+    even_fit,
+    polynomial_fit,
+    stages_of,
+    stress_excess,
+)
+from tisph.schemes._stages.wall_pair import WallPair, apply_impulse
 
 MOST_STEPS = 1000
 """Of which errors are computed, in some seconds. Later ones are taken to be as long as those of the second half."""

@@ -1,10 +1,15 @@
 """One implicit step of a parallel flow: of the velocities, and with them of an extra stress,
 
-    u' = nu_s A u + D S_xy(C, D u) + s(t),    C' = F(C, D u),    D = d/dy,
+    u' = nu_s A u + D S_xy(C, D u) + s(t),    C' = F(C, D u),    D = d/dy.
 
-by the stages of ``esdirk.py``. A Newtonian fluid has no S and no C. Else C depends on the velocities in a stage through
-D u alone, point by point (``models.py``): linearised, S_xy = S* + t (D u - shear rate*), so that the systems are those
-of the velocities, (1 - g nu_s A - g D t D) u = ...; with a law that is linear there is nothing to repeat.
+A Newtonian fluid has no S and no C. Else C depends on the velocities in a stage through D u alone, point by point
+(``models.py``): linearised, S_xy = S* + t (D u - shear rate*), so that the systems are those of the velocities,
+(1 - g nu_s A - g D t D) u = ...; with a law that is linear there is nothing to repeat.
+
+The stages are those of an L-stable Runge-Kutta method of third order with an error estimate, the implicit part of
+ARK3(2)4L[2]SA: C. A. Kennedy and M. H. Carpenter, Appl. Numer. Math. 44 (2003) 139-181. One stage is explicit, and
+three implicit ones have the same matrix 1 - gamma h nu A. The method damps the stiffest modes completely, so that an
+impulsively started wall needs no other method for its first steps, as Crank-Nicolson does.
 """
 
 import math
@@ -14,7 +19,35 @@ from typing import Protocol
 import numpy as np
 
 from tisph.measures.metrics import root_mean_square
-from tisph.schemes._stages.esdirk import DEFECT, GAMMA, A, B, C, stage_predictors, weighted
+
+FIT_TERMS = 3
+"""Of the polynomial in the wall distance that describes the fluid near a wall."""
+
+EVEN_POWERS = (0, 2, 4)
+"""Of the wall distance, in what is fitted for a value at a stress-controlled wall."""
+
+GAMMA = 1767732205903 / 4055673282236
+
+A = (
+    (0.0, 0.0, 0.0, 0.0),
+    (GAMMA, GAMMA, 0.0, 0.0),
+    (2746238789719 / 10658868560708, -640167445237 / 6845629431997, GAMMA, 0.0),
+    (1471266399579 / 7840856788654, -4482444167858 / 7529755066697, 11266239266428 / 11593286722821, GAMMA),
+)
+B = A[3]
+C = (0.0, 2.0 * GAMMA, 0.6, 1.0)
+
+B_HAT = (
+    2756255671327 / 12835298489170,
+    -10771552573575 / 22201958757719,
+    9247589265047 / 10645013368117,
+    2193209047091 / 5459859503100,
+)
+"""Weights of the second-order result; the difference from ``B`` estimates the error."""
+
+EMBEDDED_ORDER = 2
+
+DEFECT = tuple(b - b_hat for b, b_hat in zip(B, B_HAT, strict=True))
 
 SOLVER_TOLERANCE = 1e-3
 """Residual of a stage, over the tolerance of a step."""
@@ -32,6 +65,55 @@ ERROR_RESIDUAL = 1e-2
 
 NEAR, TERMS = 0.1, 8
 """Part of the gap, and terms of a polynomial in it, by which the slopes of the start at the walls are taken."""
+
+
+def stress_excess(depth, side, even_reflection, slope, third):
+    """Return what images at a ``depth`` beyond the lower (``side`` 0) or upper wall have of S_xy beside their sources'.
+
+    By its first and third derivatives along y at the wall; beyond one with even reflection by the stress there and its
+    second derivative.
+    """
+    if even_reflection:
+        return 2.0 * slope + depth**2 * third
+    return (1.0 if side == 0 else -1.0) * (depth * (-2.0 * slope - depth**2 / 3.0 * third))
+
+
+def polynomial_fit(distance, values, radius):
+    """Return coefficients (FIT_TERMS, quantities) in the wall ``distance`` (n,) of what is nearer than ``radius``.
+
+    Of the least-squares fit to ``values`` (n, quantities).
+    """
+    near = distance < radius
+    powers = (distance[near, None] / radius) ** np.arange(FIT_TERMS)
+    return np.linalg.lstsq(powers, values[near], rcond=None)[0] / radius ** np.arange(FIT_TERMS)[:, None]
+
+
+def even_fit(distance, radius):
+    """Return which points at a wall ``distance`` (n,) are within ``radius``, and their weights in the value there.
+
+    That is the value of the even polynomial that fits best.
+    """
+    near = np.flatnonzero(distance < radius)
+    return near, np.linalg.pinv((distance[near, None] / radius) ** np.array(EVEN_POWERS))[0]
+
+
+def stage_predictors():
+    """Weights (4, 4) of the rates before a stage in the predicted velocities: their polynomial, integrated."""
+    weights = np.zeros((4, 4))
+    for stage in range(1, 4):
+        powers = np.arange(stage)
+        nodes = np.array(C[:stage])[:, None] ** powers
+        weights[stage, :stage] = np.linalg.solve(nodes.T, C[stage] ** (powers + 1) / (powers + 1))
+    return weights
+
+
+def weighted(weights, values):
+    """Return the sum of the ``values`` so far, numbers or arrays, each with its weight."""
+    total = weights[0] * values[0]
+    for weight, value in zip(weights[1:], values[1:], strict=False):
+        total = total + weight * value
+    return total
+
 
 PREDICTORS = stage_predictors()
 

@@ -13,7 +13,7 @@ stages, extrapolated from the last two steps. The image of the stress is S_I = S
 
 import numpy as np
 
-from tisph.schemes._stages.esdirk import GAMMA, A, C, weighted
+from tisph.schemes._stages.stages import GAMMA, A, C, weighted
 
 OBEY_MOMENTUM = {"comoving_image": False, "consistent_image": True, "virtual_image": False}
 """Treatments that the implicit scheme serves, and whether their series follow from the momentum equation."""

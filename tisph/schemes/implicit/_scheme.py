@@ -13,21 +13,14 @@ from tisph.runtime import view
 from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._momentum import MomentumBalance
 from tisph.schemes._overflow import clustered
-from tisph.schemes._stages.esdirk import EMBEDDED_ORDER
 from tisph.schemes._stages.models import model_of
-from tisph.schemes._stages.stages import MOST_ATTEMPTS, SOLVER_TOLERANCE, WORST
+from tisph.schemes._stages.stages import EMBEDDED_ORDER, MOST_ATTEMPTS, SOLVER_TOLERANCE, WORST
 from tisph.schemes._stages.wall_pair import WallPair
-from tisph.schemes.implicit._dense import DenseOutput
-from tisph.schemes.implicit._field import VelocityField
-from tisph.schemes.implicit._fixed_ghosts import FixedGhosts
-from tisph.schemes.implicit._ghosts import MirrorGhosts
-from tisph.schemes.implicit._motion import Motion
+from tisph.schemes.implicit._field import Projection, VelocityField
+from tisph.schemes.implicit._ghosts import FixedGhosts, MirrorGhosts
+from tisph.schemes.implicit._motion import Motion, OverlapShifting
 from tisph.schemes.implicit._operators import ClosedParticleOperators
-from tisph.schemes.implicit._overlap_shifting import OverlapShifting
-from tisph.schemes.implicit._pressure import Projection
-from tisph.schemes.implicit._settings import control
-from tisph.schemes.implicit._step import ImplicitStep
-from tisph.schemes.implicit._wall_force import WallForce
+from tisph.schemes.implicit._step import DenseOutput, ImplicitStep, WallForce
 from tisph.snapshot import STRESSES, Snapshot
 
 LARGEST_DIVERGENCE = 2e-2
@@ -41,12 +34,12 @@ RESOLVED = 2.0
 class Scheme(ControlledScheme):
     """Particles in a channel, advanced step by step; ``time`` and ``steps`` tell how far.
 
-    ``targets`` are times that steps end on exactly. ``serial`` compiles loops without threads.
+    ``control`` is the ``StepControl`` of the run. ``serial`` compiles loops without threads.
     """
 
     host_names = (*ControlledScheme.host_names, "projections", "transverse")
 
-    def __init__(self, config, channel, targets, serial):
+    def __init__(self, config, channel, control, serial):
         order = config.scheme.operators.order
         cutoff = (SUPPORT[order] + SKIN) * channel.spacing
         self.channel = channel
@@ -66,7 +59,7 @@ class Scheme(ControlledScheme):
         self.projection = Projection(self.stepper, self.field, channel.gap)
         self.motion = Motion(self.field, self.shift, channel.length)
         self.dense = DenseOutput(self.stepper, self.motion, (self.field.log_volume, self.projection.pressure))
-        self.control = control(config, channel, targets)
+        self.control = control
         self.reset()
 
     def reset(self):

@@ -1,4 +1,14 @@
-"""What the implicit step starts from and leads to, on particles: for motion, output, shifting and checkpoints."""
+"""The start and the end of the implicit step on particles, the state within it, and the force of the walls over it.
+
+Within the last step the velocities are cubic in time, so that output does not shorten the steps.
+
+The force of a wall, for the balance of momentum along the channel, follows from the shear stress there, once layers are
+resolved: with the distance d from a wall, per unit density, it is A + a d + B d^2, where a = U' - g follows from the
+momentum equation; A and B are fitted to the stresses of the particles near the wall, and the wall pulls with -A. In the
+first moments after a jump there is no such gradient yet: then the force follows from the ghosts' contribution to the
+rows of particles, which is exact on a lattice, and for disordered particles off by some per cent, since least-squares
+operators do not conserve momentum pair by pair. The force of a stress-controlled wall is known.
+"""
 
 import math
 
@@ -6,9 +16,11 @@ import numpy as np
 
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import real
-from tisph.schemes._stages.impulse import apply_impulse
-from tisph.schemes._stages.stages import FlowState, ViscousStages, stages_of
-from tisph.schemes.implicit._dense import hermite
+from tisph.schemes._stages.stages import B, C, FlowState, ViscousStages, stages_of
+from tisph.schemes._stages.wall_pair import apply_impulse
+
+TOGETHER = 2**20
+"""Positions of particles at various times that are looked at together."""
 
 
 class PolymerState:
@@ -137,3 +149,139 @@ class ImplicitStep:
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
         self.walls.restore_host_state(state["walls"])
+
+
+class DenseOutput:
+    """Positions and velocities at any time of the step that was taken last (Hermite interpolation).
+
+    What is read from the fields is kept until the next step: many outputs may fall into one.
+    """
+
+    def __init__(self, step, motion, others):
+        self.step, self.motion, self.others = step, motion, others
+        self.began = self.dt = 0.0
+        self.state = None
+
+    def keep(self, time, dt):
+        """Take note of a step that has been taken, from ``time`` on."""
+        self.began, self.dt = time, dt
+        self.state = None
+
+    def within(self, time):
+        """Return the part theta of the last step up to ``time``, and its dt."""
+        return (time - self.began) / self.dt, self.dt
+
+    def at(self, time):
+        """Return positions (fluid, 2) and velocities (2, fluid) at ``time``, and the ``others`` (fluid) as they are."""
+        if self.state is None:
+            self.state = self._read()
+        start, end, start_rate, end_rate, position, *others = self.state
+        theta = self.within(time)[0]
+        velocity = self._velocity(theta, start, end, start_rate, end_rate)
+        return position + self._displacement(theta, start, end).T, velocity, *others
+
+    def around(self, times, x, half_width, period):
+        """Return what is within ``half_width`` of ``x`` (times,), of this ``period``, at each of the ``times``.
+
+        Flat arrays: which time (ascending), and x, y and velocity along the channel of a particle.
+        """
+        if self.state is None:
+            self.state = self._read()
+        start, end, start_rate, end_rate, position = self.state[:5]
+        thetas = (np.asarray(times) - self.began)[:, None] / self.dt
+        found = []
+        for some in np.split(np.arange(len(times)), range(0, len(times), max(1, TOGETHER // position.shape[0]))[1:]):
+            apart = position[:, 0] + self._displacement(thetas[some], start[0], end[0]) - x[some, None]
+            apart -= period * np.round(apart / period)
+            when, particle = np.nonzero(np.abs(apart) < half_width)
+            theta, when = thetas[some[when], 0], some[when]
+            y = position[particle, 1] + self._displacement(theta, start[1, particle], end[1, particle])
+            u = self._velocity(theta, *(values[0, particle] for values in (start, end, start_rate, end_rate)))
+            found.append((when, x[when] + apart[np.searchsorted(some, when), particle], y, u))
+        return [np.concatenate(column) for column in zip(*found, strict=True)]
+
+    def _velocity(self, theta, *ends):
+        return hermite(theta, self.dt, *ends)
+
+    def _displacement(self, theta, start, end):
+        return self.dt * (theta * start + 0.5 * theta**2 * (end - start))
+
+    def _read(self):
+        step, motion = self.step, self.motion
+        fields = (motion.start_velocity, step.end, step.start_rate, step.end_rate)
+        return [active(field).astype(float) for field in (*fields, motion.start_position, *self.others)]
+
+
+def hermite(theta, dt, start, end, start_rate, end_rate):
+    """Return at the part ``theta`` of a step of ``dt`` the cubic with these values and time derivatives at its ends."""
+    late = theta * theta * (3.0 - 2.0 * theta)
+    change = dt * theta * (1.0 - theta) * ((1.0 - theta) * start_rate - theta * end_rate)
+    return (1.0 - late) * start + late * end + change
+
+
+class WallForce:
+    """Fits the mean velocities and extra stresses of the last step of an ``ImplicitStep``."""
+
+    def __init__(self, step, channel):
+        self.step, self.operators, self.ghosts, self.channel = step, step.operators, step.ghosts, channel
+        self.viscosity, self.area = channel.solvent_viscosity, channel.length / channel.spacing**2
+
+    def impulse(self, time, dt, resolved):
+        """Return the velocity that the (bottom, top) wall gives in a step, summed over the particles.
+
+        ``resolved``: whether there are gradients at the walls to go by.
+        """
+        walls, ghosts = self.step.walls, self.ghosts
+        ghosts.prescribe(*self.mean(walls.series))
+        mean = np.zeros(ghosts.points.slots + 1)
+        mean[: ghosts.points.fluid] = self.step.stages.mean_velocity
+        beyond = ghosts.part(mean)
+        beyond[...] = ghosts.boundary_values() - ghosts.source_values(mean)
+        if resolved:
+            fitted = zip(walls, self.fitted_stresses(mean, time, dt), strict=True)
+            forces = [-wall.normal_sign * self.area * stress for wall, stress in fitted]
+        else:
+            forces = self.from_images(beyond[ghosts.listed] - mean[ghosts.near[ghosts.row]])
+        wall = walls.stress_controlled
+        if wall:
+            forces[wall.side] = -wall.normal_sign * self.area * wall.mean_stress
+        return [dt * float(force) for force in forces]
+
+    def mean(self, of_stage):
+        """Return the mean over the step of what ``of_stage`` gives at each stage."""
+        return sum(weight * np.array(of_stage(stage)) for stage, weight in enumerate(B))
+
+    def fitted_stresses(self, mean, time, dt):
+        """Return the shear stress at the (bottom, top) wall."""
+        ghosts = self.ghosts
+        stress = self.viscosity * self.operators.apply_to(ghosts.near, self.operators.d_dy, mean)
+        if self.step.stages.mean_stress is not None:
+            stress = stress + self.step.stages.mean_stress[ghosts.near]
+        found = []
+        for wall, distance in zip(self.step.walls, ghosts.offset, strict=True):
+            slope = sum(weight * wall.acceleration(time + c * dt) for c, weight in zip(C, B, strict=True))
+            rise = wall.normal_sign * (slope - self.channel.acceleration) * distance
+            found.append(_intercept(distance, stress - rise, ghosts.cutoff))
+        return found
+
+    def from_images(self, differences):
+        """Return what images beyond the (bottom, top) wall do, ``differences`` being those of the mean velocities."""
+        step, ghosts, stress = self.step, self.ghosts, self.step.stages.mean_stress
+        viscous = self.viscosity * ghosts.sums(self.operators.laplacian, differences)[1]
+        if stress is None:
+            return viscous
+        series = self.mean(step.walls.stress_series)
+        more = sum(step.closed_operators.image_stress(side, *series[side]) for side in range(2))
+        images = step.closed_operators.close(stress, 1.0) + more
+        # first derivatives are odd: what pairs of particles leave of each other is the sum over the images
+        both = images[ghosts.listed] + stress[ghosts.near[ghosts.row]]
+        return viscous + ghosts.sums(self.operators.d_dy, both)[1]
+
+
+def _intercept(distance, stress, radius):
+    """Return A of the least-squares fit A + B d^2 to values within a ``radius`` of a wall; without particles, 0."""
+    near = distance < radius
+    square, stress = distance[near] ** 2, stress[near]
+    second, fourth = square.sum(), (square * square).sum()
+    determinant = square.size * fourth - second * second
+    return float(stress.sum() * fourth - (square * stress).sum() * second) / determinant if determinant > 0.0 else 0.0

@@ -11,7 +11,7 @@ from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
-from tisph.schemes._splitting._problem import BoundedProblem
+from tisph.schemes._splitting import BoundedProblem
 from tisph.schemes._splitting._scheme import COURANT, Scheme
 from tisph.schemes._splitting._wall_points import WallPoints
 

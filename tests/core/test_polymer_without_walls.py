@@ -9,7 +9,7 @@ from tisph import config, registry, runtime, schemes
 from tisph.errors import ConfigError
 from tisph.rheology import oldroyd_b
 from tisph.runtime import view
-from tisph.schemes._splitting._problem import PeriodicProblem
+from tisph.schemes._splitting import PeriodicProblem
 from tisph.schemes._splitting._scheme import Scheme
 from tisph.simulation.start import start_values
 

@@ -15,9 +15,9 @@ from tisph.least_squares import operators
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import ti, view
 from tisph.schemes._splitting import _scheme, _step_limits
-from tisph.schemes._splitting._bdf import VELOCITIES
+from tisph.schemes._splitting._corner_singularities import SingularPaths
 from tisph.schemes._splitting._shift import SCATTER
-from tisph.schemes._splitting._singular_paths import SingularPaths
+from tisph.schemes._splitting._time_levels import VELOCITIES
 
 
 @pytest.mark.parametrize("jitter", [0.0, 0.35])

@@ -9,7 +9,7 @@ import vortex_case
 
 from tisph import runtime
 from tisph.rheology import carreau_yasuda, power_law
-from tisph.schemes._splitting._problem import PeriodicProblem
+from tisph.schemes._splitting import PeriodicProblem
 from tisph.schemes._splitting._scheme import Scheme
 
 TURNING = (1.0, 0.0)

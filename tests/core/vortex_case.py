@@ -5,7 +5,7 @@ from kept_program import kept
 
 from tisph import runtime
 from tisph.least_squares import operators
-from tisph.schemes._splitting._problem import PeriodicProblem
+from tisph.schemes._splitting import PeriodicProblem
 from tisph.schemes._splitting._scheme import COURANT, Scheme
 from tisph.schemes._splitting._step_limits import TOLERANCE, step_control
 

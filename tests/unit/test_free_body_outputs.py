@@ -25,7 +25,7 @@ from tisph.report.solids import Solids
 from tisph.report.tracks import BodyTracks, Tracks
 from tisph.results._trajectories import Trajectories as Read
 from tisph.scenes._cell import shear_stress
-from tisph.schemes._splitting._contact import Contact
+from tisph.schemes._splitting._free_bodies import Contact
 from tisph.simulation.start import start_snapshot, start_values
 from tisph.simulation.summary import _steady
 from tisph.snapshot import Bodies

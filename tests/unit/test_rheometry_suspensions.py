@@ -14,7 +14,7 @@ from tisph.measures._suspension import batch_means
 from tisph.measures.rheometry import read
 from tisph.report import rheometry as report
 from tisph.scenes._cell.shear_stress import BODIES, CONTACTS, WALLS, columns, stresses
-from tisph.schemes._splitting._contact import Contact
+from tisph.schemes._splitting._free_bodies import Contact
 from tisph.simulation.start import start_snapshot, start_values
 from tisph.snapshot import Bodies
 

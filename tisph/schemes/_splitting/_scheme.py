@@ -1,4 +1,8 @@
-"""Steps of two-dimensional flows in the implicit scheme: predict the end, assemble the operators, solve, shift."""
+"""Steps of two-dimensional flows in the implicit scheme: predict the end, assemble the operators, solve, shift.
+
+The points, operators and extra stress of a problem are planar or axisymmetric, with walls or without. The state at any
+time within the last step follows from the time levels of the particles.
+"""
 
 import math
 from functools import partial
@@ -7,22 +11,44 @@ import numpy as np
 
 from tisph.errors import DivergedError
 from tisph.least_squares import SKIN
-from tisph.neighbours.point_cloud import active
+from tisph.least_squares.axisymmetric import AxisymmetricOperators
+from tisph.least_squares.operators import LeastSquaresOperators
+from tisph.neighbours.point_cloud import PointCloud, active
+from tisph.periodic import PeriodicDomain
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._overflow import clustered
-from tisph.schemes._splitting import _pieces
 from tisph.schemes._splitting import _step_limits as limits
-from tisph.schemes._splitting._bdf import PRESSURES, VELOCITIES, TimeWeights
 from tisph.schemes._splitting._coupling import Coupling
 from tisph.schemes._splitting._free_bodies import RESIDUAL
-from tisph.schemes._splitting._output import levels_in_order, numbers_of, state
-from tisph.schemes._splitting._pieces import SUPPORT
+from tisph.schemes._splitting._generalised_newtonian_stress import (
+    GeneralisedNewtonianStress,
+    GeneralisedNewtonianStressOfRevolution,
+)
 from tisph.schemes._splitting._shift import TRAVEL, FickianShifting
 from tisph.schemes._splitting._splitting_step import SplittingStep
-from tisph.schemes._splitting._time_levels import TimeLevels
+from tisph.schemes._splitting._time_levels import PRESSURES, VELOCITIES, TimeLevels, TimeWeights
+from tisph.schemes._splitting._viscoelastic_stress import (
+    ViscoelasticStress,
+    ViscoelasticStressOfRevolution,
+    ViscoelasticStressWithSwirl,
+)
 from tisph.schemes._splitting._wall_boundary import WallBoundary
-from tisph.schemes._splitting._wall_points import MAX_WALLS
+from tisph.schemes._splitting._wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
+from tisph.snapshot import STRESSES, STRESSES_AROUND, Snapshot
+from tisph.solvers.auxiliary_grid import PeriodicGrid
+from tisph.solvers.walled_grid import WalledGrid
+
+SUPPORT = 2.9
+"""Support radius of the operators in particle spacings. Below it a lattice that the flow stretches makes them singular
+before it has broken up; above it the pressure has larger errors."""
+
+SMALLEST_PIVOT = 1e-3
+"""Of the operators: those of order 2, which would take over, are worse than any of order 4 that can be solved for."""
+
+SMALLEST_PIVOT_AT_AXIS = 3e-3
+"""The same where the fluid reaches an axis: those of even functions take over. Points on a sphere had 1.8e-3 and 2.6e-3
+when their equations of the pressure became singular, and runs with a polymer diverged; others have 3.1e-3 and more."""
 
 COURANT = 0.3
 """Longest step over the time in which the fastest particle goes one spacing."""
@@ -44,9 +70,10 @@ class Scheme(ControlledScheme):
 
     def __init__(self, problem, targets, serial, tolerance=limits.TOLERANCE, courant=COURANT):
         self.problem, self.initial_momentum, bounded = problem, 0.0, problem.walls is not None
-        self.points = _pieces.points(problem, serial)
-        self.operators = _pieces.operators(problem, self.points)
-        self.grid = _pieces.grid(problem, self.points)
+        self.points = points_of(problem, serial)
+        self.operators = operators_of(problem, self.points)
+        periodic = not bounded
+        self.grid = PeriodicGrid(self.points, problem, problem.height) if periodic else WalledGrid(self.points, problem)
         near = (MAX_WALLS, problem.contact is not None, problem.walls.across_axis) if bounded else ()
         self.shift = FickianShifting(self.points, problem.spacing, *near)
         self.levels = TimeLevels(self.operators, self.shift)
@@ -55,8 +82,8 @@ class Scheme(ControlledScheme):
             self.points.n_fluid = integer(problem.n_fluid)
             self.wall_boundary = WallBoundary(problem, self.levels, self.shift, self.grid, SUPPORT, SKIN)
         boundary = self.wall_boundary.pressure_boundary if bounded else None
-        self.polymer = _pieces.polymer(problem, self.levels)
-        self.extra_stress = self.polymer or _pieces.stress_of_viscosity(problem, self.levels)
+        self.extra_stress = extra_stress_of(problem, self.levels)
+        self.polymer = self.extra_stress if problem.carries_stress else None
         self.splitting = SplittingStep(self.levels, self.grid, problem, boundary, self.extra_stress)
         self.control = limits.step_control(problem, targets, tolerance, courant)
         least = limits.least_residual(np.float64 if real() == ti.f64 else np.float32)
@@ -277,8 +304,53 @@ class Scheme(ControlledScheme):
         """
         time = self.time if time is None else time
         if self.output_cache is None or self.output_cache[0] != self.time:
-            self.output_cache = (self.time, *levels_in_order(self))
-        return state(self, time)
+            self.output_cache = self.time, *self.levels_in_order()
+        problem, walls, offset = self.problem, self.wall_boundary, self.time - time
+        _, created, fields, position, *tensors = self.output_cache
+        dts = self.dts or [1.0]
+        times = TimeWeights([0.0, *dts], dts[0])
+        first, components = self.levels.first_pressure, self.levels.components
+        velocities = fields[:, :first].reshape(len(fields), VELOCITIES, components)
+        axis = position[:, 1] + problem.origin[1]
+        velocities = np.stack([problem.velocities(velocities[:, level], axis) for level in range(VELOCITIES)], axis=1)
+        pressure, velocity = fields[:, first], velocities[:, 0]
+        if offset:
+            velocity = np.einsum("a,iac->ic", times.interpolation(offset, VELOCITIES), velocities)
+            position = position - np.einsum("a,iac->ic", times.integral(offset), velocities[..., :2])
+            pressure = fields[:, first:] @ times.interpolation(offset, PRESSURES)
+            if problem.axisymmetric:  # what is interpolated around the axis is the circulation
+                velocity[:, 2] *= axis / (position[:, 1] + problem.origin[1])
+        if walls and walls.corners:
+            if offset:
+                at = lambda part: times.interpolation(part * offset, VELOCITIES)  # noqa: E731
+                position = walls.corners.paths.find(at, -offset)[created]
+            velocity = velocity + walls.corners.velocity(position)
+            pressure = pressure + walls.corners.pressure(position)
+        stress = [problem.density * part for part in self.polymer.at(times, offset, *tensors, axis)] if tensors else []
+        return Snapshot(
+            t=time,
+            step=self.steps,
+            **dict(zip("xy", problem.places(position), strict=True)),
+            u=velocity[:, 0].copy(),
+            v=velocity[:, 1].copy(),
+            w=velocity[:, 2].copy() if problem.axisymmetric else None,
+            density=np.full(len(position), problem.density),
+            pressure=problem.density * (pressure - pressure.mean()),
+            bodies=walls.bodies(time, times, offset) if walls else None,
+            steepest=self.stress_resolution if self.polymer else None,
+            added_power=None if self.polymer else self.stress_resolution,
+            load_scatter=walls.load_scatter if walls else None,
+            divergence=self.residual,
+            acceleration=self.mean_velocity.acceleration if self.mean_velocity else None,
+            **dict(zip((*STRESSES, *STRESSES_AROUND), stress, strict=False)),
+        )
+
+    def levels_in_order(self):
+        """Return the order of creation of the fluid particles, and in it fields, positions and tensors of theirs."""
+        fluid = self.problem.n_fluid
+        created = np.argsort(active(self.levels.number)[:fluid])
+        fields = [self.levels.fields, self.levels.position, *([self.polymer.tensors] if self.polymer else [])]
+        return created, *(active(field)[:fluid][created].astype(float) for field in fields)
 
     def momentum_balance(self):
         """Return the ``change`` of momentum along x up to ``time`` [mass * velocity per length], which has no cause."""
@@ -289,7 +361,19 @@ class Scheme(ControlledScheme):
 
     def numbers(self):
         """Return what ``summary.json`` says about this scheme."""
-        return numbers_of(self)
+        return {
+            "mach": 0.0,
+            "sound_speed": None,
+            "particles_wall": 0,
+            "neighbours_mean": self.points.mean_length(),
+            "steps_rejected": self.rejected,
+            "order_reduced": self.order_reduced,
+            "neighbourhoods_dropped": self.singular,
+            "divergence": self.residual,
+            "iterations_pressure": self.iterations[0] / max(self.steps, 1),
+            "iterations_velocity": self.iterations[1] / max(self.steps, 1),
+            **(self.wall_boundary.contacts() if self.wall_boundary else {}),
+        }
 
     def parts(self):
         """Return everything whose fields a resumed run needs, by name."""
@@ -308,3 +392,36 @@ class Scheme(ControlledScheme):
             self.wall_boundary.restore_host_state(state["walls"])
         if self.mean_velocity:
             self.mean_velocity.restore(state["mean_velocity"])
+
+
+def points_of(problem, serial):
+    """Return the ``PointCloud``, whose points near walls have wider supports; ``serial``: without threads."""
+    cutoff = (SUPPORT + SKIN) * problem.spacing
+    if problem.walls is not None:
+        cutoff = cutoff, cutoff + (MAX_WALLS * WALL_SUPPORT + POINT_SUPPORT) * problem.spacing
+    return PointCloud(problem, PeriodicDomain(problem.length, problem.height), cutoff, 0, serial)
+
+
+def operators_of(problem, points):
+    """Return the operators of ``points`` (``PointCloud``), planar or axisymmetric."""
+    bounded = problem.walls is not None
+    # in polar coordinates points lie in layers: near walls operators then have 70 times the rounding errors
+    curved = bounded and problem.walls.curved and real() == ti.f64
+    pivot = SMALLEST_PIVOT_AT_AXIS if problem.axisymmetric and not problem.annular else SMALLEST_PIVOT
+    chosen = points, SUPPORT * problem.spacing, 4, pivot, bounded, curved
+    if problem.axisymmetric:
+        return AxisymmetricOperators(*chosen, lowest_radius=problem.origin[1], annular=problem.annular)
+    return LeastSquaresOperators(*chosen)
+
+
+def extra_stress_of(problem, levels):
+    """Return the polymer stress that ``levels`` carry along, or the stress of a varying viscosity; None without."""
+    if not problem.rheology:
+        return None
+    if not problem.carries_stress:
+        kind = GeneralisedNewtonianStressOfRevolution if problem.axisymmetric else GeneralisedNewtonianStress
+    elif problem.swirls:
+        kind = ViscoelasticStressWithSwirl
+    else:
+        kind = ViscoelasticStressOfRevolution if problem.axisymmetric else ViscoelasticStress
+    return kind(levels, problem)

@@ -6,7 +6,9 @@ asked of a scheme, neither by the simulation nor by observers, checkpoints and r
 such as ``auto``, has what ``ChoiceMember`` lists instead.
 """
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Protocol, TypedDict
 
 import numpy as np
@@ -103,6 +105,32 @@ class ProbedScheme(Scheme, Protocol):
         """
 
 
+@dataclass(frozen=True)
+class SampleEstimate:
+    """Estimates of one sample: its time ``t``, the number of ``steps`` up to it, errors as in the summary.
+
+    ``l2`` and ``rms``, see ``measures/metrics.py``, are None where there is no estimate before the run, ``l2`` also
+    where the fluid rests, or nearly so. ``at_most``: the run may have a smaller error. ``steps_reliable``: the steps
+    are an estimate; else no more than a guess, from the speed that the config gives. ``steps_factors``: least and
+    largest steps of the run over ``steps``. ``judged_by``: numbers of the run that decide whether its sample is
+    resolved, in words; empty where that is known before.
+    """
+
+    t: float
+    steps: int
+    l2: float | None = None
+    rms: float | None = None
+    at_most: bool = False
+    steps_reliable: bool = True
+    steps_factors: tuple[float, float] = (1.0, 1.0)
+    judged_by: tuple[str, ...] = ()
+
+    def steps_range(self, steps: int) -> tuple[int, int]:
+        """Return the least and the largest number of steps of the run where ``steps`` are estimated."""
+        low, high = self.steps_factors
+        return max(min(1, steps), math.floor(low * steps)), math.ceil(high * steps)
+
+
 class SchemeEstimates(TypedDict):
     """What ``tisph check`` prints of a run before it runs. Lengths and times are in the units of the config."""
 
@@ -127,8 +155,8 @@ class SchemeEstimates(TypedDict):
     lost: bool
     """Whether the result would be worthless: ``tisph check`` refuses the config then."""
 
-    samples: list[Any]
-    """A ``SampleEstimate`` of each sample: steps and errors as far as known; numbers of the run that judge it."""
+    samples: list[SampleEstimate]
+    """Of each sample: steps and errors as far as known; numbers of the run that judge it."""
 
 
 class Member(Protocol):

@@ -1,11 +1,15 @@
-"""Control of the time step: by the estimated error, by a limit that the flow sets, and by the times to be met.
+"""The lengths of time steps: by the estimated error, by a limit that the flow sets, and by the times to be met.
 
 From the error of a step of length dt, over its tolerance, follows the next one, dt (error/tolerance)^(-1/(p+1)) for a
 method of order p, with a margin and within bounds (E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential
 Equations I, Springer 1993, II.4).
+
+Steps without an error estimate are equal, and end exactly on the wanted times.
 """
 
 import math
+
+from tisph.errors import DivergedError
 
 SAFETY = 0.9
 SMALLEST_FACTOR = 0.2
@@ -116,3 +120,85 @@ class StepControl:
     def restore_host_state(self, state):
         """Take up what ``host_state`` returned, among others."""
         vars(self).update({name: state[name] for name in HOST_STATE})
+
+
+class StepPlan:
+    """Splits the way to each target time into equal steps no longer than a limit.
+
+    The limit may change on the way; the step then changes for the rest of the way to the target. ``time`` is
+    the time at the end of the last planned step.
+    """
+
+    def __init__(self, start, targets):
+        self.time = start
+        self.targets = [target for target in targets if target > start]
+        self.limit = math.inf
+        self.step = 0.0
+        self.left = 0
+
+    def next(self, limit):
+        """Plan one more step and return its length: 0 when the last target is reached."""
+        if not self.targets:
+            return 0.0
+        target = self.targets[0]
+        if self.left == 0 or limit != self.limit:
+            self.left = steps_between(self.time, target, limit)
+            self.step = (target - self.time) / self.left
+            self.limit = limit
+        self.left -= 1
+        self.time = self.time + self.step if self.left else self.targets.pop(0)
+        return self.step
+
+    def aim(self, targets):
+        """Go on to other targets; return whether all steps so far led to one of them."""
+        cut_by = self.targets[0] if self.left else self.time
+        ahead = [target for target in targets if target > self.time]
+        if ahead[:1] != self.targets[:1]:
+            self.left = 0
+        self.targets = ahead
+        return cut_by in targets
+
+
+def steps_between(start, target, limit):
+    """Return the number of equal steps no longer than ``limit`` from ``start`` to ``target``, at least 1.
+
+    A remainder of rounding size does not cost a step of its own.
+    """
+    return max(1, math.ceil((target - start) / limit * (1.0 - 1e-12)))
+
+
+class ControlledScheme:
+    """Base of such a scheme, whose steps are dense; see ``_protocol.Scheme``.
+
+    ``control``: the ``StepControl``; ``host_names``: attributes that change while the scheme runs.
+    """
+
+    host_names = ("time", "steps", "rejected", "shortest", "longest", "order_reduced", "singular")
+
+    @property
+    def finished(self):
+        """Whether the last target is reached."""
+        return self.control.finished
+
+    def set_targets(self, targets):
+        """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""
+        return self.control.set_targets(targets, self.time)
+
+    def require_room(self, what, needed):
+        """Raise DivergedError if ``needed`` (0 where all fits) tells that a field for ``what`` overflows."""
+        if needed:
+            where = f"at step {self.steps + 1}, t = {self.time:.6g}"
+            raise DivergedError(f"x, y: too many {what} ({needed}), {where}: the particles have clustered")
+
+    def output_times(self, due):
+        """Return the times at which there is a snapshot, of those that are ``due``: all, since steps are dense."""
+        return due
+
+    def host_state(self):
+        """Return the numbers outside the fields that a resumed run needs."""
+        return {**{name: getattr(self, name) for name in self.host_names}, **self.control.host_state()}
+
+    def restore_host_state(self, state):
+        """Take up the numbers of ``host_state``."""
+        vars(self).update({name: state[name] for name in self.host_names})
+        self.control.restore_host_state(state)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tisph.geometry.box import Box, box_around
-from tisph.schemes._error_estimate import SampleEstimate
+from tisph.schemes._protocol import SampleEstimate
 from tisph.schemes._splitting._step_limits import FIRST, TOLERANCE, courant_speed, viscous_step
 from tisph.schemes._splitting._wall_points import WallPoints, WallsOfRevolution
 from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR

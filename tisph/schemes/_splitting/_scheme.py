@@ -16,8 +16,6 @@ from tisph.least_squares.operators import LeastSquaresOperators
 from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.periodic import PeriodicDomain
 from tisph.runtime import integer, real, ti, view
-from tisph.schemes._controlled_scheme import ControlledScheme
-from tisph.schemes._overflow import clustered
 from tisph.schemes._splitting import _step_limits as limits
 from tisph.schemes._splitting._coupling import Coupling
 from tisph.schemes._splitting._free_bodies import RESIDUAL
@@ -35,6 +33,7 @@ from tisph.schemes._splitting._viscoelastic_stress import (
 )
 from tisph.schemes._splitting._wall_boundary import WallBoundary
 from tisph.schemes._splitting._wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
+from tisph.schemes._step_control import ControlledScheme
 from tisph.snapshot import STRESSES, STRESSES_AROUND, Snapshot
 from tisph.solvers.auxiliary_grid import PeriodicGrid
 from tisph.solvers.walled_grid import WalledGrid
@@ -245,9 +244,7 @@ class Scheme(ControlledScheme):
         if self.wall_boundary:
             self.wall_boundary.update_positions(time)
         self.points.find_neighbours()
-        needed = self.points.overflow()
-        if needed:
-            raise clustered(f"neighbours of a particle ({needed})", self.steps + 1, self.time)
+        self.require_room("neighbours of a particle", self.points.overflow())
         self.operators.assemble()
         self.grid.sort()
         if self.wall_boundary:

@@ -16,7 +16,7 @@ from pydantic import Field
 
 from tisph.config.base import Model
 from tisph.least_squares import SKIN, SUPPORT
-from tisph.schemes import _supported
+from tisph.schemes import unsupported
 from tisph.schemes._stages.walls import OBEY_MOMENTUM
 from tisph.schemes._step_control import StepControl
 
@@ -118,7 +118,7 @@ def orders(config):
 
 def problems(config):
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
-    yield from _supported.problems(config, "implicit")
+    yield from unsupported(config, "implicit")
     if not config.parallel:
         yield from _problems_without_walls(config)
         return

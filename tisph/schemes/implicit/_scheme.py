@@ -10,12 +10,11 @@ from tisph.least_squares import SKIN, SUPPORT
 from tisph.least_squares.operators import LeastSquaresOperators
 from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.runtime import view
-from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._momentum import MomentumBalance
-from tisph.schemes._overflow import clustered
 from tisph.schemes._stages.models import model_of
 from tisph.schemes._stages.stages import EMBEDDED_ORDER, MOST_ATTEMPTS, SOLVER_TOLERANCE, WORST
 from tisph.schemes._stages.wall_pair import WallPair
+from tisph.schemes._step_control import ControlledScheme
 from tisph.schemes.implicit._field import Projection, VelocityField
 from tisph.schemes.implicit._ghosts import FixedGhosts, MirrorGhosts
 from tisph.schemes.implicit._motion import Motion, OverlapShifting
@@ -121,11 +120,6 @@ class Scheme(ControlledScheme):
         self.operators.assemble()
         if self.projections:
             self.stepper.set_force(-self.projection.gradient(active(self.projection.pressure)))
-
-    def require_room(self, what, needed):
-        """Raise DivergedError if ``needed`` (0 where all fits) tells of an overflow."""
-        if needed:
-            raise clustered(f"{what} ({needed})", self.steps + 1, self.time)
 
     @property
     def layer_resolved(self):

@@ -2,7 +2,8 @@
 
 From the state y^n a predictor with the previous rates, y^(n+1/2) = y^n + dt/2 f^(n-1/2) (positions with the new
 velocity), then y^(n+1) = y^n + dt f(y^(n+1/2)). One loop over the particles evaluates, corrects and predicts the next
-middle, reading one buffer and writing the other (``_stepper.py``).
+middle, reading one buffer and writing the other: one kernel finishes the pending step and predicts the next middle. A
+body force that a user gives as a function is evaluated on the host in each step.
 """
 
 import math
@@ -11,20 +12,20 @@ import numpy as np
 
 from tisph import registry
 from tisph.equation_of_state import compression, pressure, sound_speed
+from tisph.errors import ConfigError, DivergedError
 from tisph.fluid import Fluid
 from tisph.neighbours import list_radius
 from tisph.neighbours.cells import Cells
 from tisph.neighbours.verlet import VerletLists
 from tisph.particles import Particles
-from tisph.runtime import view
-from tisph.schemes._overflow import clustered
-from tisph.schemes._plan import StepPlan
-from tisph.schemes._time_step import effective_viscosity, time_step_limits
-from tisph.schemes.wcsph._body_force import BodyForce
+from tisph.runtime import scalar, ti, view
+from tisph.schemes._step_control import StepPlan
+from tisph.schemes._time_step import effective_viscosity, shift_speed, time_step_limits
 from tisph.schemes.wcsph._boundaries import PeriodicBoundaries, PlaneWalls
-from tisph.schemes.wcsph._shift import shift_speed
-from tisph.schemes.wcsph._stepper import Stepper
 from tisph.snapshot import Snapshot
+
+AT_WALLS = 1e-9
+"""Acceleration on walls, over the largest in the fluid, that counts as none."""
 
 CONTROL_INTERVAL = 50
 """Steps between two looks at speeds and accelerations for the time step."""
@@ -33,6 +34,124 @@ HOST_STATE = (
     "time", "middle", "end", "built", "steps", "rebuilds", "now", "length", "limit", "shortest", "longest",
 )  # fmt: skip
 """Attributes of a Scheme that change while it runs."""
+
+
+class BodyForce:
+    """Accelerations of the ``particles`` in the middle of each step, by the ``body_force`` of a ``scene``.
+
+    Positions of particles count from ``origin`` [length]. Wall treatments continue pressure and velocity as without a
+    body force, so that one which acts on a wall is refused: ``evaluate`` raises ConfigError.
+    """
+
+    def __init__(self, scene, particles, origin):
+        self.scene, self.particles, self.origin = scene, particles, np.array(origin)
+        self.values, self.largest = None, 0.0
+        self.outlines = [(body, body.shape.boundary_points(scene.spacing).point) for body in scene.bodies]
+        x = np.arange(scene.columns) * scene.spacing
+        self.planes = [np.stack([x, np.full_like(x, y)]) for y in (0.0, scene.extent[1]) if scene.walls]
+
+    def evaluate(self, now, middle):
+        """Store the accelerations (fluid, 2) at the time ``middle`` of the pending step, whose buffer is ``now``."""
+        place = self.origin + view(self.particles.mid_position)[now, : self.particles.fluid].astype(float)
+        place = np.where(self.scene.periodic, place % self.scene.extent, place)
+        self.values = np.stack(self.scene.body_force(*place.T, middle), axis=1)
+        self.largest = float(np.hypot(*self.values.T).max())
+        walls = [body.at(middle).to_lab_frame(points).T for body, points in self.outlines]
+        if any(
+            np.abs(self.scene.body_force(*wall, middle)).max() > AT_WALLS * self.largest
+            for wall in (*self.planes, *walls)
+        ):
+            raise ConfigError("body_force: must be 0 on walls with scheme wcsph; scheme implicit has no such limit")
+
+    def apply(self, now, length, half):
+        """Add them to the step of ``length`` that is in the buffer ``now``, and to the ``half`` step after it."""
+        fluid, given = self.particles.fluid, self.values
+        view(self.particles.velocity)[now, :fluid] += length * given
+        view(self.particles.mid_velocity)[now, :fluid] += (length + half) * given
+        view(self.particles.mid_position)[now, :fluid] += half * length * given
+
+
+@ti.data_oriented
+class Stepper:
+    """The kernel that advances the particles, and the largest squares that it meets on the way.
+
+    ``drift_squared``: displacement from where the lists expect a particle; ``speed_squared``,
+    ``acceleration_squared``; ``stress_trace`` (where particles carry stress): polymer stress xx + yy.
+    """
+
+    def __init__(self, operators, walls, serial):
+        self.operators, self.walls, self.serial = operators, walls, serial
+        self.particles, self.lists, self.domain = operators.particles, operators.lists, operators.domain
+        self.fluid = operators.fluid
+        self.drift_squared = scalar(0.0)
+        self.speed_squared = scalar(0.0)
+        self.acceleration_squared = scalar(0.0)
+        if self.fluid.carries_stress:
+            self.stress_trace = scalar(0.0)
+
+    @ti.kernel
+    def step(self, now: ti.i32, dt: float, next_dt: float, elapsed: float, between: float):
+        """Finish the pending step of ``dt`` and predict the middle of the one after it.
+
+        ``elapsed``: time from the build of the lists to the new middle; ``between``: from middle to middle.
+        """
+        self.drift_squared[None] = 0.0
+        self.speed_squared[None] = 0.0
+        self.acceleration_squared[None] = 0.0
+        half = 0.5 * next_dt
+        if ti.static(self.fluid.carries_stress):
+            self.stress_trace[None] = 0.0
+        if ti.static(self.walls.tracks_walls):
+            ti.loop_config(serialize=self.serial)
+            for k in range(self.walls.track.count[None]):
+                for top in ti.static(range(2)):
+                    self.walls.track.follow(now, k, top, dt, half)
+        ti.loop_config(serialize=self.serial)
+        for i in range(self.particles.fluid_number[None]):
+            self.advance(now, i, dt, half, elapsed)
+        if ti.static(self.walls.has_dummies):
+            ti.loop_config(serialize=self.serial)
+            for number in range(self.particles.fluid_number[None], self.particles.mobile_number[None]):
+                k = self.particles.slot(number)
+                self.walls.advance(now, k, between)
+                self.walls.extrapolate(1 - now, k)
+        if ti.static(self.walls.tracks_walls):
+            for top in ti.static(range(2)):
+                self.walls.track.move(top, between)
+
+    @ti.func
+    def advance(self, now, i, dt, half, elapsed):
+        """Finish the pending step of particle ``i``, publish its next middle, and measure."""
+        rates = self.operators.rates(now, i)
+        acceleration = rates.acceleration
+        if ti.static(self.domain.has_body_force):
+            acceleration.x += self.domain.acceleration[None]
+        middle_velocity = self.particles.mid_velocity[now, i]
+        position = self.particles.position[now, i] + dt * (middle_velocity + rates.transport)
+        velocity = self.particles.velocity[now, i] + dt * acceleration
+        compression = self.particles.compression[now, i] + dt * rates.compression
+        self.particles.position[1 - now, i] = position
+        self.particles.velocity[1 - now, i] = velocity
+        self.particles.compression[1 - now, i] = compression
+        self.particles.identity[1 - now, i] = self.particles.identity[now, i]
+
+        position += half * (velocity + rates.transport)
+        compression += half * rates.compression
+        self.particles.mid_compression[1 - now, i] = compression
+        next_velocity, pressure = velocity + half * acceleration, self.fluid.pressure(compression)
+        if ti.static(self.fluid.carries_stress):
+            stress = self.particles.stress[now, i] + dt * rates.stress
+            self.particles.stress[1 - now, i] = stress
+            self.walls.publish(1 - now, i, position, next_velocity, pressure, stress + half * rates.stress)
+            ti.atomic_max(self.stress_trace[None], stress[0] + stress[2])
+        else:
+            self.walls.publish(1 - now, i, position, next_velocity, pressure, 0.0)
+        drift = position - self.lists.built_position[i]
+        if ti.static(self.lists.follows_shear):
+            drift.x -= self.lists.reference_velocity[i] * elapsed
+        ti.atomic_max(self.drift_squared[None], drift.dot(drift))
+        ti.atomic_max(self.speed_squared[None], velocity.dot(velocity))
+        ti.atomic_max(self.acceleration_squared[None], acceleration.dot(acceleration))
 
 
 class Scheme:
@@ -181,7 +300,8 @@ class Scheme:
     def require_room(self, what, needed):
         """Raise DivergedError if ``needed`` (0 where all fits) tells of an overflow."""
         if needed:
-            raise clustered(f"{what} ({needed}) around particle {self.most_crowded()}", self.steps, self.time)
+            where = f"around particle {self.most_crowded()}, at step {self.steps}, t = {self.time:.6g}"
+            raise DivergedError(f"x, y: too many {what} ({needed}) {where}: the particles have clustered")
 
     def most_crowded(self):
         """Return the number of the particle with the longest list of neighbours."""

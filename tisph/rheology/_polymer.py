@@ -1,6 +1,6 @@
 """What the laws of polymers share: the variable that particles carry, and how a flow deforms it.
 
-The variable is the deviation C = A - 1 of the conformation tensor A from its value at rest, which is 1. With
+The variable is the excess C = A - 1 of the conformation tensor A over its value at rest, which is 1. With
 L_ab = du_a/dx_b and d/dt along a particle's path every law reads
 
     dC/dt = L C + C L^T + L + L^T + relaxation(C),    S = stress(C),    relaxation(0) = stress(0) = 0

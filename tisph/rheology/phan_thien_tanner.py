@@ -5,7 +5,7 @@
 
 with L_ab = du_a/dx_b and eta_p = (1 - solvent_fraction) eta; the solvent adds what a Newtonian fluid of the viscosity
 solvent_fraction * eta does, and eta, in ``fluid``, is the viscosity at vanishing shear rate. It is the affine fluid,
-without slip between network and flow. In the deviation C of the conformation tensor from rest,
+without slip between network and flow. In the excess C of the conformation tensor over rest,
 S = eta_p/relaxation_time * C and relaxation(C) = -Y C/relaxation_time with z = extensibility * tr C.
 
 Shear thins; N2 is 0; the elongational viscosity has a largest value (linear: levels off; exponential: falls again).

@@ -23,7 +23,6 @@ from tisph.schemes._protocol import SampleEstimate
 from tisph.schemes._stages.models import model_of
 from tisph.schemes._stages.stages import (
     EMBEDDED_ORDER,
-    MOST_ATTEMPTS,
     SOLVER_TOLERANCE,
     WORST,
     FlowState,
@@ -297,13 +296,9 @@ class ImplicitLayers:
         control = self.control
         if self.time in control.jump_times:
             apply_impulse(self.stages, self.flow, self.time)
-        for _ in range(MOST_ATTEMPTS):
-            dt = self.dt = control.choose_dt(self.time)
-            end, error = self.stages.advance(self.flow, self.time, dt, EXACT)
-            error = WORST if end is None else error / self.channel.reference_velocity
-            if control.accepts(error, EMBEDDED_ORDER, dt) and end is not None:
-                break
-        else:
+        dt, _ = control.take(self.time, self._attempt)
+        end = self.end
+        if dt is None or end is None:
             self.unknown = True
             return
         change = np.abs(end.velocity - self.flow.velocity).max()
@@ -320,6 +315,11 @@ class ImplicitLayers:
         self.longest = max(self.longest, dt)
         self.steepest = float(np.max(np.abs(self._shear_rate())))
         control.step_taken(self.time, self.steepest)
+
+    def _attempt(self, dt):
+        self.dt = dt
+        self.end, error = self.stages.advance(self.flow, self.time, dt, EXACT)
+        return WORST if self.end is None else error / self.channel.reference_velocity, EMBEDDED_ORDER
 
     def _shear_rate(self):
         if self.flow.shear_rate is not None:

@@ -9,8 +9,6 @@ Steps without an error estimate are equal, and end exactly on the wanted times.
 
 import math
 
-from tisph.errors import DivergedError
-
 SAFETY = 0.9
 SMALLEST_FACTOR = 0.2
 LARGEST_FACTOR, LARGEST_MULTISTEP_FACTOR = 2.0, 1.5
@@ -29,7 +27,10 @@ velocities of particles vary along their paths as errors in space do, and steps 
 accurate. With 0.05 the steady flow under a regular lid, 25 across, takes 1933 steps instead of 2688, and has an error
 of 1.73e-3 instead of 1.61e-3; with 0.03 it scatters too much to count as steady."""
 
-HOST_STATE = "dt_next", "targets", "cut_by", "last_rejected"
+MOST_ATTEMPTS = 20
+"""At one step, before a run is given up."""
+
+HOST_STATE = "dt_next", "targets", "cut_by", "last_rejected", "rejected"
 """Attributes of a StepControl that change while it is used."""
 
 
@@ -38,7 +39,7 @@ class StepControl:
 
     ``dt_next``: the next step, if no target cuts it; the scheme sets the first one. ``targets``: times, ascending, that
     steps have still to end on exactly; ``cut_by``: the last one that cut a step. ``last_rejected``: length and error
-    of the last attempt, if it was rejected.
+    of the last attempt, if it was rejected; ``rejected``: number of the attempts that were.
 
     ``tolerance``: of the error of a step. ``limit``: function of what the scheme measures after each step (a velocity
     gradient, a velocity) that returns the longest step. ``fixed``: whether steps are that long whatever their error.
@@ -52,7 +53,7 @@ class StepControl:
         self.largest_factor = LARGEST_MULTISTEP_FACTOR if multistep else LARGEST_FACTOR
         self.last_steps = LAST_MULTISTEPS if multistep else LAST_STEPS
         self.dt_next = math.inf
-        self.targets, self.cut_by, self.last_rejected = [], None, None
+        self.targets, self.cut_by, self.last_rejected, self.rejected = [], None, None, 0
 
     def set_targets(self, targets, time):
         """Go on from ``time`` to these targets; return whether no others have cut steps so far."""
@@ -64,6 +65,22 @@ class StepControl:
     def finished(self):
         """Whether all targets are met."""
         return not self.targets
+
+    def take(self, time, attempt, unresolved=None):
+        """Attempt steps from ``time`` until one is accepted; return its length and its error.
+
+        ``attempt(dt)`` computes the end of a step and returns its error and the order of that; after an infinite error
+        half the length is tried. ``unresolved``: see ``accepts``. The length is None where no step is short enough.
+        """
+        for _ in range(MOST_ATTEMPTS):
+            dt = self.choose_dt(time)
+            error, order = attempt(dt)
+            if math.isinf(error):
+                self.dt_next = 0.5 * dt
+            elif self.accepts(error, order, dt, unresolved):
+                return dt, error
+            self.rejected += 1
+        return None, error
 
     def choose_dt(self, time):
         """Return the step to take from ``time``: ``dt_next``, or an even share of the time left to a near target."""
@@ -165,40 +182,3 @@ def steps_between(start, target, limit):
     A remainder of rounding size does not cost a step of its own.
     """
     return max(1, math.ceil((target - start) / limit * (1.0 - 1e-12)))
-
-
-class ControlledScheme:
-    """Base of such a scheme, whose steps are dense; see ``_protocol.Scheme``.
-
-    ``control``: the ``StepControl``; ``host_names``: attributes that change while the scheme runs.
-    """
-
-    host_names = ("time", "steps", "rejected", "shortest", "longest", "order_reduced", "singular")
-
-    @property
-    def finished(self):
-        """Whether the last target is reached."""
-        return self.control.finished
-
-    def set_targets(self, targets):
-        """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""
-        return self.control.set_targets(targets, self.time)
-
-    def require_room(self, what, needed):
-        """Raise DivergedError if ``needed`` (0 where all fits) tells that a field for ``what`` overflows."""
-        if needed:
-            where = f"at step {self.steps + 1}, t = {self.time:.6g}"
-            raise DivergedError(f"x, y: too many {what} ({needed}), {where}: the particles have clustered")
-
-    def output_times(self, due):
-        """Return the times at which there is a snapshot, of those that are ``due``: all, since steps are dense."""
-        return due
-
-    def host_state(self):
-        """Return the numbers outside the fields that a resumed run needs."""
-        return {**{name: getattr(self, name) for name in self.host_names}, **self.control.host_state()}
-
-    def restore_host_state(self, state):
-        """Take up the numbers of ``host_state``."""
-        vars(self).update({name: state[name] for name in self.host_names})
-        self.control.restore_host_state(state)

@@ -155,11 +155,11 @@ class BoundedProblem(_Problem):
 
 
 def scheme(config, scene, targets, serial):
-    """Return the Scheme for a scene."""
-    from tisph.schemes._splitting._scheme import Scheme  # imports Taichi
+    """Return the ``SplittingScheme`` of a scene."""
+    from tisph.schemes._splitting._scheme import SplittingScheme  # imports Taichi
 
     tolerance, courant = _steps(config)
-    built = Scheme(_problem(scene), targets, serial, tolerance, courant)
+    built = SplittingScheme(_problem(scene), targets, serial, tolerance, courant)
     if scene.kept_mean_velocity is not None:
         from tisph.schemes._splitting._mean_velocity import MeanVelocityControl
 

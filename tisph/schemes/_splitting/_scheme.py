@@ -16,6 +16,7 @@ from tisph.least_squares.operators import LeastSquaresOperators
 from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.periodic import PeriodicDomain
 from tisph.runtime import integer, real, ti, view
+from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._splitting import _step_limits as limits
 from tisph.schemes._splitting._coupling import Coupling
 from tisph.schemes._splitting._free_bodies import RESIDUAL
@@ -33,7 +34,6 @@ from tisph.schemes._splitting._viscoelastic_stress import (
 )
 from tisph.schemes._splitting._wall_boundary import WallBoundary
 from tisph.schemes._splitting._wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
-from tisph.schemes._step_control import ControlledScheme
 from tisph.snapshot import STRESSES, STRESSES_AROUND, Snapshot
 from tisph.solvers.auxiliary_grid import PeriodicGrid
 from tisph.solvers.walled_grid import WalledGrid
@@ -49,6 +49,9 @@ SMALLEST_PIVOT_AT_AXIS = 3e-3
 """The same where the fluid reaches an axis: those of even functions take over. Points on a sphere had 1.8e-3 and 2.6e-3
 when their equations of the pressure became singular, and runs with a polymer diverged; others have 3.1e-3 and more."""
 
+TOO_LONG = "u, v: no error of a step is small enough, however short it is: the flow needs a smaller spacing;"
+"""Message of a run that stops."""
+
 COURANT = 0.3
 """Longest step over the time in which the fastest particle goes one spacing."""
 
@@ -57,7 +60,7 @@ REORDER_INTERVAL = 100
 mixed 1e5 of them a step takes 1.7 times as long without."""
 
 
-class Scheme(ControlledScheme):
+class SplittingScheme(ControlledScheme):
     """Particles in a periodic box, advanced step by step; ``time`` and ``steps`` tell how far.
 
     ``problem`` is a ``PeriodicProblem`` or ``BoundedProblem``; ``targets`` are times that steps end on exactly.
@@ -94,9 +97,7 @@ class Scheme(ControlledScheme):
 
     def reset(self):
         """Go back to before the first step."""
-        self.time = self.problem.start_time
-        self.steps = self.rejected = self.order_reduced = self.singular = 0
-        self.shortest, self.longest = math.inf, 0.0
+        self.reset_steps(self.problem.start_time)
         self.dts, self.iterations = [], [0.0, 0.0]
         self.output_cache = self.stress_resolution = None
         if self.wall_boundary:
@@ -171,21 +172,11 @@ class Scheme(ControlledScheme):
         if self.time in self.problem.jump_times:
             self.restart_steps()
         unresolved = self.levels.divergence_scale * self.problem.spacing / self.error_speed
-        for _ in range(limits.MAX_ATTEMPTS):
-            dt = self.control.choose_dt(self.time)
-            if self.time + 0.1 * dt == self.time:
-                text = "no error of a step is small enough, however short it is: the flow needs a smaller spacing"
-                raise DivergedError(f"u, v: {text}; step {self.steps + 1}, t = {self.time:.6g}")
-            error, order = self.attempt(dt)
-            if math.isinf(error):
-                self.control.dt_next = 0.5 * dt
-            elif self.control.accepts(error / self.error_speed, order, dt, unresolved):
-                break
-            self.rejected += 1
-        else:
-            if math.isinf(error):
-                text = "bodies overlap, or no velocities are found for them, whatever the step"
-                raise DivergedError(f"{text}: step {self.steps + 1}, t = {self.time:.6g}")
+        dt, error = self.control.take(self.time, self.attempt, unresolved)
+        if dt is None and math.isinf(error):
+            raise self.diverged("bodies overlap, or no velocities are found for them, whatever the step,")
+        if dt is None:
+            raise self.diverged(TOO_LONG)
         self.accept_step(dt)
 
     def restart_steps(self):
@@ -195,7 +186,9 @@ class Scheme(ControlledScheme):
         self.begin_steps()
 
     def attempt(self, dt):
-        """Compute the velocities at the end of a step; return their estimated error, and of which order it is."""
+        """Compute the velocities at the end of a step; return their error over the largest one, and its order."""
+        if self.time + 0.1 * dt == self.time:
+            raise self.diverged(TOO_LONG)
         times = TimeWeights([dt, *self.dts], dt)
         view(self.levels.step_weights)[...] = times.step_integral()
         self.levels.predict()
@@ -232,7 +225,8 @@ class Scheme(ControlledScheme):
         error = max(self.splitting.error(), coupling.error() if coupling else 0.0)
         if math.isnan(error):
             self.require_solution(False)
-        return times.step_error(error, gamma0, self.error_speed)
+        error, order = times.step_error(error, gamma0, self.error_speed)
+        return error / self.error_speed, order
 
     def body_force(self, time):
         """Return the body force (points, components) at ``time`` at the points, divided as the unknowns are."""
@@ -253,8 +247,7 @@ class Scheme(ControlledScheme):
     def require_solution(self, found):
         """Raise DivergedError where the linear systems have none."""
         if not found:
-            text = f"the linear systems cannot be solved at step {self.steps + 1}, t = {self.time:.6g}"
-            raise DivergedError(f"u, v, pressure: {text}")
+            raise self.diverged("u, v, pressure: the linear systems cannot be solved")
 
     def accept_step(self, dt):
         """Store the new velocities, measure them, and shift the particles."""
@@ -284,13 +277,8 @@ class Scheme(ControlledScheme):
             raise DivergedError(f"u, v: above {text}: the flow needs {cure}a smaller spacing")
         if (self.steps + 1) % REORDER_INTERVAL == 0:
             self.levels.reorder([self.polymer.tensors] if self.polymer else [])
-        self.time = self.control.end(self.time, dt)
         self.dts = [dt, *self.dts][: VELOCITIES - 1]
-        self.control.step_taken(self.time, self.speed)
-        self.steps += 1
-        self.shortest, self.longest = min(self.shortest, dt), max(self.longest, dt)
-        self.order_reduced += int(view(self.operators.order_reduced))
-        self.singular += int(view(self.operators.singular))
+        self.end_step(dt, self.speed)
         self.iterations = [sum(pair) for pair in zip(self.iterations, self.splitting.iterations, strict=True)]
 
     def snapshot(self, time=None):
@@ -359,13 +347,8 @@ class Scheme(ControlledScheme):
     def numbers(self):
         """Return what ``summary.json`` says about this scheme."""
         return {
-            "mach": 0.0,
-            "sound_speed": None,
+            **super().numbers(),
             "particles_wall": 0,
-            "neighbours_mean": self.points.mean_length(),
-            "steps_rejected": self.rejected,
-            "order_reduced": self.order_reduced,
-            "neighbourhoods_dropped": self.singular,
             "divergence": self.residual,
             "iterations_pressure": self.iterations[0] / max(self.steps, 1),
             "iterations_velocity": self.iterations[1] / max(self.steps, 1),

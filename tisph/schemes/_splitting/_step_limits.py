@@ -13,9 +13,6 @@ SMALLEST_SPEED, SMALLEST_SCALE = 0.5, 0.1
 """Parts of the reference velocity below which the Courant number of steps, and their errors, refer to them instead of
 the present velocities. The second is the smaller one, so that errors of a flow that decays stay relative for longer."""
 
-MAX_ATTEMPTS = 20
-"""At one step, before a run is given up."""
-
 RUNAWAY = 1e3
 """Largest velocity over the reference velocity. Bodies that close a gap press some tens of times theirs out of it."""
 

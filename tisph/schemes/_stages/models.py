@@ -25,7 +25,7 @@ class ViscoelasticModel(Modes):
     """Laws of a fluid's modes; states C are arrays (numbers of all modes, ...); stresses are per unit density."""
 
     def __init__(self, rheology, kinematic_viscosity):
-        super().__init__(rheology, kinematic_viscosity, deviation)
+        super().__init__(rheology, kinematic_viscosity, conformation_excess)
 
     def initial(self, channel, heights):
         """Return C at ``heights`` of a channel when the run starts."""
@@ -145,26 +145,26 @@ def model_of(rheology, channel):
     return InelasticModel(rheology.law(channel.kinematic_viscosity, channel.density), channel.kinematic_viscosity)
 
 
-def deviation(state):
+def conformation_excess(state):
     """Return A - 1 of one mode: components xx, xy, yy and, where the law has it, zz."""
     first, xy, *others = state
     return (first + xy * xy / (1.0 + others[0]), xy, *others)
 
 
 def _carried(xx, xy, *others):
-    """Return the state of one mode whose A - 1 is given, the inverse of ``deviation``."""
+    """Return the state of one mode whose A - 1 is given, the inverse of ``conformation_excess``."""
     return np.stack([xx - xy * xy / (1.0 + others[0]), xy, *others])
 
 
 def _rate(law, state, shear_rate):
     """Return dC/dt of one mode in simple shear."""
-    xx, xy, *others = law.relaxation(deviation(state))
+    xx, xy, *others = law.relaxation(conformation_excess(state))
     tilt = state[1] / (1.0 + state[2])
     return (xx + tilt * (tilt * others[0] - 2.0 * xy), shear_rate * (1.0 + state[2]) + xy, *others)
 
 
 def _shear_stress(law, state):
-    return law.stress(deviation(state))[1]
+    return law.stress(conformation_excess(state))[1]
 
 
 def _derivative(law, state, direction):

@@ -52,7 +52,6 @@ DEFECT = tuple(b - b_hat for b, b_hat in zip(B, B_HAT, strict=True))
 SOLVER_TOLERANCE = 1e-3
 """Residual of a stage, over the tolerance of a step."""
 
-MOST_ATTEMPTS = 20
 WORST = 1e6
 """What counts for an error that is infinite, over the reference velocity: the step is taken again."""
 

@@ -35,7 +35,7 @@ ROUND_OFF = 1e-13
 """Of the stress, that the balance at a massless wall is solved to."""
 
 
-class StressControlledWall(CoupledWall):
+class WallOfGivenStress(CoupledWall):
     """What both kinds share.
 
     ``velocity`` and ``displacement`` at the start of the step; ``velocities`` of the wall, and ``stresses`` of the
@@ -81,7 +81,7 @@ def one_sided(side, series):
     return both
 
 
-class InertialWall(StressControlledWall):
+class InertialWall(WallOfGivenStress):
     """A wall with a mass; its acceleration at the stages is in ``rates``."""
 
     kept = "slope", "third", "velocity", "displacement"
@@ -205,7 +205,7 @@ class InertialWall(StressControlledWall):
         self.slope, self.third = self.ends
 
 
-class MasslessWall(StressControlledWall):
+class MasslessWall(WallOfGivenStress):
     """A wall without a mass: ``state`` C and ``second`` C_yy there, the shear ``rate`` e and e', ``change``."""
 
     even_reflection = True

@@ -60,9 +60,9 @@ def build(config, scene, targets, serial):
         from tisph.schemes import _splitting
 
         return _splitting.scheme(config, scene, targets, serial)
-    from tisph.schemes.implicit._scheme import Scheme
+    from tisph.schemes.implicit._scheme import ChannelScheme
 
-    return Scheme(config, scene, control(config, scene, targets), serial)
+    return ChannelScheme(config, scene, control(config, scene, targets), serial)
 
 
 def control(config, channel, targets):

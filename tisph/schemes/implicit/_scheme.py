@@ -10,11 +10,11 @@ from tisph.least_squares import SKIN, SUPPORT
 from tisph.least_squares.operators import LeastSquaresOperators
 from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.runtime import view
+from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._momentum import MomentumBalance
 from tisph.schemes._stages.models import model_of
-from tisph.schemes._stages.stages import EMBEDDED_ORDER, MOST_ATTEMPTS, SOLVER_TOLERANCE, WORST
+from tisph.schemes._stages.stages import EMBEDDED_ORDER, SOLVER_TOLERANCE, WORST
 from tisph.schemes._stages.wall_pair import WallPair
-from tisph.schemes._step_control import ControlledScheme
 from tisph.schemes.implicit._field import Projection, VelocityField
 from tisph.schemes.implicit._ghosts import FixedGhosts, MirrorGhosts
 from tisph.schemes.implicit._motion import Motion, OverlapShifting
@@ -30,7 +30,7 @@ RESOLVED = 2.0
 """Thickness sqrt(nu t) of a layer, in particle spacings, from which on derivatives of the velocities mean something."""
 
 
-class Scheme(ControlledScheme):
+class ChannelScheme(ControlledScheme):
     """Particles in a channel, advanced step by step; ``time`` and ``steps`` tell how far.
 
     ``control`` is the ``StepControl`` of the run. ``serial`` compiles loops without threads.
@@ -63,10 +63,8 @@ class Scheme(ControlledScheme):
 
     def reset(self):
         """Go back to before the first step."""
-        self.time = self.channel.start_time
-        self.steps = self.rejected = self.order_reduced = self.singular = self.projections = 0
-        self.transverse = False
-        self.shortest, self.longest = math.inf, 0.0
+        self.reset_steps(self.channel.start_time)
+        self.projections, self.transverse = 0, False
         self.momentum = MomentumBalance(self.time)
         active(self.field.log_volume)[...] = 0.0
         active(self.projection.pressure)[...] = 0.0
@@ -87,20 +85,20 @@ class Scheme(ControlledScheme):
         """Take one step, in as many attempts as its error asks for; raise DivergedError where none succeeds."""
         if self.time in self.control.jump_times:
             self.apply_impulse()
-        for attempt in range(MOST_ATTEMPTS):
-            dt = self.control.choose_dt(self.time)
-            self.assemble(dt, shift=self.steps > 0 and self.layer_resolved and attempt == 0)
-            error = self.solve(dt)
-            if math.isnan(error) or (math.isinf(error) and self.control.fixed):
-                raise DivergedError(
-                    f"u, v: the linear systems cannot be solved at step {self.steps + 1}, t = {self.time:.6g}"
-                )
-            if self.control.accepts(min(error, WORST), EMBEDDED_ORDER, dt):
-                break
-            self.rejected += 1
-        else:
-            raise DivergedError(f"u: no step is short enough at step {self.steps + 1}, t = {self.time:.6g}")
+        dt, _ = self.control.take(self.time, self.attempt)
+        if dt is None:
+            raise self.diverged("u: no step is short enough")
         self.conclude(dt)
+
+    def attempt(self, dt):
+        """Compute the velocities at the end of a step; return their error over the velocity scale, and its order."""
+        first = self.control.last_rejected is None
+        self.assemble(dt, shift=self.steps > 0 and self.layer_thickness >= 1.0 and first)
+        error = self.stepper.advance(self.transverse, self.time, dt, SOLVER_TOLERANCE * self.control.tolerance)
+        error /= self.channel.reference_velocity
+        if math.isnan(error) or (math.isinf(error) and self.control.fixed):
+            raise self.diverged("u, v: the linear systems cannot be solved")
+        return min(error, WORST), EMBEDDED_ORDER
 
     def apply_impulse(self):
         """Let walls that change at once now give their impulse."""
@@ -122,22 +120,12 @@ class Scheme(ControlledScheme):
             self.stepper.set_force(-self.projection.gradient(active(self.projection.pressure)))
 
     @property
-    def layer_resolved(self):
-        """Whether a Taylor series describes the velocities: not before layers of a jump are as thick as a spacing."""
-        return self.layer_thickness >= 1.0
-
-    @property
     def layer_thickness(self):
         """Thickness sqrt(nu t) of layers at walls that have changed at once, in spacings; infinite without."""
         if not self.walls.any_jump:
             return math.inf
         since = self.time - max((change for change in self.control.jump_times if change <= self.time), default=0.0)
         return math.sqrt(self.channel.solvent_viscosity * since) / self.channel.spacing
-
-    def solve(self, dt):
-        """Compute the velocities at the end of a step; return the estimated error over the reference velocity."""
-        error = self.stepper.advance(self.transverse, self.time, dt, SOLVER_TOLERANCE * self.control.tolerance)
-        return error / self.channel.reference_velocity
 
     def require_definite(self):
         """Raise DivergedError where a polymer has an indefinite conformation tensor."""
@@ -153,7 +141,6 @@ class Scheme(ControlledScheme):
         self.require_definite()
         resolved = self.layer_thickness >= RESOLVED
         self.momentum.add_impulse(self.wall_force.impulse(self.time, dt, resolved))
-        end = self.control.end(self.time, dt)
         self.field.measure(self.transverse)
         if resolved and (self.projections or self.field.residual > LARGEST_DIVERGENCE):
             self.project(dt)
@@ -161,18 +148,13 @@ class Scheme(ControlledScheme):
             self.field.advance_volumes(dt)
         self.dense.keep(self.time, dt)
         self.motion.move(dt)
-        self.time = end
-        self.control.step_taken(end, self.field.steepest)
-        self.steps += 1
-        self.shortest, self.longest = min(self.shortest, dt), max(self.longest, dt)
-        self.order_reduced += int(view(self.operators.order_reduced))
-        self.singular += int(view(self.operators.singular))
+        self.end_step(dt, self.field.steepest)
 
     def project(self, dt):
         """Project the velocities at the end of a step; from then on there is a pressure."""
         self.transverse = True
         if not self.projection.project(dt):
-            raise DivergedError(f"pressure: cannot be solved for at step {self.steps + 1}, t = {self.time:.6g}")
+            raise self.diverged("pressure: cannot be solved for")
         self.field.measure(self.transverse)
         self.projections += 1
 
@@ -215,14 +197,9 @@ class Scheme(ControlledScheme):
     def numbers(self):
         """Return what ``summary.json`` says about this scheme."""
         return {
-            "mach": 0.0,
-            "sound_speed": None,
+            **super().numbers(),
             "particles_wall": int(view(self.ghosts.count)),
-            "neighbours_mean": self.points.mean_length(),
             "projections": self.projections,
-            "steps_rejected": self.rejected,
-            "order_reduced": self.order_reduced,
-            "neighbourhoods_dropped": self.singular,
         }
 
     def parts(self):

@@ -35,9 +35,9 @@ class Parameters(Model):
 
 def build(config, scene, targets, serial):
     """Return the scheme of a scene."""
-    from tisph.schemes.wcsph._scheme import Scheme
+    from tisph.schemes.wcsph._scheme import ExplicitScheme
 
-    return Scheme(config, scene, targets, serial)
+    return ExplicitScheme(config, scene, targets, serial)
 
 
 def problems(config):

@@ -33,7 +33,7 @@ CONTROL_INTERVAL = 50
 HOST_STATE = (
     "time", "middle", "end", "built", "steps", "rebuilds", "now", "length", "limit", "shortest", "longest",
 )  # fmt: skip
-"""Attributes of a Scheme that change while it runs."""
+"""Attributes of an ExplicitScheme that change while it runs."""
 
 
 class BodyForce:
@@ -154,7 +154,7 @@ class Stepper:
         ti.atomic_max(self.acceleration_squared[None], acceleration.dot(acceleration))
 
 
-class Scheme:
+class ExplicitScheme:
     """Particles in the box of a scene, advanced step by step; ``time`` and ``steps`` tell how far.
 
     ``targets`` are times that steps end on exactly. ``serial`` compiles loops without threads.

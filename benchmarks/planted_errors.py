@@ -36,7 +36,7 @@ ERRORS = {
     "body force along y": ("annulus", SCHEME, "dt * force\n", "dt * force * [1.0, 0.95]\n"),
     "Neumann rows, viscous part": ("channel", WALLS, "along - viscosity", "along - 0.95 * viscosity"),
     "Neumann rows, acceleration": ("channel", WALLS, "(along -", "(0.95 * along -"),
-    "stress divergence": ("square_oldroyd_b", POLYMER, "d_dx[0] + d_dy[1]", "d_dx[0] + 0.95 * d_dy[1]"),
+    "stress divergence": ("square_oldroyd_b", POLYMER, "by_x[0] + by_y[1]", "by_x[0] + 0.95 * by_y[1]"),
     "hoop stress": ("pipe_oldroyd_b", POLYMER, "stress[2] - stress[3]", "stress[2] - 0.95 * stress[3]"),
     "stress around the axis": ("pipe_oldroyd_b", POLYMER, "2.0 * stress[RT]", "1.9 * stress[RT]"),
     "upper-convected, extension": ("square_oldroyd_b", LOG + ".py", "scaled * stretch", "scaled * 0.95 * stretch"),

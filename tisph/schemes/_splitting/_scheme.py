@@ -20,18 +20,11 @@ from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._splitting import _step_limits as limits
 from tisph.schemes._splitting._coupling import Coupling
 from tisph.schemes._splitting._free_bodies import RESIDUAL
-from tisph.schemes._splitting._generalised_newtonian_stress import (
-    GeneralisedNewtonianStress,
-    GeneralisedNewtonianStressOfRevolution,
-)
+from tisph.schemes._splitting._generalised_newtonian_stress import GeneralisedNewtonianStress
 from tisph.schemes._splitting._shift import TRAVEL, FickianShifting
 from tisph.schemes._splitting._splitting_step import SplittingStep
 from tisph.schemes._splitting._time_levels import PRESSURES, VELOCITIES, TimeLevels, TimeWeights
-from tisph.schemes._splitting._viscoelastic_stress import (
-    ViscoelasticStress,
-    ViscoelasticStressOfRevolution,
-    ViscoelasticStressWithSwirl,
-)
+from tisph.schemes._splitting._viscoelastic_stress import ViscoelasticStress
 from tisph.schemes._splitting._wall_boundary import WallBoundary
 from tisph.schemes._splitting._wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
 from tisph.snapshot import STRESSES, STRESSES_AROUND, Snapshot
@@ -84,8 +77,9 @@ class SplittingScheme(ControlledScheme):
             self.points.n_fluid = integer(problem.n_fluid)
             self.wall_boundary = WallBoundary(problem, self.levels, self.shift, self.grid, SUPPORT, SKIN)
         boundary = self.wall_boundary.pressure_boundary if bounded else None
-        self.extra_stress = extra_stress_of(problem, self.levels)
-        self.polymer = self.extra_stress if problem.carries_stress else None
+        self.polymer = ViscoelasticStress(self.levels, problem) if problem.carries_stress else None
+        varying = problem.rheology and not problem.carries_stress
+        self.extra_stress = GeneralisedNewtonianStress(self.levels, problem) if varying else self.polymer
         self.splitting = SplittingStep(self.levels, self.grid, problem, boundary, self.extra_stress)
         self.control = limits.step_control(problem, targets, tolerance, courant)
         least = limits.least_residual(np.float64 if real() == ti.f64 else np.float32)
@@ -392,16 +386,3 @@ def operators_of(problem, points):
     if problem.axisymmetric:
         return AxisymmetricOperators(*chosen, lowest_radius=problem.origin[1], annular=problem.annular)
     return LeastSquaresOperators(*chosen)
-
-
-def extra_stress_of(problem, levels):
-    """Return the polymer stress that ``levels`` carry along, or the stress of a varying viscosity; None without."""
-    if not problem.rheology:
-        return None
-    if not problem.carries_stress:
-        kind = GeneralisedNewtonianStressOfRevolution if problem.axisymmetric else GeneralisedNewtonianStress
-    elif problem.swirls:
-        kind = ViscoelasticStressWithSwirl
-    else:
-        kind = ViscoelasticStressOfRevolution if problem.axisymmetric else ViscoelasticStress
-    return kind(levels, problem)

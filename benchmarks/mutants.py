@@ -78,7 +78,7 @@ TESTS = {
     "schemes/auto": [UNIT + "scheme*", UNIT + "plan", UNIT + "config_*"],
     "schemes/_time_step": [CORE + "shift", UNIT + "cli_check", *EXPLICIT],
     "schemes/wcsph/_bodies": [UNIT + "loads", CORE + "explicit_bodies"],
-    "schemes/implicit/_motion": [CORE + "points", *IMPLICIT],
+    "schemes/_shifting": [CORE + "splitting", *IMPLICIT],
     "schemes/wcsph": [UNIT + "scheme*", UNIT + "plan", CORE + "explicit_*", *EXPLICIT],
     "schemes/_estimate": [
         UNIT + "error_estimate",
@@ -97,7 +97,7 @@ TESTS = {
     "schemes/_stages/stress_controlled": [CORE + "stress_controlled_walls", CORE + "scheduled_walls"],
     "schemes/implicit": [UNIT + "esdirk", *IMPLICIT, CORE + "implicit_limits"],
     "schemes/implicit/_ghosts": [CORE + "viscous_solver", CORE + "wall_treatments", *IMPLICIT],
-    "schemes/implicit/_step": [CORE + "implicit_symmetry", UNIT + "implicit_wall_series", *IMPLICIT],
+    "schemes/implicit/_step": [CORE + "points", CORE + "implicit_symmetry", UNIT + "implicit_wall_series", *IMPLICIT],
     "schemes/implicit/__init__": [UNIT + "config_*", UNIT + "scheme*", CORE + "implicit_limits"],
     "rheology": [UNIT + "laws", UNIT + "config_rheologies", CORE + "laws_in_kernels", CORE + "stress"],
     "operators": [CORE + "weights", *EXPLICIT],

@@ -14,9 +14,9 @@ from tisph.exact.sliding_corner import DEGREE
 from tisph.least_squares import operators
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import ti, view
+from tisph.schemes._shifting import SCATTER
 from tisph.schemes._splitting import _scheme, _step_limits
 from tisph.schemes._splitting._corner_singularities import SingularPaths
-from tisph.schemes._splitting._shift import SCATTER
 from tisph.schemes._splitting._time_levels import VELOCITIES
 
 

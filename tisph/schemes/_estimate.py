@@ -170,12 +170,6 @@ def polymer_stiffness(config, channel):
     return modulus * (channel.spacing / channel.solvent_viscosity) ** 2
 
 
-def breaks_up(config, channel):
-    """Tell whether disordered particles of the implicit scheme may leave the flow that layers have."""
-    solvent = channel.reference_velocity * channel.spacing / channel.solvent_viscosity
-    return bool(channel.polymer) and config.initial.jitter > 0 and solvent > DISORDERED_SOLVENT_CELL_RE
-
-
 @dataclass(frozen=True)
 class _Layers:
     """Velocities ``u`` of layers and the exact ones in ``reference``, at time ``t``: what error measures look at."""
@@ -195,7 +189,10 @@ def layer_estimates(config, channel, control):
     most = MOST_LAYERS["coupled" if coupled else "newtonian"]
     coarse = replace(channel, rows=most, spacing=channel.gap / most) if channel.rows > most else channel
     layers = ImplicitLayers(config, coarse, control)
-    samples, reliable = [], not breaks_up(config, channel)  # it is about disordered particles
+    solvent_cell_re = channel.reference_velocity * channel.spacing / channel.solvent_viscosity
+    # disordered particles may leave the flow that layers have
+    breaks_up = channel.polymer and config.initial.jitter > 0 and solvent_cell_re > DISORDERED_SOLVENT_CELL_RE
+    samples, reliable = [], not breaks_up
     for time in config.time.samples:
         layers.run_to(time)
         if time == channel.start_time:
@@ -266,11 +263,11 @@ class ImplicitLayers:
     @property
     def strained(self):
         """Whether the strain limits the steps."""
-        return self.control.is_limited(self.steepest)
+        return self.control.dt_next == self.control.limit(self.steepest)
 
     def run_to(self, target):
         """Take steps to the time ``target``, one of those that the control meets; after many only count them."""
-        while self.time < target and not self._counted_alone:
+        while self.time < target and not (self.unknown or self.steady or self.steps >= MOST_STEPS):
             self._advance()
         if self.time < target:
             self.unknown = not self.steady
@@ -287,10 +284,6 @@ class ImplicitLayers:
         velocities = [self.channel.exact_velocity(self.heights, self.time + left * part) for part in LATER]
         steepest = [np.abs(np.diff(velocity)).max() / self.operators.spacing for velocity in velocities]
         return math.ceil(np.mean([left / min(dt, self.control.limit(gradient)) for gradient in steepest]))
-
-    @property
-    def _counted_alone(self):
-        return self.unknown or self.steady or self.steps >= MOST_STEPS
 
     def _advance(self):
         control = self.control

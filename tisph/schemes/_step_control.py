@@ -126,10 +126,6 @@ class StepControl:
             self.targets.pop(0)
         self.dt_next = min(self.dt_next, self.limit(measured))
 
-    def is_limited(self, measured):
-        """Tell whether the next step is as long as the limit allows."""
-        return self.dt_next == self.limit(measured)
-
     def host_state(self):
         """Return what a resumed run needs."""
         return {name: getattr(self, name) for name in HOST_STATE}

@@ -28,6 +28,7 @@ of the velocity and the length of reference: it rises beyond all bounds as the g
 acts on both alike. It is a model, and no lubrication: how often, how long and how strong it acts is counted.
 """
 
+import itertools
 import math
 
 import numpy as np
@@ -57,11 +58,12 @@ class Contact:
     def __init__(self, bodies, distance, pressure, spacing):
         self.bodies, self.distance, self.pressure = bodies, distance, pressure
         self.outlines = [body.shape.boundary_points(spacing / FINER) if body.shape.area else None for body in bodies]
+        # points of one of two free bodies push against the other, those of a free one against a wall
         self.pairs = [
-            pair
-            for first in range(len(bodies))
-            for pair in ((first, second) for second in range(len(bodies)) if second != first)
-            if self._acts(*pair)
+            (first, second)
+            for first, second in itertools.permutations(range(len(bodies)), 2)
+            if bodies[first].free and bodies[first].shape.fluid_side == "outside"
+            if first < second or not bodies[second].free
         ]
         self.in_fluid = np.array([bool(body.shape.area) and body.shape.fluid_side == "outside" for body in bodies])
         self.radii = np.array(
@@ -72,11 +74,6 @@ class Contact:
     def reset(self):
         """Forget all contacts."""
         self.touching, self.count, self.duration, self.largest = set(), 0, 0.0, 0.0
-
-    def _acts(self, first, second):
-        """Whether points of the ``first`` push against the ``second``: those of one of two bodies do, of a free one."""
-        one, other = self.bodies[first], self.bodies[second]
-        return one.free and one.shape.fluid_side == "outside" and (first < second or not other.free)
 
     def loads(self, time):
         """Return force, torque and stresslet (bodies, 4) at ``time``, and by pair the force and the smallest gap.

@@ -17,11 +17,11 @@ from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.periodic import PeriodicDomain
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes._controlled_scheme import ControlledScheme
+from tisph.schemes._shifting import TRAVEL, FickianShifting
 from tisph.schemes._splitting import _step_limits as limits
 from tisph.schemes._splitting._coupling import Coupling
 from tisph.schemes._splitting._free_bodies import RESIDUAL
 from tisph.schemes._splitting._generalised_newtonian_stress import GeneralisedNewtonianStress
-from tisph.schemes._splitting._shift import TRAVEL, FickianShifting
 from tisph.schemes._splitting._splitting_step import SplittingStep
 from tisph.schemes._splitting._time_levels import PRESSURES, VELOCITIES, TimeLevels, TimeWeights
 from tisph.schemes._splitting._viscoelastic_stress import ViscoelasticStress
@@ -82,7 +82,7 @@ class SplittingScheme(ControlledScheme):
         self.extra_stress = GeneralisedNewtonianStress(self.levels, problem) if varying else self.polymer
         self.splitting = SplittingStep(self.levels, self.grid, problem, boundary, self.extra_stress)
         self.control = limits.step_control(problem, targets, tolerance, courant)
-        least = limits.least_residual(np.float64 if real() == ti.f64 else np.float32)
+        least = limits.ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
         self.tolerance = limits.TOLERANCE if tolerance is None else tolerance
         if bounded and self.wall_boundary.free:
             self.splitting.coupling = Coupling(self.wall_boundary, self.splitting, least)
@@ -164,7 +164,9 @@ class SplittingScheme(ControlledScheme):
     def advance(self):
         """Take one step, in as many attempts as its error asks for; raise DivergedError where it runs away."""
         if self.time in self.problem.jump_times:
-            self.restart_steps()
+            self.dts = []  # no polynomial in time continues past a jump
+            self.wall_boundary.jump(self.time)
+            self.begin_steps()
         unresolved = self.levels.divergence_scale * self.problem.spacing / self.error_speed
         dt, error = self.control.take(self.time, self.attempt, unresolved)
         if dt is None and math.isinf(error):
@@ -172,12 +174,6 @@ class SplittingScheme(ControlledScheme):
         if dt is None:
             raise self.diverged(TOO_LONG)
         self.accept_step(dt)
-
-    def restart_steps(self):
-        """Forget earlier levels, since no polynomial in time continues past a jump, and begin as at the start."""
-        self.dts = []
-        self.wall_boundary.jump(self.time)
-        self.begin_steps()
 
     def attempt(self, dt):
         """Compute the velocities at the end of a step; return their error over the largest one, and its order."""
@@ -205,7 +201,8 @@ class SplittingScheme(ControlledScheme):
         if self.extra_stress:
             self.extra_stress.prepare(times, dt, self.time + dt)
             nu += self.extra_stress.viscosity
-        retained = max(0.0, gamma0 - limits.divergence_decay(nu, self.speed, self.problem.spacing) * dt)
+        decay = limits.DECAY[0] * nu / self.problem.spacing**2 + limits.DECAY[1] * self.speed / self.problem.spacing
+        retained = max(0.0, gamma0 - decay * dt)
         self.splitting.sum_history()
         if not self.dts:  # what is carried along as a whole is right from the first guess on, but for rounding errors
             view(self.splitting.velocity.x)[: self.problem.n_fluid, :2] += dt * np.array(self.problem.acceleration)
@@ -283,7 +280,11 @@ class SplittingScheme(ControlledScheme):
         """
         time = self.time if time is None else time
         if self.output_cache is None or self.output_cache[0] != self.time:
-            self.output_cache = self.time, *self.levels_in_order()
+            fluid = self.problem.n_fluid
+            created = np.argsort(active(self.levels.number)[:fluid])
+            stored = [self.levels.fields, self.levels.position, *([self.polymer.tensors] if self.polymer else [])]
+            fields = (active(field)[:fluid][created].astype(float) for field in stored)
+            self.output_cache = self.time, created, *fields
         problem, walls, offset = self.problem, self.wall_boundary, self.time - time
         _, created, fields, position, *tensors = self.output_cache
         dts = self.dts or [1.0]
@@ -323,13 +324,6 @@ class SplittingScheme(ControlledScheme):
             acceleration=self.mean_velocity.acceleration if self.mean_velocity else None,
             **dict(zip((*STRESSES, *STRESSES_AROUND), stress, strict=False)),
         )
-
-    def levels_in_order(self):
-        """Return the order of creation of the fluid particles, and in it fields, positions and tensors of theirs."""
-        fluid = self.problem.n_fluid
-        created = np.argsort(active(self.levels.number)[:fluid])
-        fields = [self.levels.fields, self.levels.position, *([self.polymer.tensors] if self.polymer else [])]
-        return created, *(active(field)[:fluid][created].astype(float) for field in fields)
 
     def momentum_balance(self):
         """Return the ``change`` of momentum along x up to ``time`` [mass * velocity per length], which has no cause."""

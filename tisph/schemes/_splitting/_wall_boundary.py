@@ -101,11 +101,6 @@ class PressureBoundaryCondition:
             self.narrow = ti.field(ti.i32, capacity)
             self.per_spacing = scalar(1.0 / spacing)
 
-    def set_normals(self, normal):
-        """Take up the normals of the points, and set their equations."""
-        view(self.normal)[self.slots] = normal
-        self.impose_neumann_rows()
-
     @ti.kernel
     def impose_neumann_rows(self):
         """Let the operators of the Laplacian be those of the normal derivative times the weight."""
@@ -220,7 +215,8 @@ class WallBoundary:
 
     def impose_neumann_rows(self):
         """Replace the Laplacian at the points by the Neumann condition of the pressure."""
-        self.pressure_boundary.set_normals(self.normal)
+        view(self.pressure_boundary.normal)[self.slots] = self.normal
+        self.pressure_boundary.impose_neumann_rows()
 
     def add_corner_force(self, splitting, times, dt):
         """Let the solvers of a step ``dt`` compute the regular part, without the known flow in the corners."""
@@ -339,7 +335,9 @@ class WallBoundary:
         """Take up the force and torque on each body, from the fields at the points at the end of a step at ``time``."""
         extra = extra_stress.wall_stress() if extra_stress else 0.0
         if self.problem.carries_stress:
-            normals = self.problem.density * self.walls.means(_first_normal_stress_difference(extra, self.normal))
+            (xx, xy, yy), (x, y) = extra[:3], self.normal.T
+            difference = (yy - xx) * (x**2 - y**2) - 4.0 * xy * x * y  # N1 at the walls
+            normals = self.problem.density * self.walls.means(difference)
             self.normal_stresses = [normals, *self.normal_stresses][:LOAD_LEVELS]
         pressure = active(self.levels.fields)[self.slots, self.levels.first_pressure].astype(float)
         loads = self.problem.density * self.walls.sums(self.tractions(pressure, self.strain(), extra), time)
@@ -414,9 +412,3 @@ class WallBoundary:
     def store_normal_curls(self):
         """Keep the curl of the vorticity at the end of a step, which was found last."""
         self.normal_curls = [self.pressure_boundary.normal_curls.copy(), *self.normal_curls][:CURL_LEVELS]
-
-
-def _first_normal_stress_difference(stress, normal):
-    """Return N1 (count,) of a ``stress`` (3, count) at walls with a ``normal`` (count, 2)."""
-    (xx, xy, yy), (x, y) = stress[:3], normal.T
-    return (yy - xx) * (x**2 - y**2) - 4.0 * xy * x * y

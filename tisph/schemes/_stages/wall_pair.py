@@ -124,11 +124,13 @@ def apply_impulse(stages, flow, time):
     walls.enter(time)
     near = stages.wall_values(flow)
     for wall in walls:
-        jumps = wall.jumps_at(time)
+        jumps = wall.jumps if time == stages.channel.start_time else wall.later_jumps(time)
         if walls.obeys_momentum and any(jumps):
             start = WallImpulse(stages, wall)
             gained = (
-                start.coupled_change(flow, *jumps, near[wall.side]) if stages.model else start.velocity_change(*jumps)
+                start.coupled_change(flow, *jumps, near[wall.side])
+                if stages.model
+                else jumps[0] * start.by_velocity(0.0) + jumps[1] * start.velocity_2
             )
             flow.velocity += gained
             gains[wall.side] += float(gained.sum(dtype=float))
@@ -159,10 +161,6 @@ class WallImpulse:
     def by_velocity(self, fourth):
         """Return the change of the velocities for U' = 1, whose series has u_yy = 1/nu and this ``fourth`` term."""
         return self.nu * (self.spread((0.0, 1.0 / self.nu, fourth)) + self.operators.laplacian(self.velocity_2))
-
-    def velocity_change(self, jump, rate):
-        """Return the change of the velocities of a Newtonian fluid."""
-        return jump * self.by_velocity(0.0) + rate * self.velocity_2
 
     def coupled_change(self, flow, jump, rate, fluid):
         """Return the change of the velocities; change the states of ``flow`` and at the wall, where ``fluid`` is."""

@@ -48,10 +48,6 @@ class PrescribedWall:
         before = 0.0 if self.schedule.before is not None else acceleration
         return channel.wall_jumps[self.side], acceleration - before
 
-    def jumps_at(self, time):
-        """Return ``jumps``, or the like of a later ``time`` at which something changes."""
-        return self.jumps if time == self.channel.start_time else self.later_jumps(time)
-
     def later_jumps(self, time):
         """Return by how much velocity and acceleration jump at a ``time`` after the start."""
         return next((tuple(both) for when, *both in self.schedule.breakpoints if when == time), (0.0, 0.0))
@@ -195,13 +191,9 @@ class WallSystem:
         ``driving`` is what nu_s u_yy + S_y is.
         """
         slope, rate, second = self.solve(known, driving)
-        third, third_rate, fourth = self.solve(known_third, self.curvature_rate(driving_rate, rate))
+        third, third_rate, fourth = self.solve(known_third, (driving_rate - self.stress @ rate) / self.viscosity)
         stress = self.stress_slope(slope, second), self.stress_slope(third, fourth)
         return (slope, third, second, fourth, *stress), (rate, third_rate)
-
-    def curvature_rate(self, driving_rate, slope_rate):
-        """Return (u_yy)', by those of what drives and of C_y: what nu_s u_yyyy + S_yyy is."""
-        return (driving_rate - self.stress @ slope_rate) / self.viscosity
 
     def stress_slope(self, slope, curvature):
         """Return S_y."""

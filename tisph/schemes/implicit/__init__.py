@@ -92,20 +92,15 @@ def coarsen_steps(config, factor):
     turns = not config.parallel
     tolerance = config.time.tolerance
     if tolerance == "auto":
-        tolerance = usual_tolerance(turns)
+        tolerance = TOLERANCE
+        if turns:
+            from tisph.schemes import _splitting
+
+            tolerance = _splitting.TOLERANCE
     time = {"tolerance": min(tolerance * factor ** (4 if turns else 3), LARGEST_TOLERANCE)}
     strain = {"largest_strain": min(config.scheme.largest_strain * factor, LARGEST_STRAIN)}
     changed = {"time": config.time.model_copy(update=time), "scheme": config.scheme.model_copy(update=strain)}
     return config.model_copy(update=changed)
-
-
-def usual_tolerance(turns):
-    """Return the tolerance of a step where a config gives none; ``turns``: whether the flow does."""
-    if not turns:
-        return TOLERANCE
-    from tisph.schemes import _splitting
-
-    return _splitting.TOLERANCE
 
 
 def orders(config):

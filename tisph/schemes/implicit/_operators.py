@@ -149,16 +149,12 @@ class ViscousSolver(BiCGStab):
         if coefficient <= self.roughest or self.points.fluid <= FEW:
             return super().solve(coefficient, tolerance)
         if self.two_level is None:
-            self.set_two_level()
+            from tisph.solvers.auxiliary_grid import DirichletGrid  # of no use to most channels
+            from tisph.solvers.two_level import TwoLevel
+
+            self.two_level = TwoLevel(self, DirichletGrid(self.points, self.channel, self.channel.gap))
         self.two_level.grid.sort()
         return super().solve(coefficient, tolerance, preconditioner=self.two_level)
-
-    def set_two_level(self):
-        """Set up ``two_level``."""
-        from tisph.solvers.auxiliary_grid import DirichletGrid  # of no use to most channels
-        from tisph.solvers.two_level import TwoLevel
-
-        self.two_level = TwoLevel(self, DirichletGrid(self.points, self.channel, self.channel.gap))
 
 
 @ti.data_oriented

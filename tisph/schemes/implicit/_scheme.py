@@ -12,14 +12,14 @@ from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.runtime import view
 from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._momentum import MomentumBalance
+from tisph.schemes._shifting import OverlapShifting
 from tisph.schemes._stages.models import model_of
 from tisph.schemes._stages.stages import EMBEDDED_ORDER, SOLVER_TOLERANCE, WORST
 from tisph.schemes._stages.wall_pair import WallPair
 from tisph.schemes.implicit._field import Projection, VelocityField
 from tisph.schemes.implicit._ghosts import FixedGhosts, MirrorGhosts
-from tisph.schemes.implicit._motion import Motion, OverlapShifting
 from tisph.schemes.implicit._operators import ClosedParticleOperators
-from tisph.schemes.implicit._step import DenseOutput, ImplicitStep, WallForce
+from tisph.schemes.implicit._step import DenseOutput, ImplicitStep, Motion, WallForce
 from tisph.snapshot import STRESSES, Snapshot
 
 LARGEST_DIVERGENCE = 2e-2

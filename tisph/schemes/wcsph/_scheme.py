@@ -300,13 +300,10 @@ class ExplicitScheme:
     def require_room(self, what, needed):
         """Raise DivergedError if ``needed`` (0 where all fits) tells of an overflow."""
         if needed:
-            where = f"around particle {self.most_crowded()}, at step {self.steps}, t = {self.time:.6g}"
+            crowded = np.argmax(view(self.lists.count)[: self.particles.fluid])
+            particle = int(view(self.particles.identity)[self.now, crowded])
+            where = f"around particle {particle}, at step {self.steps}, t = {self.time:.6g}"
             raise DivergedError(f"x, y: too many {what} ({needed}) {where}: the particles have clustered")
-
-    def most_crowded(self):
-        """Return the number of the particle with the longest list of neighbours."""
-        count = view(self.lists.count)[: self.particles.fluid]
-        return int(view(self.particles.identity)[self.now, np.argmax(count)])
 
     def output_times(self, due):
         """Return the times at which there is a snapshot for those that are ``due``: the end of the last step."""

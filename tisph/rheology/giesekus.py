@@ -14,10 +14,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from tisph.rheology import _polymer
+from tisph.rheology import _laws
 
 
-class Mode(_polymer.Mode):
+class Mode(_laws.Mode):
     """Relaxation time [time]; ``mobility``, 0 to 1: how much stretched polymers lose drag (0.5 at most is usual)."""
 
     type: Literal["giesekus"] = "giesekus"
@@ -27,11 +27,11 @@ class Mode(_polymer.Mode):
 class Parameters(Mode):
     """As ``Mode``, and the solvent's share of the total viscosity that stands in ``fluid``."""
 
-    solvent_fraction: _polymer.SolventFraction
+    solvent_fraction: _laws.SolventFraction
 
 
-class Law(_polymer.Law):
-    """S = modulus * C; see ``_polymer.Law``."""
+class Law(_laws.Law):
+    """S = modulus * C; see ``_laws.Law``."""
 
     def __init__(self, parameters, polymer_viscosity):
         super().__init__(parameters, polymer_viscosity)

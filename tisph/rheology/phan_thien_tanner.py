@@ -17,11 +17,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from tisph.rheology import _polymer
-from tisph.rheology._functions import exp
+from tisph.rheology import _laws
 
 
-class Mode(_polymer.Mode):
+class Mode(_laws.Mode):
     """Relaxation time [time]; ``extensibility``, 0 to 1 (usual: 0.01 to 0.25); ``form`` of Y, linear by default."""
 
     type: Literal["phan_thien_tanner"] = "phan_thien_tanner"
@@ -32,16 +31,16 @@ class Mode(_polymer.Mode):
 class Parameters(Mode):
     """As ``Mode``, and the solvent's share of the total viscosity that stands in ``fluid``."""
 
-    solvent_fraction: _polymer.SolventFraction
+    solvent_fraction: _laws.SolventFraction
 
 
-class Law(_polymer.Law):
-    """S = modulus * C; see ``_polymer.Law``."""
+class Law(_laws.Law):
+    """S = modulus * C; see ``_laws.Law``."""
 
     def __init__(self, parameters, polymer_viscosity):
         super().__init__(parameters, polymer_viscosity)
         self.extensibility = parameters.extensibility
-        self.destruction = {"linear": _linear, "exponential": exp}[parameters.form]
+        self.destruction = {"linear": _linear, "exponential": _laws.exp}[parameters.form]
 
     def relaxation(self, c):
         """-Y C/relaxation_time."""

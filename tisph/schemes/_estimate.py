@@ -16,7 +16,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tisph.equation_of_state import sound_speed
 from tisph.least_squares import SUPPORT
 from tisph.measures.metrics import relative_error, rms_error
 from tisph.schemes._protocol import SampleEstimate
@@ -33,7 +32,7 @@ from tisph.schemes._stages.stages import (
 )
 from tisph.schemes._stages.wall_pair import WallPair, apply_impulse
 from tisph.schemes._step_control import steps_between
-from tisph.schemes._time_step import effective_viscosity, time_step_limits
+from tisph.schemes._time_step import limits_of, sound_speed_of
 
 EXPLICIT_COST = 150e-9
 """Rough cost of one particle and step of the explicit scheme on two threads [s]."""
@@ -90,26 +89,11 @@ STEADY = 1e-12
 
 def explicit(config, channel):
     """Return the numbers of a run of scheme ``wcsph``."""
-    length = config.discretisation.smoothing_ratio * channel.spacing
-    sound = sound_speed(
-        config.scheme.equation_of_state,
-        reference_velocity=channel.peak_velocity,
-        kinematic_viscosity=channel.kinematic_viscosity,
-        length=channel.reference_length,
-        density=channel.density,
-        elastic_speed=channel.elastic_speed,
+    sound, flow = (
+        sound_speed_of(config, channel),
+        {"speed": channel.peak_velocity, "elastic_speed": channel.elastic_speed},
     )
-    artificial = config.scheme.artificial_viscosity
-    limits = time_step_limits(
-        config.time.cfl,
-        smoothing_length=length,
-        sound_speed=sound,
-        reference_velocity=channel.peak_velocity,
-        kinematic_viscosity=effective_viscosity(channel.solvent_viscosity, artificial, length, sound),
-        acceleration=abs(channel.acceleration),
-        elastic_speed=channel.elastic_speed,
-        relaxation_time=channel.polymer.relaxation_time if channel.polymer else math.inf,
-    )
+    limits = limits_of(config, channel, sound, acceleration=abs(channel.acceleration), **flow)
     binding = min(limits, key=lambda name: limits[name])
     *counts, steps = step_counts(config.start_time, [*config.time.samples, config.time.end], limits[binding])
     samples = zip(config.time.samples, counts, strict=True)

@@ -4,9 +4,14 @@ Shifts move particles towards an even arrangement, no faster than an explicit st
 """
 
 import math
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+
+from tisph.equation_of_state import sound_speed
+
+if TYPE_CHECKING:
+    from tisph.scenes._scene import Scene
 
 AUTO_CFL = 0.25
 RELAXATION_NUMBER = 0.25
@@ -25,13 +30,37 @@ WAVES = 32
 """Wave lengths among which the stiffest is looked for."""
 
 
-def effective_viscosity(kinematic_viscosity: float, artificial_viscosity: float, length: float, speed: float) -> float:
-    """Kinematic viscosity with Monaghan's linear artificial one in it, alpha c h / 8 in two dimensions.
+def sound_speed_of(config: Any, scene: "Scene") -> float:
+    """Return the speed of sound [length/time] of a run of scheme ``wcsph``."""
+    return sound_speed(
+        config.scheme.equation_of_state,
+        reference_velocity=scene.peak_velocity,
+        kinematic_viscosity=scene.kinematic_viscosity,
+        length=scene.reference_length,
+        density=scene.density,
+        elastic_speed=scene.elastic_speed,
+    )
 
-    ``length`` is the smoothing length h, ``speed`` the sound speed c (J. J. Monaghan, Rep. Prog. Phys. 68 (2005)
-    1703-1759).
+
+def limits_of(
+    config: Any, scene: "Scene", sound: float, *, speed: float, acceleration: float, elastic_speed: float
+) -> dict[str, float]:
+    """Return the ``time_step_limits`` of a run of scheme ``wcsph`` with this ``sound`` speed.
+
+    Monaghan's linear artificial viscosity alpha adds alpha c h / 8 to the kinematic viscosity in two dimensions (J. J.
+    Monaghan, Rep. Prog. Phys. 68 (2005) 1703-1759).
     """
-    return kinematic_viscosity + artificial_viscosity * speed * length / 8.0
+    length = config.discretisation.smoothing_ratio * scene.spacing
+    return time_step_limits(
+        config.time.cfl,
+        smoothing_length=length,
+        sound_speed=sound,
+        reference_velocity=speed,
+        kinematic_viscosity=scene.solvent_viscosity + config.scheme.artificial_viscosity * sound * length / 8.0,
+        acceleration=acceleration,
+        elastic_speed=elastic_speed,
+        relaxation_time=scene.polymer.relaxation_time if scene.polymer else math.inf,
+    )
 
 
 def time_step_limits(

@@ -98,7 +98,8 @@ class ClosedParticleOperators:
 
     def assemble(self):
         """Get ready for linear systems with the operators as they are now."""
-        self.solver.assemble()
+        if self.solver.coarse:
+            self.solver.coarse.assemble()
 
     def solve(self, coefficient, tangent, right, guess, tolerance):
         """Solve (1 - ``coefficient`` A - D ``tangent`` D) x = ``right``; return x, or None where that fails."""
@@ -134,11 +135,6 @@ class ViscousSolver(BiCGStab):
         self.channel, self.two_level = channel, None
         self.coarse = None if ghosts.mirrors else LayerCoarseSpace(operators, ghosts, channel, coupled=False)
         self.roughest = ROUGH * channel.spacing**2
-
-    def assemble(self):
-        """Get ready for systems with the operators as they are now."""
-        if self.coarse:
-            self.coarse.assemble()
 
     def solve(self, coefficient, tolerance):
         """Solve (1 - ``coefficient`` A) x = b to a residual of ``tolerance`` |b|; return whether it did."""
@@ -215,11 +211,6 @@ class CoupledSolver(BiCGStab):
                 viscous = self.coefficient[None] * self.operators.laplacian[i, k] * (values[j] - centre)
                 total += viscous + self.operators.d_dy[i, k] * (self.tangent_stress[j] - stress)
         return self.sigma[None] * centre - total
-
-    def assemble(self):
-        """Get ready for systems with the operators as they are now."""
-        if self.coarse:
-            self.coarse.assemble()
 
     def solve(self, coefficient, tolerance):
         """Solve (1 - ``coefficient`` A) x = b, of velocities across the channel; return whether it did."""

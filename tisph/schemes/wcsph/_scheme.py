@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from tisph import registry
-from tisph.equation_of_state import compression, pressure, sound_speed
+from tisph.equation_of_state import compression, pressure
 from tisph.errors import ConfigError, DivergedError
 from tisph.fluid import Fluid
 from tisph.neighbours import list_radius
@@ -20,7 +20,7 @@ from tisph.neighbours.verlet import VerletLists
 from tisph.particles import Particles
 from tisph.runtime import scalar, ti, view
 from tisph.schemes._step_control import StepPlan
-from tisph.schemes._time_step import effective_viscosity, shift_speed, time_step_limits
+from tisph.schemes._time_step import limits_of, shift_speed, sound_speed_of
 from tisph.schemes.wcsph._boundaries import PeriodicBoundaries, PlaneWalls
 from tisph.snapshot import Snapshot
 
@@ -167,19 +167,10 @@ class ExplicitScheme:
         stress = registry.compiled("rheology", rheology.type).Stress(scene) if rheology.carries_stress else None
         self.scene = scene
         self.serial = serial
-        self.equation_of_state = config.scheme.equation_of_state
-        self.sound_speed = sound_speed(
-            self.equation_of_state,
-            reference_velocity=scene.peak_velocity,
-            kinematic_viscosity=scene.kinematic_viscosity,
-            length=scene.reference_length,
-            density=scene.density,
-            elastic_speed=scene.elastic_speed,
-        )
-        self.cfl = config.time.cfl
-        self.artificial_viscosity = config.scheme.artificial_viscosity
-        self.smoothing_length = config.discretisation.smoothing_ratio * scene.spacing
-        cutoff = kernel.SUPPORT * self.smoothing_length
+        self.config, self.equation_of_state = config, config.scheme.equation_of_state
+        self.sound_speed = sound_speed_of(config, scene)
+        length = config.discretisation.smoothing_ratio * scene.spacing
+        cutoff = kernel.SUPPORT * length
         radius = list_radius(cutoff, scene.spacing)
 
         self.boundaries = boundaries(config, scene, radius)
@@ -188,9 +179,10 @@ class ExplicitScheme:
         self.particles = Particles(scene.particles, *self.boundaries.slots, rheology.carries_stress)
         self.cells = Cells(self.particles, self.domain, self.boundaries.box, radius)
         self.lists = VerletLists(self.cells, cutoff, scene.spacing, serial, treatment.uses_mirror_points)
-        speeds = self.sound_speed, self.cfl, scene.solvent_viscosity / self.smoothing_length
+        speeds = self.sound_speed, config.time.cfl, scene.solvent_viscosity / length
         shift = shift_speed(kernel, config.discretisation.smoothing_ratio, *speeds)
-        self.operators = operators(self.particles, self.lists, self.fluid, kernel, self.artificial_viscosity, shift)
+        artificial = config.scheme.artificial_viscosity
+        self.operators = operators(self.particles, self.lists, self.fluid, kernel, artificial, shift)
         self.walls = self.boundaries.surround(self.operators, kernel)
         self.stepper = Stepper(self.operators, self.walls, serial)
         self.body_force = BodyForce(scene, self.particles, self.boundaries.origin) if scene.body_force else None
@@ -268,18 +260,14 @@ class ExplicitScheme:
         """
         scene, stepper = self.scene, self.stepper
         tension = max(0.0, float(view(stepper.stress_trace))) if self.particles.carries_stress else 0.0
-        limits = time_step_limits(
-            self.cfl,
-            smoothing_length=self.smoothing_length,
-            sound_speed=self.sound_speed,
-            reference_velocity=max(scene.peak_velocity, math.sqrt(view(stepper.speed_squared))),
-            kinematic_viscosity=effective_viscosity(
-                scene.solvent_viscosity, self.artificial_viscosity, self.smoothing_length, self.sound_speed
-            ),
+        limits = limits_of(
+            self.config,
+            scene,
+            self.sound_speed,
+            speed=max(scene.peak_velocity, math.sqrt(view(stepper.speed_squared))),
             acceleration=math.sqrt(view(stepper.acceleration_squared))
             + (self.body_force.largest if self.body_force else 0.0),
             elastic_speed=math.sqrt(scene.elastic_speed**2 + tension),
-            relaxation_time=scene.polymer.relaxation_time if scene.polymer else math.inf,
         )
         limit = min(limits.values())
         return limit if limit > 0.0 else self.limit

@@ -344,13 +344,14 @@ class LayerOperators:
 
     def boundary_laplacian(self, series):
         """Return what the ``series`` of the images beyond both walls (2, 3) add to A."""
-        return self._boundary("laplacian", series)
+        return self.boundary("laplacian", series)
 
     def boundary_gradient(self, series):
         """Return what they add to d/dy."""
-        return self._boundary("gradient", series)
+        return self.boundary("gradient", series)
 
-    def _boundary(self, name, series):
+    def boundary(self, name, series):
+        """Return what they add to an operator."""
         below, _, above = self.parts[name]
         bottom, top = (
             values * (self.depths if even else 1.0)

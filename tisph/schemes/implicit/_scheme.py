@@ -127,36 +127,27 @@ class ChannelScheme(ControlledScheme):
         since = self.time - max((change for change in self.control.jump_times if change <= self.time), default=0.0)
         return math.sqrt(self.channel.solvent_viscosity * since) / self.channel.spacing
 
-    def require_definite(self):
-        """Raise DivergedError where a polymer has an indefinite conformation tensor."""
-        found = self.stepper.indefinite()
-        if found.size:
-            raise DivergedError(
-                f"stress: the conformation tensor of particle {found[0]} is not positive definite any more, at step "
-                f"{self.steps + 1}, t = {self.time:.6g} ({found.size} particles are wrong)"
-            )
-
     def conclude(self, dt):
         """Measure the new velocities and move the particles."""
-        self.require_definite()
+        wrong = self.stepper.indefinite()
+        if wrong.size:
+            text = f"stress: the conformation tensor of particle {wrong[0]} is not positive definite any more,"
+            where = f"at step {self.steps + 1}, t = {self.time:.6g}"
+            raise DivergedError(f"{text} {where} ({wrong.size} particles are wrong)")
         resolved = self.layer_thickness >= RESOLVED
         self.momentum.add_impulse(self.wall_force.impulse(self.time, dt, resolved))
         self.field.measure(self.transverse)
         if resolved and (self.projections or self.field.residual > LARGEST_DIVERGENCE):
-            self.project(dt)
+            self.transverse = True  # from now on there is a pressure
+            if not self.projection.project(dt):
+                raise self.diverged("pressure: cannot be solved for")
+            self.field.measure(self.transverse)
+            self.projections += 1
         if resolved:
             self.field.advance_volumes(dt)
         self.dense.keep(self.time, dt)
         self.motion.move(dt)
         self.end_step(dt, self.field.steepest)
-
-    def project(self, dt):
-        """Project the velocities at the end of a step; from then on there is a pressure."""
-        self.transverse = True
-        if not self.projection.project(dt):
-            raise self.diverged("pressure: cannot be solved for")
-        self.field.measure(self.transverse)
-        self.projections += 1
 
     def snapshot(self, time=None):
         """Return the state at ``time``, within the last step, or now, as a Snapshot."""
@@ -167,7 +158,7 @@ class ChannelScheme(ControlledScheme):
             stresses = self.stepper.stress()
         else:
             position, velocity, volume, pressure = self.dense.at(time)
-            stresses = self.stepper.stress_at(*self.dense.within(time))
+            stresses = self.stepper.stress_at((time - self.dense.began) / self.dense.dt, self.dense.dt)
         with np.errstate(over="ignore"):  # of a run that diverges; the guard finds it
             density = self.channel.density * np.exp(-volume)
         return Snapshot(
@@ -205,15 +196,15 @@ class ChannelScheme(ControlledScheme):
     def parts(self):
         """Return everything whose fields a resumed run needs, by name."""
         parts = {"motion": self.motion, "stepper": self.stepper, "field": self.field, "projection": self.projection}
-        return {**parts, **self.stepper.parts()}
+        return {**parts, **({"polymer": self.stepper.polymer} if self.stepper.polymer else {})}
 
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
-        return {**super().host_state(), "momentum": vars(self.momentum), **self.stepper.host_state()}
+        return {**super().host_state(), "momentum": vars(self.momentum), "walls": self.walls.host_state()}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
         super().restore_host_state(state)
         vars(self.momentum).update(state["momentum"])
         self.walls.enter(self.time)
-        self.stepper.restore_host_state(state)
+        self.walls.restore_host_state(state["walls"])

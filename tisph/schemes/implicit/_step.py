@@ -138,18 +138,6 @@ class ImplicitStep:
         ends = polymer.start, polymer.state, polymer.start_rate, polymer.end_rate
         return self.model.stress(hermite(theta, dt, *ends))
 
-    def parts(self):
-        """Return by name what a checkpoint keeps beside the fields here."""
-        return {"polymer": self.polymer} if self.polymer else {}
-
-    def host_state(self):
-        """Return the numbers outside the fields that a resumed run needs."""
-        return {"walls": self.walls.host_state()}
-
-    def restore_host_state(self, state):
-        """Take up the numbers of ``host_state``."""
-        self.walls.restore_host_state(state["walls"])
-
 
 class DenseOutput:
     """Positions and velocities at any time of the step that was taken last (Hermite interpolation).
@@ -164,20 +152,15 @@ class DenseOutput:
 
     def keep(self, time, dt):
         """Take note of a step that has been taken, from ``time`` on."""
-        self.began, self.dt = time, dt
-        self.state = None
-
-    def within(self, time):
-        """Return the part theta of the last step up to ``time``, and its dt."""
-        return (time - self.began) / self.dt, self.dt
+        self.began, self.dt, self.state = time, dt, None
 
     def at(self, time):
         """Return positions (fluid, 2) and velocities (2, fluid) at ``time``, and the ``others`` (fluid) as they are."""
         if self.state is None:
             self.state = self._read()
         start, end, start_rate, end_rate, position, *others = self.state
-        theta = self.within(time)[0]
-        velocity = self._velocity(theta, start, end, start_rate, end_rate)
+        theta = (time - self.began) / self.dt
+        velocity = hermite(theta, self.dt, start, end, start_rate, end_rate)
         return position + self._displacement(theta, start, end).T, velocity, *others
 
     def around(self, times, x, half_width, period):
@@ -196,12 +179,9 @@ class DenseOutput:
             when, particle = np.nonzero(np.abs(apart) < half_width)
             theta, when = thetas[some[when], 0], some[when]
             y = position[particle, 1] + self._displacement(theta, start[1, particle], end[1, particle])
-            u = self._velocity(theta, *(values[0, particle] for values in (start, end, start_rate, end_rate)))
+            u = hermite(theta, self.dt, *(values[0, particle] for values in (start, end, start_rate, end_rate)))
             found.append((when, x[when] + apart[np.searchsorted(some, when), particle], y, u))
         return [np.concatenate(column) for column in zip(*found, strict=True)]
-
-    def _velocity(self, theta, *ends):
-        return hermite(theta, self.dt, *ends)
 
     def _displacement(self, theta, start, end):
         return self.dt * (theta * start + 0.5 * theta**2 * (end - start))

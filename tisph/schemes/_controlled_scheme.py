@@ -15,13 +15,13 @@ class ControlledScheme:
 
     host_names = ("time", "steps", "shortest", "longest", "order_reduced", "singular")
 
-    def reset_steps(self, time):
+    def reset_steps(self, time: float) -> None:
         """Go back to before the first step, at ``time``."""
         self.time, self.control.rejected = time, 0
         self.steps = self.order_reduced = self.singular = 0
         self.shortest, self.longest = math.inf, 0.0
 
-    def end_step(self, dt, measured):
+    def end_step(self, dt: float, measured: float) -> None:
         """Count a step ``dt`` that was accepted; the limit of the next one depends on the ``measured`` flow."""
         self.time = self.control.end(self.time, dt)
         self.control.step_taken(self.time, measured)
@@ -30,11 +30,11 @@ class ControlledScheme:
         self.order_reduced += int(view(self.operators.order_reduced))
         self.singular += int(view(self.operators.singular))
 
-    def diverged(self, text):
+    def diverged(self, text: str) -> DivergedError:
         """Return the DivergedError with a ``text``, the present step and its time."""
         return DivergedError(f"{text} at step {self.steps + 1}, t = {self.time:.6g}")
 
-    def require_room(self, what, needed):
+    def require_room(self, what: str, needed: int) -> None:
         """Raise DivergedError if ``needed`` (0 where all fits) tells that a field for ``what`` overflows."""
         if needed:
             where = f"at step {self.steps + 1}, t = {self.time:.6g}"

@@ -8,6 +8,7 @@ Steps without an error estimate are equal, and end exactly on the wanted times.
 """
 
 import math
+from collections.abc import Callable
 
 SAFETY = 0.9
 SMALLEST_FACTOR = 0.2
@@ -66,7 +67,9 @@ class StepControl:
         """Whether all targets are met."""
         return not self.targets
 
-    def take(self, time, attempt, unresolved=None):
+    def take(
+        self, time: float, attempt: Callable[[float], tuple[float, int]], unresolved: float | None = None
+    ) -> tuple[float | None, float]:
         """Attempt steps from ``time`` until one is accepted; return its length and its error.
 
         ``attempt(dt)`` computes the end of a step and returns its error and the order of that; after an infinite error

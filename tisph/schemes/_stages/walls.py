@@ -25,11 +25,13 @@ class PrescribedWall:
     ``side``: 0 bottom, 1 top. ``normal_sign``: of the normal into the fluid. ``even_reflection``: whether images of
     velocities have the sign of their sources. ``series``: at each stage of a step c0, c1, c2 of c0 + c1 d^2 + c2 d^4;
     with an even reflection that times d. ``stress_series``: S_y and S_yyy likewise, or S and S_yy.
-    ``jumps``: of its velocity, and of its acceleration relative to the drive, when the run starts.
+    ``jumps``: of its velocity, and of its acceleration relative to the drive, when the run starts. ``kept``: names of
+    the numbers that a resumed run needs.
     """
 
     even_reflection = False
     defect = 0.0
+    kept: tuple[str, ...] = ()
 
     def __init__(self, channel, side, obeys_momentum):
         self.channel, self.side, self.obeys_momentum = channel, side, obeys_momentum
@@ -99,17 +101,16 @@ class PrescribedWall:
 
     def host_state(self):
         """Return the numbers that a resumed run needs."""
-        return {}
+        return {name: np.asarray(getattr(self, name)).tolist() for name in self.kept}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
+        for name in self.kept:
+            setattr(self, name, np.array(state[name]) if isinstance(state[name], list) else state[name])
 
 
 class CoupledWall(PrescribedWall):
-    """The same beside a fluid with an extra stress; ``slope`` and ``third`` (components) are C_y and C_yyy there.
-
-    ``kept``: names of the numbers that a resumed run needs.
-    """
+    """The same beside a fluid with an extra stress; ``slope`` and ``third`` (components) are C_y and C_yyy there."""
 
     kept = "slope", "third"
 
@@ -159,15 +160,6 @@ class CoupledWall(PrescribedWall):
     def conclude(self):
         """Accept the step: its end is the start of the next."""
         self.slope, self.third = self.ends
-
-    def host_state(self):
-        """Return the numbers that a resumed run needs."""
-        return {name: np.asarray(getattr(self, name)).tolist() for name in self.kept}
-
-    def restore_host_state(self, state):
-        """Take up the numbers of ``host_state``."""
-        for name in self.kept:
-            setattr(self, name, np.array(state[name]) if isinstance(state[name], list) else state[name])
 
 
 class WallSystem:

@@ -126,12 +126,7 @@ def apply_impulse(stages, flow, time):
     for wall in walls:
         jumps = wall.jumps if time == stages.channel.start_time else wall.later_jumps(time)
         if walls.obeys_momentum and any(jumps):
-            start = WallImpulse(stages, wall)
-            gained = (
-                start.coupled_change(flow, *jumps, near[wall.side])
-                if stages.model
-                else jumps[0] * start.by_velocity(0.0) + jumps[1] * start.velocity_2
-            )
+            gained = change_by_jump(stages, flow, wall, *jumps, near[wall.side])
             flow.velocity += gained
             gains[wall.side] += float(gained.sum(dtype=float))
     for wall in walls:
@@ -142,44 +137,36 @@ def apply_impulse(stages, flow, time):
     return gains
 
 
-class WallImpulse:
-    """The impulse of one ``wall`` on what ``stages`` advance."""
+def change_by_jump(stages, flow, wall, jump, rate, fluid):
+    """Return the change of the velocities that ``stages`` advance by a ``wall`` whose velocity and acceleration jump.
 
-    def __init__(self, stages, wall):
-        self.stages, self.operators, self.wall, self.nu = stages, stages.operators, wall, stages.viscosity
-        self.fourth = 0.0, 0.0, 1.0 / (12.0 * self.nu**2)  # of the series, for U'' = 1
-        self.velocity_2 = self.nu * self.spread(self.fourth)
-
-    def spread(self, series):
-        """Return the Laplacian of images of this wall alone with such a series."""
-        return self.operators.boundary_laplacian(one_sided(self.wall.side, series))
-
-    def sheared(self, series):
-        """Return their gradient."""
-        return self.operators.boundary_gradient(one_sided(self.wall.side, series))
-
-    def by_velocity(self, fourth):
-        """Return the change of the velocities for U' = 1, whose series has u_yy = 1/nu and this ``fourth`` term."""
-        return self.nu * (self.spread((0.0, 1.0 / self.nu, fourth)) + self.operators.laplacian(self.velocity_2))
-
-    def coupled_change(self, flow, jump, rate, fluid):
-        """Return the change of the velocities; change the states of ``flow`` and at the wall, where ``fluid`` is."""
-        operators, model, wall, nu = self.operators, self.stages.model, self.wall, self.nu
-        decay, stretching, stress, _ = model.jacobian(fluid[:-1], fluid[-1])
-        modulus, third_2 = float(stress @ stretching), stretching / nu**2
-        fourth = -modulus / (6.0 * nu**3)  # by the stress's own part and its slope's
-        sheared_2 = self.sheared(self.fourth)
-        alone, velocity = self.by_velocity(0.0), self.by_velocity(fourth)
-        velocity += operators.gradient(modulus * sheared_2, 1.0) + operators.boundary_stress(
-            wall.side, 0.0, stress @ third_2
-        )
-        if jump != 0.0 and np.abs(velocity - alone).max() > np.abs(alone).max():
-            total = nu - stress @ np.linalg.solve(decay, stretching)
-            return jump * alone + rate * nu / total * self.velocity_2
-        sheared = self.sheared((0.0, 1.0 / nu, fourth)) + operators.gradient(self.velocity_2, -1.0)
-        wall.slope = wall.slope + jump * stretching / nu
-        falling = (decay - np.outer(stretching, stress) / nu) @ third_2 - modulus / nu * third_2
-        wall.third = wall.third + jump * falling + rate * third_2
-        model.apply_shear(flow.state, jump * sheared + rate * sheared_2)
-        flow.state += np.multiply.outer(decay @ stretching, jump * sheared_2)
-        return jump * velocity + rate * self.velocity_2
+    With an extra stress change the states of ``flow`` and at the wall, too; ``fluid``: C and shear rate there.
+    """
+    operators, model, nu = stages.operators, stages.model, stages.viscosity
+    images = lambda *series: one_sided(wall.side, series)  # noqa: E731
+    curved = images(0.0, 0.0, 1.0 / (12.0 * nu**2))  # for U'' = 1
+    velocity_2 = nu * operators.boundary_laplacian(curved)
+    # for U' = 1, whose series has u_yy = 1/nu and this fourth term
+    by_velocity = lambda fourth: (  # noqa: E731
+        nu * (operators.boundary_laplacian(images(0.0, 1.0 / nu, fourth)) + operators.laplacian(velocity_2))
+    )
+    alone = by_velocity(0.0)
+    if model is None:
+        return jump * alone + rate * velocity_2
+    decay, stretching, stress, _ = model.jacobian(fluid[:-1], fluid[-1])
+    modulus, third_2 = float(stress @ stretching), stretching / nu**2
+    fourth = -modulus / (6.0 * nu**3)  # by the stress's own part and its slope's
+    sheared_2, velocity = operators.boundary_gradient(curved), by_velocity(fourth)
+    velocity += operators.gradient(modulus * sheared_2, 1.0) + operators.boundary_stress(
+        wall.side, 0.0, stress @ third_2
+    )
+    if jump != 0.0 and np.abs(velocity - alone).max() > np.abs(alone).max():
+        total = nu - stress @ np.linalg.solve(decay, stretching)
+        return jump * alone + rate * nu / total * velocity_2
+    sheared = operators.boundary_gradient(images(0.0, 1.0 / nu, fourth)) + operators.gradient(velocity_2, -1.0)
+    wall.slope = wall.slope + jump * stretching / nu
+    falling = (decay - np.outer(stretching, stress) / nu) @ third_2 - modulus / nu * third_2
+    wall.third = wall.third + jump * falling + rate * third_2
+    model.apply_shear(flow.state, jump * sheared + rate * sheared_2)
+    flow.state += np.multiply.outer(decay @ stretching, jump * sheared_2)
+    return jump * velocity + rate * velocity_2

@@ -123,13 +123,7 @@ class Projection:
     """``pressure`` (fluid), per unit density, of one arrangement of points; ``solver`` comes with the first use."""
 
     def __init__(self, step, field, gap):
-        self.step, self.field, self.operators, self.ghosts, self.points = (
-            step,
-            field,
-            step.operators,
-            step.ghosts,
-            step.points,
-        )
+        self.step, self.field, self.points = step, field, step.points
         self.regularisation = REGULARISATION / gap**2
         self.pressure = self.points.field(real())
         self.solver = None
@@ -142,7 +136,7 @@ class Projection:
     def project(self, dt):
         """Take the divergence out of the velocities at the end of a step; return whether that could be solved."""
         if self.solver is None:
-            self.solver = BiCGStab(self.operators, self.ghosts, 1.0)
+            self.solver = BiCGStab(self.step.operators, self.step.ghosts, 1.0)
         x, b = (view(field)[: self.points.fluid] for field in (self.solver.x, self.solver.b))
         along, across = active(self.field.slope)
         x[...], b[...] = 0.0, (along[:, 0] + across[:, 1]) / dt

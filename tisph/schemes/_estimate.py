@@ -12,7 +12,8 @@ The limits of cell Reynolds numbers and stiffness are those that the stability m
 
 import itertools
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -154,15 +155,6 @@ def polymer_stiffness(config, channel):
     return modulus * (channel.spacing / channel.solvent_viscosity) ** 2
 
 
-@dataclass(frozen=True)
-class _Layers:
-    """Velocities ``u`` of layers and the exact ones in ``reference``, at time ``t``: what error measures look at."""
-
-    t: float
-    u: np.ndarray
-    reference: dict[str, np.ndarray]
-
-
 def layer_estimates(config, channel, control):
     """Return the ``SampleEstimate`` of every sample of scheme ``implicit``, and the layers at the end of the run.
 
@@ -204,8 +196,9 @@ def _sample_estimate(channel, heights, time, steps, velocity, least):
     ``least``: error that residuals may have, over the reference velocity.
     """
     exact = channel.exact_velocity(heights, time)
-    scale = relative_error(channel, _Layers(time, exact + channel.reference_velocity, {"u": exact}))  # L2 over rms
-    error = rms_error(channel, _Layers(time, velocity, {"u": exact}))
+    layers = lambda u: SimpleNamespace(t=time, u=u, reference={"u": exact})  # noqa: E731
+    scale = relative_error(channel, layers(exact + channel.reference_velocity))  # L2 over rms
+    error = rms_error(channel, layers(velocity))
     rms = max(error, least)
     return SampleEstimate(time, steps, rms * scale if scale and scale < RESTS else None, rms, error < least)
 
@@ -324,8 +317,15 @@ class LayerOperators:
         self.inverted = None
 
     def _parts(self, weights):
-        """Return an operator on the images below, from the wall on, on the layers, and on the images above."""
-        matrix, images = banded(weights, len(self.heights)), self.images
+        """Return an operator on the images below, from the wall on, on the layers, and on the images above.
+
+        It takes differences from the row itself, each row with the same ``weights``.
+        """
+        rows, images = len(self.heights), self.images
+        matrix = np.zeros((rows, rows + 2 * images))
+        for row in range(rows):
+            matrix[row, row : row + len(weights)] = weights
+            matrix[row, row + images] -= weights.sum()
         return matrix[:, :images][:, ::-1], matrix[:, images:-images], matrix[:, -images:]
 
     def _closed(self, name, parity):
@@ -387,19 +387,6 @@ class LayerOperators:
     def wall_fits(self, values):
         """Return the polynomial fit at each wall to ``values`` (quantities, layers)."""
         return [polynomial_fit(distance, values.T, self.radius) for distance in (self.heights, self.gap - self.heights)]
-
-
-def banded(weights, rows):
-    """Return the operator (rows, images + rows + images) of a row's ``weights``, as many images as these reach.
-
-    It takes differences from the row itself.
-    """
-    images = len(weights) // 2
-    matrix = np.zeros((rows, rows + 2 * images))
-    for row in range(rows):
-        matrix[row, row : row + len(weights)] = weights
-        matrix[row, row + images] -= weights.sum()
-    return matrix
 
 
 def least_squares(order):

@@ -35,6 +35,8 @@ Sources: R. Guenette and M. Fortin, J. Non-Newtonian Fluid Mech. 60 (1995) 27-52
 """
 
 import math
+from types import ModuleType
+from typing import NamedTuple
 
 import numpy as np
 
@@ -51,14 +53,28 @@ MAX_LOG_JUMP = 5.0
 XR, XT, RT = 1, 4, 5
 """Indices of components that are odd in the radius, or of second order in it."""
 
-POWERS = {"planar": (), "axisymmetric": ((XR, 1),), "with swirl": ((XR, 1), (XT, 1), (RT, 2))}
-"""Components of P, and powers of the radius that they are divided by where they are differentiated."""
 
-GRADIENT_NUMBERS = {"planar": 4, "axisymmetric": 5, "with swirl": 7}
-"""Number of components of the velocity gradient: xx, xy, yx, yy, then tt, and then tx and ty."""
+class Components(NamedTuple):
+    """Components of the tensors of one kind of flow.
 
-STRESS_NUMBERS = {"planar": 3, "axisymmetric": 4, "with swirl": 6}
-"""Number of components of the stress: xx, xy, yy, then tt, and then xt and yt."""
+    ``gradient``: number of components of the velocity gradient: xx, xy, yx, yy, then tt, then tx and ty. ``stress``:
+    number of components of the stress: xx, xy, yy, then tt, then xt and yt. ``powers``: indices of components of P, and
+    the powers of the radius by which these are divided where they are differentiated. ``algebra``: module with the
+    functions of P; ``modes``: class of the modes.
+    """
+
+    gradient: int
+    stress: int
+    powers: tuple[tuple[int, int], ...]
+    algebra: ModuleType
+    modes: type[Modes]
+
+
+COMPONENTS = {
+    "planar": Components(4, 3, (), _log_conformation, Modes),
+    "axisymmetric": Components(5, 4, ((XR, 1),), _log_conformation, Modes),
+    "with swirl": Components(7, 6, ((XR, 1), (XT, 1), (RT, 2)), _log_conformation_with_swirl, ModesWithSwirl),
+}
 
 
 @ti.data_oriented
@@ -77,13 +93,11 @@ class ViscoelasticStress:
         self.initial_conformation_excess = problem.initial_conformation_excess
         self.source, self.places = problem.conformation_source, problem.places
         self.axisymmetric, self.swirls = problem.axisymmetric, problem.swirls
-        kind = "with swirl" if self.swirls else "axisymmetric" if self.axisymmetric else "planar"
-        self.powers, self.stress_numbers = POWERS[kind], STRESS_NUMBERS[kind]
-        self.algebra = _log_conformation_with_swirl if self.swirls else _log_conformation
-        fluid = problem.rheology, problem.kinematic_viscosity, self.algebra.conformation_excess
-        self.modes = (ModesWithSwirl if self.swirls else Modes)(
-            *fluid, self.stress_numbers if self.axisymmetric else None
-        )
+        kind = COMPONENTS["with swirl" if self.swirls else "axisymmetric" if self.axisymmetric else "planar"]
+        self.powers, self.stress_numbers, self.algebra = kind.powers, kind.stress, kind.algebra
+        components = kind.stress if self.axisymmetric else None  # of each mode; in planar flow its law has them
+        excess = kind.algebra.conformation_excess
+        self.modes = kind.modes(problem.rheology, problem.kinematic_viscosity, excess, components)
         for law in self.modes.laws if self.axisymmetric else ():
             law.in_three_dimensions()
         self.size = self.modes.components
@@ -91,7 +105,7 @@ class ViscoelasticStress:
         self.current, self.current_d_dx, self.current_d_dy = self._three(self.size)
         self.tensors.used = slice(self.points.fluid)
         self.d_dx.used = self.d_dy.used = None
-        self.gradient = ti.field(ti.types.vector(GRADIENT_NUMBERS[kind], real()), self.points.capacity)
+        self.gradient = ti.field(ti.types.vector(kind.gradient, real()), self.points.capacity)
         self.implicit_stress = ti.field(ti.types.vector(self.stress_numbers, real()), self.points.slots + 1)
         self.force, self.stress_divergence = (
             ti.field(ti.types.vector(levels.components, real()), self.points.capacity) for _ in range(2)

@@ -4,16 +4,16 @@ import math
 
 from tisph.errors import DivergedError
 from tisph.runtime import view
+from tisph.schemes._step_control import Kept
 
 
-class ControlledScheme:
+class ControlledScheme(Kept):
     """Base of a scheme whose steps are dense; see ``_protocol.Scheme``.
 
-    ``control``: the ``StepControl``; ``operators``: the least-squares operators of its points; ``host_names``:
-    attributes that change while the scheme runs.
+    ``control``: the ``StepControl``; ``operators``: the least-squares operators of its points.
     """
 
-    host_names = ("time", "steps", "shortest", "longest", "order_reduced", "singular")
+    kept = ("time", "steps", "shortest", "longest", "order_reduced", "singular")
 
     def reset_steps(self, time: float) -> None:
         """Go back to before the first step, at ``time``."""
@@ -66,9 +66,9 @@ class ControlledScheme:
 
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
-        return {**{name: getattr(self, name) for name in self.host_names}, **self.control.host_state()}
+        return {**super().host_state(), **self.control.host_state()}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
-        vars(self).update({name: state[name] for name in self.host_names})
+        super().restore_host_state(state)
         self.control.restore_host_state(state)

@@ -8,7 +8,8 @@ Steps without an error estimate are equal, and end exactly on the wanted times.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 SAFETY = 0.9
 SMALLEST_FACTOR = 0.2
@@ -31,11 +32,22 @@ of 1.73e-3 instead of 1.61e-3; with 0.03 it scatters too much to count as steady
 MOST_ATTEMPTS = 20
 """At one step, before a run is given up."""
 
-HOST_STATE = "dt_next", "targets", "cut_by", "last_rejected", "rejected"
-"""Attributes of a StepControl that change while it is used."""
+
+class Kept:
+    """An object that runs on, of which a checkpoint keeps the attributes named in ``kept``: data that JSON can hold."""
+
+    kept: tuple[str, ...] = ()
+
+    def host_state(self) -> dict[str, Any]:
+        """Return the numbers outside the fields that a resumed run needs."""
+        return {name: getattr(self, name) for name in self.kept}
+
+    def restore_host_state(self, state: Mapping[str, Any]) -> None:
+        """Take up the numbers of ``host_state``, which may be among others."""
+        vars(self).update({name: state[name] for name in self.kept})
 
 
-class StepControl:
+class StepControl(Kept):
     """Chooses steps; what differs between the schemes is given to it. All times are in the units of the config.
 
     ``dt_next``: the next step, if no target cuts it; the scheme sets the first one. ``targets``: times, ascending, that
@@ -47,6 +59,8 @@ class StepControl:
     ``multistep``: whether the method uses values of earlier steps. ``jump_times``: times at which what drives the flow
     jumps; up to the last target they are targets as well.
     """
+
+    kept = "dt_next", "targets", "cut_by", "last_rejected", "rejected"
 
     def __init__(self, tolerance, limit, *, fixed=False, multistep=False, jump_times=()):
         self.tolerance, self.limit, self.fixed, self.jump_times = tolerance, limit, fixed, sorted(jump_times)
@@ -128,14 +142,6 @@ class StepControl:
         if time == self.targets[0]:
             self.targets.pop(0)
         self.dt_next = min(self.dt_next, self.limit(measured))
-
-    def host_state(self):
-        """Return what a resumed run needs."""
-        return {name: getattr(self, name) for name in HOST_STATE}
-
-    def restore_host_state(self, state):
-        """Take up what ``host_state`` returned, among others."""
-        vars(self).update({name: state[name] for name in HOST_STATE})
 
 
 class StepPlan:

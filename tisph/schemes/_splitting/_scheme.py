@@ -61,7 +61,7 @@ class SplittingScheme(ControlledScheme):
     of the Courant number alone.
     """
 
-    host_names = (*ControlledScheme.host_names, "dts", "iterations", "initial_momentum", "stress_resolution")
+    kept = (*ControlledScheme.kept, "dts", "iterations", "initial_momentum", "stress_resolution")
 
     def __init__(self, problem, targets, serial, tolerance=limits.TOLERANCE, courant=COURANT):
         self.problem, self.initial_momentum, bounded = problem, 0.0, problem.walls is not None

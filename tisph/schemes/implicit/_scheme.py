@@ -36,7 +36,7 @@ class ChannelScheme(ControlledScheme):
     ``control`` is the ``StepControl`` of the run. ``serial`` compiles loops without threads.
     """
 
-    host_names = (*ControlledScheme.host_names, "projections", "transverse")
+    kept = (*ControlledScheme.kept, "projections", "transverse")
 
     def __init__(self, config, channel, control, serial):
         order = config.scheme.operators.order

@@ -20,9 +20,6 @@ from tisph.schemes._splitting._wall_points import WallPoints
 from tisph.schemes.wcsph._boundaries import PeriodicBoundaries
 from tisph.snapshot import Bodies
 
-STATE = "middle", "built", "compression"
-"""Attributes of ``SolidBodies`` that change while it runs."""
-
 DEGREE, NEAREST = 4, 44
 """Of the velocities' fit, and how many it takes: three times as many as coefficients."""
 
@@ -36,6 +33,8 @@ class SolidBodies(PeriodicBoundaries):
     The mean compression stays what it is at the start: density diffusion, a Laplacian of the pressure, lets some
     through walls on which the pressure has a slope, as that of fluid that turns has.
     """
+
+    kept = (*PeriodicBoundaries.kept, "middle", "built", "compression")
 
     def __init__(self, config, scene, radius):
         super().__init__(config, scene)
@@ -94,16 +93,6 @@ class SolidBodies(PeriodicBoundaries):
         """Return the ``snapshot`` with the bodies, and from the first step on what the fluid does to them."""
         loads = self.loads.of(snapshot) if snapshot.step else None
         return replace(snapshot, bodies=Bodies.at(snapshot.t, self.scene.bodies, loads))
-
-    def state(self):
-        """Return the numbers outside the fields that a resumed run needs."""
-        return {**super().state(), **{name: getattr(self, name) for name in STATE}}
-
-    def restore(self, state):
-        """Take up the numbers of ``state``."""
-        super().restore(state)
-        for name in STATE:
-            setattr(self, name, state[name])
 
 
 class Loads:

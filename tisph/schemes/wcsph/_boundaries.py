@@ -29,6 +29,7 @@ from tisph.domain import ChannelDomain
 from tisph.periodic import PeriodicDomain
 from tisph.runtime import ti, view
 from tisph.schemes._momentum import MomentumBalance
+from tisph.schemes._step_control import Kept
 from tisph.walls._treatment import WallTreatment
 
 
@@ -59,7 +60,7 @@ class WallForces:
                 self.pull[1] += pull[1]
 
 
-class PlaneWalls:
+class PlaneWalls(Kept):
     """The walls of a channel: their particles, how far these drift, and the momentum that they give to the fluid.
 
     ``drift``: of the bottom and the top wall, how far dummy particles are from where the lists expect them.
@@ -67,6 +68,7 @@ class PlaneWalls:
 
     origin = (0.0, 0.0)
     displacement_factor = 1.0
+    kept = "drift", "built_velocity"
 
     def __init__(self, config, channel, radius):
         self.channel, self.parameters = channel, config.walls.treatment
@@ -121,17 +123,17 @@ class PlaneWalls:
         """Return the ``snapshot``, which says all of plane walls."""
         return snapshot
 
-    def state(self):
+    def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
-        return {"drift": self.drift, "built_velocity": self.built_velocity, "balance": vars(self.balance)}
+        return {**super().host_state(), "balance": vars(self.balance)}
 
-    def restore(self, state):
-        """Take up the numbers of ``state``."""
-        self.drift, self.built_velocity = state["drift"], state["built_velocity"]
+    def restore_host_state(self, state):
+        """Take up the numbers of ``host_state``."""
+        super().restore_host_state(state)
         vars(self.balance).update(state["balance"])
 
 
-class PeriodicBoundaries:
+class PeriodicBoundaries(Kept):
     """A box that is periodic in x and y: nothing moves but the fluid, and nothing changes its momentum."""
 
     treatment = WallTreatment
@@ -139,6 +141,7 @@ class PeriodicBoundaries:
     origin = (0.0, 0.0)
     slots = (0, 0)
     displacement_factor = 1.0
+    kept: tuple[str, ...] = ("initial",)
 
     def __init__(self, config, scene):
         self.box = scene
@@ -173,14 +176,6 @@ class PeriodicBoundaries:
     def described(self, snapshot):
         """Return the ``snapshot``: there is nothing but fluid."""
         return snapshot
-
-    def state(self):
-        """Return the numbers outside the fields that a resumed run needs."""
-        return {"initial": self.initial}
-
-    def restore(self, state):
-        """Take up the numbers of ``state``."""
-        self.initial = state["initial"]
 
 
 class ImpulsiveStart:

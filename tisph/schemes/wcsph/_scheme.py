@@ -19,7 +19,7 @@ from tisph.neighbours.cells import Cells
 from tisph.neighbours.verlet import VerletLists
 from tisph.particles import Particles
 from tisph.runtime import scalar, ti, view
-from tisph.schemes._step_control import StepPlan
+from tisph.schemes._step_control import Kept, StepPlan
 from tisph.schemes._time_step import limits_of, shift_speed, sound_speed_of
 from tisph.schemes.wcsph._boundaries import PeriodicBoundaries, PlaneWalls
 from tisph.snapshot import Snapshot
@@ -29,11 +29,6 @@ AT_WALLS = 1e-9
 
 CONTROL_INTERVAL = 50
 """Steps between two looks at speeds and accelerations for the time step."""
-
-HOST_STATE = (
-    "time", "middle", "end", "built", "steps", "rebuilds", "now", "length", "limit", "shortest", "longest",
-)  # fmt: skip
-"""Attributes of an ExplicitScheme that change while it runs."""
 
 
 class BodyForce:
@@ -154,11 +149,13 @@ class Stepper:
         ti.atomic_max(self.acceleration_squared[None], acceleration.dot(acceleration))
 
 
-class ExplicitScheme:
+class ExplicitScheme(Kept):
     """Particles in the box of a scene, advanced step by step; ``time`` and ``steps`` tell how far.
 
     ``targets`` are times that steps end on exactly. ``serial`` compiles loops without threads.
     """
+
+    kept = "time", "middle", "end", "built", "steps", "rebuilds", "now", "length", "limit", "shortest", "longest"
 
     def __init__(self, config, scene, targets, serial):
         kernel = registry.load("kernels", config.discretisation.kernel)
@@ -362,15 +359,13 @@ class ExplicitScheme:
 
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
-        state = {name: getattr(self, name) for name in HOST_STATE}
-        return {**state, "plan": vars(self.plan), "surroundings": self.boundaries.state()}
+        return {**super().host_state(), "plan": vars(self.plan), "surroundings": self.boundaries.host_state()}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
-        for name in HOST_STATE:
-            setattr(self, name, state[name])
+        super().restore_host_state(state)
         vars(self.plan).update(state["plan"])
-        self.boundaries.restore(state["surroundings"])
+        self.boundaries.restore_host_state(state["surroundings"])
 
     def set_targets(self, targets):
         """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""

@@ -26,13 +26,13 @@ from tisph.schemes._splitting._time_levels import VELOCITIES
 from tisph.schemes._splitting._wall_points import POINT_SUPPORT
 from tisph.snapshot import Bodies
 
-STEPS = 12
+LOAD_STEPS = 12
 """Last steps whose forces count."""
 
-NEIGHBOURS = -2, -1, 1, 2
+CUBIC_NEIGHBOURS = -2, -1, 1, 2
 """Steps, from one of them, through whose forces the cubic goes."""
 
-MEAN = 2.5
+MEAN_RADIUS = 2.5
 """Radius, in particle spacings, of the mean with which the pressure is continued into a gap that closes."""
 
 CURL_LEVELS = 2
@@ -61,13 +61,13 @@ def scatter(times, forces):
     ``times`` (steps,), newest first, ``forces`` (steps, bodies, 2). It is the root mean square over the steps of the
     difference from the cubic, without the part that the forces on the cubic have in it, over that of the largest force.
     """
-    if len(times) <= len(NEIGHBOURS):
+    if len(times) <= len(CUBIC_NEIGHBOURS):
         return None
     middles, squares = np.arange(2, len(times) - 2), 0.0
     for middle in middles:
-        others = times[[middle + offset for offset in NEIGHBOURS]] - times[middle]
+        others = times[[middle + offset for offset in CUBIC_NEIGHBOURS]] - times[middle]
         weights = np.array([math.prod(b / (b - a) for b in others if b != a) for a in others])
-        cubic = np.einsum("s,sbi->bi", weights, forces[[middle + offset for offset in NEIGHBOURS]])
+        cubic = np.einsum("s,sbi->bi", weights, forces[[middle + offset for offset in CUBIC_NEIGHBOURS]])
         squares = squares + ((forces[middle] - cubic) ** 2).sum(axis=1) / (1.0 + weights @ weights)
     size = np.sqrt((forces[middles] ** 2).sum(axis=2).mean(axis=0).max())
     worst = int(np.argmax(squares))
@@ -120,7 +120,7 @@ class PressureBoundaryCondition:
     def nearness(self, i, k):
         """Return the weight of neighbour ``k`` of a point in the mean of its neighbours, over the spacing squared."""
         apart = self.points.separation(i, self.points.neighbours[i, k]) * self.per_spacing[None]
-        return self.per_spacing[None] ** 2 * ti.max(0.0, 1.0 - apart.dot(apart) / MEAN**2) ** 2
+        return self.per_spacing[None] ** 2 * ti.max(0.0, 1.0 - apart.dot(apart) / MEAN_RADIUS**2) ** 2
 
     @ti.func
     def find_normal_curls(self):
@@ -341,8 +341,8 @@ class WallBoundary:
             self.normal_stresses = [normals, *self.normal_stresses][:LOAD_LEVELS]
         pressure = active(self.levels.fields)[self.slots, self.levels.first_pressure].astype(float)
         loads = self.problem.density * self.walls.sums(self.tractions(pressure, self.strain(), extra), time)
-        self.loads = [loads, *self.loads][:STEPS]
-        self.load_times = [np.array(time), *self.load_times][:STEPS]
+        self.loads = [loads, *self.loads][:LOAD_STEPS]
+        self.load_times = [np.array(time), *self.load_times][:LOAD_STEPS]
 
     @property
     def load_scatter(self):

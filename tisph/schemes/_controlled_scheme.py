@@ -1,4 +1,4 @@
-"""What both implicit schemes have in common: steps of a ``StepControl``, and output at any time within a step."""
+"""The common part of both implicit schemes: steps of a ``StepControl``, and output at any time within a step."""
 
 import math
 
@@ -46,7 +46,7 @@ class ControlledScheme(Kept):
         return self.control.finished
 
     def set_targets(self, targets):
-        """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""
+        """Go on to other targets; return whether a run that had them from the start would have the same steps."""
         return self.control.set_targets(targets, self.time)
 
     def output_times(self, due):

@@ -39,7 +39,7 @@ EXPLICIT_COST = 150e-9
 """Rough cost of one particle and step of the explicit scheme on two threads [s]."""
 
 IMPLICIT_COST, IMPLICIT_OVERHEAD = 2.5e-6, 2e-3
-"""The same of the implicit scheme, order 4, and of a step whatever the number of particles [s]."""
+"""Rough cost of one particle and step of the implicit scheme, order 4, and of a step without particles [s]."""
 
 EXPLICIT_STEPS = 1.0, 1.01
 """Steps of a run of the explicit scheme over the counted ones, least and most: in the stability matrix 1 to 1.004."""
@@ -65,7 +65,7 @@ particles of the implicit scheme have the error of a lattice at an impulsively s
 was eight times as large."""
 
 MOST_LAYERS = {"newtonian": 128, "coupled": 50}
-"""Layers that are computed with. Of a finer lattice the error is taken to be that of the steps."""
+"""Most layers of a computation. On a finer lattice the estimate is the error of the steps alone."""
 
 RESTS = 100.0
 """Reference velocity over the root mean square of the fluid's, above which it counts as at rest."""
@@ -76,7 +76,7 @@ and where these break up or steps are only counted. In the stability matrix they
 to 1.75."""
 
 MOST_STEPS = 1000
-"""Of which errors are computed, in some seconds. Later ones are taken to be as long as those of the second half."""
+"""Most steps whose errors are computed, in some seconds. Later ones count as long as the steps of the second half."""
 
 LATER = (np.arange(20) + 0.5) / 20
 """Parts of the time left at which the exact solution tells their length."""
@@ -148,7 +148,7 @@ def profile_lost(config, channel):
 
 
 def polymer_stiffness(config, channel):
-    """Return what ``STIFF_POLYMER`` is about: how fast polymer responds, the solvent's layer being a spacing thick."""
+    """Return the number of ``STIFF_POLYMER``: how fast polymer responds, the solvent's layer being a spacing thick."""
     if not channel.polymer:
         return 0.0
     modulus = sum(law.modulus for law in config.fluid.rheology.laws(channel.kinematic_viscosity))
@@ -343,15 +343,15 @@ class LayerOperators:
         return product(self.gradients[parity], values)
 
     def boundary_laplacian(self, series):
-        """Return what the ``series`` of the images beyond both walls (2, 3) add to A."""
+        """Return the part of A from the ``series`` of the images beyond both walls (2, 3)."""
         return self.boundary("laplacian", series)
 
     def boundary_gradient(self, series):
-        """Return what they add to d/dy."""
+        """Return the part of d/dy from the ``series`` of the images."""
         return self.boundary("gradient", series)
 
     def boundary(self, name, series):
-        """Return what they add to an operator."""
+        """Return the part of an operator from the ``series`` of the images."""
         below, _, above = self.parts[name]
         bottom, top = (
             values * (self.depths if even else 1.0)
@@ -362,7 +362,7 @@ class LayerOperators:
         return product(below, bottom) + product(above, top)
 
     def boundary_stress(self, side, slope, third):
-        """Return what d/dy of the stress has more by its derivatives at a wall."""
+        """Return the part of d/dy of the stress from its derivatives at a wall."""
         below, _, above = self.parts["gradient"]
         excess = stress_excess(self.depths, side, self.even_reflection[side], slope, third)
         return product(above if side else below, excess)

@@ -1,4 +1,4 @@
-"""The balance of momentum along the channel: what walls and drive put in, against what the fluid has."""
+"""The balance of momentum along the channel: the impulses of walls and drive against the momentum of the fluid."""
 
 EVERY_STEP_UNTIL = 64
 STRIDE = 16

@@ -333,7 +333,7 @@ class SplittingScheme(ControlledScheme):
         return {"change": self.problem.density * self.problem.spacing**2 * gained}
 
     def numbers(self):
-        """Return what ``summary.json`` says about this scheme."""
+        """Return the numbers of this scheme for ``summary.json``."""
         return {
             **super().numbers(),
             "particles_wall": 0,

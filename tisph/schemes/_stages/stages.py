@@ -24,7 +24,7 @@ FIT_TERMS = 3
 """Of the polynomial in the wall distance that describes the fluid near a wall."""
 
 EVEN_POWERS = (0, 2, 4)
-"""Of the wall distance, in what is fitted for a value at a stress-controlled wall."""
+"""Powers of the wall distance in the fit for a value at a stress-controlled wall."""
 
 GAMMA = 1767732205903 / 4055673282236
 
@@ -53,7 +53,7 @@ SOLVER_TOLERANCE = 1e-3
 """Residual of a stage, over the tolerance of a step."""
 
 WORST = 1e6
-"""What counts for an error that is infinite, over the reference velocity: the step is taken again."""
+"""Error over the reference velocity in place of an infinite one: the step is rejected."""
 
 MOST_REPETITIONS = 12
 ROUND_OFF = 1e-11
@@ -67,7 +67,7 @@ NEAR, TERMS = 0.1, 8
 
 
 def stress_excess(depth, side, even_reflection, slope, third):
-    """Return what images at a ``depth`` beyond the lower (``side`` 0) or upper wall have of S_xy beside their sources'.
+    """Return S_xy of images at a ``depth`` beyond the lower (``side`` 0) or upper wall, less that of their sources.
 
     By its first and third derivatives along y at the wall; beyond one with even reflection by the stress there and its
     second derivative.
@@ -78,9 +78,9 @@ def stress_excess(depth, side, even_reflection, slope, third):
 
 
 def polynomial_fit(distance, values, radius):
-    """Return coefficients (FIT_TERMS, quantities) in the wall ``distance`` (n,) of what is nearer than ``radius``.
+    """Return the coefficients (FIT_TERMS, quantities) of the polynomial in the wall ``distance`` (n,) near a wall.
 
-    Of the least-squares fit to ``values`` (n, quantities).
+    The polynomial is the least-squares fit to the ``values`` (n, quantities) at points nearer than ``radius``.
     """
     near = distance < radius
     powers = (distance[near, None] / radius) ** np.arange(FIT_TERMS)
@@ -121,19 +121,19 @@ class ClosedOperators(Protocol):
     """A and D on points between two walls, which images beyond the walls close; arrays are (points,)."""
 
     def laplacian(self, values):
-        """Return A of velocities, without what walls add."""
+        """Return A of velocities, without the part of walls."""
 
     def gradient(self, values, parity):
         """Return D of values whose images have ``parity`` times theirs."""
 
     def boundary_laplacian(self, series):
-        """Return what the ``series`` of the images of velocities beyond both walls (2, 3) add to A."""
+        """Return the part of A from the ``series`` of the images of velocities beyond both walls (2, 3)."""
 
     def boundary_gradient(self, series):
-        """Return what they add to D."""
+        """Return the part of D from the ``series`` of the images."""
 
     def boundary_stress(self, side, slope, third):
-        """Return what D S has more by the first and third derivative of the stress at a wall."""
+        """Return the part of D S from the first and third derivative of the stress at a wall."""
 
     def solve(self, coefficient, tangent, right, guess, tolerance):
         """Solve (1 - ``coefficient`` A - D ``tangent`` D) x = ``right``; None where that fails.
@@ -226,7 +226,7 @@ class ViscousStages:
         return (None, math.nan) if velocity is None else (FlowState(velocity, known.state), 0.0)
 
     def source(self, stage):
-        """Return what drives the velocities in a stage: acceleration, walls, and ``force``."""
+        """Return the source of the velocities in a stage: acceleration, walls, and ``force``."""
         if self.walls is None:
             return self.force + np.zeros(1)
         if self.steady_source is not None:
@@ -241,7 +241,7 @@ class ViscousStages:
         self.mean_velocity = weighted(B, [flow.velocity for flow in flows])
 
     def error(self, end, gamma_dt, defect, state_defect):
-        """Return the estimated error from what second and third order differ by, filtered as a stage is."""
+        """Return the estimated error: the difference of second and third order, filtered as a stage is."""
         nothing = np.zeros_like(defect)
         error = self.operators.solve(gamma_dt * self.viscosity, None, defect, nothing, ERROR_RESIDUAL)
         return math.nan if error is None else root_mean_square(error)
@@ -252,7 +252,7 @@ class ViscousStages:
 
 
 class CoupledStages(ViscousStages):
-    """The same of a fluid with an extra stress, by the ``model`` of the walls."""
+    """Advances a ``FlowState`` of a fluid with an extra stress, by the ``model`` of the walls."""
 
     def __init__(self, operators, channel, walls):
         super().__init__(operators, channel, walls)
@@ -311,7 +311,7 @@ class CoupledStages(ViscousStages):
         return solution
 
     def coupled_source(self, stage, stress):
-        """Return what drives the velocities: with the divergence of ``stress`` and its images."""
+        """Return the source of the velocities with the divergence of ``stress`` and its images."""
         source = self.source(stage) + self.operators.gradient(stress, 1.0)
         for side, series in enumerate(self.walls.stress_series(stage)):
             source += self.operators.boundary_stress(side, *series)
@@ -323,7 +323,7 @@ class CoupledStages(ViscousStages):
         self.mean_stress = weighted(B, [flow.stress for flow in flows])
 
     def error(self, end, gamma_dt, defect, state_defect):
-        """Return the estimated error, that of the stress and of a wall's velocity included."""
+        """Return the estimated error of velocities, stress and the velocities of walls."""
         relaxed = self.model.linear(end.state, gamma_dt, end.shear_rate, state_defect)
         right = defect + gamma_dt * self.operators.gradient(relaxed, 1.0)
         coefficient, tangent = gamma_dt * self.viscosity, gamma_dt * end.tangent
@@ -340,7 +340,7 @@ class CoupledStages(ViscousStages):
         return self.operators.gradient(velocity, -1.0) + boundary
 
     def wall_values(self, flow):
-        """Return C and du/dy of the fluid at each wall (2, components + 1), by polynomials through what is near."""
+        """Return C and du/dy of the fluid at each wall (2, components + 1), by polynomials in the distance."""
         return np.array([fit[0] for fit in self.operators.wall_fits(np.vstack([flow.state, flow.shear_rate]))])
 
     def initialise(self):
@@ -355,5 +355,5 @@ class CoupledStages(ViscousStages):
 
 
 def stages_of(operators, channel, walls):
-    """Return what advances the flow of a ``channel`` between its ``walls``, a ``WallPair``."""
+    """Return the stages of the flow of a ``channel`` between its ``walls``, a ``WallPair``."""
     return (ViscousStages if walls.model is None else CoupledStages)(operators, channel, walls)

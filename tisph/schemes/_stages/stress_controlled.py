@@ -36,7 +36,7 @@ ROUND_OFF = 1e-13
 
 
 class WallOfGivenStress(CoupledWall):
-    """What both kinds share.
+    """The common part of walls with and without a mass.
 
     ``velocity`` and ``displacement`` at the start of the step; ``velocities`` of the wall, and ``stresses`` of the
     fluid there, at the stages that are done.
@@ -60,7 +60,7 @@ class WallOfGivenStress(CoupledWall):
         self.series, self.stress_series = [], []
 
     def acceleration(self, time):
-        """Return 0: what the fluid takes of the stress is known."""
+        """Return 0: the stress on the fluid is known."""
         return 0.0
 
     @property
@@ -75,7 +75,7 @@ class WallOfGivenStress(CoupledWall):
 
 
 def one_sided(side, series):
-    """Return the series of both walls, of which the other's are 0."""
+    """Return the series of both walls, with 0 for the other wall."""
     both = [[0.0] * 3, [0.0] * 3]
     both[side] = series
     return both
@@ -110,7 +110,7 @@ class InertialWall(WallOfGivenStress):
         self.accelerate(self.velocity, 0.0)
 
     def set_out(self, stage, time):
-        """Begin a stage at ``time``, with what the rates so far lead to."""
+        """Begin a stage at ``time`` from the rates of the stages before."""
         gamma_dt, weights, dt = self.gamma_dt if stage else 0.0, A[stage], self.dt
         self.stress = float(self.stress_of(time))
         self.system = WallSystem(gamma_dt, self.model, self.viscosity, self.fluid[stage])
@@ -168,7 +168,7 @@ class InertialWall(WallOfGivenStress):
         return velocity + change * self.response, shear_rate + change * sheared, stress + change * tangent * sheared
 
     def respond(self, stages, gamma_dt, tangent, tolerance):
-        """Find the ``response`` of the fluid's velocities to the wall's; return that of the shear rates, or None."""
+        """Find the ``response`` of the fluid's velocities to the wall's; return that of shear rates, or None."""
         operators, nothing = stages.operators, np.zeros_like(self.known_slope)
         found, _ = self.system.derivatives(nothing, nothing, 1.0 / gamma_dt, 0.0)
         series = one_sided(self.side, [2.0, found[2], found[3] / 12.0])
@@ -196,7 +196,7 @@ class InertialWall(WallOfGivenStress):
 
     @property
     def defect(self):
-        """What second and third order differ by in the velocity."""
+        """Difference of second and third order in the velocity."""
         return self.dt * weighted(DEFECT, self.rates)
 
     def conclude(self):
@@ -244,8 +244,8 @@ class MasslessWall(WallOfGivenStress):
     def apply_stress_jump(self, operators, time):
         """Return the change of the fluid's velocities by the stress that jumps at ``time``.
 
-        What the layer that the particles cannot resolve yet takes up is as in ``wall_pair.py``: a shear rate that jumps
-        by J has e' = J delta(t) and e'' = J delta'(t), in the series -d^3/3 e'/nu - d^5/60 e''/nu^2.
+        As in ``wall_pair.py`` it is the momentum of the layer that the particles cannot resolve yet: a shear rate that
+        jumps by J has e' = J delta(t) and e'' = J delta'(t), in the series -d^3/3 e'/nu - d^5/60 e''/nu^2.
         """
         jump = self.normal_sign * self.jump(time)
         third, fifth = ([0.0, -jump / 3.0, 0.0], [0.0, 0.0, -jump / 60.0])
@@ -300,7 +300,7 @@ class MasslessWall(WallOfGivenStress):
         )
 
     def system(self):
-        """Return the equations of what changes along y, at the present state."""
+        """Return the equations of the derivatives along y, at the present state."""
         return WallSystem(self.gamma_dt, self.model, self.viscosity, np.append(self.stage_state, self.shear_rate))
 
     def balance(self, guess):
@@ -319,19 +319,19 @@ class MasslessWall(WallOfGivenStress):
         self.keep(*self.stage_rates)
 
     def fitted_velocity(self, velocity, shear_rate, third):
-        """Return that of the wall by the even fit to ``velocity`` (fluid), with the wall's shear rate and u_yyy."""
+        """Return the wall's velocity by the even fit to ``velocity`` (fluid), with its shear rate and u_yyy."""
         odd = self.normal_sign * (shear_rate * self.distance + third * self.distance**3 / 6.0)
         return float(self.weights @ (velocity[self.near] - odd))
 
     def keep(self, rate, state_rate, second_rate):
-        """Keep what a stage has found."""
+        """Store the rates of a stage."""
         self.rates.append(rate)
         self.state_rates.append(state_rate)
         self.second_rates.append(second_rate)
         self.stresses.append(self.total)
 
     def state_excess(self, component):
-        """Return what the images of a component of C have more than their sources, as of the stress."""
+        """Return the derivatives of a component of C at the wall, for its images; see ``boundary_stress``."""
         return self.state[component], self.second[component]
 
     def conclude(self):

@@ -1,4 +1,4 @@
-"""What walls prescribe for the images beyond them: the Taylor series of velocity and stress at the wall.
+"""Walls and the images beyond them: the Taylor series of velocity and stress at the wall.
 
 Images have twice the even part of the velocity's series less that of their source (``schemes/implicit/_ghosts.py``):
 2 U, and by the momentum equation at the wall u_yy = (U' - g - S_y)/nu_s and u_yyyy. With an extra stress S the slopes
@@ -20,7 +20,7 @@ OBEY_MOMENTUM = {"comoving_image": False, "consistent_image": True, "virtual_ima
 
 
 class PrescribedWall:
-    """A wall of given velocity beside a Newtonian fluid, and what walls of other kinds are asked for.
+    """A wall of given velocity beside a Newtonian fluid, and the interface of other kinds of walls.
 
     ``side``: 0 bottom, 1 top. ``normal_sign``: of the normal into the fluid. ``even_reflection``: whether images of
     velocities have the sign of their sources. ``series``: at each stage of a step c0, c1, c2 of c0 + c1 d^2 + c2 d^4;
@@ -78,7 +78,7 @@ class PrescribedWall:
         return self.motion.acceleration(time)
 
     def prepare(self, stages, start):
-        """Find what the flow at the ``start`` of a step says of the wall: nothing of one of given velocity."""
+        """Take up the flow at the ``start`` of a step: it does not alter a wall of given velocity."""
 
     def open(self, stage, time):
         """Begin an implicit stage at ``time``."""
@@ -154,7 +154,7 @@ class CoupledWall(PrescribedWall):
         self.stress_series.append(stress)
 
     def state_excess(self, component):
-        """Return what the images of a component of C have more than their sources, as of the stress."""
+        """Return the derivatives of a component of C at the wall, for its images; see ``boundary_stress``."""
         return self.slope[component], 0.0
 
     def conclude(self):
@@ -180,7 +180,7 @@ class WallSystem:
     def derivatives(self, known, known_third, driving, driving_rate):
         """Return (C_y, C_yyy, u_yy, u_yyyy, S_y, S_yyy) and the rates of the first two.
 
-        ``driving`` is what nu_s u_yy + S_y is.
+        ``driving``: the value of nu_s u_yy + S_y.
         """
         slope, rate, second = self.solve(known, driving)
         third, third_rate, fourth = self.solve(known_third, (driving_rate - self.stress @ rate) / self.viscosity)

@@ -139,7 +139,7 @@ def _problems_without_walls(config):
 
 
 def estimates(config, scene):
-    """Return what ``tisph check`` says of a run of this scheme."""
+    """Return the estimates of a run of this scheme for ``tisph check``."""
     if not scene.parallel:
         from tisph.schemes import _splitting
 

@@ -32,7 +32,7 @@ SMALLEST_PIVOT = 1e-8
 
 @ti.data_oriented
 class Ghosts:
-    """What all ghosts have; arrays ``depth`` beyond wall ``side`` (0 bottom, 1 top), in the order of their slots.
+    """Base of ghosts; arrays ``depth`` beyond wall ``side`` (0 bottom, 1 top), in the order of their slots.
 
     ``count``: how many there are. ``near``: the particles within ``cutoff`` of a wall, which have ghosts among their
     neighbours; ``offset``: their distance from each wall (2, near). ``listed``: those neighbours one after another, in
@@ -57,7 +57,7 @@ class Ghosts:
         """Let the ghosts follow particles that have been shifted."""
 
     def prepare(self):
-        """Take note of the particles near walls, and prepare what ghosts take from them, at their final places."""
+        """Find the particles near walls, and prepare the values of ghosts, at their final places."""
         height = self.heights()
         self.near = np.flatnonzero((height < self.cutoff) | (self.gap - height < self.cutoff))
         below = height[self.near].astype(float)
@@ -67,7 +67,7 @@ class Ghosts:
         self.listed = table[self.row, self.entry] - self.points.capacity
 
     def sums(self, rows, differences):
-        """Return the sums of what ghosts contribute to ``rows``, by near particle and by wall.
+        """Return the sums over the ghosts in ``rows``, by near particle and by wall.
 
         ``differences`` of the value of each ghost in the lists of the near particles from that particle's.
         """
@@ -91,7 +91,7 @@ class Ghosts:
         self.series[...] = bottom, top
 
     def boundary_values(self):
-        """Return what the series of its wall prescribes for each ghost."""
+        """Return the series of its wall at each ghost."""
         constant, second, fourth = self.series[self.side].T
         square = self.depth * self.depth
         values = constant + square * (second + square * fourth)
@@ -119,7 +119,7 @@ class Ghosts:
 
 @ti.data_oriented
 class MirrorGhosts(Ghosts):
-    """Mirror images: ghost k is that of particle ``source[k]``."""
+    """Mirror images: ghost k is the image of particle ``source[k]``."""
 
     def __init__(self, points, channel, cutoff):
         super().__init__(points, channel, cutoff)
@@ -163,7 +163,7 @@ class MirrorGhosts(Ghosts):
 
 @ti.data_oriented
 class FixedGhosts(Ghosts):
-    """Fixed ghosts; ``share[k, n]`` is what neighbour n of the mirror point of ghost k contributes."""
+    """Fixed ghosts; ``share[k, n]`` is the weight of neighbour n of the mirror point of ghost k."""
 
     mirrors = True
 

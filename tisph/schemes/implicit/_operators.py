@@ -69,21 +69,21 @@ class ClosedParticleOperators:
             self.found[i] = self.operators.apply(rows, self.values, i)
 
     def boundary_laplacian(self, series):
-        """Return what the ``series`` of the images beyond both walls (2, 3) add to the Laplacian."""
+        """Return the part of the Laplacian from the ``series`` of the images beyond both walls (2, 3)."""
         self.ghosts.prescribe(*series)
         return self.from_images(self.operators.laplacian, self.ghosts.boundary_values())
 
     def boundary_gradient(self, series):
-        """Return what they add to d/dy."""
+        """Return the part of d/dy from the ``series`` of the images."""
         self.ghosts.prescribe(*series)
         return self.from_images(self.operators.d_dy, self.ghosts.boundary_values())
 
     def boundary_stress(self, side, slope, third):
-        """Return what d/dy of the stress has more by its derivatives at a wall."""
+        """Return the part of d/dy of the stress from its derivatives at a wall."""
         return self.from_images(self.operators.d_dy, self.image_stress(side, slope, third))
 
     def image_stress(self, side, slope, third):
-        """Return what each image beyond one wall has of the stress more than its source (ghosts).
+        """Return the stress of each image beyond one wall less the stress of its source (ghosts).
 
         Beyond a wall with even reflection ``slope`` is the stress there, and ``third`` its second derivative.
         """
@@ -261,7 +261,7 @@ class LayerCoarseSpace:
         self.layers_identical = bool(np.abs(height - self.layer).max() < IDENTICAL)
 
     def sample(self, most):
-        """Take up to ``most`` particles of each layer, and what is among their neighbours."""
+        """Choose up to ``most`` particles of each layer, and list their neighbours."""
         order = np.argsort(self.layer, kind="stable")
         rank = np.arange(len(order)) - np.searchsorted(self.layer[order], self.layer[order])
         self.sampled = order[rank < most]
@@ -304,7 +304,7 @@ class LayerCoarseSpace:
         return np.einsum("ij,j", self.inverse, self.mean(right))[self.layer]  # no threads of BLAS
 
     def correction(self, residual, coefficient, tangent):
-        """Return what to add to velocities (fluid) with this ``residual`` of (1 - coefficient A - D tangent D) x."""
+        """Return the correction of velocities (fluid) with this ``residual`` of (1 - coefficient A - D tangent D) x."""
         coupling = np.einsum("ij,jk->ik", self.even_gradient, self.mean(tangent)[:, None] * self.odd_gradient)
         found = np.linalg.solve(np.eye(self.number) - coefficient * self.laplacian - coupling, self.mean(residual))
         return (1.0 - self.offset) * found[self.below] + self.offset * found[self.below + 1]

@@ -72,7 +72,7 @@ class ChannelScheme(ControlledScheme):
         self.walls.enter(self.time)
 
     def start(self, position, velocity, _stress=None):
-        """Place the particles, (particles, 2) arrays; what they carry, more than a stress, the channel knows."""
+        """Place the particles, (particles, 2) arrays; the channel knows the states that they carry."""
         active(self.motion.position)[...] = position
         active(self.stepper.velocity)[...] = velocity.T
         self.momentum.initial = float(velocity[:, 0].sum())
@@ -186,7 +186,7 @@ class ChannelScheme(ControlledScheme):
         return self.momentum.report(self.channel, self.time, float(total))
 
     def numbers(self):
-        """Return what ``summary.json`` says about this scheme."""
+        """Return the numbers of this scheme for ``summary.json``."""
         return {
             **super().numbers(),
             "particles_wall": int(view(self.ghosts.count)),

@@ -24,7 +24,7 @@ TOGETHER = 2**20
 
 
 class PolymerState:
-    """What particles carry of an extra stress, arrays of the states C (components, fluid); a checkpoint keeps them.
+    """States C (components, fluid) of an extra stress that particles carry; a checkpoint keeps them.
 
     ``state`` at the start of a step, ``end`` after it, and before an earlier one: ``start``; ``start_rate``,
     ``end_rate``: their time derivatives; ``slope``: dC/dy; ``shear_rate`` (fluid): du/dy at the start.
@@ -36,7 +36,7 @@ class PolymerState:
 
 
 class ImplicitStep:
-    """Advances the velocities, and with a ``model`` of an extra stress what particles carry of it, ``polymer``.
+    """Advances the velocities, and with a ``model`` of an extra stress the states ``polymer`` that particles carry.
 
     ``velocity`` and ``end`` (2, fluid): at the start and at the end of the step, along and across the channel;
     ``start_rate``, ``end_rate`` their time derivatives there.
@@ -54,7 +54,7 @@ class ImplicitStep:
         self.transverse_state = np.empty((0, fluid))
 
     def begin_with(self, heights):
-        """Take up what else particles at ``heights`` (fluid,) carry when a run starts."""
+        """Set the states of particles at ``heights`` (fluid,) when a run starts."""
         self.walls.reset()
         if self.polymer:
             self.polymer.state[...] = self.model.initial(self.channel, heights)
@@ -74,7 +74,7 @@ class ImplicitStep:
         return gains
 
     def flow(self, component=0):
-        """Return copies of one component's velocities and of what belongs to them, in double precision."""
+        """Return copies of one component's velocities, states and shear rates, in double precision."""
         velocity = active(self.velocity)[component].astype(float)
         if component == 1 or not self.polymer:
             return FlowState(velocity, self.transverse_state)
@@ -91,7 +91,7 @@ class ImplicitStep:
         return math.hypot(*errors)
 
     def advance_component(self, component, time, dt, tolerance):
-        """Compute the end of one component, and with the first that of C; return the estimated error."""
+        """Compute the end of one component, and with the first the end of C; return the estimated error."""
         start = self.flow(component)
         end, error = (self.transverse_stages if component else self.stages).advance(start, time, dt, tolerance)
         if end is None:
@@ -118,7 +118,7 @@ class ImplicitStep:
             slope[...] = operators.gradient(state, 1.0) + sum(images)
 
     def shift_fields(self, moved, across):
-        """Let what else particles carry follow those that were ``moved`` by ``across``."""
+        """Transfer the states of the particles that were ``moved`` by ``across``."""
         if self.polymer:
             self.polymer.state[:, moved] += self.polymer.slope[:, moved] * across
 
@@ -142,7 +142,7 @@ class ImplicitStep:
 class DenseOutput:
     """Positions and velocities at any time of the step that was taken last (Hermite interpolation).
 
-    What is read from the fields is kept until the next step: many outputs may fall into one.
+    The values of the fields are read once a step: many outputs may fall into one.
     """
 
     def __init__(self, step, motion, others):
@@ -164,7 +164,7 @@ class DenseOutput:
         return position + self._displacement(theta, start, end).T, velocity, *others
 
     def around(self, times, x, half_width, period):
-        """Return what is within ``half_width`` of ``x`` (times,), of this ``period``, at each of the ``times``.
+        """Return the particles within ``half_width`` of ``x`` (times,), of this ``period``, at each of the ``times``.
 
         Flat arrays: which time (ascending), and x, y and velocity along the channel of a particle.
         """
@@ -228,7 +228,7 @@ class WallForce:
         return [dt * float(force) for force in forces]
 
     def mean(self, of_stage):
-        """Return the mean over the step of what ``of_stage`` gives at each stage."""
+        """Return the mean over the step of the values ``of_stage`` at each stage."""
         return sum(weight * np.array(of_stage(stage)) for stage, weight in enumerate(B))
 
     def fitted_stresses(self, mean, time, dt):
@@ -245,7 +245,7 @@ class WallForce:
         return found
 
     def from_images(self, differences):
-        """Return what images beyond the (bottom, top) wall do, ``differences`` being those of the mean velocities."""
+        """Return the forces of images beyond the (bottom, top) wall by ``differences`` of the mean velocities."""
         step, ghosts, stress = self.step, self.ghosts, self.step.stages.mean_stress
         viscous = self.viscosity * ghosts.sums(self.operators.laplacian, differences)[1]
         if stress is None:
@@ -268,7 +268,7 @@ def _intercept(distance, stress, radius):
 
 
 class Motion:
-    """Positions (fluid), what moves them, and positions and velocities (2, fluid) before the last step."""
+    """Positions (fluid) and their motion, and positions and velocities (2, fluid) before the last step."""
 
     def __init__(self, field, shift, period):
         step = field.step

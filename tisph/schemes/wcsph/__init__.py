@@ -90,7 +90,7 @@ def orders(config):
 
 
 def estimates(config, scene):
-    """Return what ``tisph check`` says of a run of this scheme."""
+    """Return the estimates of a run of this scheme for ``tisph check``."""
     from tisph.schemes._estimate import explicit
 
     return explicit(config, scene)

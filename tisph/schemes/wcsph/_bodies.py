@@ -79,7 +79,7 @@ class SolidBodies(PeriodicBoundaries):
         self.walls.place_bodies(middle)
 
     def rebuilt(self, now, middle):
-        """Prepare the wall particles for lists that were built anew, and take back what density has leaked."""
+        """Prepare the wall particles for lists that were built anew, and remove the density that has leaked."""
         self.built = middle
         leaked = self.mean_compression(now) - self.compression
         view(self.walls.particles.compression)[now, : self.walls.particles.fluid] -= leaked
@@ -90,7 +90,7 @@ class SolidBodies(PeriodicBoundaries):
         return float(view(self.walls.particles.compression)[now, : self.walls.particles.fluid].mean(dtype=float))
 
     def described(self, snapshot):
-        """Return the ``snapshot`` with the bodies, and from the first step on what the fluid does to them."""
+        """Return the ``snapshot`` with the bodies, and from the first step on the loads on them."""
         loads = self.loads.of(snapshot) if snapshot.step else None
         return replace(snapshot, bodies=Bodies.at(snapshot.t, self.scene.bodies, loads))
 

@@ -1,4 +1,4 @@
-"""What is around the fluid of an explicit run: the plane walls of a channel, bodies, or copies of the fluid itself.
+"""Boundaries of the fluid of an explicit run: the plane walls of a channel, bodies, or copies of the fluid itself.
 
 ``box`` says how many ``columns`` and ``rows`` of ``spacing`` the cells have to cover, from ``origin`` on; ``slots`` how
 many wall particles of their own and how much room for images there has to be (``tisph/particles.py``);
@@ -48,7 +48,7 @@ class WallForces:
 
     @ti.kernel
     def add_up(self, now: ti.i32):
-        """Sum what wall particles do to the fluid in the rows of cells at the walls."""
+        """Sum the forces of wall particles on the fluid in the rows of cells at the walls."""
         self.pull[0] = 0.0
         self.pull[1] = 0.0
         ti.loop_config(serialize=True)

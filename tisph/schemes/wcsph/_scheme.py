@@ -346,7 +346,7 @@ class ExplicitScheme(Kept):
         return self.boundaries.momentum_balance(self.time, self.particles.momentum(self.now))
 
     def parts(self):
-        """Return everything that holds fields, by name: what a checkpoint saves."""
+        """Return everything that holds fields, by name, for a checkpoint."""
         return {
             "stepper": self.stepper,
             "domain": self.domain,
@@ -368,7 +368,7 @@ class ExplicitScheme(Kept):
         self.boundaries.restore_host_state(state["surroundings"])
 
     def set_targets(self, targets):
-        """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""
+        """Go on to other targets; return whether a run that had them from the start would have the same steps."""
         same = self.plan.aim(targets)
         if self.finished:  # the rates of the last step are gone: a run that had gone on would predict with them
             self.proceed()
@@ -376,7 +376,7 @@ class ExplicitScheme(Kept):
         return same
 
     def numbers(self):
-        """Return what ``summary.json`` says about this scheme."""
+        """Return the numbers of this scheme for ``summary.json``."""
         return {
             "mach": self.scene.peak_velocity / self.sound_speed,
             "sound_speed": self.sound_speed,
@@ -387,7 +387,7 @@ class ExplicitScheme(Kept):
 
 
 def boundaries(config, scene, radius):
-    """Return what is around the fluid of a ``scene``, for lists of this ``radius``."""
+    """Return the boundaries of the fluid of a ``scene``, for lists of this ``radius``."""
     if scene.walls:
         return PlaneWalls(config, scene, radius)
     if scene.bodies:

@@ -10,8 +10,8 @@ from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region, box_around
-from tisph.schemes._splitting._problem import BoundedProblem
-from tisph.schemes._splitting._scheme import COURANT, Scheme
+from tisph.schemes._splitting import BoundedProblem
+from tisph.schemes._splitting._scheme import COURANT, SplittingScheme
 from tisph.schemes._splitting._wall_points import WallPoints
 
 INNER, OUTER, ACROSS = 1.0, 2.0, 12
@@ -49,9 +49,9 @@ def make(turning=(1.0, 0.0), centre=(0.0, 0.0), angle=0.0, acceleration=(0.0, 0.
 
 
 def run(flow, places, velocity, end, steps=None, tolerance=2e-6, courant=COURANT):
-    """Step until ``end``, or so many ``steps``, from a ``velocity`` (particles, 2); return the Scheme."""
+    """Step until ``end``, or so many ``steps``, from a ``velocity`` (particles, 2); return the SplittingScheme."""
     runtime.start("f64", 1)
-    scheme = Scheme(flow, [end], True, tolerance, courant)
+    scheme = SplittingScheme(flow, [end], True, tolerance, courant)
     scheme.start(places, velocity)
     while not scheme.finished and scheme.steps != steps:
         scheme.advance()

@@ -4,8 +4,8 @@ import numpy as np
 
 from tisph import config, schemes
 from tisph.scenes.channel import Channel
-from tisph.schemes._error_estimate.implicit_layers import ImplicitLayers
-from tisph.schemes.implicit._settings import control
+from tisph.schemes._estimate import ImplicitLayers
+from tisph.schemes.implicit import control
 
 IMPLICIT = ("scheme={type: implicit}", "time.tolerance=1.0e-5")
 

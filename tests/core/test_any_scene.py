@@ -14,7 +14,7 @@ from tisph import config, registry, simulation
 from tisph.cli import check
 from tisph.folder import Folder
 from tisph.observers.history import read_history
-from tisph.schemes._error_estimate import SampleEstimate
+from tisph.schemes._protocol import SampleEstimate
 from tisph.snapshot import Snapshot
 
 CASE = """

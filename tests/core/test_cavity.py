@@ -11,7 +11,7 @@ from tisph.exact.cavity import RegularCavity
 from tisph.runtime import view
 from tisph.scenes.cavity import Scene
 from tisph.schemes import _splitting
-from tisph.schemes._splitting._singular_paths import FAR, STEEPEST
+from tisph.schemes._splitting._corner_singularities import FAR, STEEPEST
 
 
 def cavity(across, reynolds, regular=False, velocity=1.0):

@@ -77,7 +77,7 @@ def test_an_impulsive_start_costs_few_steps():
     # a shift that does not know how short a step is stirred the layer at the wall up: 39 steps refused, down to 1e-11
     flow, places = make()
     scheme = run(flow, places, 0.0 * places, 0.03)
-    assert scheme.rejected < 20
+    assert scheme.control.rejected < 20
     assert scheme.steps < 130
     assert scheme.shortest > 1e-6
     assert scheme.residual < 2e-2

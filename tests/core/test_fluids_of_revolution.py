@@ -12,7 +12,7 @@ from tisph.runtime import view
 from tisph.scenes import _axisymmetric
 from tisph.schemes import _splitting
 from tisph.schemes._local_newton import SMALL
-from tisph.schemes._splitting._scheme import Scheme
+from tisph.schemes._splitting._scheme import SplittingScheme
 from tisph.simulation.state import start_values
 from tisph.snapshot import STRESSES, STRESSES_AROUND
 
@@ -142,7 +142,7 @@ def test_flow_along_and_around_the_axis_goes_on(tmp_path):
         return [np.stack([2 * along**2, along, 0 * y, 2 * around**2, 2 * along * around, around])]
 
     problem = replace(_splitting._problem(scene), rheology=fluid, initial_conformation_excess=excess)
-    scheme = Scheme(problem, [0.3], True)
+    scheme = SplittingScheme(problem, [0.3], True)
     scheme.start(*start_values(scene, settings.initial))
     while not scheme.finished:
         scheme.advance()

@@ -5,7 +5,7 @@ import pytest
 
 from tisph.measures.channel import wall_shear
 from tisph.runtime import view
-from tisph.schemes.wcsph._impulse import ImpulsiveStart
+from tisph.schemes.wcsph._boundaries import ImpulsiveStart
 
 CONSISTENT = "walls.treatment.type=consistent_image"
 POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4}"

@@ -37,7 +37,7 @@ def make(rheology=LIQUID, turning=(1.0, 0.0), viscosity=1.0):
 
 def started(flow, places, serial=True):
     runtime.start("f64", 1 if serial else 2)
-    scheme = case.Scheme(flow, [1.0], serial)
+    scheme = case.SplittingScheme(flow, [1.0], serial)
     scheme.start(places, np.zeros_like(places))
     return scheme
 

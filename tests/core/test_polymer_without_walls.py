@@ -9,8 +9,8 @@ from tisph import config, registry, runtime, schemes
 from tisph.errors import ConfigError
 from tisph.rheology import oldroyd_b
 from tisph.runtime import view
-from tisph.schemes._splitting._problem import PeriodicProblem
-from tisph.schemes._splitting._scheme import Scheme
+from tisph.schemes._splitting import PeriodicProblem
+from tisph.schemes._splitting._scheme import SplittingScheme
 from tisph.simulation.state import start_values
 
 SPEED, VISCOSITY, END = 1e-6, 0.1, 0.5
@@ -22,7 +22,7 @@ def weak_vortices(number):
     runtime.start("f64", 1)
     liquid = {"density": 1.0, "kinematic_viscosity": VISCOSITY, "rheology": LIQUID}
     flow = PeriodicProblem(columns=number, rows=number, spacing=1 / number, reference_velocity=SPEED, **liquid)
-    scheme, places = Scheme(flow, [END], True, tolerance=1e-7), case.arrangement(number, 0.2)
+    scheme, places = SplittingScheme(flow, [END], True, tolerance=1e-7), case.arrangement(number, 0.2)
     scheme.start(places, SPEED * np.stack(case.exact(*places.T, 0.0, VISCOSITY)[:2], axis=1))
     while not scheme.finished:
         scheme.advance()
@@ -60,7 +60,7 @@ def test_a_divergence_stretches_no_polymer():
     runtime.start("f64", 1)
     liquid = {"density": 1.0, "kinematic_viscosity": VISCOSITY, "rheology": LIQUID}
     flow = PeriodicProblem(columns=12, rows=12, spacing=1 / 12, reference_velocity=1.0, **liquid)
-    scheme, places = Scheme(flow, [END], True), case.arrangement(12, 0.2)
+    scheme, places = SplittingScheme(flow, [END], True), case.arrangement(12, 0.2)
     scheme.start(places, np.stack(case.exact(*places.T, 0.0, VISCOSITY)[:2], axis=1))
     scheme.advance()
     polymer, found = scheme.polymer, []

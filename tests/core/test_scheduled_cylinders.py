@@ -10,7 +10,7 @@ from tisph.errors import ConfigError
 from tisph.exact.start_up import CircularStartUp, ViscoelasticFluid
 from tisph.geometry.motion import Schedule, WallMotion
 from tisph.measures.rheometry import read
-from tisph.schemes._splitting._scheme import Scheme
+from tisph.schemes._splitting._scheme import SplittingScheme
 from tisph.simulation import checkpoint
 
 PULSE = Schedule((0.0, 0.1, 0.1), (1.0, 1.0, 0.0))
@@ -20,7 +20,7 @@ END = 0.15
 def started():
     runtime.start("f64", 1)
     flow, places = case.make((PULSE, 0.0), viscosity=1.0)
-    scheme = Scheme(flow, [END], True, tolerance=1e-4)
+    scheme = SplittingScheme(flow, [END], True, tolerance=1e-4)
     scheme.start(places, np.zeros_like(places))
     return scheme
 

@@ -6,7 +6,7 @@ from rates import RatesOf
 
 from tisph import registry
 from tisph.runtime import view
-from tisph.schemes.wcsph._shift import SHIFT, shift_speed, stiffness
+from tisph.schemes._time_step import SHIFT, shift_speed, stiffness
 
 KERNELS = ["quintic_spline", "wendland_c2"]
 

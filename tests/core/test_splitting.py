@@ -14,10 +14,10 @@ from tisph.exact.sliding_corner import DEGREE
 from tisph.least_squares import operators
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import ti, view
+from tisph.schemes._shifting import SCATTER
 from tisph.schemes._splitting import _scheme, _step_limits
-from tisph.schemes._splitting._bdf import VELOCITIES
-from tisph.schemes._splitting._shift import SCATTER
-from tisph.schemes._splitting._singular_paths import SingularPaths
+from tisph.schemes._splitting._corner_singularities import SingularPaths
+from tisph.schemes._splitting._time_levels import VELOCITIES
 
 
 @pytest.mark.parametrize("jitter", [0.0, 0.35])
@@ -51,7 +51,7 @@ def test_iterations_of_a_step_are_those_of_its_systems(monkeypatch):
 
         monkeypatch.setattr(solver, "solve", solve)
     scheme.advance()
-    assert scheme.rejected == 0
+    assert scheme.control.rejected == 0
     assert scheme.iterations == [sum(counts) for counts in counted.values()]
     assert min(scheme.iterations) > 0
 
@@ -62,7 +62,7 @@ def test_a_flow_in_other_units_is_bitwise_the_same():
         runtime.start("f64", 1)
         units = {"spacing": length / 12, "density": density, "reference_velocity": length / time}
         box = replace(flow(12, 1), kinematic_viscosity=VISCOSITY * length**2 / time, **units)
-        scheme, position = _scheme.Scheme(box, [time], True), arrangement(12, 0.3)
+        scheme, position = _scheme.SplittingScheme(box, [time], True), arrangement(12, 0.3)
         scheme.start(position * length, np.stack(exact(*position.T, 0.0, VISCOSITY)[:2], 1) * length / time)
         for _ in range(8):
             scheme.advance()

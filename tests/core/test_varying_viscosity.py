@@ -9,8 +9,8 @@ import vortex_case
 
 from tisph import runtime
 from tisph.rheology import carreau_yasuda, power_law
-from tisph.schemes._splitting._problem import PeriodicProblem
-from tisph.schemes._splitting._scheme import Scheme
+from tisph.schemes._splitting import PeriodicProblem
+from tisph.schemes._splitting._scheme import SplittingScheme
 
 TURNING = (1.0, 0.0)
 
@@ -59,7 +59,7 @@ def test_a_law_of_constant_viscosity_is_a_newtonian_fluid():
     places, found = vortex_case.arrangement(20, 0.2), []
     for rheology in (None, law):
         runtime.start("f64", 1)
-        scheme = Scheme(replace(flow, rheology=rheology), [0.1], True)
+        scheme = SplittingScheme(replace(flow, rheology=rheology), [0.1], True)
         scheme.start(places, np.stack(vortex_case.exact(*places.T, 0.0, 0.1)[:2], axis=1))
         while not scheme.finished:
             scheme.advance()

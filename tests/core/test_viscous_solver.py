@@ -7,7 +7,7 @@ from implicit_case import IMPLICIT, SLOW, run
 from tisph.least_squares import operators
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import real, ti, view
-from tisph.schemes.implicit import _solver
+from tisph.schemes.implicit import _operators
 from tisph.simulation import checkpoint
 from tisph.solvers.auxiliary_grid import DirichletGrid
 
@@ -18,8 +18,8 @@ LONG = 30.0  # viscous number of a long step
 @pytest.fixture
 def two_levels(monkeypatch):
     """Let the solver of two levels serve the smallest channels, and the shortest steps."""
-    monkeypatch.setattr(_solver, "FEW", 0)
-    monkeypatch.setattr(_solver, "ROUGH", 0.0)
+    monkeypatch.setattr(_operators, "FEW", 0)
+    monkeypatch.setattr(_operators, "ROUGH", 0.0)
 
 
 @pytest.fixture
@@ -153,11 +153,11 @@ def test_two_levels_solve_what_the_rows_say(two_levels, assembled, overrides):
     assert np.linalg.norm(found - np.linalg.solve(matrix, known)) <= 1.01 * farthest
 
 
-@pytest.mark.parametrize(("few", "viscous_number"), [(10**4, LONG), (0, 0.9 * _solver.ROUGH)])
+@pytest.mark.parametrize(("few", "viscous_number"), [(10**4, LONG), (0, 0.9 * _operators.ROUGH)])
 def test_few_particles_and_short_steps_do_without(assembled, monkeypatch, few, viscous_number):
-    monkeypatch.setattr(_solver, "FEW", few)
+    monkeypatch.setattr(_operators, "FEW", few)
     scheme = assembled()
-    scheme.solver.two_level, scheme.solver.roughest = None, _solver.ROUGH * scheme.channel.spacing**2
+    scheme.solver.two_level, scheme.solver.roughest = None, _operators.ROUGH * scheme.channel.spacing**2
     solved(scheme, np.ones(scheme.points.fluid), viscous_number)
     assert scheme.solver.two_level is None
 
@@ -185,8 +185,8 @@ def flow(make, *overrides, **words):
 def test_a_run_has_the_velocities_of_one_with_the_diagonal_alone(make, monkeypatch):
     slow = f"walls.top.velocity={SLOW}"  # or errors in the places that grow would be compared
     before = run(flow(make, slow))
-    monkeypatch.setattr(_solver, "FEW", 0)
-    monkeypatch.setattr(_solver, "ROUGH", 0.0)
+    monkeypatch.setattr(_operators, "FEW", 0)
+    monkeypatch.setattr(_operators, "ROUGH", 0.0)
     scheme = flow(make, slow)
     after = run(scheme)
     assert scheme.solver.two_level is not None

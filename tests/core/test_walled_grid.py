@@ -6,13 +6,13 @@ from annulus_case import INNER, OUTER, make, run
 
 from tisph import runtime
 from tisph.runtime import view
-from tisph.schemes._splitting._scheme import Scheme
+from tisph.schemes._splitting._scheme import SplittingScheme
 
 
 def started():
     flow, places = make()
     runtime.start("f64", 1)
-    scheme = Scheme(flow, [1.0], True)
+    scheme = SplittingScheme(flow, [1.0], True)
     scheme.start(places, np.zeros_like(places))
     return scheme
 

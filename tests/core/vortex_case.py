@@ -5,8 +5,8 @@ from kept_program import kept
 
 from tisph import runtime
 from tisph.least_squares import operators
-from tisph.schemes._splitting._problem import PeriodicProblem
-from tisph.schemes._splitting._scheme import COURANT, Scheme
+from tisph.schemes._splitting import PeriodicProblem
+from tisph.schemes._splitting._scheme import COURANT, SplittingScheme
 from tisph.schemes._splitting._step_limits import TOLERANCE, step_control
 
 WAVE = 2 * np.pi
@@ -32,7 +32,7 @@ _built = {}
 
 
 def make(number, *, jitter=0.2, wind=(0, 0), targets=(1.0,), threads=1, precision="f64", fresh=False, cells=1, **steps):
-    """Return vortices at their start, in a wind, as a Scheme; ``steps`` are its tolerance and Courant number.
+    """Return vortices at their start, in a wind, as a SplittingScheme; ``steps`` are its tolerance and Courant number.
 
     What was returned before is used again where it has as many particles, unless ``fresh``.
     """
@@ -41,7 +41,7 @@ def make(number, *, jitter=0.2, wind=(0, 0), targets=(1.0,), threads=1, precisio
     if fresh or scheme is None or scheme.built != kept.starts:
         _built.clear()
         runtime.start(precision, threads)
-        scheme = _built[key] = Scheme(flow(number, cells), targets, threads == 1)
+        scheme = _built[key] = SplittingScheme(flow(number, cells), targets, threads == 1)
         scheme.built = kept.starts
     limits = steps.get("tolerance", TOLERANCE), steps.get("courant", COURANT)
     scheme.control = step_control(scheme.problem, targets, *limits)

@@ -10,7 +10,6 @@ import pytest
 from tisph import registry, schemes
 from tisph.config import load
 from tisph.errors import ConfigError
-from tisph.rheology import _polymer
 from tisph.schemes import _splitting
 
 RHEOLOGIES = {
@@ -151,14 +150,12 @@ def test_laws_of_modes_share_the_viscosity():
         {"type": "fene_p", "relaxation_time": 3.0, "maximum_extension": 9.0, "fraction": 0.2},
     ]
     rheology = parameters("multi_mode", solvent_fraction=0.5, modes=modes)
-    first, second = _polymer.laws(rheology, 2.0)
+    first, second = rheology.laws(2.0)
     assert (first.polymer_viscosity, first.modulus, first.components) == (0.6, 0.6, 3)
     assert (second.polymer_viscosity, second.relaxation_time, second.components) == (0.4, 3.0, 4)
     assert rheology.relaxation_time == pytest.approx((0.3 * 1 + 0.2 * 3) / 0.5)
-    (alone,) = _polymer.laws(parameters("oldroyd_b", relaxation_time=2.0, solvent_fraction=0.25), 2.0)
+    (alone,) = parameters("oldroyd_b", relaxation_time=2.0, solvent_fraction=0.25).laws(2.0)
     assert alone.polymer_viscosity == 1.5
-    with pytest.raises(ValueError, match="newtonian has no polymer"):
-        _polymer.laws(parameters("newtonian"), 1.0)
 
 
 def viscosity(name, rates, **numbers):

@@ -10,9 +10,7 @@ import pytest
 
 from tisph import scenes
 from tisph.cli.check import estimates
-from tisph.schemes import _limits
-from tisph.schemes._error_estimate.implicit_layers import least_squares
-from tisph.schemes._estimate import EXPLICIT_COST, IMPLICIT_COST, IMPLICIT_OVERHEAD
+from tisph.schemes._estimate import EXPLICIT_COST, IMPLICIT_COST, IMPLICIT_OVERHEAD, least_squares, profile_lost
 
 EXPLICIT, IMPLICIT = "scheme={type: wcsph}", "scheme={type: implicit}"
 COARSE = "discretisation.particles_across=25"
@@ -75,7 +73,7 @@ def test_the_error_falls_with_the_order_of_the_operators(last):
 def test_the_error_of_finer_layers_is_the_error_of_the_steps(last, monkeypatch):
     late = (IMPLICIT, "time.samples=[10]", "time.end=10", "time.tolerance=1e-4")
     full = last(*late)
-    monkeypatch.setattr("tisph.schemes._error_estimate.MOST_LAYERS", {"newtonian": 25})
+    monkeypatch.setattr("tisph.schemes._estimate.MOST_LAYERS", {"newtonian": 25})
     assert last(*late).rms == pytest.approx(full.rms, rel=0.5)  # steps differ with the layers
 
 
@@ -94,7 +92,7 @@ def test_the_profile_is_lost_where_layers_mix_too_much(case, reynolds, t, lost):
     """Cell Reynolds numbers around STABLE_CELL_RE; layers of a seventh of a spacing, or half of one."""
     config = case(EXPLICIT, COARSE, f"fluid.kinematic_viscosity={0.5 * 0.04 / reynolds}", f"time={{end: {t}}}")
     channel = scenes.of(config)
-    assert _limits.profile_lost(config, channel) == lost
+    assert profile_lost(config, channel) == lost
 
 
 @pytest.mark.parametrize(

@@ -17,8 +17,8 @@ from tisph.cli.check import ERROR_FACTORS, estimates, forecast
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.schemes import resolve
-from tisph.schemes._error_estimate import SampleEstimate, off_layers
-from tisph.schemes._error_estimate.implicit_layers import MOST_STEPS
+from tisph.schemes._estimate import MOST_STEPS, off_layers
+from tisph.schemes._protocol import SampleEstimate
 from tisph.studies import processes
 from tisph.studies.stability import matrix
 from tisph.studies.stability.cells import FLOWS, Cell

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tisph import config, scenes
-from tisph.schemes.wcsph._loads import Loads
+from tisph.schemes.wcsph._bodies import Loads
 from tisph.simulation.state import start_values
 from tisph.snapshot import Snapshot
 

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tisph.schemes._plan import StepPlan
+from tisph.schemes._step_control import StepPlan
 
 
 def walk(plan, limit):

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from tisph.schemes._step_control import (
     LARGEST_FACTOR,
     LARGEST_MULTISTEP_FACTOR,
+    MOST_ATTEMPTS,
     REJECTED,
     SAFETY,
     SHARE,
@@ -263,3 +264,22 @@ def test_the_tolerance_is_at_least_a_share_of_the_spatial_error():
     assert control.accepts(1e-3, 3, dt, 1e-3 / SHARE)
     assert control.choose_dt(0.0) == pytest.approx(0.9 * dt, rel=0.1)  # steps of one length up to the target
     assert not control.accepts(1e-3, 3, dt, 0.0)
+
+
+def test_attempts_are_taken_until_one_is_accepted():
+    control, lengths = make(targets=(100.0,)), []
+
+    def attempt(dt):
+        lengths.append(dt)
+        return (math.inf if dt > 0.9 else 8.0 * dt**3), 2
+
+    dt, error = control.take(0.0, attempt)
+    # half the length after an infinite error
+    assert lengths == [1.0, 0.5]
+    assert (dt, error, control.rejected) == (0.5, 1.0, 1)
+
+
+def test_a_step_that_is_never_short_enough_has_no_length():
+    control = make(targets=(100.0,))
+    assert control.take(0.0, lambda dt: (1e3, 2)) == (None, 1e3)
+    assert control.rejected == MOST_ATTEMPTS

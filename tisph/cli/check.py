@@ -7,7 +7,7 @@ from typing import Any
 from tisph.cli.terminal import ConfigFile, Overrides
 from tisph.errors import ConfigError
 from tisph.measures.resolution import resolution
-from tisph.schemes._limits import (
+from tisph.schemes._estimate import (
     DISORDERED_CELL_RE_OF_ORDER_2,
     DISORDERED_SOLVENT_CELL_RE,
     STABLE_CELL_RE,

@@ -4,7 +4,7 @@ Equations for 0 < y < gap, with g = -(dp/dx)/density, all stresses per unit dens
 
     du/dt = g + d/dy [ flux(du/dy) + sum of S_xy ],    dC/dt = law.rate_in_shear(C, du/dy),  S = law.stress(C)
 
-for each law (mode) of a polymer, C the deviation of its conformation tensor from rest (``tisph/rheology``), and flux =
+for each law (mode) of a polymer, C the excess of its conformation tensor over rest (``tisph/rheology``), and flux =
 solvent_viscosity * du/dy, or viscosity((du/dy)^2) * du/dy of a generalised Newtonian fluid. The walls move with given
 velocities, or are stress-controlled (``geometry/motion.py``), with mass_per_area * dU/dt = stress - shear
 stress of the fluid; the flow starts from rest at t = 0, or, with ``before``, from the developed flow of other walls.

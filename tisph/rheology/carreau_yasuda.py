@@ -12,10 +12,10 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from tisph.config.base import Positive
-from tisph.rheology import _viscous
+from tisph.rheology import _laws
 
 
-class Parameters(_viscous.Parameters):
+class Parameters(_laws.Inelastic):
     """``time``, lambda: 1/shear rate at the onset of thinning; ``index``, n, of the power law, 0.3 to 1.5.
 
     ``transition``, Yasuda's a, 1 to 4: how sharp the onset is. ``fraction_at_infinity``, 0 to 1: viscosity at infinite

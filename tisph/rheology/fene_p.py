@@ -18,10 +18,10 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from tisph.config.base import LARGEST
-from tisph.rheology import _polymer
+from tisph.rheology import _laws
 
 
-class Mode(_polymer.Mode):
+class Mode(_laws.Mode):
     """Relaxation time [time]; ``maximum_extension``: L^2, the largest trace of A, 3 at rest (usual: 10 to 1e4).
 
     It is the square of the longest over the root mean square length along one axis at rest.
@@ -36,11 +36,11 @@ class Mode(_polymer.Mode):
 class Parameters(Mode):
     """As ``Mode``, and the solvent's share of the total viscosity that stands in ``fluid``."""
 
-    solvent_fraction: _polymer.SolventFraction
+    solvent_fraction: _laws.SolventFraction
 
 
-class Law(_polymer.Law):
-    """Components xx, xy, yy and zz; see ``_polymer.Law``."""
+class Law(_laws.Law):
+    """Components xx, xy, yy and zz; see ``_laws.Law``."""
 
     components: ClassVar[int] = 4
 

@@ -3,8 +3,8 @@
     S + relaxation_time * (dS/dt - L S - S L^T) + mobility * relaxation_time/eta_p * S S = eta_p (L + L^T)
 
 with L_ab = du_a/dx_b and eta_p = (1 - solvent_fraction) eta; the solvent adds what a Newtonian fluid of the viscosity
-solvent_fraction * eta does, and eta, in ``fluid``, is the viscosity at vanishing shear rate. In the deviation C of the
-conformation tensor from rest, S = eta_p/relaxation_time * C and relaxation(C) = -(C + mobility C C)/relaxation_time.
+solvent_fraction * eta does, and eta, in ``fluid``, is the viscosity at vanishing shear rate. In the excess C of the
+conformation tensor over rest, S = eta_p/relaxation_time * C and relaxation(C) = -(C + mobility C C)/relaxation_time.
 
 Shear thins; both normal stress differences are there, N2/N1 -> -mobility/2 at small rates. With mobility 0 it would be
 ``oldroyd_b``. Source: H. Giesekus, J. Non-Newtonian Fluid Mech. 11 (1982) 69-109.
@@ -14,10 +14,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from tisph.rheology import _polymer
+from tisph.rheology import _laws
 
 
-class Mode(_polymer.Mode):
+class Mode(_laws.Mode):
     """Relaxation time [time]; ``mobility``, 0 to 1: how much stretched polymers lose drag (0.5 at most is usual)."""
 
     type: Literal["giesekus"] = "giesekus"
@@ -27,11 +27,11 @@ class Mode(_polymer.Mode):
 class Parameters(Mode):
     """As ``Mode``, and the solvent's share of the total viscosity that stands in ``fluid``."""
 
-    solvent_fraction: _polymer.SolventFraction
+    solvent_fraction: _laws.SolventFraction
 
 
-class Law(_polymer.Law):
-    """S = modulus * C; see ``_polymer.Law``."""
+class Law(_laws.Law):
+    """S = modulus * C; see ``_laws.Law``."""
 
     def __init__(self, parameters, polymer_viscosity):
         super().__init__(parameters, polymer_viscosity)

@@ -20,11 +20,10 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from tisph.config.base import Positive
-from tisph.rheology import _viscous
-from tisph.rheology._functions import exp
+from tisph.rheology import _laws
 
 
-class Parameters(_viscous.Parameters):
+class Parameters(_laws.Inelastic):
     """``yield_stress`` [mass/(length time^2)]; ``index``, 0.3 to 1.5; ``reference_rate`` [1/time].
 
     ``regularisation``: Papanastasiou's m [time]; 1/m should be well below the rates of the flow.
@@ -51,5 +50,5 @@ class Law:
         """Viscosity at the square of the shear rate."""
         squared = shear_rate_squared + self.least
         rate = squared**0.5
-        yielding = self.yield_stress * (1.0 - exp(-self.regularisation * rate)) / rate
+        yielding = self.yield_stress * (1.0 - _laws.exp(-self.regularisation * rate)) / rate
         return self.consistency * squared**self.power + yielding

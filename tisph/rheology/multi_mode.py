@@ -20,7 +20,7 @@ from pydantic import Field, model_validator
 from tisph import registry
 from tisph.config.base import Model, refusals
 from tisph.config.fields import Member, nearest, one_of
-from tisph.rheology import _polymer
+from tisph.rheology import _laws
 
 MOST_MODES = 20
 
@@ -77,7 +77,7 @@ class Parameters(Model):
     carries_stress: ClassVar[bool] = True
 
     type: Literal["multi_mode"] = "multi_mode"
-    solvent_fraction: _polymer.SolventFraction
+    solvent_fraction: _laws.SolventFraction
     modes: Modes
 
     @model_validator(mode="after")
@@ -91,8 +91,8 @@ class Parameters(Model):
         return self
 
     def laws(self, viscosity):
-        """``_polymer.laws`` of all modes."""
-        return _polymer.laws(self, viscosity)
+        """Tuple of the ``Law`` of each mode; ``viscosity`` is the total one."""
+        return tuple(mode.law(mode.fraction * viscosity) for mode in self.modes)
 
     @property
     def relaxation_time(self):

@@ -13,7 +13,7 @@ class Parameters(Model):
     type: Literal["newtonian"] = "newtonian"
 
     def law(self, viscosity, density):
-        """Its ``Law``, for what serves fluids of any viscosity; arguments as of those (``_viscous.py``)."""
+        """Its ``Law``, for what serves fluids of any viscosity; arguments as of those (``_laws.Inelastic``)."""
         return Law(viscosity)
 
 

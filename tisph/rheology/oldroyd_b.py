@@ -9,10 +9,10 @@ eta_s = solvent_fraction * eta acts as in a Newtonian fluid (J. G. Oldroyd, Proc
 
 from typing import Literal
 
-from tisph.rheology import _polymer
+from tisph.rheology import _laws
 
 
-class Mode(_polymer.Mode):
+class Mode(_laws.Mode):
     """Relaxation time [time]."""
 
     type: Literal["oldroyd_b"] = "oldroyd_b"
@@ -21,11 +21,11 @@ class Mode(_polymer.Mode):
 class Parameters(Mode):
     """Relaxation time [time], and the solvent's share of the total viscosity that stands in ``fluid``."""
 
-    solvent_fraction: _polymer.SolventFraction
+    solvent_fraction: _laws.SolventFraction
 
 
-class Law(_polymer.Law):
-    """S = modulus * C, the polymer a suspension of linear springs; see ``_polymer.Law``."""
+class Law(_laws.Law):
+    """S = modulus * C, the polymer a suspension of linear springs; see ``_laws.Law``."""
 
     def relaxation(self, c):
         """-C/relaxation_time."""

@@ -5,7 +5,7 @@
 
 with L_ab = du_a/dx_b and eta_p = (1 - solvent_fraction) eta; the solvent adds what a Newtonian fluid of the viscosity
 solvent_fraction * eta does, and eta, in ``fluid``, is the viscosity at vanishing shear rate. It is the affine fluid,
-without slip between network and flow. In the deviation C of the conformation tensor from rest,
+without slip between network and flow. In the excess C of the conformation tensor over rest,
 S = eta_p/relaxation_time * C and relaxation(C) = -Y C/relaxation_time with z = extensibility * tr C.
 
 Shear thins; N2 is 0; the elongational viscosity has a largest value (linear: levels off; exponential: falls again).
@@ -17,11 +17,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from tisph.rheology import _polymer
-from tisph.rheology._functions import exp
+from tisph.rheology import _laws
 
 
-class Mode(_polymer.Mode):
+class Mode(_laws.Mode):
     """Relaxation time [time]; ``extensibility``, 0 to 1 (usual: 0.01 to 0.25); ``form`` of Y, linear by default."""
 
     type: Literal["phan_thien_tanner"] = "phan_thien_tanner"
@@ -32,16 +31,16 @@ class Mode(_polymer.Mode):
 class Parameters(Mode):
     """As ``Mode``, and the solvent's share of the total viscosity that stands in ``fluid``."""
 
-    solvent_fraction: _polymer.SolventFraction
+    solvent_fraction: _laws.SolventFraction
 
 
-class Law(_polymer.Law):
-    """S = modulus * C; see ``_polymer.Law``."""
+class Law(_laws.Law):
+    """S = modulus * C; see ``_laws.Law``."""
 
     def __init__(self, parameters, polymer_viscosity):
         super().__init__(parameters, polymer_viscosity)
         self.extensibility = parameters.extensibility
-        self.destruction = {"linear": _linear, "exponential": exp}[parameters.form]
+        self.destruction = {"linear": _linear, "exponential": _laws.exp}[parameters.form]
 
     def relaxation(self, c):
         """-Y C/relaxation_time."""

@@ -14,10 +14,10 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from tisph.config.base import Positive
-from tisph.rheology import _viscous
+from tisph.rheology import _laws
 
 
-class Parameters(_viscous.Parameters):
+class Parameters(_laws.Inelastic):
     """``index``, 0.3 (thins) to 1.5 (thickens); ``reference_rate`` and ``least_rate`` [1/time]."""
 
     type: Literal["power_law"] = "power_law"

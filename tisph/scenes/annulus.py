@@ -265,9 +265,9 @@ class Annulus(BetweenCylinders):
     @property
     def initial_conformation_excess(self):
         """``conformation_excess`` when the run starts; None from rest, which has none."""
-        return None if self.initial_state == "rest" else self._deviations
+        return None if self.initial_state == "rest" else self._excess_at
 
-    def _deviations(self, x, y):
+    def _excess_at(self, x, y):
         """C (components, n) of each mode, xx, xy, yy (and zz), at places ``x``, ``y`` (n,) when the run starts."""
         radius = np.clip(self.radii(x, y), self.inner_radius, self.outer_radius)
         away = np.subtract(x, self.centre[0]), np.subtract(y, self.centre[1])

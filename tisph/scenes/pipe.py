@@ -229,9 +229,9 @@ class Scene(AxisymmetricScene):
         """C (components, n) of each mode at places x, y when the run starts; None from rest, which has none."""
         if not self.polymer or self.initial_state == "rest":
             return None
-        return self._deviations
+        return self._excess_at
 
-    def _deviations(self, x, y):
+    def _excess_at(self, x, y):
         along, around = self._flows
         if along:
             return along.conformation_excess(y, self.start_time)

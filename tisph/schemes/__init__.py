@@ -1,13 +1,30 @@
-"""Schemes: how the particles are advanced in time. One file each; ``_protocol.py`` says what one must have."""
+"""Schemes: how the particles are advanced in time. One file each; ``_protocol.py`` says what one must have.
 
-from collections.abc import Sequence
+The constants say which rheologies, ways to drive a wall and wall treatments at bodies the schemes support.
+"""
+
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from tisph import registry
 
 if TYPE_CHECKING:
+    from tisph.config.base import Problem
     from tisph.scenes._scene import Scene
     from tisph.schemes._protocol import Scheme, SchemeEstimates, SchemeMember
+
+EXPLICIT_RHEOLOGIES = ("newtonian", "oldroyd_b")
+"""Rheologies of the explicit scheme; the implicit one takes each that has a ``Law``, and ``multi_mode``."""
+
+AROUND_BODIES = ("adami", "virtual_image", "comoving_image")
+"""Wall treatments of the explicit scheme at walls of bodies; the first one where a config names none."""
+
+STRESS_CONTROLLED = [(side, "stress_controlled") for side in ("bottom", "top")]
+"""Walls that may be stress-controlled, and the property that says so."""
+
+SCHEDULED = [(side, "velocities") for side in ("bottom", "top")]
+SCHEDULED += [(side, "angular_velocities") for side in ("inner", "outer")]
+"""Walls that may have velocities at times, and the key of these."""
 
 
 def resolve(config: Any) -> tuple[Any, str]:
@@ -44,3 +61,15 @@ def estimates(config: Any, scene: "Scene") -> "SchemeEstimates":
 
 def _member(config: Any) -> "SchemeMember":
     return registry.load("schemes", config.scheme.type)
+
+
+def unsupported(config: Any, scheme: str) -> Iterator["Problem"]:
+    """Yield dotted key and text where ``scheme`` cannot serve the rheology of the config, or the motion of a wall."""
+    walls = getattr(config, "walls", None)
+    for keys, kind in ((STRESS_CONTROLLED, "stress-controlled wall"), (SCHEDULED, "wall with velocities at times")):
+        found = [side for side, key in keys if getattr(getattr(walls, side, None), key, None)]
+        if found and scheme != "implicit":
+            yield "scheme.type", f"{scheme} has no {kind} (walls.{found[0]}); take implicit"
+    name = config.fluid.rheology.type
+    if scheme == "wcsph" and name not in EXPLICIT_RHEOLOGIES:
+        yield "scheme.type", f"wcsph has no {name} fluid; take implicit"

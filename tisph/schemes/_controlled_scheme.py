@@ -1,13 +1,44 @@
-"""What schemes with steps of a ``StepControl`` have in common."""
+"""The common part of both implicit schemes: steps of a ``StepControl``, and output at any time within a step."""
+
+import math
+
+from tisph.errors import DivergedError
+from tisph.runtime import view
+from tisph.schemes._step_control import Kept
 
 
-class ControlledScheme:
-    """Base of such a scheme, whose steps are dense; see ``_protocol.Scheme``.
+class ControlledScheme(Kept):
+    """Base of a scheme whose steps are dense; see ``_protocol.Scheme``.
 
-    ``control``: the ``StepControl``; ``host_names``: attributes that change while the scheme runs.
+    ``control``: the ``StepControl``; ``operators``: the least-squares operators of its points.
     """
 
-    host_names = ("time", "steps", "rejected", "shortest", "longest", "order_reduced", "singular")
+    kept = ("time", "steps", "shortest", "longest", "order_reduced", "singular")
+
+    def reset_steps(self, time: float) -> None:
+        """Go back to before the first step, at ``time``."""
+        self.time, self.control.rejected = time, 0
+        self.steps = self.order_reduced = self.singular = 0
+        self.shortest, self.longest = math.inf, 0.0
+
+    def end_step(self, dt: float, measured: float) -> None:
+        """Count a step ``dt`` that was accepted; the limit of the next one depends on the ``measured`` flow."""
+        self.time = self.control.end(self.time, dt)
+        self.control.step_taken(self.time, measured)
+        self.steps += 1
+        self.shortest, self.longest = min(self.shortest, dt), max(self.longest, dt)
+        self.order_reduced += int(view(self.operators.order_reduced))
+        self.singular += int(view(self.operators.singular))
+
+    def diverged(self, text: str) -> DivergedError:
+        """Return the DivergedError with a ``text``, the present step and its time."""
+        return DivergedError(f"{text} at step {self.steps + 1}, t = {self.time:.6g}")
+
+    def require_room(self, what: str, needed: int) -> None:
+        """Raise DivergedError if ``needed`` (0 where all fits) tells that a field for ``what`` overflows."""
+        if needed:
+            where = f"at step {self.steps + 1}, t = {self.time:.6g}"
+            raise DivergedError(f"x, y: too many {what} ({needed}), {where}: the particles have clustered")
 
     @property
     def finished(self):
@@ -15,18 +46,29 @@ class ControlledScheme:
         return self.control.finished
 
     def set_targets(self, targets):
-        """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""
+        """Go on to other targets; return whether a run that had them from the start would have the same steps."""
         return self.control.set_targets(targets, self.time)
 
     def output_times(self, due):
         """Return the times at which there is a snapshot, of those that are ``due``: all, since steps are dense."""
         return due
 
+    def numbers(self):
+        """Return the numbers for ``summary.json`` that both schemes have."""
+        return {
+            "mach": 0.0,
+            "sound_speed": None,
+            "neighbours_mean": self.points.mean_length(),
+            "steps_rejected": self.control.rejected,
+            "order_reduced": self.order_reduced,
+            "neighbourhoods_dropped": self.singular,
+        }
+
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
-        return {**{name: getattr(self, name) for name in self.host_names}, **self.control.host_state()}
+        return {**super().host_state(), **self.control.host_state()}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
-        vars(self).update({name: state[name] for name in self.host_names})
+        super().restore_host_state(state)
         self.control.restore_host_state(state)

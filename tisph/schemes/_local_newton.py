@@ -21,12 +21,12 @@ SLOW = 0.1
 class Modes:
     """Laws of a fluid's modes, each with its ``part`` of the states (``components`` of all modes, ...).
 
-    ``deviation``: what makes C, the deviation of a conformation tensor from rest, of the state of one mode.
+    ``excess``: function that returns C = A - 1, the excess of the conformation tensor, of the state of one mode.
     ``components``: of each mode, if it is another number than that of its law.
     """
 
-    def __init__(self, rheology, kinematic_viscosity, deviation=tuple, components=None):
-        self.laws, self.deviation = rheology.laws(kinematic_viscosity), deviation
+    def __init__(self, rheology, kinematic_viscosity, excess=tuple, components=None):
+        self.laws, self.excess = rheology.laws(kinematic_viscosity), excess
         ends = itertools.accumulate((components or law.components for law in self.laws), initial=0)
         self.parts = [slice(first, last) for first, last in itertools.pairwise(ends)]
         self.components = self.parts[-1].stop
@@ -36,7 +36,7 @@ class Modes:
 
     def stress(self, state, components=3):
         """Return S_xx, S_xy, S_yy (and S_zz) per unit density, the sums over the modes."""
-        each = [law.stress(self.deviation(state[part]))[:components] for law, part in self]
+        each = [law.stress(self.excess(state[part]))[:components] for law, part in self]
         return np.stack([sum(column) for column in zip(*each, strict=True)])
 
 

@@ -1,38 +1,9 @@
-"""The balance of momentum along the channel: what walls and drive put in, against what the fluid has."""
-
-from tisph.runtime import ti, view
+"""The balance of momentum along the channel: the impulses of walls and drive against the momentum of the fluid."""
 
 EVERY_STEP_UNTIL = 64
 STRIDE = 16
 """Wall forces are summed at every step first, when impulsive walls pull hardest, then at every STRIDE-th: the
 trapezoidal rule over 16 steps of a force ~ t^-1/2 has an error of 0.4 % right after step 64, and less and less."""
-
-
-@ti.data_oriented
-class WallForces:
-    """Force along x that each wall exerts on the fluid, by the pairs of particles that straddle it."""
-
-    def __init__(self, lists, operators):
-        self.particles, self.cells, self.operators = lists.particles, lists.cells, operators
-        self.pull = ti.field(ti.f64, shape=2)
-
-    def __call__(self, now):
-        """Return the acceleration along x summed over the particles, by the bottom and the top wall."""
-        self.add_up(now)
-        return view(self.pull).copy()
-
-    @ti.kernel
-    def add_up(self, now: ti.i32):
-        """Sum what wall particles do to the fluid in the rows of cells at the walls."""
-        self.pull[0] = 0.0
-        self.pull[1] = 0.0
-        ti.loop_config(serialize=True)
-        for i in range(self.particles.fluid_number[None]):
-            first_top = self.cells.start[self.cells.place(self.cells.rows[None], 0)]
-            if i < self.cells.start[self.cells.place(1, self.cells.columns[None])] or i >= first_top:
-                pull = self.operators.wall_pull(now, i)
-                self.pull[0] += pull[0]
-                self.pull[1] += pull[1]
 
 
 class MomentumBalance:

@@ -1,4 +1,4 @@
-"""What the program asks of a scheme: of its module, which imports no Taichi, and of the object that takes the steps.
+"""The interface of a scheme: its module, which imports no Taichi, and the object that takes the steps.
 
 A scheme is a module (or a package) of this folder that has what ``SchemeMember`` lists; its name is the ``type`` in a
 config. ``build`` returns the object with the members of ``Scheme``, and only there Taichi is imported. Nothing else is
@@ -6,7 +6,9 @@ asked of a scheme, neither by the simulation nor by observers, checkpoints and r
 such as ``auto``, has what ``ChoiceMember`` lists instead.
 """
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Protocol, TypedDict
 
 import numpy as np
@@ -39,13 +41,13 @@ class Scheme(Protocol):
         """Place the fluid particles at the start time: ``position``, ``velocity`` (particles, 2).
 
         ``stress``: polymer stress xx, xy, yy [mass/(length time^2)], (particles, 3), where the scene starts with one.
-        The order of the particles here is that of every later snapshot.
+        Every later snapshot has the particles in this order.
         """
 
     def advance(self) -> None:
         """Take one step, which ends on the next target time if that is near.
 
-        Raises ``DivergedError`` where no step succeeds or where a field is too small for what it has to hold.
+        Raises ``DivergedError`` where no step succeeds or where a field overflows.
         """
 
     def output_times(self, due: Sequence[float]) -> Sequence[float]:
@@ -58,11 +60,11 @@ class Scheme(Protocol):
         """Return the state at ``time``, one of ``output_times``; at the end of the last step without one.
 
         Arrays (particles,) in the order of ``start``; positions within the box of the scene, pressure of mean 0 where
-        the scheme determines it up to a constant, NaN for what the scheme does not have.
+        the scheme determines it up to a constant, NaN for quantities that the scheme does not have.
         """
 
     def momentum_balance(self) -> Mapping[str, float]:
-        """Return numbers for ``momentum`` in ``summary.json``: change of momentum along x and what caused it.
+        """Return numbers for ``momentum`` in ``summary.json``: change of momentum along x and its causes.
 
         [mass * velocity/length]; see ``_momentum.MomentumBalance.report``. Empty where nothing is known.
         """
@@ -103,8 +105,34 @@ class ProbedScheme(Scheme, Protocol):
         """
 
 
+@dataclass(frozen=True)
+class SampleEstimate:
+    """Estimates of one sample: its time ``t``, the number of ``steps`` up to it, errors as in the summary.
+
+    ``l2`` and ``rms``, see ``measures/metrics.py``, are None where there is no estimate before the run, ``l2`` also
+    where the fluid rests, or nearly so. ``at_most``: the run may have a smaller error. ``steps_reliable``: the steps
+    are an estimate; else no more than a guess, from the speed that the config gives. ``steps_factors``: least and
+    largest steps of the run over ``steps``. ``judged_by``: numbers of the run that decide whether its sample is
+    resolved, in words; empty where that is known before.
+    """
+
+    t: float
+    steps: int
+    l2: float | None = None
+    rms: float | None = None
+    at_most: bool = False
+    steps_reliable: bool = True
+    steps_factors: tuple[float, float] = (1.0, 1.0)
+    judged_by: tuple[str, ...] = ()
+
+    def steps_range(self, steps: int) -> tuple[int, int]:
+        """Return the least and the largest number of steps of the run where ``steps`` are estimated."""
+        low, high = self.steps_factors
+        return max(min(1, steps), math.floor(low * steps)), math.ceil(high * steps)
+
+
 class SchemeEstimates(TypedDict):
-    """What ``tisph check`` prints of a run before it runs. Lengths and times are in the units of the config."""
+    """Numbers that ``tisph check`` prints of a run before it runs. Lengths and times are in the units of the config."""
 
     mach: float
     """Peak speed over the speed of sound; 0 for an incompressible fluid."""
@@ -116,7 +144,7 @@ class SchemeEstimates(TypedDict):
     """Longest step, or a bound of it [time]."""
 
     binding_limit: str
-    """What limits the steps, in a word: ``acoustic``, ``viscous``, ``cfl``, ``strain``, ``accuracy`` or the like."""
+    """Name of the limit of the steps: ``acoustic``, ``viscous``, ``cfl``, ``strain``, ``accuracy`` and others."""
 
     steps: int
     """Steps to the end of the run."""
@@ -127,12 +155,12 @@ class SchemeEstimates(TypedDict):
     lost: bool
     """Whether the result would be worthless: ``tisph check`` refuses the config then."""
 
-    samples: list[Any]
-    """A ``SampleEstimate`` of each sample: steps and errors as far as known; numbers of the run that judge it."""
+    samples: list[SampleEstimate]
+    """Of each sample: steps and errors as far as known; numbers of the run that judge it."""
 
 
 class Member(Protocol):
-    """What every module of this folder has, whether it takes steps or chooses a scheme that does."""
+    """Members of every module of this folder, whether it takes steps or chooses a scheme that does."""
 
     PERIODIC: list[tuple[bool, bool]]
     """Boxes that it can serve, by whether they are periodic in x and y. A literal: it is read without an import."""
@@ -163,7 +191,7 @@ class SchemeMember(Member, Protocol):
         """
 
     def estimates(self, config: Any, scene: Scene) -> SchemeEstimates:
-        """Return what ``tisph check`` says of a run."""
+        """Return the estimates of a run for ``tisph check``."""
 
 
 class ChoiceMember(Member, Protocol):

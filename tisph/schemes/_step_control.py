@@ -1,11 +1,15 @@
-"""Control of the time step: by the estimated error, by a limit that the flow sets, and by the times to be met.
+"""The lengths of time steps: by the estimated error, by a limit that the flow sets, and by the times to be met.
 
 From the error of a step of length dt, over its tolerance, follows the next one, dt (error/tolerance)^(-1/(p+1)) for a
 method of order p, with a margin and within bounds (E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential
 Equations I, Springer 1993, II.4).
+
+Steps without an error estimate are equal, and end exactly on the wanted times.
 """
 
 import math
+from collections.abc import Callable, Mapping
+from typing import Any
 
 SAFETY = 0.9
 SMALLEST_FACTOR = 0.2
@@ -25,16 +29,30 @@ velocities of particles vary along their paths as errors in space do, and steps 
 accurate. With 0.05 the steady flow under a regular lid, 25 across, takes 1933 steps instead of 2688, and has an error
 of 1.73e-3 instead of 1.61e-3; with 0.03 it scatters too much to count as steady."""
 
-HOST_STATE = "dt_next", "targets", "cut_by", "last_rejected"
-"""Attributes of a StepControl that change while it is used."""
+MOST_ATTEMPTS = 20
+"""At one step, before a run is given up."""
 
 
-class StepControl:
+class Kept:
+    """An object that runs on, of which a checkpoint keeps the attributes named in ``kept``: data that JSON can hold."""
+
+    kept: tuple[str, ...] = ()
+
+    def host_state(self) -> dict[str, Any]:
+        """Return the numbers outside the fields that a resumed run needs."""
+        return {name: getattr(self, name) for name in self.kept}
+
+    def restore_host_state(self, state: Mapping[str, Any]) -> None:
+        """Take up the numbers of ``host_state``, which may be among others."""
+        vars(self).update({name: state[name] for name in self.kept})
+
+
+class StepControl(Kept):
     """Chooses steps; what differs between the schemes is given to it. All times are in the units of the config.
 
     ``dt_next``: the next step, if no target cuts it; the scheme sets the first one. ``targets``: times, ascending, that
     steps have still to end on exactly; ``cut_by``: the last one that cut a step. ``last_rejected``: length and error
-    of the last attempt, if it was rejected.
+    of the last attempt, if it was rejected; ``rejected``: number of the attempts that were.
 
     ``tolerance``: of the error of a step. ``limit``: function of what the scheme measures after each step (a velocity
     gradient, a velocity) that returns the longest step. ``fixed``: whether steps are that long whatever their error.
@@ -42,13 +60,15 @@ class StepControl:
     jumps; up to the last target they are targets as well.
     """
 
+    kept = "dt_next", "targets", "cut_by", "last_rejected", "rejected"
+
     def __init__(self, tolerance, limit, *, fixed=False, multistep=False, jump_times=()):
         self.tolerance, self.limit, self.fixed, self.jump_times = tolerance, limit, fixed, sorted(jump_times)
         self.multistep = multistep
         self.largest_factor = LARGEST_MULTISTEP_FACTOR if multistep else LARGEST_FACTOR
         self.last_steps = LAST_MULTISTEPS if multistep else LAST_STEPS
         self.dt_next = math.inf
-        self.targets, self.cut_by, self.last_rejected = [], None, None
+        self.targets, self.cut_by, self.last_rejected, self.rejected = [], None, None, 0
 
     def set_targets(self, targets, time):
         """Go on from ``time`` to these targets; return whether no others have cut steps so far."""
@@ -60,6 +80,24 @@ class StepControl:
     def finished(self):
         """Whether all targets are met."""
         return not self.targets
+
+    def take(
+        self, time: float, attempt: Callable[[float], tuple[float, int]], unresolved: float | None = None
+    ) -> tuple[float | None, float]:
+        """Attempt steps from ``time`` until one is accepted; return its length and its error.
+
+        ``attempt(dt)`` computes the end of a step and returns its error and the order of that; after an infinite error
+        half the length is tried. ``unresolved``: see ``accepts``. The length is None where no step is short enough.
+        """
+        for _ in range(MOST_ATTEMPTS):
+            dt = self.choose_dt(time)
+            error, order = attempt(dt)
+            if math.isinf(error):
+                self.dt_next = 0.5 * dt
+            elif self.accepts(error, order, dt, unresolved):
+                return dt, error
+            self.rejected += 1
+        return None, error
 
     def choose_dt(self, time):
         """Return the step to take from ``time``: ``dt_next``, or an even share of the time left to a near target."""
@@ -105,14 +143,47 @@ class StepControl:
             self.targets.pop(0)
         self.dt_next = min(self.dt_next, self.limit(measured))
 
-    def is_limited(self, measured):
-        """Tell whether the next step is as long as the limit allows."""
-        return self.dt_next == self.limit(measured)
 
-    def host_state(self):
-        """Return what a resumed run needs."""
-        return {name: getattr(self, name) for name in HOST_STATE}
+class StepPlan:
+    """Splits the way to each target time into equal steps no longer than a limit.
 
-    def restore_host_state(self, state):
-        """Take up what ``host_state`` returned, among others."""
-        vars(self).update({name: state[name] for name in HOST_STATE})
+    The limit may change on the way; the step then changes for the rest of the way to the target. ``time`` is
+    the time at the end of the last planned step.
+    """
+
+    def __init__(self, start, targets):
+        self.time = start
+        self.targets = [target for target in targets if target > start]
+        self.limit = math.inf
+        self.step = 0.0
+        self.left = 0
+
+    def next(self, limit):
+        """Plan one more step and return its length: 0 when the last target is reached."""
+        if not self.targets:
+            return 0.0
+        target = self.targets[0]
+        if self.left == 0 or limit != self.limit:
+            self.left = steps_between(self.time, target, limit)
+            self.step = (target - self.time) / self.left
+            self.limit = limit
+        self.left -= 1
+        self.time = self.time + self.step if self.left else self.targets.pop(0)
+        return self.step
+
+    def aim(self, targets):
+        """Go on to other targets; return whether all steps so far led to one of them."""
+        cut_by = self.targets[0] if self.left else self.time
+        ahead = [target for target in targets if target > self.time]
+        if ahead[:1] != self.targets[:1]:
+            self.left = 0
+        self.targets = ahead
+        return cut_by in targets
+
+
+def steps_between(start, target, limit):
+    """Return the number of equal steps no longer than ``limit`` from ``start`` to ``target``, at least 1.
+
+    A remainder of rounding size does not cost a step of its own.
+    """
+    return max(1, math.ceil((target - start) / limit * (1.0 - 1e-12)))

@@ -9,7 +9,7 @@ from typing import Literal
 
 from tisph import registry
 from tisph.config.base import Model
-from tisph.schemes import _supported
+from tisph.schemes import unsupported
 
 PERIODIC = [(True, False), (True, True), (False, False)]
 """Boxes that it can have, by whether they are periodic in x and y: those of what it chooses from."""
@@ -49,7 +49,7 @@ def problems(config):
         return
     obstacle = _obstacle(config, implicit)
     if obstacle:
-        yield from _supported.problems(config, "wcsph")
+        yield from unsupported(config, "wcsph")
     if obstacle and config.time.tolerance != "auto":
         yield "time.tolerance", f"is for scheme implicit, which cannot be taken here: {obstacle}"
 

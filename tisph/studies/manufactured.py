@@ -22,7 +22,7 @@ import numpy as np
 
 from tisph import scenes
 from tisph.errors import ConfigError, TisphError
-from tisph.schemes._supported import AROUND_BODIES
+from tisph.schemes import AROUND_BODIES
 from tisph.snapshot import STRESSES, STRESSES_AROUND
 from tisph.studies import checks
 from tisph.studies.checks import Criterion

@@ -15,7 +15,7 @@ F. Bierbrauer, "No-Slip Boundary Conditions in Smoothed Particle Hydrodynamics",
 are lost and these are reconstructed: p_y = 0 and p_x = 0 from rho_y = rho_x = 0 (slides 13 and 21), no compressible
 terms v_xy/3 and u_xy/4, since the operators here have the plain Laplacian, and v_nn = -u_xy = 0 by continuity. Where a
 wall is steady, nothing drives the fluid and it carries no stress, u_nn = 0: these are the co-moving images, at their
-cost. A wall whose velocity jumps at the start accelerates infinitely for no time: ``schemes/wcsph/_impulse.py``.
+cost. A wall whose velocity jumps at the start accelerates infinitely for no time: ``schemes/wcsph/_boundaries.py``.
 """
 
 from typing import ClassVar, Literal

@@ -5,13 +5,200 @@ With the flow U of ``exact/sliding_corner.py``, and P its pressure per unit dens
     dw/dt = -grad q + nu lap w - F,    F = u . grad U - (nu lap U - grad P),
 
 along the paths of the particles, and are small and smooth near the corners, where u, its acceleration and p are not.
-The particles carry w; along their paths U is evaluated everywhere.
+The particles carry w; along their paths U is evaluated everywhere, and w is interpolated in time.
 """
 
 import numpy as np
 
-from tisph.runtime import view
-from tisph.schemes._splitting._singular_paths import SingularPaths
+from tisph.exact.sliding_corner import DEGREE
+from tisph.runtime import holding, integer, real, ti, view
+from tisph.schemes._splitting._time_levels import VELOCITIES
+
+PARTS = 2
+"""Of a step, in each of which the path of a particle is found by the classical Runge-Kutta method; far from corners
+there is one part."""
+
+FAR = 10.0
+"""Distance from a corner, over the way that its wall goes in a step, from which on a path is found in one part: its
+error is some 1e-7 of the distance."""
+
+N_TIMES = 2 * PARTS + 1
+"""Number of times, evenly from the start of a step to its end, at which w is interpolated."""
+
+STEEPEST = 0.5
+"""Gradient of U times a step beyond which F fades: an explicit step would be unstable with it, and so close to the
+corner w is negligible."""
+
+NEAREST = 1e-30
+"""Distance from a corner that stands for none."""
+
+
+@ti.data_oriented
+class SingularPaths:
+    """Paths of the particles of ``levels`` in the sum of the flows in the ``corners``; positions count from ``origin``.
+
+    ``positions`` (particles): at some time after, or before, the end of the last step. ``found``: F of the points.
+    """
+
+    def __init__(self, corners, origin, levels):
+        self.levels, self.points, self.number = levels, levels.points, integer(len(corners))
+        vector, matrix = ti.types.vector(2, real()), ti.types.matrix(2, 2, real())
+        field = lambda kind, values: holding(ti.field(kind, len(values)), values)  # noqa: E731
+        self.place = field(vector, [np.subtract(corner.place, origin) for corner in corners])
+        self.frame = field(matrix, [[corner.along, corner.inward] for corner in corners])
+        self.stokes = field(ti.types.vector(4, real()), [corner.stokes_coefficients for corner in corners])
+        self.inertial = field(
+            ti.types.vector(4, real()), np.concatenate([corner.inertial_coefficients for corner in corners])
+        )
+        self.speed, self.angle, self.viscosity, self.decay_length, self.log = (
+            field(real(), [getattr(corner, name) for corner in corners])
+            for name in ("speed", "angle", "kinematic_viscosity", "decay_length", "pressure_coefficient")
+        )
+        self.weights = holding(ti.field(ti.types.vector(VELOCITIES, real()), N_TIMES), 0.0)
+        self.positions, self.found = self.points.field(vector), self.points.field(vector)
+        self.found.used = None
+
+    def find(self, weights, dt):
+        """Return the positions (n, 2) of the particles after a time ``dt``, maybe negative, as they lie in memory.
+
+        ``weights(theta)`` (levels, n) give w at the fractions theta (n,) of that time.
+        """
+        view(self.weights)[...] = weights(np.linspace(0.0, 1.0, N_TIMES)).T
+        self.integrate(dt)
+        return view(self.positions)[: int(view(self.points.n_fluid))].astype(float)
+
+    @ti.kernel
+    def integrate(self, whole: float):
+        """Find all paths over the ``whole`` time."""
+        ti.loop_config(serialize=self.points.serial)
+        for i in range(self.points.n_fluid[None]):
+            start = self.levels.position[i]
+            position, total = start, ti.Vector([0.0, 0.0])
+            parts = self.parts(start, whole)
+            step = whole / parts
+            for stage in range(4 * parts):
+                k = stage % 4
+                time = (stage // 4 * 2 + (k + 1) // 2) * (PARTS // parts)
+                rate = self.velocity(position) + self.regular_velocity(time, i)
+                inner = k == 1 or k == 2
+                total += ti.select(inner, 2.0, 1.0) * rate
+                position = start + ti.select(k < 2, 0.5, 1.0) * step * rate
+                if k == 3:
+                    start += step / 6.0 * total
+                    position, total = start, ti.Vector([0.0, 0.0])
+            self.positions[i] = start
+
+    @ti.func
+    def parts(self, position, whole):
+        """Return in how many parts of the ``whole`` time to find a path that starts at a position."""
+        parts = 1
+        for corner in range(self.number[None]):
+            if (position - self.place[corner]).norm() < FAR * ti.abs(self.speed[corner] * whole):
+                parts = PARTS
+        return parts
+
+    @ti.func
+    def regular_velocity(self, time, i):
+        """Return w of a particle at one of the times."""
+        weights, regular = self.weights[time], ti.Vector([0.0, 0.0])
+        for level in ti.static(range(VELOCITIES)):
+            regular += weights[level] * self.levels.velocity(level, i)
+        return regular
+
+    @ti.kernel
+    def find_force(self, dt: float, newest: float, before: float):
+        """Find F of all points for a step ``dt``; ``newest`` and ``before`` are the weights of w at the last levels."""
+        ti.loop_config(serialize=self.points.serial)
+        for i in range(self.points.particles[None]):
+            regular = newest * self.levels.velocity(0, i) + before * self.levels.velocity(1, i)
+            velocity, gradient, acceleration = self.fields(self.points.position[i])
+            steep = dt * gradient.norm() / STEEPEST
+            self.found[i] = (gradient @ (velocity + regular) - acceleration) / (1.0 + steep**4)
+
+    @ti.kernel
+    def find_fastest(self):
+        """Find the largest velocity of a particle relative to their mean, with U."""
+        ti.loop_config(serialize=self.points.serial)
+        for i in range(self.points.n_fluid[None]):
+            self.found[i] = self.levels.velocity(0, i) + self.velocity(self.points.position[i])
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            mean, fastest = ti.Vector([0.0, 0.0]), 0.0
+            for i in range(self.points.n_fluid[None]):
+                mean += self.found[i]
+            mean /= self.points.n_fluid[None]
+            for i in range(self.points.n_fluid[None]):
+                fastest = ti.max(fastest, (self.found[i] - mean).norm())
+            self.levels.fastest[None] = fastest
+
+    @ti.func
+    def velocity(self, position):
+        """Return U at a position; ``CornerSingularity.velocity`` has the formula."""
+        velocity = ti.Vector([0.0, 0.0])
+        for corner in range(self.number[None]):
+            frame = self.frame[corner]
+            radius, theta, cosine, sine = self.polar(corner, position)
+            f, slope, _ = self.slow(corner, theta, cosine, sine)
+            inertial, part = ti.Vector([0.0, 0.0]), 2.0 * theta / self.angle[corner] - 1.0
+            for power in range(DEGREE + 1):
+                coefficients = self.inertial[corner * (DEGREE + 1) + power]
+                inertial = part * inertial + ti.Vector([coefficients[0], coefficients[1]])
+            square = (radius / self.decay_length[corner]) ** 2
+            scale = radius / self.viscosity[corner] * ti.exp(-square)
+            u_r, u_theta = slope + scale * inertial[1], -f - scale * (2.0 - 2.0 * square) * inertial[0]
+            local = ti.Vector([u_r * cosine - u_theta * sine, u_r * sine + u_theta * cosine])
+            velocity += frame.transpose() @ local
+        return velocity
+
+    @ti.func
+    def polar(self, corner, position):
+        """Return the polar coordinates of a position from a corner, and the cosine and sine of the second one."""
+        away = self.frame[corner] @ (position - self.place[corner])
+        radius = ti.max(away.norm(), NEAREST)
+        return radius, ti.atan2(away.y, away.x), away.x / radius, away.y / radius
+
+    @ti.func
+    def slow(self, corner, theta, cosine, sine):
+        """Return f and its first two derivatives at an angle ``theta``."""
+        a, b, c, d = self.stokes[corner]
+        waves = ti.Vector([c * cosine + d * sine, d * cosine - c * sine])
+        f = a * cosine + b * sine + theta * waves[0]
+        return f, b * cosine - a * sine + waves[0] + theta * waves[1], 2.0 * waves[1] - f
+
+    @ti.func
+    def fields(self, position):
+        """Return U, its gradient, of a component along its first axis, and the acceleration by its stresses.
+
+        The formulas are those of ``CornerSingularity``.
+        """
+        velocity, acceleration = ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0])
+        gradient = ti.Matrix([[0.0, 0.0], [0.0, 0.0]])
+        for corner in range(self.number[None]):
+            radius, theta, cosine, sine = self.polar(corner, position)
+            f, slope, bend = self.slow(corner, theta, cosine, sine)
+            h, part = ti.Vector([0.0, 0.0, 0.0, 0.0]), 2.0 * theta / self.angle[corner] - 1.0
+            for power in range(DEGREE + 1):
+                h = part * h + self.inertial[corner * (DEGREE + 1) + power]
+            length, viscosity = self.decay_length[corner], self.viscosity[corner]
+            square, k = (radius / length) ** 2, radius / length**2
+            chi = ti.exp(-square)
+            first, second = (2.0 - 2.0 * square) * chi, (2.0 - 10.0 * square + 4.0 * square**2) * chi
+            third = k * (-24.0 + 36.0 * square - 8.0 * square**2) * chi
+            ways = ti.Matrix([[cosine, sine], [-sine, cosine]]) @ self.frame[corner]
+            scale, g = radius / viscosity, h / viscosity
+            velocity += ways.transpose() @ ti.Vector([slope + scale * chi * h[1], -f - scale * first * h[0]])
+            local = ti.Matrix(
+                [
+                    [(chi - 2.0 * square * chi) * g[1], (bend + f) / radius + chi * g[2] + first * g[0]],
+                    [-second * g[0], (chi - first) * g[1]],
+                ]
+            )
+            gradient += ways.transpose() @ local @ ways
+            log = (chi / radius - 2.0 * k * chi * ti.log(radius / length)) * self.log[corner]
+            radial = (second + first) * h[1] / radius + chi * h[3] / radius - log
+            turning = -(third + k * (4.0 * square - 8.0) * chi) * h[0] + 2.0 * k * chi * h[2]
+            acceleration += ways.transpose() @ ti.Vector([radial, turning])
+        return velocity, gradient, acceleration
 
 
 class CornerSingularities:

@@ -37,17 +37,14 @@ class Coupling:
         if self.bodies.correct(self.bodies.step_residual(loads), self.least, given, found):
             return True
         boundary.normal_curls[...] = given / scale
-        self._move()
+        self.bodies.attempt()
+        self.boundary.velocity = self.boundary.walls.velocities(self.time)
         self.boundary.impose_velocities(self.splitting)
         return False
 
     def error(self):
         """Return that of the step by the bodies: infinite where no velocities have been found for them."""
         return self.bodies.difference() if self.bodies.converged <= self.least else math.inf
-
-    def _move(self):
-        self.bodies.attempt()
-        self.boundary.velocity = self.boundary.walls.velocities(self.time)
 
     def _loads(self, strain, extra_stress):
         """Return force and torque (n, 3) of pressure and strain at the walls, per unit density."""

@@ -52,19 +52,30 @@ class GeneralisedNewtonianStress:
     the end of a step, 0 but for the errors of the operators.
     """
 
-    varying, radius = True, 1.0
-    numbers, components, strain = 8, 2, 3
+    varying = True
 
     def __init__(self, levels, problem):
+        self.axisymmetric, self.lowest_radius = problem.axisymmetric, problem.origin[1]
+        self.strain = 6 if self.axisymmetric else 3
+        self.numbers = 2 * self.strain + 2
         self.levels, self.points, self.n_fluid = levels, levels.points, problem.n_fluid
         self.viscosity = problem.kinematic_viscosity
         self.law = problem.rheology.law(self.viscosity, problem.density)
         self.unweighted, self.operators = levels.operators, copy.copy(levels.operators)
         self.operators.laplacian = ti.field(real(), levels.operators.laplacian.shape)
         self.derived = ti.field(ti.types.vector(self.numbers, real()), self.points.slots + 1)
-        vector = ti.types.vector(self.components, real())
+        vector = ti.types.vector(levels.components, real())
         self.d_dx, self.d_dy, self.force, self.added_force = (ti.field(vector, self.points.capacity) for _ in range(4))
         self.implicit_divergence, self.operators.diagonal = (ti.field(real(), self.points.capacity) for _ in range(2))
+        if self.axisymmetric:
+            self.operators.d_dy = ti.field(real(), levels.operators.d_dy.shape)
+
+    @property
+    def radius(self):
+        """Distances (points,) from the axis; 1 in planar flow."""
+        if not self.axisymmetric:
+            return 1.0
+        return view(self.points.position)[: self.points.fluid, 1].astype(float) + self.lowest_radius
 
     def begin(self):
         """Find the stress of the newest velocities, whose gradients are measured."""
@@ -81,11 +92,23 @@ class GeneralisedNewtonianStress:
         self.add_force(known, dt, self.viscosity)
 
     def find(self, velocity, d_dx, d_dy):
-        """Find stress and viscosities for a velocity: it and its gradients are the first numbers of these fields."""
-        d_dx, d_dy = (view(field)[: self.points.fluid, :2].astype(float) for field in (d_dx, d_dy))
-        along, shear = d_dx[:, 0] - d_dy[:, 1], d_dx[:, 1] + d_dy[:, 0]
-        strain, squared = np.stack([along, shear, -along], axis=1), along**2 + shear**2
-        self.derive(strain, squared, d_dx[:, 1] - d_dy[:, 0])
+        """Find stress and viscosities for a velocity: it and its gradients are the first numbers of these fields.
+
+        In axisymmetric flow 2 D has nothing of the divergence, which is an error.
+        """
+        fluid, components = slice(self.points.fluid), self.levels.components
+        by_x, by_y = (view(field)[fluid, :components].T.astype(float) for field in (d_dx, d_dy))
+        if not self.axisymmetric:
+            along, shear = by_x[0] - by_y[1], by_x[1] + by_y[0]
+            self.derive(np.stack([along, shear, -along], axis=1), along**2 + shear**2, by_x[1] - by_y[0])
+            return
+        (_, v_x, w_x), (u_s, v_s, w_s) = by_x, by_y
+        across, square = view(velocity)[fluid, 1].astype(float), self.radius**2
+        radial = across + square * v_s
+        strain = np.stack([-2.0 * (across + radial), u_s + v_x, 2.0 * radial, 2.0 * across, w_x, w_s], axis=1)
+        diagonal = 0.5 * (strain[:, XX] ** 2 + strain[:, RR] ** 2 + strain[:, TT] ** 2)
+        shear = square * (strain[:, XR] ** 2 + strain[:, XT] ** 2 + square * strain[:, RT] ** 2)
+        self.derive(strain, diagonal + shear, v_x - u_s)
 
     def derive(self, strain, squared, vorticity):
         """Take up 2 D (points, numbers), q and the vorticity (points,), and find the viscosities."""
@@ -113,13 +136,21 @@ class GeneralisedNewtonianStress:
         return abs(float((radius @ power).sum() / dissipation)) if dissipation > 0.0 else None
 
     def wall_stress(self):
-        """Return the stress (3, count) at the points on walls."""
-        return view(self.derived)[self.n_fluid : self.points.fluid, :3].T.astype(float)
+        """Return the stress (numbers, count) at the points on walls: xx, xy, yy, in axisymmetric flow xt and yt."""
+        return self._at_walls(0)
 
     def implicit_wall_stress(self, strain):
-        """Return the stress (3, count) at the points on walls in a step in which 2 D is ``strain`` there."""
-        derived = view(self.derived)[self.n_fluid : self.points.fluid].T.astype(float)
-        return derived[:3] + derived[7] * (strain - derived[3:6])
+        """Return the stress at the points on walls in a step in which 2 D is ``strain`` (numbers, count) there."""
+        implicit = view(self.derived)[self.n_fluid : self.points.fluid, self.numbers - 1].astype(float)
+        return self._at_walls(0) + implicit * (strain - self._at_walls(self.strain))
+
+    def _at_walls(self, first):
+        points = slice(self.n_fluid, self.points.fluid)
+        found = view(self.derived)[points, first : first + self.strain].T.astype(float)
+        if not self.axisymmetric:
+            return found
+        radius = self.radius[points]
+        return np.stack([found[XX], radius * found[XR], found[RR], radius * found[XT], radius**2 * found[RT]])
 
     @ti.func
     def implicit_viscosity(self, i):
@@ -169,46 +200,3 @@ class GeneralisedNewtonianStress:
             self.operators.laplacian[i, k] = factor * self.unweighted.laplacian[i, k]
             if ti.static(self.levels.coordinates.axisymmetric):
                 self.operators.d_dy[i, k] = factor * self.unweighted.d_dy[i, k]
-
-
-@ti.data_oriented
-class GeneralisedNewtonianStressOfRevolution(GeneralisedNewtonianStress):
-    """As ``GeneralisedNewtonianStress``; the operators that velocities are solved with have a weighted d/ds, too."""
-
-    numbers, components, strain = 14, 3, 6
-
-    def __init__(self, levels, problem):
-        super().__init__(levels, problem)
-        self.lowest_radius = problem.origin[1]
-        self.operators.d_dy = ti.field(real(), levels.operators.d_dy.shape)
-
-    @property
-    def radius(self):
-        """Distances (points,) from the axis."""
-        return view(self.points.position)[: self.points.fluid, 1].astype(float) + self.lowest_radius
-
-    def find(self, velocity, d_dx, d_dy):
-        """Find stress and viscosities; of the divergence, which is an error, 2 D has nothing."""
-        (_, v_x, w_x), (u_s, v_s, w_s) = (
-            view(field)[: self.points.fluid, :3].T.astype(float) for field in (d_dx, d_dy)
-        )
-        across, square = view(velocity)[: self.points.fluid, 1].astype(float), self.radius**2
-        radial = across + square * v_s
-        strain = np.stack([-2.0 * (across + radial), u_s + v_x, 2.0 * radial, 2.0 * across, w_x, w_s], axis=1)
-        diagonal = 0.5 * (strain[:, XX] ** 2 + strain[:, RR] ** 2 + strain[:, TT] ** 2)
-        shear = square * (strain[:, XR] ** 2 + strain[:, XT] ** 2 + square * strain[:, RT] ** 2)
-        self.derive(strain, diagonal + shear, v_x - u_s)
-
-    def wall_stress(self):
-        """Return the stress (5, count) at the points on walls: xx, xr, rr, and of x and r with t."""
-        return self._at_walls(slice(0, 6))
-
-    def implicit_wall_stress(self, strain):
-        """Return the stress (5, count) at the points on walls in a step in which 2 D is ``strain`` there."""
-        implicit = view(self.derived)[self.n_fluid : self.points.fluid, -1].astype(float)
-        return self.wall_stress() + implicit * (strain - self._at_walls(slice(6, 12)))
-
-    def _at_walls(self, part):
-        points, radius = slice(self.n_fluid, self.points.fluid), self.radius[self.n_fluid :]
-        found = view(self.derived)[points, part].T.astype(float)
-        return np.stack([found[XX], radius * found[XR], found[RR], radius * found[XT], radius**2 * found[RT]])

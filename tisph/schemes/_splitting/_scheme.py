@@ -1,4 +1,8 @@
-"""Steps of two-dimensional flows in the implicit scheme: predict the end, assemble the operators, solve, shift."""
+"""Steps of two-dimensional flows in the implicit scheme: predict the end, assemble the operators, solve, shift.
+
+The points, operators and extra stress of a problem are planar or axisymmetric, with walls or without. The state at any
+time within the last step follows from the time levels of the particles.
+"""
 
 import math
 from functools import partial
@@ -7,22 +11,39 @@ import numpy as np
 
 from tisph.errors import DivergedError
 from tisph.least_squares import SKIN
-from tisph.neighbours.point_cloud import active
+from tisph.least_squares.axisymmetric import AxisymmetricOperators
+from tisph.least_squares.operators import LeastSquaresOperators
+from tisph.neighbours.point_cloud import PointCloud, active
+from tisph.periodic import PeriodicDomain
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes._controlled_scheme import ControlledScheme
-from tisph.schemes._overflow import clustered
-from tisph.schemes._splitting import _pieces
+from tisph.schemes._shifting import TRAVEL, FickianShifting
 from tisph.schemes._splitting import _step_limits as limits
-from tisph.schemes._splitting._bdf import PRESSURES, VELOCITIES, TimeWeights
 from tisph.schemes._splitting._coupling import Coupling
 from tisph.schemes._splitting._free_bodies import RESIDUAL
-from tisph.schemes._splitting._output import levels_in_order, numbers_of, state
-from tisph.schemes._splitting._pieces import SUPPORT
-from tisph.schemes._splitting._shift import TRAVEL, FickianShifting
+from tisph.schemes._splitting._generalised_newtonian_stress import GeneralisedNewtonianStress
 from tisph.schemes._splitting._splitting_step import SplittingStep
-from tisph.schemes._splitting._time_levels import TimeLevels
+from tisph.schemes._splitting._time_levels import PRESSURES, VELOCITIES, TimeLevels, TimeWeights
+from tisph.schemes._splitting._viscoelastic_stress import ViscoelasticStress
 from tisph.schemes._splitting._wall_boundary import WallBoundary
-from tisph.schemes._splitting._wall_points import MAX_WALLS
+from tisph.schemes._splitting._wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
+from tisph.snapshot import STRESSES, STRESSES_AROUND, Snapshot
+from tisph.solvers.auxiliary_grid import PeriodicGrid
+from tisph.solvers.walled_grid import WalledGrid
+
+SUPPORT = 2.9
+"""Support radius of the operators in particle spacings. Below it a lattice that the flow stretches makes them singular
+before it has broken up; above it the pressure has larger errors."""
+
+SMALLEST_PIVOT = 1e-3
+"""Of the operators: those of order 2, which would take over, are worse than any of order 4 that can be solved for."""
+
+SMALLEST_PIVOT_AT_AXIS = 3e-3
+"""The same where the fluid reaches an axis: those of even functions take over. Points on a sphere had 1.8e-3 and 2.6e-3
+when their equations of the pressure became singular, and runs with a polymer diverged; others have 3.1e-3 and more."""
+
+TOO_LONG = "u, v: no error of a step is small enough, however short it is: the flow needs a smaller spacing;"
+"""Message of a run that stops."""
 
 COURANT = 0.3
 """Longest step over the time in which the fastest particle goes one spacing."""
@@ -32,7 +53,7 @@ REORDER_INTERVAL = 100
 mixed 1e5 of them a step takes 1.7 times as long without."""
 
 
-class Scheme(ControlledScheme):
+class SplittingScheme(ControlledScheme):
     """Particles in a periodic box, advanced step by step; ``time`` and ``steps`` tell how far.
 
     ``problem`` is a ``PeriodicProblem`` or ``BoundedProblem``; ``targets`` are times that steps end on exactly.
@@ -40,13 +61,14 @@ class Scheme(ControlledScheme):
     of the Courant number alone.
     """
 
-    host_names = (*ControlledScheme.host_names, "dts", "iterations", "initial_momentum", "stress_resolution")
+    kept = (*ControlledScheme.kept, "dts", "iterations", "initial_momentum", "stress_resolution")
 
     def __init__(self, problem, targets, serial, tolerance=limits.TOLERANCE, courant=COURANT):
         self.problem, self.initial_momentum, bounded = problem, 0.0, problem.walls is not None
-        self.points = _pieces.points(problem, serial)
-        self.operators = _pieces.operators(problem, self.points)
-        self.grid = _pieces.grid(problem, self.points)
+        self.points = points_of(problem, serial)
+        self.operators = operators_of(problem, self.points)
+        periodic = not bounded
+        self.grid = PeriodicGrid(self.points, problem, problem.height) if periodic else WalledGrid(self.points, problem)
         near = (MAX_WALLS, problem.contact is not None, problem.walls.across_axis) if bounded else ()
         self.shift = FickianShifting(self.points, problem.spacing, *near)
         self.levels = TimeLevels(self.operators, self.shift)
@@ -55,11 +77,12 @@ class Scheme(ControlledScheme):
             self.points.n_fluid = integer(problem.n_fluid)
             self.wall_boundary = WallBoundary(problem, self.levels, self.shift, self.grid, SUPPORT, SKIN)
         boundary = self.wall_boundary.pressure_boundary if bounded else None
-        self.polymer = _pieces.polymer(problem, self.levels)
-        self.extra_stress = self.polymer or _pieces.stress_of_viscosity(problem, self.levels)
+        self.polymer = ViscoelasticStress(self.levels, problem) if problem.carries_stress else None
+        varying = problem.rheology and not problem.carries_stress
+        self.extra_stress = GeneralisedNewtonianStress(self.levels, problem) if varying else self.polymer
         self.splitting = SplittingStep(self.levels, self.grid, problem, boundary, self.extra_stress)
         self.control = limits.step_control(problem, targets, tolerance, courant)
-        least = limits.least_residual(np.float64 if real() == ti.f64 else np.float32)
+        least = limits.ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
         self.tolerance = limits.TOLERANCE if tolerance is None else tolerance
         if bounded and self.wall_boundary.free:
             self.splitting.coupling = Coupling(self.wall_boundary, self.splitting, least)
@@ -68,9 +91,7 @@ class Scheme(ControlledScheme):
 
     def reset(self):
         """Go back to before the first step."""
-        self.time = self.problem.start_time
-        self.steps = self.rejected = self.order_reduced = self.singular = 0
-        self.shortest, self.longest = math.inf, 0.0
+        self.reset_steps(self.problem.start_time)
         self.dts, self.iterations = [], [0.0, 0.0]
         self.output_cache = self.stress_resolution = None
         if self.wall_boundary:
@@ -143,33 +164,21 @@ class Scheme(ControlledScheme):
     def advance(self):
         """Take one step, in as many attempts as its error asks for; raise DivergedError where it runs away."""
         if self.time in self.problem.jump_times:
-            self.restart_steps()
+            self.dts = []  # no polynomial in time continues past a jump
+            self.wall_boundary.jump(self.time)
+            self.begin_steps()
         unresolved = self.levels.divergence_scale * self.problem.spacing / self.error_speed
-        for _ in range(limits.MAX_ATTEMPTS):
-            dt = self.control.choose_dt(self.time)
-            if self.time + 0.1 * dt == self.time:
-                text = "no error of a step is small enough, however short it is: the flow needs a smaller spacing"
-                raise DivergedError(f"u, v: {text}; step {self.steps + 1}, t = {self.time:.6g}")
-            error, order = self.attempt(dt)
-            if math.isinf(error):
-                self.control.dt_next = 0.5 * dt
-            elif self.control.accepts(error / self.error_speed, order, dt, unresolved):
-                break
-            self.rejected += 1
-        else:
-            if math.isinf(error):
-                text = "bodies overlap, or no velocities are found for them, whatever the step"
-                raise DivergedError(f"{text}: step {self.steps + 1}, t = {self.time:.6g}")
+        dt, error = self.control.take(self.time, self.attempt, unresolved)
+        if dt is None and math.isinf(error):
+            raise self.diverged("bodies overlap, or no velocities are found for them, whatever the step,")
+        if dt is None:
+            raise self.diverged(TOO_LONG)
         self.accept_step(dt)
 
-    def restart_steps(self):
-        """Forget earlier levels, since no polynomial in time continues past a jump, and begin as at the start."""
-        self.dts = []
-        self.wall_boundary.jump(self.time)
-        self.begin_steps()
-
     def attempt(self, dt):
-        """Compute the velocities at the end of a step; return their estimated error, and of which order it is."""
+        """Compute the velocities at the end of a step; return their error over the largest one, and its order."""
+        if self.time + 0.1 * dt == self.time:
+            raise self.diverged(TOO_LONG)
         times = TimeWeights([dt, *self.dts], dt)
         view(self.levels.step_weights)[...] = times.step_integral()
         self.levels.predict()
@@ -192,7 +201,8 @@ class Scheme(ControlledScheme):
         if self.extra_stress:
             self.extra_stress.prepare(times, dt, self.time + dt)
             nu += self.extra_stress.viscosity
-        retained = max(0.0, gamma0 - limits.divergence_decay(nu, self.speed, self.problem.spacing) * dt)
+        decay = limits.DECAY[0] * nu / self.problem.spacing**2 + limits.DECAY[1] * self.speed / self.problem.spacing
+        retained = max(0.0, gamma0 - decay * dt)
         self.splitting.sum_history()
         if not self.dts:  # what is carried along as a whole is right from the first guess on, but for rounding errors
             view(self.splitting.velocity.x)[: self.problem.n_fluid, :2] += dt * np.array(self.problem.acceleration)
@@ -206,7 +216,8 @@ class Scheme(ControlledScheme):
         error = max(self.splitting.error(), coupling.error() if coupling else 0.0)
         if math.isnan(error):
             self.require_solution(False)
-        return times.step_error(error, gamma0, self.error_speed)
+        error, order = times.step_error(error, gamma0, self.error_speed)
+        return error / self.error_speed, order
 
     def body_force(self, time):
         """Return the body force (points, components) at ``time`` at the points, divided as the unknowns are."""
@@ -218,9 +229,7 @@ class Scheme(ControlledScheme):
         if self.wall_boundary:
             self.wall_boundary.update_positions(time)
         self.points.find_neighbours()
-        needed = self.points.overflow()
-        if needed:
-            raise clustered(f"neighbours of a particle ({needed})", self.steps + 1, self.time)
+        self.require_room("neighbours of a particle", self.points.overflow())
         self.operators.assemble()
         self.grid.sort()
         if self.wall_boundary:
@@ -229,8 +238,7 @@ class Scheme(ControlledScheme):
     def require_solution(self, found):
         """Raise DivergedError where the linear systems have none."""
         if not found:
-            text = f"the linear systems cannot be solved at step {self.steps + 1}, t = {self.time:.6g}"
-            raise DivergedError(f"u, v, pressure: {text}")
+            raise self.diverged("u, v, pressure: the linear systems cannot be solved")
 
     def accept_step(self, dt):
         """Store the new velocities, measure them, and shift the particles."""
@@ -260,13 +268,8 @@ class Scheme(ControlledScheme):
             raise DivergedError(f"u, v: above {text}: the flow needs {cure}a smaller spacing")
         if (self.steps + 1) % REORDER_INTERVAL == 0:
             self.levels.reorder([self.polymer.tensors] if self.polymer else [])
-        self.time = self.control.end(self.time, dt)
         self.dts = [dt, *self.dts][: VELOCITIES - 1]
-        self.control.step_taken(self.time, self.speed)
-        self.steps += 1
-        self.shortest, self.longest = min(self.shortest, dt), max(self.longest, dt)
-        self.order_reduced += int(view(self.operators.order_reduced))
-        self.singular += int(view(self.operators.singular))
+        self.end_step(dt, self.speed)
         self.iterations = [sum(pair) for pair in zip(self.iterations, self.splitting.iterations, strict=True)]
 
     def snapshot(self, time=None):
@@ -277,8 +280,50 @@ class Scheme(ControlledScheme):
         """
         time = self.time if time is None else time
         if self.output_cache is None or self.output_cache[0] != self.time:
-            self.output_cache = (self.time, *levels_in_order(self))
-        return state(self, time)
+            fluid = self.problem.n_fluid
+            created = np.argsort(active(self.levels.number)[:fluid])
+            stored = [self.levels.fields, self.levels.position, *([self.polymer.tensors] if self.polymer else [])]
+            fields = (active(field)[:fluid][created].astype(float) for field in stored)
+            self.output_cache = self.time, created, *fields
+        problem, walls, offset = self.problem, self.wall_boundary, self.time - time
+        _, created, fields, position, *tensors = self.output_cache
+        dts = self.dts or [1.0]
+        times = TimeWeights([0.0, *dts], dts[0])
+        first, components = self.levels.first_pressure, self.levels.components
+        velocities = fields[:, :first].reshape(len(fields), VELOCITIES, components)
+        axis = position[:, 1] + problem.origin[1]
+        velocities = np.stack([problem.velocities(velocities[:, level], axis) for level in range(VELOCITIES)], axis=1)
+        pressure, velocity = fields[:, first], velocities[:, 0]
+        if offset:
+            velocity = np.einsum("a,iac->ic", times.interpolation(offset, VELOCITIES), velocities)
+            position = position - np.einsum("a,iac->ic", times.integral(offset), velocities[..., :2])
+            pressure = fields[:, first:] @ times.interpolation(offset, PRESSURES)
+            if problem.axisymmetric:  # what is interpolated around the axis is the circulation
+                velocity[:, 2] *= axis / (position[:, 1] + problem.origin[1])
+        if walls and walls.corners:
+            if offset:
+                at = lambda part: times.interpolation(part * offset, VELOCITIES)  # noqa: E731
+                position = walls.corners.paths.find(at, -offset)[created]
+            velocity = velocity + walls.corners.velocity(position)
+            pressure = pressure + walls.corners.pressure(position)
+        stress = [problem.density * part for part in self.polymer.at(times, offset, *tensors, axis)] if tensors else []
+        return Snapshot(
+            t=time,
+            step=self.steps,
+            **dict(zip("xy", problem.places(position), strict=True)),
+            u=velocity[:, 0].copy(),
+            v=velocity[:, 1].copy(),
+            w=velocity[:, 2].copy() if problem.axisymmetric else None,
+            density=np.full(len(position), problem.density),
+            pressure=problem.density * (pressure - pressure.mean()),
+            bodies=walls.bodies(time, times, offset) if walls else None,
+            steepest=self.stress_resolution if self.polymer else None,
+            added_power=None if self.polymer else self.stress_resolution,
+            load_scatter=walls.load_scatter if walls else None,
+            divergence=self.residual,
+            acceleration=self.mean_velocity.acceleration if self.mean_velocity else None,
+            **dict(zip((*STRESSES, *STRESSES_AROUND), stress, strict=False)),
+        )
 
     def momentum_balance(self):
         """Return the ``change`` of momentum along x up to ``time`` [mass * velocity per length], which has no cause."""
@@ -288,8 +333,15 @@ class Scheme(ControlledScheme):
         return {"change": self.problem.density * self.problem.spacing**2 * gained}
 
     def numbers(self):
-        """Return what ``summary.json`` says about this scheme."""
-        return numbers_of(self)
+        """Return the numbers of this scheme for ``summary.json``."""
+        return {
+            **super().numbers(),
+            "particles_wall": 0,
+            "divergence": self.residual,
+            "iterations_pressure": self.iterations[0] / max(self.steps, 1),
+            "iterations_velocity": self.iterations[1] / max(self.steps, 1),
+            **(self.wall_boundary.contacts() if self.wall_boundary else {}),
+        }
 
     def parts(self):
         """Return everything whose fields a resumed run needs, by name."""
@@ -308,3 +360,23 @@ class Scheme(ControlledScheme):
             self.wall_boundary.restore_host_state(state["walls"])
         if self.mean_velocity:
             self.mean_velocity.restore(state["mean_velocity"])
+
+
+def points_of(problem, serial):
+    """Return the ``PointCloud``, whose points near walls have wider supports; ``serial``: without threads."""
+    cutoff = (SUPPORT + SKIN) * problem.spacing
+    if problem.walls is not None:
+        cutoff = cutoff, cutoff + (MAX_WALLS * WALL_SUPPORT + POINT_SUPPORT) * problem.spacing
+    return PointCloud(problem, PeriodicDomain(problem.length, problem.height), cutoff, 0, serial)
+
+
+def operators_of(problem, points):
+    """Return the operators of ``points`` (``PointCloud``), planar or axisymmetric."""
+    bounded = problem.walls is not None
+    # in polar coordinates points lie in layers: near walls operators then have 70 times the rounding errors
+    curved = bounded and problem.walls.curved and real() == ti.f64
+    pivot = SMALLEST_PIVOT_AT_AXIS if problem.axisymmetric and not problem.annular else SMALLEST_PIVOT
+    chosen = points, SUPPORT * problem.spacing, 4, pivot, bounded, curved
+    if problem.axisymmetric:
+        return AxisymmetricOperators(*chosen, lowest_radius=problem.origin[1], annular=problem.annular)
+    return LeastSquaresOperators(*chosen)

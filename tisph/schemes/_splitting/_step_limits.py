@@ -2,8 +2,6 @@
 
 import math
 
-import numpy as np
-
 from tisph.schemes._step_control import StepControl
 
 TOLERANCE = 2e-6
@@ -12,9 +10,6 @@ TOLERANCE = 2e-6
 SMALLEST_SPEED, SMALLEST_SCALE = 0.5, 0.1
 """Parts of the reference velocity below which the Courant number of steps, and their errors, refer to them instead of
 the present velocities. The second is the smaller one, so that errors of a flow that decays stay relative for longer."""
-
-MAX_ATTEMPTS = 20
-"""At one step, before a run is given up."""
 
 RUNAWAY = 1e3
 """Largest velocity over the reference velocity. Bodies that close a gap press some tens of times theirs out of it."""
@@ -61,19 +56,9 @@ def error_speed(fastest, case):
     return max(fastest, SMALLEST_SCALE * case.reference_velocity)
 
 
-def least_residual(kind):
-    """Return the least one that is asked for of the linear systems, in numbers of a ``kind``."""
-    return ROUNDING * float(np.finfo(kind).eps)
-
-
 def residuals(tolerance, least):
     """Return those of pressure and velocities for the ``tolerance`` of a step."""
     return [max(part * tolerance, lowest, least) for part, lowest in (PRESSURE_RESIDUAL, VELOCITY_RESIDUAL)]
-
-
-def divergence_decay(viscosity, speed, spacing):
-    """Return the rate of ``DECAY``."""
-    return DECAY[0] * viscosity / spacing**2 + DECAY[1] * speed / spacing
 
 
 def step_control(case, targets, tolerance, courant):

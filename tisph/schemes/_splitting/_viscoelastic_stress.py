@@ -18,23 +18,63 @@ advection and the stretching of the present stress. Points on walls belong to th
 other; there L is a shear along the wall, by what is known of the velocity. With L as measured, stress grew at them
 (12 spacings between cylinders, Wi = 2.7 at the inner one, a solvent fraction of 0.1: by e in two relaxation times).
 
+In axisymmetric flow without swirl the conformation has xx, xr, rr and tt, t being around the axis, and the velocity
+gradient L_xx, L_xr, L_rx, L_rr and L_tt = v/r. Differentiated is the logarithm P of the conformation with P_xr/r in
+place of P_xr, which is odd in r; the force of a stress T is
+
+    dT_xx/dx + dT_xr/dr + T_xr/r,   dT_xr/dx + dT_rr/dr + (T_rr - T_tt)/r.
+
+T_rr and T_tt are equal on the axis: their logarithms change by L_rr and L_tt, which differ by r^2 times d(v/r)/ds.
+
+With swirl it has all six components, xx, xr, rr, tt, xt and rt. The velocity gradient is that less the rotation w/r of
+the axes r and t along the path of a particle: it also has L_tx = dw/dx and L_tr = dw/dr - w/r, and nothing in place of
+xt and rt. Differentiated are P_xt/r and P_rt/r^2; a stress T exerts the force dT_xt/dx + dT_rt/dr + 2 T_rt/r around the
+axis.
+
 Sources: R. Guenette and M. Fortin, J. Non-Newtonian Fluid Mech. 60 (1995) 27-52 (a viscosity on both sides).
 """
 
 import math
+from types import ModuleType
+from typing import NamedTuple
 
 import numpy as np
 
 from tisph.errors import DivergedError
 from tisph.runtime import real, ti, view
 from tisph.schemes._local_newton import SMALL, Modes, matrix, solve
-from tisph.schemes._splitting._bdf import ORDER
-from tisph.schemes._splitting._log_conformation import conformation_excess, logarithm, rate
-from tisph.schemes._splitting._log_conformation_with_swirl import change_of_logarithm
-from tisph.schemes._splitting._time_levels import gradients, transfer
+from tisph.schemes._splitting import _log_conformation, _log_conformation_with_swirl
+from tisph.schemes._splitting._log_conformation_with_swirl import ModesWithSwirl, change_of_logarithm
+from tisph.schemes._splitting._time_levels import ORDER, gradients, transfer
 
 MAX_LOG_JUMP = 5.0
 """Change of P within a spacing above which a run stops: A changes 150-fold from one particle to the next."""
+
+XR, XT, RT = 1, 4, 5
+"""Indices of components that are odd in the radius, or of second order in it."""
+
+
+class Components(NamedTuple):
+    """Components of the tensors of one kind of flow.
+
+    ``gradient``: number of components of the velocity gradient: xx, xy, yx, yy, then tt, then tx and ty. ``stress``:
+    number of components of the stress: xx, xy, yy, then tt, then xt and yt. ``powers``: indices of components of P, and
+    the powers of the radius by which these are divided where they are differentiated. ``algebra``: module with the
+    functions of P; ``modes``: class of the modes.
+    """
+
+    gradient: int
+    stress: int
+    powers: tuple[tuple[int, int], ...]
+    algebra: ModuleType
+    modes: type[Modes]
+
+
+COMPONENTS = {
+    "planar": Components(4, 3, (), _log_conformation, Modes),
+    "axisymmetric": Components(5, 4, ((XR, 1),), _log_conformation, Modes),
+    "with swirl": Components(7, 6, ((XR, 1), (XT, 1), (RT, 2)), _log_conformation_with_swirl, ModesWithSwirl),
+}
 
 
 @ti.data_oriented
@@ -45,10 +85,6 @@ class ViscoelasticStress:
     """
 
     varying = False
-    velocities, gradient_numbers, stress_numbers = 2, 4, 3
-    powers, radius, ratio = (), 1.0, 1.0
-    conformation_excess, logarithm = staticmethod(conformation_excess), staticmethod(logarithm)
-    rate = staticmethod(rate)
 
     def __init__(self, levels, problem):
         self.levels, self.operators, self.points = levels, levels.operators, levels.points
@@ -56,24 +92,43 @@ class ViscoelasticStress:
         self.origin, self.spacing = problem.origin, problem.spacing
         self.initial_conformation_excess = problem.initial_conformation_excess
         self.source, self.places = problem.conformation_source, problem.places
-        self.modes = self.modes_of(problem)
+        self.axisymmetric, self.swirls = problem.axisymmetric, problem.swirls
+        kind = COMPONENTS["with swirl" if self.swirls else "axisymmetric" if self.axisymmetric else "planar"]
+        self.powers, self.stress_numbers, self.algebra = kind.powers, kind.stress, kind.algebra
+        components = kind.stress if self.axisymmetric else None  # of each mode; in planar flow its law has them
+        excess = kind.algebra.conformation_excess
+        self.modes = kind.modes(problem.rheology, problem.kinematic_viscosity, excess, components)
+        for law in self.modes.laws if self.axisymmetric else ():
+            law.in_three_dimensions()
         self.size = self.modes.components
         self.tensors, self.d_dx, self.d_dy = self._three(ORDER * self.size)
         self.current, self.current_d_dx, self.current_d_dy = self._three(self.size)
         self.tensors.used = slice(self.points.fluid)
         self.d_dx.used = self.d_dy.used = None
-        self.gradient = ti.field(ti.types.vector(self.gradient_numbers, real()), self.points.capacity)
+        self.gradient = ti.field(ti.types.vector(kind.gradient, real()), self.points.capacity)
         self.implicit_stress = ti.field(ti.types.vector(self.stress_numbers, real()), self.points.slots + 1)
         self.force, self.stress_divergence = (
-            ti.field(ti.types.vector(self.velocities, real()), self.points.capacity) for _ in range(2)
+            ti.field(ti.types.vector(levels.components, real()), self.points.capacity) for _ in range(2)
         )
         scratch = self.gradient, self.implicit_stress, self.force, self.stress_divergence
         for field in (*scratch, self.current, self.current_d_dx, self.current_d_dy):
             field.used = None
 
-    def modes_of(self, problem):
-        """Return the modes of a fluid."""
-        return Modes(problem.rheology, problem.kinematic_viscosity, self.conformation_excess)
+    @property
+    def radius(self):
+        """Distances (points,) from the axis at the end of the step; 1 in planar flow."""
+        if not self.axisymmetric:
+            return 1.0
+        return view(self.points.position)[: self.points.fluid, 1].astype(float) + self.origin[1]
+
+    @property
+    def ratio(self):
+        """Distances from the axis before the step over those after it, 1 of points on walls and in planar flow."""
+        if not self.axisymmetric:
+            return 1.0
+        ratio, fluid = np.ones(self.points.fluid), slice(self.n_fluid)
+        ratio[fluid] = (view(self.levels.position)[fluid, 1] + self.origin[1]) / self.radius[fluid]
+        return ratio
 
     def times_radius(self, values, radius):
         """Return ``values`` (..., numbers of all modes, n) times the ``powers`` of a ``radius`` (n,)."""
@@ -103,40 +158,53 @@ class ViscoelasticStress:
 
     def logarithms(self, modes):
         """Return the P that a start with these C of the modes has, as ``tensors`` have it."""
-        return self.times_radius(np.concatenate([self.logarithm(mode) for mode in modes]), 1.0 / self.radius)
-
-    def on_paths(self):
-        """Return P (levels, numbers, points) of the particles at the last time levels."""
-        return self.times_radius(self.states.astype(float), self.radius * self.ratio)
+        if self.axisymmetric:
+            modes = [[*mode, *(self.stress_numbers - len(mode)) * [0.0 * mode[0]]] for mode in modes]
+        return self.times_radius(np.concatenate([self.algebra.logarithm(mode) for mode in modes]), 1.0 / self.radius)
 
     def store(self):
         """Store P at the end of a step as the newest level."""
         self.states[1:] = self.times_radius(self.states[:-1].copy(), self.ratio)
         self.states[0] = self.differentiated()
 
-    def solenoidal(self, gradient):
-        """Take the divergence, an error, off a velocity gradient (4, points)."""
-        gradient[[0, 3]] -= 0.5 * (gradient[0] + gradient[3])
-
     def implicit(self):
-        """Return 2 nu* D (3, points)."""
-        xx, xy, yx, yy = self.gradients
-        return self.viscosity * np.stack([2.0 * xx, xy + yx, 2.0 * yy])
+        """Return 2 nu* D (numbers, points), its components over the ``powers`` of the radius."""
+        (xx, xy, yx, yy, *rest), radius = self.gradients, self.radius
+        rows = [2.0 * xx, (xy + yx) / radius, 2.0 * yy, *(2.0 * tt for tt in rest[:1])]
+        if self.swirls:
+            rows += [rest[1] / radius, rest[2] / radius**2]
+        return self.viscosity * np.stack(rows)
 
     def differentiated(self):
         """Return P as it is differentiated."""
         return self.times_radius(self.state, 1.0 / self.radius)
 
-    def force_of_stress(self, *derivatives):
-        """Return the divergence (2, points) of the stress, for the derivatives (numbers, points) of P by x and y."""
-        d_dx, d_dy = (np.imag(self.modes.stress(self.state + 1j * SMALL * change)) / SMALL for change in derivatives)
-        return np.stack([d_dx[0] + d_dy[1], d_dx[1] + d_dy[2]])
+    def force_of_stress(self, d_dx, d_dy):
+        """Return the force (components, points) of the stress for the derivatives (numbers, points) of P by x and y.
+
+        In axisymmetric flow the second ones are by s, and forces but the first over r.
+        """
+        radius, numbers = self.radius, self.stress_numbers
+        along, across = self.times_radius(d_dx, radius), radius * self.times_radius(d_dy, radius)
+        for component, power in self.powers:
+            across[component::numbers] += power * self.state[component::numbers] / radius
+        by_x, by_y = (
+            np.imag(self.modes.stress(self.state + 1j * SMALL * change, numbers)) / SMALL for change in (along, across)
+        )
+        first, second = by_x[0] + by_y[1], by_x[1] + by_y[2]
+        if not self.axisymmetric:
+            return np.stack([first, second])
+        stress, around = self.modes.stress(self.state, numbers), np.zeros_like(radius)
+        if self.swirls:
+            around = (by_x[XT] + by_y[RT] + 2.0 * stress[RT] / radius) / radius
+        return np.stack([first + stress[1] / radius, (second + (stress[2] - stress[3]) / radius) / radius, around])
 
     def prepare(self, times, dt, time):
         """Take up a step of this ``dt`` that ends at ``time``."""
         gamma0, alpha = times.bdf()
         self.time, self.duration = time, dt / gamma0
-        states, elapsed = self.on_paths(), (times.unit * times.offsets)[:ORDER]
+        states = self.times_radius(self.states.astype(float), self.radius * self.ratio)
+        elapsed = (times.unit * times.offsets)[:ORDER]
         if self.walls:
             states[..., self.n_fluid :] = self.walls.carried(states[..., self.n_fluid :], elapsed, self.time)
         self.explicit_part = np.einsum("a,acn->cn", alpha[:ORDER], states) / gamma0
@@ -165,7 +233,10 @@ class ViscoelasticStress:
         """Find P at the end of a step for a ``velocity`` there."""
         self.measure(velocity)
         gradient = self.gradients = view(self.gradient)[: self.points.fluid].T.astype(float)
-        self.solenoidal(gradient)
+        if self.axisymmetric:  # the divergence is an error
+            gradient[0] -= gradient[0] + gradient[3] + gradient[4]
+        else:
+            gradient[[0, 3]] -= 0.5 * (gradient[0] + gradient[3])
         if self.walls:
             self.take_known(gradient[:, self.n_fluid :])
         for mode, (law, part) in enumerate(self.modes):
@@ -177,7 +248,7 @@ class ViscoelasticStress:
 
     def _rate(self, law, state, gradient):
         """Return dP/dt with what a ``conformation_source`` produces; slopes by a complex ``state`` leave that out."""
-        change = self.rate(law, state, gradient)
+        change = self.algebra.rate(law, state, gradient)
         if self.source:
             change = np.stack(change) + change_of_logarithm(state.real, self.produced)
         return change
@@ -186,6 +257,8 @@ class ViscoelasticStress:
         """Let a velocity gradient (numbers, count) at the points on walls be what is known of it there."""
         plane = gradient[:4]
         plane[...] = self.walls.gradients(plane.reshape(2, 2, -1), self.time).reshape(4, -1)
+        if self.swirls:
+            gradient[5:] = self.walls.gradient_around(gradient[5:])
 
     def take_up(self, velocity, step):
         """Store the P of the ``velocity`` at the end of a ``step`` as the newest level.
@@ -234,8 +307,10 @@ class ViscoelasticStress:
         return self.traction_rows(stress) + self.viscosity * strain
 
     def traction_rows(self, stress):
-        """Return the components of a stress that tractions are made of."""
-        return stress
+        """Return the components of a stress that tractions are made of: xx, xy, yy, in axisymmetric flow xt and yt."""
+        if not self.axisymmetric:
+            return stress
+        return np.concatenate([stress[:3], stress[4:] if self.swirls else np.zeros((2, stress.shape[1]))])
 
     def at(self, times, offset, tensors, radius):
         """Return the stresses (components, n) a time ``offset`` before the end of the last step, of ``tensors``."""
@@ -246,11 +321,21 @@ class ViscoelasticStress:
 
     @ti.kernel
     def measure(self, velocity: ti.template()):
-        """Velocity gradients at all points: du/dx, du/dy, dv/dx, dv/dy."""
+        """Velocity gradients at all points: xx, xy, yx, yy, in axisymmetric flow tt, and with swirl tx and ty."""
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
             d_dx, d_dy = gradients(self.operators, velocity, i)
-            self.gradient[i] = [d_dx.x, d_dy.x, d_dx.y, d_dy.y]
+            if ti.static(not self.axisymmetric):
+                self.gradient[i] = [d_dx.x, d_dy.x, d_dx.y, d_dy.y]
+            else:
+                radius, across = self.levels.coordinates.radius(i), velocity[i].y
+                radial = across + radius * radius * d_dy.y
+                plane = ti.Vector([d_dx.x, radius * d_dy.x, radius * d_dx.y, radial, across])
+                for number in ti.static(range(5)):
+                    self.gradient[i][number] = plane[number]
+                if ti.static(self.swirls):
+                    self.gradient[i][5] = radius * d_dx.z
+                    self.gradient[i][6] = radius * radius * d_dy.z
 
     @ti.kernel
     def current_gradients(self):

@@ -1,4 +1,17 @@
-"""Walls in a step: their positions and velocities at its end, vorticity and loads of earlier levels."""
+"""Walls in a step: their positions and velocities at its end, vorticity and loads of earlier levels.
+
+The boundary condition of the pressure at walls is its normal derivative at the points on them,
+
+    n . grad p = n . (u^ - gamma_0 U) / dt + n . f - nu n . curl omega,
+
+the momentum equation at the wall, in whose last term the divergence of the velocities has no part (G. E. Karniadakis,
+M. Israeli, S. A. Orszag, J. Comput. Phys. 97 (1991) 414-443, eq. 17). The vorticity omega is first the one
+extrapolated to the end of the step, and then that of the velocities found with it.
+
+The forces on bodies scatter from step to step, and with them the drag of a sample. Where particles close to a body come
+to lie in layers its operators, and so its drag, jump for a few steps. Each force is compared with the cubic in time
+through the two before and the two after it, which a drag that varies smoothly follows.
+"""
 
 import math
 from functools import cached_property
@@ -6,14 +19,21 @@ from functools import cached_property
 import numpy as np
 
 from tisph.neighbours.point_cloud import active
-from tisph.runtime import view
-from tisph.schemes._splitting._bdf import VELOCITIES
+from tisph.runtime import holding, real, scalar, ti, view
 from tisph.schemes._splitting._corner_singularities import CornerSingularities
 from tisph.schemes._splitting._free_bodies import FreeBodies
-from tisph.schemes._splitting._load_scatter import STEPS, scatter
-from tisph.schemes._splitting._pressure_boundary import PressureBoundaryCondition
+from tisph.schemes._splitting._time_levels import VELOCITIES
 from tisph.schemes._splitting._wall_points import POINT_SUPPORT
 from tisph.snapshot import Bodies
+
+LOAD_STEPS = 12
+"""Last steps whose forces count."""
+
+CUBIC_NEIGHBOURS = -2, -1, 1, 2
+"""Steps, from one of them, through whose forces the cubic goes."""
+
+MEAN_RADIUS = 2.5
+"""Radius, in particle spacings, of the mean with which the pressure is continued into a gap that closes."""
 
 CURL_LEVELS = 2
 """Levels from which the curl of the vorticity at walls is extrapolated: from three it is unstable."""
@@ -33,6 +53,106 @@ the gradient of a pressure that is to remove it has the opposite divergence."""
 
 LOAD_LEVELS = 3
 """Levels of forces, torques and normal stresses, for values within a step."""
+
+
+def scatter(times, forces):
+    """Return the largest scatter of a body's force, relative to its size, and the number of that body; None if unknown.
+
+    ``times`` (steps,), newest first, ``forces`` (steps, bodies, 2). It is the root mean square over the steps of the
+    difference from the cubic, without the part that the forces on the cubic have in it, over that of the largest force.
+    """
+    if len(times) <= len(CUBIC_NEIGHBOURS):
+        return None
+    middles, squares = np.arange(2, len(times) - 2), 0.0
+    for middle in middles:
+        others = times[[middle + offset for offset in CUBIC_NEIGHBOURS]] - times[middle]
+        weights = np.array([math.prod(b / (b - a) for b in others if b != a) for a in others])
+        cubic = np.einsum("s,sbi->bi", weights, forces[[middle + offset for offset in CUBIC_NEIGHBOURS]])
+        squares = squares + ((forces[middle] - cubic) ** 2).sum(axis=1) / (1.0 + weights @ weights)
+    size = np.sqrt((forces[middles] ** 2).sum(axis=2).mean(axis=0).max())
+    worst = int(np.argmax(squares))
+    return (math.sqrt(squares[worst] / len(middles)) / size, worst) if size > 0.0 else None
+
+
+@ti.data_oriented
+class PressureBoundaryCondition:
+    """Equations at the points on ``walls``.
+
+    ``normal`` into the fluid and ``weight`` of a point, the length of its part of the wall over the area of a
+    particle: with it a constant pressure is left by the equations of particles and points alike.
+
+    ``closing``: bodies may come so close that between them there is no particle, but points on both, whose equations
+    are one and the same: what the pressure is there they leave open. ``continued`` is the part, 0 to 1, in which it is
+    the mean of the pressures around instead, which continues it into the gap. ``narrow`` tells whether a particle is in
+    a gap in which divergence is left as it is.
+    """
+
+    def __init__(self, levels, walls, spacing, closing=False):
+        self.operators, self.points, self.coordinates = levels.operators, levels.points, levels.coordinates
+        vector, capacity = ti.types.vector(2, real()), self.points.capacity
+        self.normal = ti.field(vector, capacity)
+        self.normal_curl, self.vorticity = (ti.field(real(), size) for size in (capacity, self.points.slots + 1))
+        weight, self.slots = np.zeros(capacity), slice(self.points.fluid - walls.count, self.points.fluid)
+        weight[self.slots] = walls.length / spacing**2
+        self.weight = holding(ti.field(real(), capacity), weight)
+        self.closing = closing
+        if closing:
+            self.continued = ti.field(real(), capacity)
+            self.narrow = ti.field(ti.i32, capacity)
+            self.per_spacing = scalar(1.0 / spacing)
+
+    @ti.kernel
+    def impose_neumann_rows(self):
+        """Let the operators of the Laplacian be those of the normal derivative times the weight."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None], self.points.particles[None]):
+            normal, total = self.weight[i] * self.normal[i], 0.0
+            normal.y *= self.coordinates.radius(i)
+            for k in range(self.points.count[i]):
+                weight = normal.x * self.operators.d_dx[i, k] + normal.y * self.operators.d_dy[i, k]
+                if ti.static(self.closing):
+                    weight += self.continued[i] * (self.nearness(i, k) - weight)
+                self.operators.laplacian[i, k] = weight
+                total += weight
+            self.operators.diagonal[i] = -total
+
+    @ti.func
+    def nearness(self, i, k):
+        """Return the weight of neighbour ``k`` of a point in the mean of its neighbours, over the spacing squared."""
+        apart = self.points.separation(i, self.points.neighbours[i, k]) * self.per_spacing[None]
+        return self.per_spacing[None] ** 2 * ti.max(0.0, 1.0 - apart.dot(apart) / MEAN_RADIUS**2) ** 2
+
+    @ti.func
+    def find_normal_curls(self):
+        """Take up the normal part of the curl of the ``vorticity`` at the points."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None], self.points.particles[None]):
+            self.normal_curl[i] = self.curl(i)
+
+    @ti.func
+    def curl(self, i):
+        """Return the normal part of the vorticity's curl at a point."""
+        own, normal, radius = self.vorticity[i], self.normal[i], self.coordinates.radius(i)
+        total = self.coordinates.hoop(normal.x * own)
+        normal *= ti.Vector([radius * radius, radius])
+        for k in range(self.points.count[i]):
+            weight = normal.x * self.operators.d_dy[i, k] - normal.y * self.operators.d_dx[i, k]
+            total += weight * (self.vorticity[self.points.neighbours[i, k]] - own)
+        return total
+
+    @property
+    def normal_curls(self):
+        """Normal parts of the vorticity's curl, (count,), in place."""
+        return view(self.normal_curl)[self.slots]
+
+    @ti.func
+    def right_side(self, i, acceleration, viscosity):
+        """Return the right side at a point where all but pressure and viscosity give an ``acceleration``."""
+        along = self.normal[i].x * acceleration.x + self.coordinates.radius(i) * self.normal[i].y * acceleration.y
+        result = -self.weight[i] * (along - viscosity * self.normal_curl[i])
+        if ti.static(self.closing):
+            result *= 1.0 - self.continued[i]
+        return result
 
 
 class WallBoundary:
@@ -95,7 +215,8 @@ class WallBoundary:
 
     def impose_neumann_rows(self):
         """Replace the Laplacian at the points by the Neumann condition of the pressure."""
-        self.pressure_boundary.set_normals(self.normal)
+        view(self.pressure_boundary.normal)[self.slots] = self.normal
+        self.pressure_boundary.impose_neumann_rows()
 
     def add_corner_force(self, splitting, times, dt):
         """Let the solvers of a step ``dt`` compute the regular part, without the known flow in the corners."""
@@ -214,12 +335,14 @@ class WallBoundary:
         """Take up the force and torque on each body, from the fields at the points at the end of a step at ``time``."""
         extra = extra_stress.wall_stress() if extra_stress else 0.0
         if self.problem.carries_stress:
-            normals = self.problem.density * self.walls.means(_first_normal_stress_difference(extra, self.normal))
+            (xx, xy, yy), (x, y) = extra[:3], self.normal.T
+            difference = (yy - xx) * (x**2 - y**2) - 4.0 * xy * x * y  # N1 at the walls
+            normals = self.problem.density * self.walls.means(difference)
             self.normal_stresses = [normals, *self.normal_stresses][:LOAD_LEVELS]
         pressure = active(self.levels.fields)[self.slots, self.levels.first_pressure].astype(float)
         loads = self.problem.density * self.walls.sums(self.tractions(pressure, self.strain(), extra), time)
-        self.loads = [loads, *self.loads][:STEPS]
-        self.load_times = [np.array(time), *self.load_times][:STEPS]
+        self.loads = [loads, *self.loads][:LOAD_STEPS]
+        self.load_times = [np.array(time), *self.load_times][:LOAD_STEPS]
 
     @property
     def load_scatter(self):
@@ -289,9 +412,3 @@ class WallBoundary:
     def store_normal_curls(self):
         """Keep the curl of the vorticity at the end of a step, which was found last."""
         self.normal_curls = [self.pressure_boundary.normal_curls.copy(), *self.normal_curls][:CURL_LEVELS]
-
-
-def _first_normal_stress_difference(stress, normal):
-    """Return N1 (count,) of a ``stress`` (3, count) at walls with a ``normal`` (count, 2)."""
-    (xx, xy, yy), (x, y) = stress[:3], normal.T
-    return (yy - xx) * (x**2 - y**2) - 4.0 * xy * x * y

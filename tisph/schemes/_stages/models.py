@@ -25,11 +25,13 @@ class ViscoelasticModel(Modes):
     """Laws of a fluid's modes; states C are arrays (numbers of all modes, ...); stresses are per unit density."""
 
     def __init__(self, rheology, kinematic_viscosity):
-        super().__init__(rheology, kinematic_viscosity, deviation)
+        super().__init__(rheology, kinematic_viscosity, conformation_excess)
 
     def initial(self, channel, heights):
         """Return C at ``heights`` of a channel when the run starts."""
-        return np.concatenate([_carried(*mode) for mode in channel.initial_conformation_excess(heights)])
+        modes = channel.initial_conformation_excess(heights)
+        states = [[xx - xy * xy / (1.0 + others[0]), xy, *others] for xx, xy, *others in modes]
+        return np.concatenate([np.stack(state) for state in states])
 
     def shear_stress(self, state, shear_rate):
         """Return S_xy, which does not depend on the instantaneous ``shear_rate``."""
@@ -49,8 +51,11 @@ class ViscoelasticModel(Modes):
         """Solve C = ``known`` + ``gamma_dt`` F(C, ``shear_rate``) from a ``guess``; return C and dS_xy/d shear_rate."""
         state, tangent = np.empty_like(known), 0.0
         for law, part in self:
-            state[part], direction = _update(law, known[part], gamma_dt, shear_rate, guess[part])
-            tangent = tangent + _derivative(law, state[part], direction)
+            rate = lambda c, law=law: _rate(law, c, shear_rate)  # noqa: E731
+            state[part], jacobian = solve(rate, known[part], gamma_dt, guess[part])
+            stretching = np.zeros_like(state[part])
+            stretching[1] = 1.0 + state[part][2]
+            tangent = tangent + _derivative(law, state[part], eliminate(jacobian, gamma_dt * stretching))
         return state, tangent
 
     def linear(self, state, gamma_dt, shear_rate, defect):
@@ -145,36 +150,23 @@ def model_of(rheology, channel):
     return InelasticModel(rheology.law(channel.kinematic_viscosity, channel.density), channel.kinematic_viscosity)
 
 
-def deviation(state):
+def conformation_excess(state):
     """Return A - 1 of one mode: components xx, xy, yy and, where the law has it, zz."""
     first, xy, *others = state
     return (first + xy * xy / (1.0 + others[0]), xy, *others)
 
 
-def _carried(xx, xy, *others):
-    """Return the state of one mode whose A - 1 is given, the inverse of ``deviation``."""
-    return np.stack([xx - xy * xy / (1.0 + others[0]), xy, *others])
-
-
 def _rate(law, state, shear_rate):
     """Return dC/dt of one mode in simple shear."""
-    xx, xy, *others = law.relaxation(deviation(state))
+    xx, xy, *others = law.relaxation(conformation_excess(state))
     tilt = state[1] / (1.0 + state[2])
     return (xx + tilt * (tilt * others[0] - 2.0 * xy), shear_rate * (1.0 + state[2]) + xy, *others)
 
 
 def _shear_stress(law, state):
-    return law.stress(deviation(state))[1]
+    return law.stress(conformation_excess(state))[1]
 
 
 def _derivative(law, state, direction):
     """Return the derivative of S_xy in a direction."""
     return np.imag(_shear_stress(law, state + 1j * SMALL * direction)) / SMALL
-
-
-def _update(law, known, gamma_dt, shear_rate, guess):
-    """``ViscoelasticModel.update`` of one mode; the second result is dC/d shear_rate."""
-    state, jacobian = solve(lambda c: _rate(law, c, shear_rate), known, gamma_dt, guess)
-    stretching = np.zeros_like(state)
-    stretching[1] = 1.0 + state[2]
-    return state, eliminate(jacobian, gamma_dt * stretching)

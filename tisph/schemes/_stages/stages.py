@@ -1,10 +1,15 @@
 """One implicit step of a parallel flow: of the velocities, and with them of an extra stress,
 
-    u' = nu_s A u + D S_xy(C, D u) + s(t),    C' = F(C, D u),    D = d/dy,
+    u' = nu_s A u + D S_xy(C, D u) + s(t),    C' = F(C, D u),    D = d/dy.
 
-by the stages of ``esdirk.py``. A Newtonian fluid has no S and no C. Else C depends on the velocities in a stage through
-D u alone, point by point (``models.py``): linearised, S_xy = S* + t (D u - shear rate*), so that the systems are those
-of the velocities, (1 - g nu_s A - g D t D) u = ...; with a law that is linear there is nothing to repeat.
+A Newtonian fluid has no S and no C. Else C depends on the velocities in a stage through D u alone, point by point
+(``models.py``): linearised, S_xy = S* + t (D u - shear rate*), so that the systems are those of the velocities,
+(1 - g nu_s A - g D t D) u = ...; with a law that is linear there is nothing to repeat.
+
+The stages are those of an L-stable Runge-Kutta method of third order with an error estimate, the implicit part of
+ARK3(2)4L[2]SA: C. A. Kennedy and M. H. Carpenter, Appl. Numer. Math. 44 (2003) 139-181. One stage is explicit, and
+three implicit ones have the same matrix 1 - gamma h nu A. The method damps the stiffest modes completely, so that an
+impulsively started wall needs no other method for its first steps, as Crank-Nicolson does.
 """
 
 import math
@@ -14,14 +19,41 @@ from typing import Protocol
 import numpy as np
 
 from tisph.measures.metrics import root_mean_square
-from tisph.schemes._stages.esdirk import DEFECT, GAMMA, A, B, C, stage_predictors, weighted
+
+FIT_TERMS = 3
+"""Of the polynomial in the wall distance that describes the fluid near a wall."""
+
+EVEN_POWERS = (0, 2, 4)
+"""Powers of the wall distance in the fit for a value at a stress-controlled wall."""
+
+GAMMA = 1767732205903 / 4055673282236
+
+A = (
+    (0.0, 0.0, 0.0, 0.0),
+    (GAMMA, GAMMA, 0.0, 0.0),
+    (2746238789719 / 10658868560708, -640167445237 / 6845629431997, GAMMA, 0.0),
+    (1471266399579 / 7840856788654, -4482444167858 / 7529755066697, 11266239266428 / 11593286722821, GAMMA),
+)
+B = A[3]
+C = (0.0, 2.0 * GAMMA, 0.6, 1.0)
+
+B_HAT = (
+    2756255671327 / 12835298489170,
+    -10771552573575 / 22201958757719,
+    9247589265047 / 10645013368117,
+    2193209047091 / 5459859503100,
+)
+"""Weights of the second-order result; the difference from ``B`` estimates the error."""
+
+EMBEDDED_ORDER = 2
+
+DEFECT = tuple(b - b_hat for b, b_hat in zip(B, B_HAT, strict=True))
 
 SOLVER_TOLERANCE = 1e-3
 """Residual of a stage, over the tolerance of a step."""
 
-MOST_ATTEMPTS = 20
 WORST = 1e6
-"""What counts for an error that is infinite, over the reference velocity: the step is taken again."""
+"""Error over the reference velocity in place of an infinite one: the step is rejected."""
 
 MOST_REPETITIONS = 12
 ROUND_OFF = 1e-11
@@ -33,6 +65,55 @@ ERROR_RESIDUAL = 1e-2
 NEAR, TERMS = 0.1, 8
 """Part of the gap, and terms of a polynomial in it, by which the slopes of the start at the walls are taken."""
 
+
+def stress_excess(depth, side, even_reflection, slope, third):
+    """Return S_xy of images at a ``depth`` beyond the lower (``side`` 0) or upper wall, less that of their sources.
+
+    By its first and third derivatives along y at the wall; beyond one with even reflection by the stress there and its
+    second derivative.
+    """
+    if even_reflection:
+        return 2.0 * slope + depth**2 * third
+    return (1.0 if side == 0 else -1.0) * (depth * (-2.0 * slope - depth**2 / 3.0 * third))
+
+
+def polynomial_fit(distance, values, radius):
+    """Return the coefficients (FIT_TERMS, quantities) of the polynomial in the wall ``distance`` (n,) near a wall.
+
+    The polynomial is the least-squares fit to the ``values`` (n, quantities) at points nearer than ``radius``.
+    """
+    near = distance < radius
+    powers = (distance[near, None] / radius) ** np.arange(FIT_TERMS)
+    return np.linalg.lstsq(powers, values[near], rcond=None)[0] / radius ** np.arange(FIT_TERMS)[:, None]
+
+
+def even_fit(distance, radius):
+    """Return which points at a wall ``distance`` (n,) are within ``radius``, and their weights in the value there.
+
+    That is the value of the even polynomial that fits best.
+    """
+    near = np.flatnonzero(distance < radius)
+    return near, np.linalg.pinv((distance[near, None] / radius) ** np.array(EVEN_POWERS))[0]
+
+
+def stage_predictors():
+    """Weights (4, 4) of the rates before a stage in the predicted velocities: their polynomial, integrated."""
+    weights = np.zeros((4, 4))
+    for stage in range(1, 4):
+        powers = np.arange(stage)
+        nodes = np.array(C[:stage])[:, None] ** powers
+        weights[stage, :stage] = np.linalg.solve(nodes.T, C[stage] ** (powers + 1) / (powers + 1))
+    return weights
+
+
+def weighted(weights, values):
+    """Return the sum of the ``values`` so far, numbers or arrays, each with its weight."""
+    total = weights[0] * values[0]
+    for weight, value in zip(weights[1:], values[1:], strict=False):
+        total = total + weight * value
+    return total
+
+
 PREDICTORS = stage_predictors()
 
 
@@ -40,19 +121,19 @@ class ClosedOperators(Protocol):
     """A and D on points between two walls, which images beyond the walls close; arrays are (points,)."""
 
     def laplacian(self, values):
-        """Return A of velocities, without what walls add."""
+        """Return A of velocities, without the part of walls."""
 
     def gradient(self, values, parity):
         """Return D of values whose images have ``parity`` times theirs."""
 
     def boundary_laplacian(self, series):
-        """Return what the ``series`` of the images of velocities beyond both walls (2, 3) add to A."""
+        """Return the part of A from the ``series`` of the images of velocities beyond both walls (2, 3)."""
 
     def boundary_gradient(self, series):
-        """Return what they add to D."""
+        """Return the part of D from the ``series`` of the images."""
 
     def boundary_stress(self, side, slope, third):
-        """Return what D S has more by the first and third derivative of the stress at a wall."""
+        """Return the part of D S from the first and third derivative of the stress at a wall."""
 
     def solve(self, coefficient, tangent, right, guess, tolerance):
         """Solve (1 - ``coefficient`` A - D ``tangent`` D) x = ``right``; None where that fails.
@@ -145,7 +226,7 @@ class ViscousStages:
         return (None, math.nan) if velocity is None else (FlowState(velocity, known.state), 0.0)
 
     def source(self, stage):
-        """Return what drives the velocities in a stage: acceleration, walls, and ``force``."""
+        """Return the source of the velocities in a stage: acceleration, walls, and ``force``."""
         if self.walls is None:
             return self.force + np.zeros(1)
         if self.steady_source is not None:
@@ -160,7 +241,7 @@ class ViscousStages:
         self.mean_velocity = weighted(B, [flow.velocity for flow in flows])
 
     def error(self, end, gamma_dt, defect, state_defect):
-        """Return the estimated error from what second and third order differ by, filtered as a stage is."""
+        """Return the estimated error: the difference of second and third order, filtered as a stage is."""
         nothing = np.zeros_like(defect)
         error = self.operators.solve(gamma_dt * self.viscosity, None, defect, nothing, ERROR_RESIDUAL)
         return math.nan if error is None else root_mean_square(error)
@@ -171,7 +252,7 @@ class ViscousStages:
 
 
 class CoupledStages(ViscousStages):
-    """The same of a fluid with an extra stress, by the ``model`` of the walls."""
+    """Advances a ``FlowState`` of a fluid with an extra stress, by the ``model`` of the walls."""
 
     def __init__(self, operators, channel, walls):
         super().__init__(operators, channel, walls)
@@ -230,7 +311,7 @@ class CoupledStages(ViscousStages):
         return solution
 
     def coupled_source(self, stage, stress):
-        """Return what drives the velocities: with the divergence of ``stress`` and its images."""
+        """Return the source of the velocities with the divergence of ``stress`` and its images."""
         source = self.source(stage) + self.operators.gradient(stress, 1.0)
         for side, series in enumerate(self.walls.stress_series(stage)):
             source += self.operators.boundary_stress(side, *series)
@@ -242,7 +323,7 @@ class CoupledStages(ViscousStages):
         self.mean_stress = weighted(B, [flow.stress for flow in flows])
 
     def error(self, end, gamma_dt, defect, state_defect):
-        """Return the estimated error, that of the stress and of a wall's velocity included."""
+        """Return the estimated error of velocities, stress and the velocities of walls."""
         relaxed = self.model.linear(end.state, gamma_dt, end.shear_rate, state_defect)
         right = defect + gamma_dt * self.operators.gradient(relaxed, 1.0)
         coefficient, tangent = gamma_dt * self.viscosity, gamma_dt * end.tangent
@@ -259,7 +340,7 @@ class CoupledStages(ViscousStages):
         return self.operators.gradient(velocity, -1.0) + boundary
 
     def wall_values(self, flow):
-        """Return C and du/dy of the fluid at each wall (2, components + 1), by polynomials through what is near."""
+        """Return C and du/dy of the fluid at each wall (2, components + 1), by polynomials in the distance."""
         return np.array([fit[0] for fit in self.operators.wall_fits(np.vstack([flow.state, flow.shear_rate]))])
 
     def initialise(self):
@@ -274,5 +355,5 @@ class CoupledStages(ViscousStages):
 
 
 def stages_of(operators, channel, walls):
-    """Return what advances the flow of a ``channel`` between its ``walls``, a ``WallPair``."""
+    """Return the stages of the flow of a ``channel`` between its ``walls``, a ``WallPair``."""
     return (ViscousStages if walls.model is None else CoupledStages)(operators, channel, walls)

@@ -1,4 +1,4 @@
-"""What walls prescribe for the images beyond them: the Taylor series of velocity and stress at the wall.
+"""Walls and the images beyond them: the Taylor series of velocity and stress at the wall.
 
 Images have twice the even part of the velocity's series less that of their source (``schemes/implicit/_ghosts.py``):
 2 U, and by the momentum equation at the wall u_yy = (U' - g - S_y)/nu_s and u_yyyy. With an extra stress S the slopes
@@ -13,23 +13,25 @@ stages, extrapolated from the last two steps. The image of the stress is S_I = S
 
 import numpy as np
 
-from tisph.schemes._stages.esdirk import GAMMA, A, C, weighted
+from tisph.schemes._stages.stages import GAMMA, A, C, weighted
 
 OBEY_MOMENTUM = {"comoving_image": False, "consistent_image": True, "virtual_image": False}
 """Treatments that the implicit scheme serves, and whether their series follow from the momentum equation."""
 
 
 class PrescribedWall:
-    """A wall of given velocity beside a Newtonian fluid, and what walls of other kinds are asked for.
+    """A wall of given velocity beside a Newtonian fluid, and the interface of other kinds of walls.
 
     ``side``: 0 bottom, 1 top. ``normal_sign``: of the normal into the fluid. ``even_reflection``: whether images of
     velocities have the sign of their sources. ``series``: at each stage of a step c0, c1, c2 of c0 + c1 d^2 + c2 d^4;
     with an even reflection that times d. ``stress_series``: S_y and S_yyy likewise, or S and S_yy.
-    ``jumps``: of its velocity, and of its acceleration relative to the drive, when the run starts.
+    ``jumps``: of its velocity, and of its acceleration relative to the drive, when the run starts. ``kept``: names of
+    the numbers that a resumed run needs.
     """
 
     even_reflection = False
     defect = 0.0
+    kept: tuple[str, ...] = ()
 
     def __init__(self, channel, side, obeys_momentum):
         self.channel, self.side, self.obeys_momentum = channel, side, obeys_momentum
@@ -47,10 +49,6 @@ class PrescribedWall:
             return channel.wall_jumps[self.side], acceleration - channel.acceleration
         before = 0.0 if self.schedule.before is not None else acceleration
         return channel.wall_jumps[self.side], acceleration - before
-
-    def jumps_at(self, time):
-        """Return ``jumps``, or the like of a later ``time`` at which something changes."""
-        return self.jumps if time == self.channel.start_time else self.later_jumps(time)
 
     def later_jumps(self, time):
         """Return by how much velocity and acceleration jump at a ``time`` after the start."""
@@ -80,7 +78,7 @@ class PrescribedWall:
         return self.motion.acceleration(time)
 
     def prepare(self, stages, start):
-        """Find what the flow at the ``start`` of a step says of the wall: nothing of one of given velocity."""
+        """Take up the flow at the ``start`` of a step: it does not alter a wall of given velocity."""
 
     def open(self, stage, time):
         """Begin an implicit stage at ``time``."""
@@ -103,17 +101,16 @@ class PrescribedWall:
 
     def host_state(self):
         """Return the numbers that a resumed run needs."""
-        return {}
+        return {name: np.asarray(getattr(self, name)).tolist() for name in self.kept}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
+        for name in self.kept:
+            setattr(self, name, np.array(state[name]) if isinstance(state[name], list) else state[name])
 
 
 class CoupledWall(PrescribedWall):
-    """The same beside a fluid with an extra stress; ``slope`` and ``third`` (components) are C_y and C_yyy there.
-
-    ``kept``: names of the numbers that a resumed run needs.
-    """
+    """The same beside a fluid with an extra stress; ``slope`` and ``third`` (components) are C_y and C_yyy there."""
 
     kept = "slope", "third"
 
@@ -157,21 +154,12 @@ class CoupledWall(PrescribedWall):
         self.stress_series.append(stress)
 
     def state_excess(self, component):
-        """Return what the images of a component of C have more than their sources, as of the stress."""
+        """Return the derivatives of a component of C at the wall, for its images; see ``boundary_stress``."""
         return self.slope[component], 0.0
 
     def conclude(self):
         """Accept the step: its end is the start of the next."""
         self.slope, self.third = self.ends
-
-    def host_state(self):
-        """Return the numbers that a resumed run needs."""
-        return {name: np.asarray(getattr(self, name)).tolist() for name in self.kept}
-
-    def restore_host_state(self, state):
-        """Take up the numbers of ``host_state``."""
-        for name in self.kept:
-            setattr(self, name, np.array(state[name]) if isinstance(state[name], list) else state[name])
 
 
 class WallSystem:
@@ -192,16 +180,12 @@ class WallSystem:
     def derivatives(self, known, known_third, driving, driving_rate):
         """Return (C_y, C_yyy, u_yy, u_yyyy, S_y, S_yyy) and the rates of the first two.
 
-        ``driving`` is what nu_s u_yy + S_y is.
+        ``driving``: the value of nu_s u_yy + S_y.
         """
         slope, rate, second = self.solve(known, driving)
-        third, third_rate, fourth = self.solve(known_third, self.curvature_rate(driving_rate, rate))
+        third, third_rate, fourth = self.solve(known_third, (driving_rate - self.stress @ rate) / self.viscosity)
         stress = self.stress_slope(slope, second), self.stress_slope(third, fourth)
         return (slope, third, second, fourth, *stress), (rate, third_rate)
-
-    def curvature_rate(self, driving_rate, slope_rate):
-        """Return (u_yy)', by those of what drives and of C_y: what nu_s u_yyyy + S_yyy is."""
-        return (driving_rate - self.stress @ slope_rate) / self.viscosity
 
     def stress_slope(self, slope, curvature):
         """Return S_y."""

@@ -3,7 +3,7 @@
 The velocities obey u' = nu A u + what walls and drive give, A being least-squares rows of order 2 or 4 in the
 arrangement of the middle of a step (``tisph/least_squares``), closed by ghosts beyond the walls (``_ghosts.py``), and
 are advanced by an implicit method of third order with an error estimate (``schemes/_stages``). There is a pressure
-from the moment on when the velocities have a divergence that truncation errors do not explain (``_pressure.py``).
+from the moment on when the velocities have a divergence that truncation errors do not explain (``_field.py``).
 
 That is for flows that are parallel, but for errors. In two-dimensional flow pressure and motion are of third order in
 time, too: ``tisph/schemes/_splitting``.
@@ -16,15 +16,20 @@ from pydantic import Field
 
 from tisph.config.base import Model
 from tisph.least_squares import SKIN, SUPPORT
-from tisph.schemes import _supported
+from tisph.schemes import unsupported
 from tisph.schemes._stages.walls import OBEY_MOMENTUM
-from tisph.schemes.implicit._settings import TOLERANCE, control
+from tisph.schemes._step_control import StepControl
 
 PERIODIC = [(True, False), (True, True), (False, False)]
 """Boxes that it can have, by whether they are periodic in x and y."""
 
 LEAST_COLUMNS = math.ceil(3 * (max(SUPPORT.values()) + SKIN))
 
+TOLERANCE = 3e-7
+"""Of a step, where the config leaves it open."""
+
+FIRST = 0.25
+"""First step in spacing^2 / nu, the time in which a wall that starts moves the layer next to it."""
 
 LARGEST_TOLERANCE, LARGEST_STRAIN = 0.1, 2.0
 """That a config may give."""
@@ -55,9 +60,26 @@ def build(config, scene, targets, serial):
         from tisph.schemes import _splitting
 
         return _splitting.scheme(config, scene, targets, serial)
-    from tisph.schemes.implicit._scheme import Scheme
+    from tisph.schemes.implicit._scheme import ChannelScheme
 
-    return Scheme(config, scene, targets, serial)
+    return ChannelScheme(config, scene, control(config, scene, targets), serial)
+
+
+def control(config, channel, targets):
+    """Return the control of the steps that a config asks for."""
+    tolerance = TOLERANCE if config.time.tolerance == "auto" else config.time.tolerance
+    jump_times = {time for wall in (channel.bottom, channel.top) for time in wall.jump_times}
+    if config.time.cfl != "auto":
+        first = config.time.cfl * channel.spacing / channel.reference_velocity
+        chosen = StepControl(tolerance, lambda _gradient: first, fixed=True, jump_times=jump_times)
+    else:
+        first = FIRST * channel.spacing**2 / channel.kinematic_viscosity
+        strain = config.scheme.largest_strain
+        limit = lambda gradient: strain / gradient if gradient > 0.0 else math.inf  # noqa: E731
+        chosen = StepControl(tolerance, limit, jump_times=jump_times)
+    chosen.dt_next = first
+    chosen.set_targets(targets, channel.start_time)
+    return chosen
 
 
 def coarsen_steps(config, factor):
@@ -70,20 +92,15 @@ def coarsen_steps(config, factor):
     turns = not config.parallel
     tolerance = config.time.tolerance
     if tolerance == "auto":
-        tolerance = usual_tolerance(turns)
+        tolerance = TOLERANCE
+        if turns:
+            from tisph.schemes import _splitting
+
+            tolerance = _splitting.TOLERANCE
     time = {"tolerance": min(tolerance * factor ** (4 if turns else 3), LARGEST_TOLERANCE)}
     strain = {"largest_strain": min(config.scheme.largest_strain * factor, LARGEST_STRAIN)}
     changed = {"time": config.time.model_copy(update=time), "scheme": config.scheme.model_copy(update=strain)}
     return config.model_copy(update=changed)
-
-
-def usual_tolerance(turns):
-    """Return the tolerance of a step where a config gives none; ``turns``: whether the flow does."""
-    if not turns:
-        return TOLERANCE
-    from tisph.schemes import _splitting
-
-    return _splitting.TOLERANCE
 
 
 def orders(config):
@@ -96,7 +113,7 @@ def orders(config):
 
 def problems(config):
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
-    yield from _supported.problems(config, "implicit")
+    yield from unsupported(config, "implicit")
     if not config.parallel:
         yield from _problems_without_walls(config)
         return
@@ -122,7 +139,7 @@ def _problems_without_walls(config):
 
 
 def estimates(config, scene):
-    """Return what ``tisph check`` says of a run of this scheme."""
+    """Return the estimates of a run of this scheme for ``tisph check``."""
     if not scene.parallel:
         from tisph.schemes import _splitting
 

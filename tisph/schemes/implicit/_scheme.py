@@ -12,22 +12,14 @@ from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.runtime import view
 from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._momentum import MomentumBalance
-from tisph.schemes._overflow import clustered
-from tisph.schemes._stages.esdirk import EMBEDDED_ORDER
+from tisph.schemes._shifting import OverlapShifting
 from tisph.schemes._stages.models import model_of
-from tisph.schemes._stages.stages import MOST_ATTEMPTS, SOLVER_TOLERANCE, WORST
+from tisph.schemes._stages.stages import EMBEDDED_ORDER, SOLVER_TOLERANCE, WORST
 from tisph.schemes._stages.wall_pair import WallPair
-from tisph.schemes.implicit._dense import DenseOutput
-from tisph.schemes.implicit._field import VelocityField
-from tisph.schemes.implicit._fixed_ghosts import FixedGhosts
-from tisph.schemes.implicit._ghosts import MirrorGhosts
-from tisph.schemes.implicit._motion import Motion
+from tisph.schemes.implicit._field import Projection, VelocityField
+from tisph.schemes.implicit._ghosts import FixedGhosts, MirrorGhosts
 from tisph.schemes.implicit._operators import ClosedParticleOperators
-from tisph.schemes.implicit._overlap_shifting import OverlapShifting
-from tisph.schemes.implicit._pressure import Projection
-from tisph.schemes.implicit._settings import control
-from tisph.schemes.implicit._step import ImplicitStep
-from tisph.schemes.implicit._wall_force import WallForce
+from tisph.schemes.implicit._step import DenseOutput, ImplicitStep, Motion, WallForce
 from tisph.snapshot import STRESSES, Snapshot
 
 LARGEST_DIVERGENCE = 2e-2
@@ -38,15 +30,15 @@ RESOLVED = 2.0
 """Thickness sqrt(nu t) of a layer, in particle spacings, from which on derivatives of the velocities mean something."""
 
 
-class Scheme(ControlledScheme):
+class ChannelScheme(ControlledScheme):
     """Particles in a channel, advanced step by step; ``time`` and ``steps`` tell how far.
 
-    ``targets`` are times that steps end on exactly. ``serial`` compiles loops without threads.
+    ``control`` is the ``StepControl`` of the run. ``serial`` compiles loops without threads.
     """
 
-    host_names = (*ControlledScheme.host_names, "projections", "transverse")
+    kept = (*ControlledScheme.kept, "projections", "transverse")
 
-    def __init__(self, config, channel, targets, serial):
+    def __init__(self, config, channel, control, serial):
         order = config.scheme.operators.order
         cutoff = (SUPPORT[order] + SKIN) * channel.spacing
         self.channel = channel
@@ -66,15 +58,13 @@ class Scheme(ControlledScheme):
         self.projection = Projection(self.stepper, self.field, channel.gap)
         self.motion = Motion(self.field, self.shift, channel.length)
         self.dense = DenseOutput(self.stepper, self.motion, (self.field.log_volume, self.projection.pressure))
-        self.control = control(config, channel, targets)
+        self.control = control
         self.reset()
 
     def reset(self):
         """Go back to before the first step."""
-        self.time = self.channel.start_time
-        self.steps = self.rejected = self.order_reduced = self.singular = self.projections = 0
-        self.transverse = False
-        self.shortest, self.longest = math.inf, 0.0
+        self.reset_steps(self.channel.start_time)
+        self.projections, self.transverse = 0, False
         self.momentum = MomentumBalance(self.time)
         active(self.field.log_volume)[...] = 0.0
         active(self.projection.pressure)[...] = 0.0
@@ -82,7 +72,7 @@ class Scheme(ControlledScheme):
         self.walls.enter(self.time)
 
     def start(self, position, velocity, _stress=None):
-        """Place the particles, (particles, 2) arrays; what they carry, more than a stress, the channel knows."""
+        """Place the particles, (particles, 2) arrays; the channel knows the states that they carry."""
         active(self.motion.position)[...] = position
         active(self.stepper.velocity)[...] = velocity.T
         self.momentum.initial = float(velocity[:, 0].sum())
@@ -95,20 +85,20 @@ class Scheme(ControlledScheme):
         """Take one step, in as many attempts as its error asks for; raise DivergedError where none succeeds."""
         if self.time in self.control.jump_times:
             self.apply_impulse()
-        for attempt in range(MOST_ATTEMPTS):
-            dt = self.control.choose_dt(self.time)
-            self.assemble(dt, shift=self.steps > 0 and self.layer_resolved and attempt == 0)
-            error = self.solve(dt)
-            if math.isnan(error) or (math.isinf(error) and self.control.fixed):
-                raise DivergedError(
-                    f"u, v: the linear systems cannot be solved at step {self.steps + 1}, t = {self.time:.6g}"
-                )
-            if self.control.accepts(min(error, WORST), EMBEDDED_ORDER, dt):
-                break
-            self.rejected += 1
-        else:
-            raise DivergedError(f"u: no step is short enough at step {self.steps + 1}, t = {self.time:.6g}")
+        dt, _ = self.control.take(self.time, self.attempt)
+        if dt is None:
+            raise self.diverged("u: no step is short enough")
         self.conclude(dt)
+
+    def attempt(self, dt):
+        """Compute the velocities at the end of a step; return their error over the velocity scale, and its order."""
+        first = self.control.last_rejected is None
+        self.assemble(dt, shift=self.steps > 0 and self.layer_thickness >= 1.0 and first)
+        error = self.stepper.advance(self.transverse, self.time, dt, SOLVER_TOLERANCE * self.control.tolerance)
+        error /= self.channel.reference_velocity
+        if math.isnan(error) or (math.isinf(error) and self.control.fixed):
+            raise self.diverged("u, v: the linear systems cannot be solved")
+        return min(error, WORST), EMBEDDED_ORDER
 
     def apply_impulse(self):
         """Let walls that change at once now give their impulse."""
@@ -129,16 +119,6 @@ class Scheme(ControlledScheme):
         if self.projections:
             self.stepper.set_force(-self.projection.gradient(active(self.projection.pressure)))
 
-    def require_room(self, what, needed):
-        """Raise DivergedError if ``needed`` (0 where all fits) tells of an overflow."""
-        if needed:
-            raise clustered(f"{what} ({needed})", self.steps + 1, self.time)
-
-    @property
-    def layer_resolved(self):
-        """Whether a Taylor series describes the velocities: not before layers of a jump are as thick as a spacing."""
-        return self.layer_thickness >= 1.0
-
     @property
     def layer_thickness(self):
         """Thickness sqrt(nu t) of layers at walls that have changed at once, in spacings; infinite without."""
@@ -147,47 +127,27 @@ class Scheme(ControlledScheme):
         since = self.time - max((change for change in self.control.jump_times if change <= self.time), default=0.0)
         return math.sqrt(self.channel.solvent_viscosity * since) / self.channel.spacing
 
-    def solve(self, dt):
-        """Compute the velocities at the end of a step; return the estimated error over the reference velocity."""
-        error = self.stepper.advance(self.transverse, self.time, dt, SOLVER_TOLERANCE * self.control.tolerance)
-        return error / self.channel.reference_velocity
-
-    def require_definite(self):
-        """Raise DivergedError where a polymer has an indefinite conformation tensor."""
-        found = self.stepper.indefinite()
-        if found.size:
-            raise DivergedError(
-                f"stress: the conformation tensor of particle {found[0]} is not positive definite any more, at step "
-                f"{self.steps + 1}, t = {self.time:.6g} ({found.size} particles are wrong)"
-            )
-
     def conclude(self, dt):
         """Measure the new velocities and move the particles."""
-        self.require_definite()
+        wrong = self.stepper.indefinite()
+        if wrong.size:
+            text = f"stress: the conformation tensor of particle {wrong[0]} is not positive definite any more,"
+            where = f"at step {self.steps + 1}, t = {self.time:.6g}"
+            raise DivergedError(f"{text} {where} ({wrong.size} particles are wrong)")
         resolved = self.layer_thickness >= RESOLVED
         self.momentum.add_impulse(self.wall_force.impulse(self.time, dt, resolved))
-        end = self.control.end(self.time, dt)
         self.field.measure(self.transverse)
         if resolved and (self.projections or self.field.residual > LARGEST_DIVERGENCE):
-            self.project(dt)
+            self.transverse = True  # from now on there is a pressure
+            if not self.projection.project(dt):
+                raise self.diverged("pressure: cannot be solved for")
+            self.field.measure(self.transverse)
+            self.projections += 1
         if resolved:
             self.field.advance_volumes(dt)
         self.dense.keep(self.time, dt)
         self.motion.move(dt)
-        self.time = end
-        self.control.step_taken(end, self.field.steepest)
-        self.steps += 1
-        self.shortest, self.longest = min(self.shortest, dt), max(self.longest, dt)
-        self.order_reduced += int(view(self.operators.order_reduced))
-        self.singular += int(view(self.operators.singular))
-
-    def project(self, dt):
-        """Project the velocities at the end of a step; from then on there is a pressure."""
-        self.transverse = True
-        if not self.projection.project(dt):
-            raise DivergedError(f"pressure: cannot be solved for at step {self.steps + 1}, t = {self.time:.6g}")
-        self.field.measure(self.transverse)
-        self.projections += 1
+        self.end_step(dt, self.field.steepest)
 
     def snapshot(self, time=None):
         """Return the state at ``time``, within the last step, or now, as a Snapshot."""
@@ -198,7 +158,7 @@ class Scheme(ControlledScheme):
             stresses = self.stepper.stress()
         else:
             position, velocity, volume, pressure = self.dense.at(time)
-            stresses = self.stepper.stress_at(*self.dense.within(time))
+            stresses = self.stepper.stress_at((time - self.dense.began) / self.dense.dt, self.dense.dt)
         with np.errstate(over="ignore"):  # of a run that diverges; the guard finds it
             density = self.channel.density * np.exp(-volume)
         return Snapshot(
@@ -226,30 +186,25 @@ class Scheme(ControlledScheme):
         return self.momentum.report(self.channel, self.time, float(total))
 
     def numbers(self):
-        """Return what ``summary.json`` says about this scheme."""
+        """Return the numbers of this scheme for ``summary.json``."""
         return {
-            "mach": 0.0,
-            "sound_speed": None,
+            **super().numbers(),
             "particles_wall": int(view(self.ghosts.count)),
-            "neighbours_mean": self.points.mean_length(),
             "projections": self.projections,
-            "steps_rejected": self.rejected,
-            "order_reduced": self.order_reduced,
-            "neighbourhoods_dropped": self.singular,
         }
 
     def parts(self):
         """Return everything whose fields a resumed run needs, by name."""
         parts = {"motion": self.motion, "stepper": self.stepper, "field": self.field, "projection": self.projection}
-        return {**parts, **self.stepper.parts()}
+        return {**parts, **({"polymer": self.stepper.polymer} if self.stepper.polymer else {})}
 
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
-        return {**super().host_state(), "momentum": vars(self.momentum), **self.stepper.host_state()}
+        return {**super().host_state(), "momentum": vars(self.momentum), "walls": self.walls.host_state()}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
         super().restore_host_state(state)
         vars(self.momentum).update(state["momentum"])
         self.walls.enter(self.time)
-        self.stepper.restore_host_state(state)
+        self.walls.restore_host_state(state["walls"])

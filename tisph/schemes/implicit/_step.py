@@ -1,18 +1,30 @@
-"""What the implicit step starts from and leads to, on particles: for motion, output, shifting and checkpoints."""
+"""The implicit step on particles: its start and end, the motion and the state within it, and the force of the walls.
+
+Within the last step the velocities are cubic in time, so that output does not shorten the steps.
+
+The force of a wall, for the balance of momentum along the channel, follows from the shear stress there, once layers are
+resolved: with the distance d from a wall, per unit density, it is A + a d + B d^2, where a = U' - g follows from the
+momentum equation; A and B are fitted to the stresses of the particles near the wall, and the wall pulls with -A. In the
+first moments after a jump there is no such gradient yet: then the force follows from the ghosts' contribution to the
+rows of particles, which is exact on a lattice, and for disordered particles off by some per cent, since least-squares
+operators do not conserve momentum pair by pair. The force of a stress-controlled wall is known.
+"""
 
 import math
 
 import numpy as np
 
 from tisph.neighbours.point_cloud import active
-from tisph.runtime import real
-from tisph.schemes._stages.impulse import apply_impulse
-from tisph.schemes._stages.stages import FlowState, ViscousStages, stages_of
-from tisph.schemes.implicit._dense import hermite
+from tisph.runtime import real, ti, view
+from tisph.schemes._stages.stages import B, C, FlowState, ViscousStages, stages_of
+from tisph.schemes._stages.wall_pair import apply_impulse
+
+TOGETHER = 2**20
+"""Positions of particles at various times that are looked at together."""
 
 
 class PolymerState:
-    """What particles carry of an extra stress, arrays of the states C (components, fluid); a checkpoint keeps them.
+    """States C (components, fluid) of an extra stress that particles carry; a checkpoint keeps them.
 
     ``state`` at the start of a step, ``end`` after it, and before an earlier one: ``start``; ``start_rate``,
     ``end_rate``: their time derivatives; ``slope``: dC/dy; ``shear_rate`` (fluid): du/dy at the start.
@@ -24,7 +36,7 @@ class PolymerState:
 
 
 class ImplicitStep:
-    """Advances the velocities, and with a ``model`` of an extra stress what particles carry of it, ``polymer``.
+    """Advances the velocities, and with a ``model`` of an extra stress the states ``polymer`` that particles carry.
 
     ``velocity`` and ``end`` (2, fluid): at the start and at the end of the step, along and across the channel;
     ``start_rate``, ``end_rate`` their time derivatives there.
@@ -42,7 +54,7 @@ class ImplicitStep:
         self.transverse_state = np.empty((0, fluid))
 
     def begin_with(self, heights):
-        """Take up what else particles at ``heights`` (fluid,) carry when a run starts."""
+        """Set the states of particles at ``heights`` (fluid,) when a run starts."""
         self.walls.reset()
         if self.polymer:
             self.polymer.state[...] = self.model.initial(self.channel, heights)
@@ -62,7 +74,7 @@ class ImplicitStep:
         return gains
 
     def flow(self, component=0):
-        """Return copies of one component's velocities and of what belongs to them, in double precision."""
+        """Return copies of one component's velocities, states and shear rates, in double precision."""
         velocity = active(self.velocity)[component].astype(float)
         if component == 1 or not self.polymer:
             return FlowState(velocity, self.transverse_state)
@@ -79,7 +91,7 @@ class ImplicitStep:
         return math.hypot(*errors)
 
     def advance_component(self, component, time, dt, tolerance):
-        """Compute the end of one component, and with the first that of C; return the estimated error."""
+        """Compute the end of one component, and with the first the end of C; return the estimated error."""
         start = self.flow(component)
         end, error = (self.transverse_stages if component else self.stages).advance(start, time, dt, tolerance)
         if end is None:
@@ -106,7 +118,7 @@ class ImplicitStep:
             slope[...] = operators.gradient(state, 1.0) + sum(images)
 
     def shift_fields(self, moved, across):
-        """Let what else particles carry follow those that were ``moved`` by ``across``."""
+        """Transfer the states of the particles that were ``moved`` by ``across``."""
         if self.polymer:
             self.polymer.state[:, moved] += self.polymer.slope[:, moved] * across
 
@@ -126,14 +138,178 @@ class ImplicitStep:
         ends = polymer.start, polymer.state, polymer.start_rate, polymer.end_rate
         return self.model.stress(hermite(theta, dt, *ends))
 
-    def parts(self):
-        """Return by name what a checkpoint keeps beside the fields here."""
-        return {"polymer": self.polymer} if self.polymer else {}
 
-    def host_state(self):
-        """Return the numbers outside the fields that a resumed run needs."""
-        return {"walls": self.walls.host_state()}
+class DenseOutput:
+    """Positions and velocities at any time of the step that was taken last (Hermite interpolation).
 
-    def restore_host_state(self, state):
-        """Take up the numbers of ``host_state``."""
-        self.walls.restore_host_state(state["walls"])
+    The values of the fields are read once a step: many outputs may fall into one.
+    """
+
+    def __init__(self, step, motion, others):
+        self.step, self.motion, self.others = step, motion, others
+        self.began = self.dt = 0.0
+        self.state = None
+
+    def keep(self, time, dt):
+        """Take note of a step that has been taken, from ``time`` on."""
+        self.began, self.dt, self.state = time, dt, None
+
+    def at(self, time):
+        """Return positions (fluid, 2) and velocities (2, fluid) at ``time``, and the ``others`` (fluid) as they are."""
+        if self.state is None:
+            self.state = self._read()
+        start, end, start_rate, end_rate, position, *others = self.state
+        theta = (time - self.began) / self.dt
+        velocity = hermite(theta, self.dt, start, end, start_rate, end_rate)
+        return position + self._displacement(theta, start, end).T, velocity, *others
+
+    def around(self, times, x, half_width, period):
+        """Return the particles within ``half_width`` of ``x`` (times,), of this ``period``, at each of the ``times``.
+
+        Flat arrays: which time (ascending), and x, y and velocity along the channel of a particle.
+        """
+        if self.state is None:
+            self.state = self._read()
+        start, end, start_rate, end_rate, position = self.state[:5]
+        thetas = (np.asarray(times) - self.began)[:, None] / self.dt
+        found = []
+        for some in np.split(np.arange(len(times)), range(0, len(times), max(1, TOGETHER // position.shape[0]))[1:]):
+            apart = position[:, 0] + self._displacement(thetas[some], start[0], end[0]) - x[some, None]
+            apart -= period * np.round(apart / period)
+            when, particle = np.nonzero(np.abs(apart) < half_width)
+            theta, when = thetas[some[when], 0], some[when]
+            y = position[particle, 1] + self._displacement(theta, start[1, particle], end[1, particle])
+            u = hermite(theta, self.dt, *(values[0, particle] for values in (start, end, start_rate, end_rate)))
+            found.append((when, x[when] + apart[np.searchsorted(some, when), particle], y, u))
+        return [np.concatenate(column) for column in zip(*found, strict=True)]
+
+    def _displacement(self, theta, start, end):
+        return self.dt * (theta * start + 0.5 * theta**2 * (end - start))
+
+    def _read(self):
+        step, motion = self.step, self.motion
+        fields = (motion.start_velocity, step.end, step.start_rate, step.end_rate)
+        return [active(field).astype(float) for field in (*fields, motion.start_position, *self.others)]
+
+
+def hermite(theta, dt, start, end, start_rate, end_rate):
+    """Return at the part ``theta`` of a step of ``dt`` the cubic with these values and time derivatives at its ends."""
+    late = theta * theta * (3.0 - 2.0 * theta)
+    change = dt * theta * (1.0 - theta) * ((1.0 - theta) * start_rate - theta * end_rate)
+    return (1.0 - late) * start + late * end + change
+
+
+class WallForce:
+    """Fits the mean velocities and extra stresses of the last step of an ``ImplicitStep``."""
+
+    def __init__(self, step, channel):
+        self.step, self.operators, self.ghosts, self.channel = step, step.operators, step.ghosts, channel
+        self.viscosity, self.area = channel.solvent_viscosity, channel.length / channel.spacing**2
+
+    def impulse(self, time, dt, resolved):
+        """Return the velocity that the (bottom, top) wall gives in a step, summed over the particles.
+
+        ``resolved``: whether there are gradients at the walls to go by.
+        """
+        walls, ghosts = self.step.walls, self.ghosts
+        ghosts.prescribe(*self.mean(walls.series))
+        mean = np.zeros(ghosts.points.slots + 1)
+        mean[: ghosts.points.fluid] = self.step.stages.mean_velocity
+        beyond = ghosts.part(mean)
+        beyond[...] = ghosts.boundary_values() - ghosts.source_values(mean)
+        if resolved:
+            fitted = zip(walls, self.fitted_stresses(mean, time, dt), strict=True)
+            forces = [-wall.normal_sign * self.area * stress for wall, stress in fitted]
+        else:
+            forces = self.from_images(beyond[ghosts.listed] - mean[ghosts.near[ghosts.row]])
+        wall = walls.stress_controlled
+        if wall:
+            forces[wall.side] = -wall.normal_sign * self.area * wall.mean_stress
+        return [dt * float(force) for force in forces]
+
+    def mean(self, of_stage):
+        """Return the mean over the step of the values ``of_stage`` at each stage."""
+        return sum(weight * np.array(of_stage(stage)) for stage, weight in enumerate(B))
+
+    def fitted_stresses(self, mean, time, dt):
+        """Return the shear stress at the (bottom, top) wall."""
+        ghosts = self.ghosts
+        stress = self.viscosity * self.operators.apply_to(ghosts.near, self.operators.d_dy, mean)
+        if self.step.stages.mean_stress is not None:
+            stress = stress + self.step.stages.mean_stress[ghosts.near]
+        found = []
+        for wall, distance in zip(self.step.walls, ghosts.offset, strict=True):
+            slope = sum(weight * wall.acceleration(time + c * dt) for c, weight in zip(C, B, strict=True))
+            rise = wall.normal_sign * (slope - self.channel.acceleration) * distance
+            found.append(_intercept(distance, stress - rise, ghosts.cutoff))
+        return found
+
+    def from_images(self, differences):
+        """Return the forces of images beyond the (bottom, top) wall by ``differences`` of the mean velocities."""
+        step, ghosts, stress = self.step, self.ghosts, self.step.stages.mean_stress
+        viscous = self.viscosity * ghosts.sums(self.operators.laplacian, differences)[1]
+        if stress is None:
+            return viscous
+        series = self.mean(step.walls.stress_series)
+        more = sum(step.closed_operators.image_stress(side, *series[side]) for side in range(2))
+        images = step.closed_operators.close(stress, 1.0) + more
+        # first derivatives are odd: what pairs of particles leave of each other is the sum over the images
+        both = images[ghosts.listed] + stress[ghosts.near[ghosts.row]]
+        return viscous + ghosts.sums(self.operators.d_dy, both)[1]
+
+
+def _intercept(distance, stress, radius):
+    """Return A of the least-squares fit A + B d^2 to values within a ``radius`` of a wall; without particles, 0."""
+    near = distance < radius
+    square, stress = distance[near] ** 2, stress[near]
+    second, fourth = square.sum(), (square * square).sum()
+    determinant = square.size * fourth - second * second
+    return float(stress.sum() * fourth - (square * stress).sum() * second) / determinant if determinant > 0.0 else 0.0
+
+
+class Motion:
+    """Positions (fluid) and their motion, and positions and velocities (2, fluid) before the last step."""
+
+    def __init__(self, field, shift, period):
+        step = field.step
+        self.field, self.step, self.points, self.shift = field, step, step.points, shift
+        self.period = period
+        self.position, self.start_position = (self.points.field(ti.types.vector(2, real())) for _ in range(2))
+        self.start_velocity = self.points.field(real(), 2)
+
+    def predict(self, half):
+        """Put the points where the particles are in the middle of a step twice as long as ``half``."""
+        place = active(self.position) + half * active(self.step.velocity).T
+        place[:, 0] = self.wrapped(place[:, 0])
+        view(self.points.position)[: self.points.fluid] = place
+
+    def shift_fields(self, half):
+        """Transfer positions and velocities to the shifted points: by the Taylor series of the velocities.
+
+        A shift D in the middle of the step is one by D_x - ``half`` u_y D_y along the channel at its start.
+        """
+        shift = view(self.shift.moved)[: self.points.fluid]
+        moved = np.flatnonzero(shift.any(axis=1))
+        x, y = shift[moved].T
+        slope, curvature = active(self.field.slope)[:, moved], active(self.field.curvature)[:, moved]
+        x = x - half * slope[0, :, 1] * y
+        squares = np.stack([0.5 * x * x, x * y, 0.5 * y * y], axis=1)
+        change = slope[..., 0] * x + slope[..., 1] * y + np.einsum("cnk,nk->cn", curvature, squares)
+        self.step.shift_fields(moved, y)
+        velocity = active(self.step.velocity)
+        velocity[:, moved] += change
+        active(self.position)[moved] = view(self.points.position)[moved] - half * velocity[:, moved].T
+
+    def move(self, dt):
+        """Move the particles over the step and take up the velocities at its end."""
+        position, velocity, end = (active(field) for field in (self.position, self.step.velocity, self.step.end))
+        active(self.start_position)[...] = position
+        active(self.start_velocity)[...] = velocity
+        position += (0.5 * dt) * (velocity + end).T
+        position[:, 0] = self.wrapped(position[:, 0])
+        self.step.accept()
+
+    def wrapped(self, x):
+        """Return ``x`` moved by whole periods into [0, period)."""
+        inside = x - np.floor(x / self.period) * self.period
+        return np.where(inside < self.period, inside, 0.0)

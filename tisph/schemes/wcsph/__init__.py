@@ -1,6 +1,6 @@
 """Explicit weakly compressible SPH: density carried by the particles, pressure from an equation of state.
 
-The steps are in ``_scheme.py``, the kernel that takes one in ``_stepper.py``.
+The steps, and the kernel that takes one, are in ``_scheme.py``.
 """
 
 import math
@@ -14,8 +14,7 @@ from tisph.config.base import Model
 from tisph.config.fields import member_name
 from tisph.equation_of_state import Tait
 from tisph.neighbours import list_radius
-from tisph.schemes import _supported
-from tisph.schemes._supported import AROUND_BODIES
+from tisph.schemes import AROUND_BODIES, unsupported
 
 PERIODIC = [(True, False), (True, True), (False, False)]
 """Boxes that it can have, by whether they are periodic in x and y."""
@@ -36,14 +35,14 @@ class Parameters(Model):
 
 def build(config, scene, targets, serial):
     """Return the scheme of a scene."""
-    from tisph.schemes.wcsph._scheme import Scheme
+    from tisph.schemes.wcsph._scheme import ExplicitScheme
 
-    return Scheme(config, scene, targets, serial)
+    return ExplicitScheme(config, scene, targets, serial)
 
 
 def problems(config):
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
-    yield from _supported.problems(config, "wcsph")
+    yield from unsupported(config, "wcsph")
     if config.time.tolerance != "auto":
         yield "time.tolerance", "is for scheme implicit, which estimates the error of its steps; wcsph has time.cfl"
     if config.fluid.rheology.carries_stress and config.scheme.operators != "consistent":
@@ -91,7 +90,7 @@ def orders(config):
 
 
 def estimates(config, scene):
-    """Return what ``tisph check`` says of a run of this scheme."""
+    """Return the estimates of a run of this scheme for ``tisph check``."""
     from tisph.schemes._estimate import explicit
 
     return explicit(config, scene)

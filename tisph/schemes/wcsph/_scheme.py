@@ -2,7 +2,8 @@
 
 From the state y^n a predictor with the previous rates, y^(n+1/2) = y^n + dt/2 f^(n-1/2) (positions with the new
 velocity), then y^(n+1) = y^n + dt f(y^(n+1/2)). One loop over the particles evaluates, corrects and predicts the next
-middle, reading one buffer and writing the other (``_stepper.py``).
+middle, reading one buffer and writing the other: one kernel finishes the pending step and predicts the next middle. A
+body force that a user gives as a function is evaluated on the host in each step.
 """
 
 import math
@@ -10,36 +11,151 @@ import math
 import numpy as np
 
 from tisph import registry
-from tisph.equation_of_state import compression, pressure, sound_speed
+from tisph.equation_of_state import compression, pressure
+from tisph.errors import ConfigError, DivergedError
 from tisph.fluid import Fluid
 from tisph.neighbours import list_radius
 from tisph.neighbours.cells import Cells
 from tisph.neighbours.verlet import VerletLists
 from tisph.particles import Particles
-from tisph.runtime import view
-from tisph.schemes._overflow import clustered
-from tisph.schemes._plan import StepPlan
-from tisph.schemes._time_step import effective_viscosity, time_step_limits
-from tisph.schemes.wcsph._body_force import BodyForce
+from tisph.runtime import scalar, ti, view
+from tisph.schemes._step_control import Kept, StepPlan
+from tisph.schemes._time_step import limits_of, shift_speed, sound_speed_of
 from tisph.schemes.wcsph._boundaries import PeriodicBoundaries, PlaneWalls
-from tisph.schemes.wcsph._shift import shift_speed
-from tisph.schemes.wcsph._stepper import Stepper
 from tisph.snapshot import Snapshot
+
+AT_WALLS = 1e-9
+"""Acceleration on walls, over the largest in the fluid, that counts as none."""
 
 CONTROL_INTERVAL = 50
 """Steps between two looks at speeds and accelerations for the time step."""
 
-HOST_STATE = (
-    "time", "middle", "end", "built", "steps", "rebuilds", "now", "length", "limit", "shortest", "longest",
-)  # fmt: skip
-"""Attributes of a Scheme that change while it runs."""
+
+class BodyForce:
+    """Accelerations of the ``particles`` in the middle of each step, by the ``body_force`` of a ``scene``.
+
+    Positions of particles count from ``origin`` [length]. Wall treatments continue pressure and velocity as without a
+    body force, so that one which acts on a wall is refused: ``evaluate`` raises ConfigError.
+    """
+
+    def __init__(self, scene, particles, origin):
+        self.scene, self.particles, self.origin = scene, particles, np.array(origin)
+        self.values, self.largest = None, 0.0
+        self.outlines = [(body, body.shape.boundary_points(scene.spacing).point) for body in scene.bodies]
+        x = np.arange(scene.columns) * scene.spacing
+        self.planes = [np.stack([x, np.full_like(x, y)]) for y in (0.0, scene.extent[1]) if scene.walls]
+
+    def evaluate(self, now, middle):
+        """Store the accelerations (fluid, 2) at the time ``middle`` of the pending step, whose buffer is ``now``."""
+        place = self.origin + view(self.particles.mid_position)[now, : self.particles.fluid].astype(float)
+        place = np.where(self.scene.periodic, place % self.scene.extent, place)
+        self.values = np.stack(self.scene.body_force(*place.T, middle), axis=1)
+        self.largest = float(np.hypot(*self.values.T).max())
+        walls = [body.at(middle).to_lab_frame(points).T for body, points in self.outlines]
+        if any(
+            np.abs(self.scene.body_force(*wall, middle)).max() > AT_WALLS * self.largest
+            for wall in (*self.planes, *walls)
+        ):
+            raise ConfigError("body_force: must be 0 on walls with scheme wcsph; scheme implicit has no such limit")
+
+    def apply(self, now, length, half):
+        """Add them to the step of ``length`` that is in the buffer ``now``, and to the ``half`` step after it."""
+        fluid, given = self.particles.fluid, self.values
+        view(self.particles.velocity)[now, :fluid] += length * given
+        view(self.particles.mid_velocity)[now, :fluid] += (length + half) * given
+        view(self.particles.mid_position)[now, :fluid] += half * length * given
 
 
-class Scheme:
+@ti.data_oriented
+class Stepper:
+    """The kernel that advances the particles, and the largest squares that it meets on the way.
+
+    ``drift_squared``: displacement from where the lists expect a particle; ``speed_squared``,
+    ``acceleration_squared``; ``stress_trace`` (where particles carry stress): polymer stress xx + yy.
+    """
+
+    def __init__(self, operators, walls, serial):
+        self.operators, self.walls, self.serial = operators, walls, serial
+        self.particles, self.lists, self.domain = operators.particles, operators.lists, operators.domain
+        self.fluid = operators.fluid
+        self.drift_squared = scalar(0.0)
+        self.speed_squared = scalar(0.0)
+        self.acceleration_squared = scalar(0.0)
+        if self.fluid.carries_stress:
+            self.stress_trace = scalar(0.0)
+
+    @ti.kernel
+    def step(self, now: ti.i32, dt: float, next_dt: float, elapsed: float, between: float):
+        """Finish the pending step of ``dt`` and predict the middle of the one after it.
+
+        ``elapsed``: time from the build of the lists to the new middle; ``between``: from middle to middle.
+        """
+        self.drift_squared[None] = 0.0
+        self.speed_squared[None] = 0.0
+        self.acceleration_squared[None] = 0.0
+        half = 0.5 * next_dt
+        if ti.static(self.fluid.carries_stress):
+            self.stress_trace[None] = 0.0
+        if ti.static(self.walls.tracks_walls):
+            ti.loop_config(serialize=self.serial)
+            for k in range(self.walls.track.count[None]):
+                for top in ti.static(range(2)):
+                    self.walls.track.follow(now, k, top, dt, half)
+        ti.loop_config(serialize=self.serial)
+        for i in range(self.particles.fluid_number[None]):
+            self.advance(now, i, dt, half, elapsed)
+        if ti.static(self.walls.has_dummies):
+            ti.loop_config(serialize=self.serial)
+            for number in range(self.particles.fluid_number[None], self.particles.mobile_number[None]):
+                k = self.particles.slot(number)
+                self.walls.advance(now, k, between)
+                self.walls.extrapolate(1 - now, k)
+        if ti.static(self.walls.tracks_walls):
+            for top in ti.static(range(2)):
+                self.walls.track.move(top, between)
+
+    @ti.func
+    def advance(self, now, i, dt, half, elapsed):
+        """Finish the pending step of particle ``i``, publish its next middle, and measure."""
+        rates = self.operators.rates(now, i)
+        acceleration = rates.acceleration
+        if ti.static(self.domain.has_body_force):
+            acceleration.x += self.domain.acceleration[None]
+        middle_velocity = self.particles.mid_velocity[now, i]
+        position = self.particles.position[now, i] + dt * (middle_velocity + rates.transport)
+        velocity = self.particles.velocity[now, i] + dt * acceleration
+        compression = self.particles.compression[now, i] + dt * rates.compression
+        self.particles.position[1 - now, i] = position
+        self.particles.velocity[1 - now, i] = velocity
+        self.particles.compression[1 - now, i] = compression
+        self.particles.identity[1 - now, i] = self.particles.identity[now, i]
+
+        position += half * (velocity + rates.transport)
+        compression += half * rates.compression
+        self.particles.mid_compression[1 - now, i] = compression
+        next_velocity, pressure = velocity + half * acceleration, self.fluid.pressure(compression)
+        if ti.static(self.fluid.carries_stress):
+            stress = self.particles.stress[now, i] + dt * rates.stress
+            self.particles.stress[1 - now, i] = stress
+            self.walls.publish(1 - now, i, position, next_velocity, pressure, stress + half * rates.stress)
+            ti.atomic_max(self.stress_trace[None], stress[0] + stress[2])
+        else:
+            self.walls.publish(1 - now, i, position, next_velocity, pressure, 0.0)
+        drift = position - self.lists.built_position[i]
+        if ti.static(self.lists.follows_shear):
+            drift.x -= self.lists.reference_velocity[i] * elapsed
+        ti.atomic_max(self.drift_squared[None], drift.dot(drift))
+        ti.atomic_max(self.speed_squared[None], velocity.dot(velocity))
+        ti.atomic_max(self.acceleration_squared[None], acceleration.dot(acceleration))
+
+
+class ExplicitScheme(Kept):
     """Particles in the box of a scene, advanced step by step; ``time`` and ``steps`` tell how far.
 
     ``targets`` are times that steps end on exactly. ``serial`` compiles loops without threads.
     """
+
+    kept = "time", "middle", "end", "built", "steps", "rebuilds", "now", "length", "limit", "shortest", "longest"
 
     def __init__(self, config, scene, targets, serial):
         kernel = registry.load("kernels", config.discretisation.kernel)
@@ -48,19 +164,10 @@ class Scheme:
         stress = registry.compiled("rheology", rheology.type).Stress(scene) if rheology.carries_stress else None
         self.scene = scene
         self.serial = serial
-        self.equation_of_state = config.scheme.equation_of_state
-        self.sound_speed = sound_speed(
-            self.equation_of_state,
-            reference_velocity=scene.peak_velocity,
-            kinematic_viscosity=scene.kinematic_viscosity,
-            length=scene.reference_length,
-            density=scene.density,
-            elastic_speed=scene.elastic_speed,
-        )
-        self.cfl = config.time.cfl
-        self.artificial_viscosity = config.scheme.artificial_viscosity
-        self.smoothing_length = config.discretisation.smoothing_ratio * scene.spacing
-        cutoff = kernel.SUPPORT * self.smoothing_length
+        self.config, self.equation_of_state = config, config.scheme.equation_of_state
+        self.sound_speed = sound_speed_of(config, scene)
+        length = config.discretisation.smoothing_ratio * scene.spacing
+        cutoff = kernel.SUPPORT * length
         radius = list_radius(cutoff, scene.spacing)
 
         self.boundaries = boundaries(config, scene, radius)
@@ -69,9 +176,10 @@ class Scheme:
         self.particles = Particles(scene.particles, *self.boundaries.slots, rheology.carries_stress)
         self.cells = Cells(self.particles, self.domain, self.boundaries.box, radius)
         self.lists = VerletLists(self.cells, cutoff, scene.spacing, serial, treatment.uses_mirror_points)
-        speeds = self.sound_speed, self.cfl, scene.solvent_viscosity / self.smoothing_length
+        speeds = self.sound_speed, config.time.cfl, scene.solvent_viscosity / length
         shift = shift_speed(kernel, config.discretisation.smoothing_ratio, *speeds)
-        self.operators = operators(self.particles, self.lists, self.fluid, kernel, self.artificial_viscosity, shift)
+        artificial = config.scheme.artificial_viscosity
+        self.operators = operators(self.particles, self.lists, self.fluid, kernel, artificial, shift)
         self.walls = self.boundaries.surround(self.operators, kernel)
         self.stepper = Stepper(self.operators, self.walls, serial)
         self.body_force = BodyForce(scene, self.particles, self.boundaries.origin) if scene.body_force else None
@@ -149,18 +257,14 @@ class Scheme:
         """
         scene, stepper = self.scene, self.stepper
         tension = max(0.0, float(view(stepper.stress_trace))) if self.particles.carries_stress else 0.0
-        limits = time_step_limits(
-            self.cfl,
-            smoothing_length=self.smoothing_length,
-            sound_speed=self.sound_speed,
-            reference_velocity=max(scene.peak_velocity, math.sqrt(view(stepper.speed_squared))),
-            kinematic_viscosity=effective_viscosity(
-                scene.solvent_viscosity, self.artificial_viscosity, self.smoothing_length, self.sound_speed
-            ),
+        limits = limits_of(
+            self.config,
+            scene,
+            self.sound_speed,
+            speed=max(scene.peak_velocity, math.sqrt(view(stepper.speed_squared))),
             acceleration=math.sqrt(view(stepper.acceleration_squared))
             + (self.body_force.largest if self.body_force else 0.0),
             elastic_speed=math.sqrt(scene.elastic_speed**2 + tension),
-            relaxation_time=scene.polymer.relaxation_time if scene.polymer else math.inf,
         )
         limit = min(limits.values())
         return limit if limit > 0.0 else self.limit
@@ -181,12 +285,10 @@ class Scheme:
     def require_room(self, what, needed):
         """Raise DivergedError if ``needed`` (0 where all fits) tells of an overflow."""
         if needed:
-            raise clustered(f"{what} ({needed}) around particle {self.most_crowded()}", self.steps, self.time)
-
-    def most_crowded(self):
-        """Return the number of the particle with the longest list of neighbours."""
-        count = view(self.lists.count)[: self.particles.fluid]
-        return int(view(self.particles.identity)[self.now, np.argmax(count)])
+            crowded = np.argmax(view(self.lists.count)[: self.particles.fluid])
+            particle = int(view(self.particles.identity)[self.now, crowded])
+            where = f"around particle {particle}, at step {self.steps}, t = {self.time:.6g}"
+            raise DivergedError(f"x, y: too many {what} ({needed}) {where}: the particles have clustered")
 
     def output_times(self, due):
         """Return the times at which there is a snapshot for those that are ``due``: the end of the last step."""
@@ -244,7 +346,7 @@ class Scheme:
         return self.boundaries.momentum_balance(self.time, self.particles.momentum(self.now))
 
     def parts(self):
-        """Return everything that holds fields, by name: what a checkpoint saves."""
+        """Return everything that holds fields, by name, for a checkpoint."""
         return {
             "stepper": self.stepper,
             "domain": self.domain,
@@ -257,18 +359,16 @@ class Scheme:
 
     def host_state(self):
         """Return the numbers outside the fields that a resumed run needs."""
-        state = {name: getattr(self, name) for name in HOST_STATE}
-        return {**state, "plan": vars(self.plan), "surroundings": self.boundaries.state()}
+        return {**super().host_state(), "plan": vars(self.plan), "surroundings": self.boundaries.host_state()}
 
     def restore_host_state(self, state):
         """Take up the numbers of ``host_state``."""
-        for name in HOST_STATE:
-            setattr(self, name, state[name])
+        super().restore_host_state(state)
         vars(self.plan).update(state["plan"])
-        self.boundaries.restore(state["surroundings"])
+        self.boundaries.restore_host_state(state["surroundings"])
 
     def set_targets(self, targets):
-        """Go on to other targets; return whether the steps so far are those of a run that had them from the start."""
+        """Go on to other targets; return whether a run that had them from the start would have the same steps."""
         same = self.plan.aim(targets)
         if self.finished:  # the rates of the last step are gone: a run that had gone on would predict with them
             self.proceed()
@@ -276,7 +376,7 @@ class Scheme:
         return same
 
     def numbers(self):
-        """Return what ``summary.json`` says about this scheme."""
+        """Return the numbers of this scheme for ``summary.json``."""
         return {
             "mach": self.scene.peak_velocity / self.sound_speed,
             "sound_speed": self.sound_speed,
@@ -287,7 +387,7 @@ class Scheme:
 
 
 def boundaries(config, scene, radius):
-    """Return what is around the fluid of a ``scene``, for lists of this ``radius``."""
+    """Return the boundaries of the fluid of a ``scene``, for lists of this ``radius``."""
     if scene.walls:
         return PlaneWalls(config, scene, radius)
     if scene.bodies:

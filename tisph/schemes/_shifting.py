@@ -1,9 +1,14 @@
-"""Particle shifting down the gradient of the concentration, in the arrangement at the end of a step.
+"""Particle shifting: sweeps that keep the arrangement even enough for the least-squares systems to be solvable.
 
-S. J. Lind, R. Xu, P. K. Stansby, B. D. Rogers, J. Comput. Phys. 231 (2012) 1499-1523: particles diffuse, by -D grad C,
-from where they are dense to where they are not. Without it they gather along the lines that the flow stretches, and the
-operators become singular there. On a lattice it does nothing, however much that is stretched, because all contributions
-cancel: what starts on one is scattered a little beforehand.
+In parallel flow discs of 0.9 spacings that overlap push one another apart, half of the overlap at a time, in the
+arrangement of the middle of a step, in which the operators are to be assembled: no other matters. A sheared lattice has
+no overlap, so that shifting does nothing there, exactly. The velocities are transferred by their Taylor series.
+
+In two-dimensional flow particles are shifted down the gradient of the concentration, in the arrangement at the end of a
+step. S. J. Lind, R. Xu, P. K. Stansby, B. D. Rogers, J. Comput. Phys. 231 (2012) 1499-1523: particles diffuse, by -D
+grad C, from where they are dense to where they are not. Without it they gather along the lines that the flow stretches,
+and the operators become singular there. On a lattice it does nothing, however much that is stretched, because all
+contributions cancel: what starts on one is scattered a little beforehand.
 """
 
 import math
@@ -11,6 +16,16 @@ import math
 import numpy as np
 
 from tisph.runtime import real, scalar, ti, view
+
+DIAMETER = 0.9
+"""Of the discs, in particle spacings."""
+
+SOFTNESS = 0.5
+"""Part of an overlap that a sweep removes on each side."""
+
+OVERLAP_SWEEPS = 4
+SMALLEST = 1e-3
+"""Sweeps against overlap end when nothing moves farther, in particle spacings."""
 
 SUPPORT = 2.0
 """Radius of the kernel of the concentration (Wendland C2), in particle spacings."""
@@ -47,8 +62,74 @@ SCATTER = 0.05
 
 
 @ti.data_oriented
-class FickianShifting:
-    """Moves the particles; ``moved`` (fluid) is by how much.
+class Shifting:
+    """Jacobi sweeps that move the fluid ``points``; ``moved`` (fluid) is by how much.
+
+    ``displacement(i)`` of a subclass is the move of a particle; longer ones than ``LARGEST`` are cut. ``farthest``:
+    length of the longest move of a sweep, before it is cut, where that ``ends`` the sweeps.
+    """
+
+    ends = False
+
+    def __init__(self, points, spacing):
+        self.points = points
+        vector = ti.types.vector(2, real())
+        self.move, self.moved = ti.field(vector, points.capacity), ti.field(vector, points.capacity)
+        self.largest, self.farthest = scalar(LARGEST * spacing), scalar(0.0)
+
+    @ti.kernel
+    def sweep(self):
+        """Move all particles once."""
+        self.farthest[None] = 0.0
+        particles = self.points.n_fluid[None]
+        ti.loop_config(serialize=self.points.serial)
+        for i in range(particles):
+            displacement = self.displacement(i)
+            size = ti.sqrt(displacement.dot(displacement))
+            self.move[i] = displacement * ti.min(1.0, self.largest[None] / ti.max(size, self.largest[None]))
+            if ti.static(self.ends):
+                ti.atomic_max(self.farthest[None], size)
+        ti.loop_config(serialize=self.points.serial)
+        for i in range(particles):
+            self.points.position[i] += self.move[i]
+            self.moved[i] += self.move[i]
+
+
+@ti.data_oriented
+class OverlapShifting(Shifting):
+    """Pushes points apart whose discs overlap; ``ghosts`` follow."""
+
+    ends = True
+
+    def __init__(self, points, ghosts, spacing):
+        super().__init__(points, spacing)
+        self.ghosts, self.spacing, self.smallest = ghosts, scalar(spacing), SMALLEST * spacing
+
+    def shift(self):
+        """Push points apart; return whether any moved."""
+        view(self.moved)[: self.points.fluid] = 0.0
+        farthest = view(self.farthest)
+        for sweep in range(OVERLAP_SWEEPS):
+            self.sweep()
+            self.ghosts.follow()
+            if farthest <= self.smallest:
+                return sweep > 0 or bool(farthest > 0.0)
+        return True
+
+    @ti.func
+    def displacement(self, i):
+        """Return the displacement of particle ``i`` by the overlaps with its neighbours."""
+        reach, displacement = DIAMETER * self.spacing[None], ti.Vector([0.0, 0.0])
+        for k in range(self.points.count[i]):
+            apart = self.points.separation(i, self.points.neighbours[i, k])
+            distance = ti.sqrt(apart.dot(apart)) + 1e-30
+            displacement -= SOFTNESS * ti.max(0.0, reach - distance) / distance * apart
+        return displacement
+
+
+@ti.data_oriented
+class FickianShifting(Shifting):
+    """Moves particles down the gradient of their concentration.
 
     ``walls``: how many walls near a particle count, with their tangents in ``planes`` (fluid, walls) as in
     ``WallPoints.nearest_walls``. There the mirror images of its neighbours, and its own, count as well: with points on
@@ -57,14 +138,13 @@ class FickianShifting:
     """
 
     def __init__(self, points, spacing, walls=0, off_walls=False, across_axis=False):
-        self.points, self.scatter, self.walls, self.off_walls = points, SCATTER * spacing, walls, off_walls
+        super().__init__(points, spacing)
+        self.scatter, self.walls, self.off_walls = SCATTER * spacing, walls, off_walls
         self.sweeps = SWEEPS_ACROSS_AXIS if across_axis else SWEEPS
         self.closest = scalar(CLOSEST * spacing)
         if walls:
             self.planes = ti.field(ti.types.vector(3, real()), (points.capacity, walls))
             self.near = scalar(SUPPORT * spacing)
-        vector = ti.types.vector(2, real())
-        self.move, self.moved = ti.field(vector, points.capacity), ti.field(vector, points.capacity)
         self.listed = ti.field(ti.i32, (points.capacity, points.row_capacity))
         self.count = ti.field(ti.i32, points.capacity)
         self.listed.used = self.count.used = None
@@ -73,7 +153,6 @@ class FickianShifting:
         # slope of the kernel over the distance in supports: 7/pi (1 - q)^4 (1 + 4 q) has -140/pi (1 - q)^3
         self.full = RATE * spacing**2 * 140.0 / math.pi / (SUPPORT * spacing) ** 3 * spacing**2
         self.strength = scalar(self.full)
-        self.largest = scalar(LARGEST * spacing)
 
     def shift(self, first, part):
         """Move all particles to a more even arrangement, at the fraction ``part`` of ``RATE``.
@@ -105,30 +184,22 @@ class FickianShifting:
                 found += ti.cast(apart.dot(apart) < limit, ti.i32) * ti.cast(j < particles, ti.i32)
             self.count[i] = found
 
-    @ti.kernel
-    def sweep(self):
-        """One move of all points."""
-        particles = self.points.n_fluid[None]
-        ti.loop_config(serialize=self.points.serial)
-        for i in range(particles):
-            displacement = ti.Vector([0.0, 0.0])
-            if ti.static(self.walls > 0):
-                displacement = self.displacement_near_walls(i)
-            else:
-                for k in range(self.count[i]):
-                    displacement += self.displacement(self.points.separation(i, self.listed[i, k]))
-            displacement *= self.strength[None]
-            if ti.static(self.off_walls):
-                displacement += self.displacement_off_walls(i)
-            size = ti.sqrt(displacement.dot(displacement))
-            self.move[i] = displacement * ti.min(1.0, self.largest[None] / ti.max(size, self.largest[None]))
-        ti.loop_config(serialize=self.points.serial)
-        for i in range(particles):
-            self.points.position[i] += self.move[i]
-            self.moved[i] += self.move[i]
+    @ti.func
+    def displacement(self, i):
+        """Return the displacement of particle ``i`` by its neighbours, and by the walls near it."""
+        displacement = ti.Vector([0.0, 0.0])
+        if ti.static(self.walls > 0):
+            displacement = self.displacement_near_walls(i)
+        else:
+            for k in range(self.count[i]):
+                displacement += self.displacement_by(self.points.separation(i, self.listed[i, k]))
+        displacement *= self.strength[None]
+        if ti.static(self.off_walls):
+            displacement += self.displacement_off_walls(i)
+        return displacement
 
     @ti.func
-    def displacement(self, apart):
+    def displacement_by(self, apart):
         """Return the displacement, over the strength, by what is ``apart`` from a particle."""
         scaled = self.per_support[None] * apart
         nearness = ti.max(0.0, 1.0 - ti.sqrt(scaled.dot(scaled)))
@@ -145,7 +216,7 @@ class FickianShifting:
             displacement += self.displacement_by_images(i, i)
         for k in range(self.count[i]):
             j = self.listed[i, k]
-            displacement += self.displacement(self.points.separation(i, j))
+            displacement += self.displacement_by(self.points.separation(i, j))
             if near:
                 displacement += self.displacement_by_images(i, j)
         return displacement
@@ -175,10 +246,10 @@ class FickianShifting:
             near = away < self.near[None]
             if near:
                 normal = ti.Vector([plane.x, plane.y])
-                displacement += self.displacement(apart - 2.0 * away * normal)
+                displacement += self.displacement_by(apart - 2.0 * away * normal)
                 # where the walls face each other this is far away
                 corner -= 2.0 * (away + normal.dot(corner - apart)) * normal
             both = both and near
         if both:
-            displacement += self.displacement(corner)
+            displacement += self.displacement_by(corner)
         return displacement

@@ -1,6 +1,6 @@
-"""What the laws of polymers share: the variable that particles carry, and how a flow deforms it.
+"""What laws share: of polymers the variable that particles carry, and how a flow deforms it; of others a viscosity.
 
-The variable is the deviation C = A - 1 of the conformation tensor A from its value at rest, which is 1. With
+The variable of polymers is the excess C = A - 1 of the conformation tensor A over its value at rest, which is 1. With
 L_ab = du_a/dx_b and d/dt along a particle's path every law reads
 
     dC/dt = L C + C L^T + L + L^T + relaxation(C),    S = stress(C),    relaxation(0) = stress(0) = 0
@@ -14,6 +14,7 @@ Source: A. N. Beris and B. J. Edwards, Thermodynamics of Flowing Systems (1994),
 
 from typing import Annotated, ClassVar
 
+import numpy as np
 from pydantic import AfterValidator
 
 from tisph import registry
@@ -34,6 +35,25 @@ SolventFraction = Annotated[float, AfterValidator(_share)]
 """The solvent's share of the total viscosity that stands in ``fluid``."""
 
 
+def exp(x):
+    """The exponential function of NumPy arrays, numbers and Taichi expressions alike."""
+    if isinstance(x, (np.ndarray, np.number, float, complex)):
+        return np.exp(x)
+    from tisph.runtime import ti  # an expression in a kernel: Taichi is there already
+
+    return ti.exp(x)
+
+
+class Inelastic(Model):
+    """Base of the parameters of inelastic laws, whose viscosity depends on the shear rate."""
+
+    carries_stress: ClassVar[bool] = False
+
+    def law(self, viscosity, density):
+        """``Law`` of a fluid with these parameters; ``viscosity`` is that of ``fluid``, over the ``density``."""
+        return registry.load("rheology", self.type).Law(self, viscosity, density)
+
+
 class Mode(Model):
     """Relaxation time [time] of a polymer."""
 
@@ -45,8 +65,12 @@ class Mode(Model):
     relaxation_time: Positive
 
     def laws(self, viscosity):
-        """``laws`` of a fluid of one mode."""
-        return laws(self, viscosity)
+        """Tuple of the one ``Law`` of a fluid whose total viscosity is ``viscosity``."""
+        return (self.law((1.0 - self.solvent_fraction) * viscosity),)
+
+    def law(self, polymer_viscosity):
+        """``Law`` of this mode."""
+        return registry.load("rheology", self.type).Law(self, polymer_viscosity)
 
 
 class Law:
@@ -91,15 +115,3 @@ class Law:
             2 * (lyx * c[1] + lyy * (1 + c[2])) + yy,
             *rest,
         )
-
-
-def laws(rheology, viscosity):
-    """Tuple of one ``Law`` for each mode of the parameters ``rheology``; ``viscosity`` is the total one.
-
-    Raises ValueError for a rheology without polymer.
-    """
-    if not rheology.carries_stress:
-        raise ValueError(f"{rheology.type} has no polymer")
-    modes = getattr(rheology, "modes", None)
-    shares = [(mode, mode.fraction) for mode in modes] if modes else [(rheology, 1.0 - rheology.solvent_fraction)]
-    return tuple(registry.load("rheology", mode.type).Law(mode, share * viscosity) for mode, share in shares)

@@ -26,19 +26,19 @@ SMALLEST = 1e-3
 
 
 class Motion:
-    """Positions (fluid), what moves them, and positions and velocities (2, fluid) before the last step."""
+    """Positions (fluid), what moves them, and positions and velocities (fluid) before the last step."""
 
     def __init__(self, field, shift, period):
         step = field.step
         self.field, self.step, self.points, self.shift = field, step, step.points, shift
         self.period = period
         self.position, self.start_position = (self.points.field(ti.types.vector(2, real())) for _ in range(2))
-        self.start_velocity = self.points.field(real(), 2)
+        self.start_velocity = self.points.field(real())
 
     def predict(self, half):
         """Put the points where the particles are in the middle of a step twice as long as ``half``."""
-        place = active(self.position) + half * active(self.step.velocity).T
-        place[:, 0] = self.wrapped(place[:, 0])
+        place = active(self.position).copy()
+        place[:, 0] = self.wrapped(place[:, 0] + half * active(self.step.velocity))
         view(self.points.position)[: self.points.fluid] = place
 
     def shift_fields(self, half):
@@ -49,22 +49,23 @@ class Motion:
         shift = view(self.shift.moved)[: self.points.fluid]
         moved = np.flatnonzero(shift.any(axis=1))
         x, y = shift[moved].T
-        slope, curvature = active(self.field.slope)[:, moved], active(self.field.curvature)[:, moved]
-        x = x - half * slope[0, :, 1] * y
+        slope, curvature = active(self.field.slope)[moved], active(self.field.curvature)[moved]
+        x = x - half * slope[:, 1] * y
         squares = np.stack([0.5 * x * x, x * y, 0.5 * y * y], axis=1)
-        change = slope[..., 0] * x + slope[..., 1] * y + np.einsum("cnk,nk->cn", curvature, squares)
+        change = slope[:, 0] * x + slope[:, 1] * y + np.einsum("nk,nk->n", curvature, squares)
         self.step.shift_fields(moved, y)
         velocity = active(self.step.velocity)
-        velocity[:, moved] += change
-        active(self.position)[moved] = view(self.points.position)[moved] - half * velocity[:, moved].T
+        velocity[moved] += change
+        place = view(self.points.position)[moved]
+        place[:, 0] -= half * velocity[moved]
+        active(self.position)[moved] = place
 
     def move(self, dt):
         """Move the particles over the step and take up the velocities at its end."""
         position, velocity, end = (active(field) for field in (self.position, self.step.velocity, self.step.end))
         active(self.start_position)[...] = position
         active(self.start_velocity)[...] = velocity
-        position += (0.5 * dt) * (velocity + end).T
-        position[:, 0] = self.wrapped(position[:, 0])
+        position[:, 0] = self.wrapped(position[:, 0] + (0.5 * dt) * (velocity + end))
         self.step.accept()
 
     def wrapped(self, x):

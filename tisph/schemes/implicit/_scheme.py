@@ -16,16 +16,12 @@ from tisph.schemes._overflow import clustered
 from tisph.schemes._stages.models import model_of
 from tisph.schemes._stages.stages import EMBEDDED_ORDER, MOST_ATTEMPTS, SOLVER_TOLERANCE, WORST
 from tisph.schemes._stages.wall_pair import WallPair
-from tisph.schemes.implicit._field import Projection, VelocityField
+from tisph.schemes.implicit._field import VelocityField
 from tisph.schemes.implicit._ghosts import FixedGhosts, MirrorGhosts
 from tisph.schemes.implicit._motion import Motion, OverlapShifting
 from tisph.schemes.implicit._operators import ClosedParticleOperators
 from tisph.schemes.implicit._step import DenseOutput, ImplicitStep, WallForce
 from tisph.snapshot import STRESSES, Snapshot
-
-LARGEST_DIVERGENCE = 2e-2
-"""Of the velocities over their gradient, as root mean squares, that needs no pressure. Truncation errors of disordered
-shear flow are below 5e-3 once the layers are resolved; a flow that needs a pressure soon has 1e-1."""
 
 RESOLVED = 2.0
 """Thickness sqrt(nu t) of a layer, in particle spacings, from which on derivatives of the velocities mean something."""
@@ -36,8 +32,6 @@ class Scheme(ControlledScheme):
 
     ``control`` is the ``StepControl`` of the run. ``serial`` compiles loops without threads.
     """
-
-    host_names = (*ControlledScheme.host_names, "projections", "transverse")
 
     def __init__(self, config, channel, control, serial):
         order = config.scheme.operators.order
@@ -56,30 +50,25 @@ class Scheme(ControlledScheme):
         self.stepper, self.walls, self.solver = ImplicitStep(closed, channel, walls), walls, closed.solver
         self.wall_force, self.field = WallForce(self.stepper, channel), VelocityField(self.stepper)
         self.shift = OverlapShifting(self.points, self.ghosts, channel.spacing)
-        self.projection = Projection(self.stepper, self.field, channel.gap)
         self.motion = Motion(self.field, self.shift, channel.length)
-        self.dense = DenseOutput(self.stepper, self.motion, (self.field.log_volume, self.projection.pressure))
+        self.dense = DenseOutput(self.stepper, self.motion)
         self.control = control
         self.reset()
 
     def reset(self):
         """Go back to before the first step."""
         self.time = self.channel.start_time
-        self.steps = self.rejected = self.order_reduced = self.singular = self.projections = 0
-        self.transverse = False
+        self.steps = self.rejected = self.order_reduced = self.singular = 0
         self.shortest, self.longest = math.inf, 0.0
         self.momentum = MomentumBalance(self.time)
         active(self.field.log_volume)[...] = 0.0
-        active(self.projection.pressure)[...] = 0.0
-        self.stepper.set_force((0.0, 0.0))
         self.walls.enter(self.time)
 
     def start(self, position, velocity, _stress=None):
         """Place the particles, (particles, 2) arrays; what they carry, more than a stress, the channel knows."""
         active(self.motion.position)[...] = position
-        active(self.stepper.velocity)[...] = velocity.T
+        active(self.stepper.velocity)[...] = velocity[:, 0]
         self.momentum.initial = float(velocity[:, 0].sum())
-        self.transverse = bool(np.any(velocity[:, 1] != 0.0))
         self.stepper.begin_with(position[:, 1])
         if self.walls.obeys_momentum and self.walls.any_jump:
             self.apply_impulse()
@@ -119,8 +108,6 @@ class Scheme(ControlledScheme):
             self.motion.shift_fields(0.5 * dt)
         self.ghosts.prepare()
         self.operators.assemble()
-        if self.projections:
-            self.stepper.set_force(-self.projection.gradient(active(self.projection.pressure)))
 
     def require_room(self, what, needed):
         """Raise DivergedError if ``needed`` (0 where all fits) tells of an overflow."""
@@ -142,7 +129,7 @@ class Scheme(ControlledScheme):
 
     def solve(self, dt):
         """Compute the velocities at the end of a step; return the estimated error over the reference velocity."""
-        error = self.stepper.advance(self.transverse, self.time, dt, SOLVER_TOLERANCE * self.control.tolerance)
+        error = self.stepper.advance(self.time, dt, SOLVER_TOLERANCE * self.control.tolerance)
         return error / self.channel.reference_velocity
 
     def require_definite(self):
@@ -160,9 +147,7 @@ class Scheme(ControlledScheme):
         resolved = self.layer_thickness >= RESOLVED
         self.momentum.add_impulse(self.wall_force.impulse(self.time, dt, resolved))
         end = self.control.end(self.time, dt)
-        self.field.measure(self.transverse)
-        if resolved and (self.projections or self.field.residual > LARGEST_DIVERGENCE):
-            self.project(dt)
+        self.field.measure()
         if resolved:
             self.field.advance_volumes(dt)
         self.dense.keep(self.time, dt)
@@ -174,23 +159,15 @@ class Scheme(ControlledScheme):
         self.order_reduced += int(view(self.operators.order_reduced))
         self.singular += int(view(self.operators.singular))
 
-    def project(self, dt):
-        """Project the velocities at the end of a step; from then on there is a pressure."""
-        self.transverse = True
-        if not self.projection.project(dt):
-            raise DivergedError(f"pressure: cannot be solved for at step {self.steps + 1}, t = {self.time:.6g}")
-        self.field.measure(self.transverse)
-        self.projections += 1
-
     def snapshot(self, time=None):
         """Return the state at ``time``, within the last step, or now, as a Snapshot."""
         if time is None or time == self.time:
             time = self.time
-            fields = (self.motion.position, self.stepper.velocity, self.field.log_volume, self.projection.pressure)
-            position, velocity, volume, pressure = (active(field).astype(float) for field in fields)
+            fields = (self.motion.position, self.stepper.velocity, self.field.log_volume)
+            position, velocity, volume = (active(field).astype(float) for field in fields)
             stresses = self.stepper.stress()
         else:
-            position, velocity, volume, pressure = self.dense.at(time)
+            position, velocity, volume = self.dense.at(time)
             stresses = self.stepper.stress_at(*self.dense.within(time))
         with np.errstate(over="ignore"):  # of a run that diverges; the guard finds it
             density = self.channel.density * np.exp(-volume)
@@ -199,10 +176,10 @@ class Scheme(ControlledScheme):
             step=self.steps,
             x=position[:, 0] % self.channel.length,
             y=position[:, 1],
-            u=velocity[0],
-            v=velocity[1],
+            u=velocity,
+            v=np.zeros_like(velocity),
             density=density,
-            pressure=self.channel.density * pressure,
+            pressure=np.zeros_like(velocity),
             **dict(zip(STRESSES, self.channel.density * np.array(stresses), strict=False)),
         )
 
@@ -215,7 +192,7 @@ class Scheme(ControlledScheme):
 
     def momentum_balance(self):
         """Return the balance of momentum along x up to ``time``, see ``MomentumBalance.report``."""
-        total = active(self.stepper.velocity)[0].sum(dtype=float)
+        total = active(self.stepper.velocity).sum(dtype=float)
         return self.momentum.report(self.channel, self.time, float(total))
 
     def numbers(self):
@@ -225,7 +202,6 @@ class Scheme(ControlledScheme):
             "sound_speed": None,
             "particles_wall": int(view(self.ghosts.count)),
             "neighbours_mean": self.points.mean_length(),
-            "projections": self.projections,
             "steps_rejected": self.rejected,
             "order_reduced": self.order_reduced,
             "neighbourhoods_dropped": self.singular,
@@ -233,7 +209,7 @@ class Scheme(ControlledScheme):
 
     def parts(self):
         """Return everything whose fields a resumed run needs, by name."""
-        parts = {"motion": self.motion, "stepper": self.stepper, "field": self.field, "projection": self.projection}
+        parts = {"motion": self.motion, "stepper": self.stepper, "field": self.field}
         return {**parts, **self.stepper.parts()}
 
     def host_state(self):

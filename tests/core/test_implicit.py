@@ -1,13 +1,11 @@
-"""The implicit scheme: restart, volume, and the projection."""
+"""The implicit scheme of parallel flow: restart, linear systems, and volume."""
 
 import functools
-import math
 
 import numpy as np
 import pytest
-from implicit_case import IMPLICIT, SLOW, run
+from implicit_case import IMPLICIT, run
 
-from tisph.schemes.implicit import _scheme
 from tisph.simulation import checkpoint
 
 
@@ -95,120 +93,3 @@ def test_no_volume_is_counted_before_derivatives_mean_something(make):
     run(scheme)
     assert 2.0 < scheme.layer_thickness < 2.5
     assert 0.0 < np.abs(scheme.snapshot().density - 1.0).max() < 1e-3
-
-
-# --- pressure
-
-
-@pytest.mark.parametrize("jitter", [0.0, 0.2])
-@pytest.mark.parametrize(
-    "overrides",
-    [(), ("walls.top.velocity=0.0", "drive.acceleration=0.04")],
-    ids=["couette", "poiseuille"],
-)
-def test_shear_flow_needs_no_pressure(make, overrides, jitter):
-    scheme = make(*overrides, f"initial.jitter={jitter}", "time.end=10.0")
-    last = run(scheme)
-    assert scheme.projections == 0
-    assert np.all(last.v == 0.0)
-    assert np.all(last.pressure == 0.0)
-
-
-def stokes_mode(amplitude, wave=math.pi):
-    """A decaying Stokes flow between walls at rest, periodic in x, and its rate over nu.
-
-    With psi = cos(l y)/cos(l/2) - cosh(k y)/cosh(k/2), y from mid-height, u = psi' cos kx, v = k psi sin kx obey the
-    unsteady Stokes equations with the rate nu (l^2 + k^2), where l tan(l/2) + k tanh(k/2) = 0: u is 0 on the walls.
-    """
-    low, high = math.pi * (1 + 1e-12), 2 * math.pi
-    for _ in range(100):
-        middle = 0.5 * (low + high)
-        if middle * math.tan(middle / 2) + wave * math.tanh(wave / 2) < 0:
-            low = middle
-        else:
-            high = middle
-    across = low
-
-    def velocity(x, y):
-        y = y - 0.5
-        psi = np.cos(across * y) / np.cos(across / 2) - np.cosh(wave * y) / np.cosh(wave / 2)
-        slope = -across * np.sin(across * y) / np.cos(across / 2) - wave * np.sinh(wave * y) / np.cosh(wave / 2)
-        return amplitude * np.stack([slope * np.cos(wave * x), wave * psi * np.sin(wave * x)], 1)
-
-    return velocity, across**2 + wave**2
-
-
-def linear(y):
-    """The developed flow under a Stokes mode, of walls that have to move for a velocity to refer to."""
-    return SLOW * np.stack([y, np.zeros_like(y)], 1)
-
-
-def stokes_scheme(make, jitter, started=True):
-    """A Scheme that starts with a Stokes mode on top of a linear profile."""
-    mode, _ = stokes_mode(SLOW)
-    return make(
-        f"walls.top.velocity={SLOW}",
-        "geometry.length=2.0",
-        "initial.state=developed",
-        "time={end: 2.0, tolerance: 1.0e-3}",
-        jitter=jitter,
-        velocity=lambda x, y: mode(x, y) + linear(y),
-        started=started,
-    )
-
-
-def stokes_error(make, jitter):
-    """Run a decaying Stokes mode; return its error over its size, and the number of projections."""
-    scheme = stokes_scheme(make, jitter)
-    last = run(scheme)
-    velocity, rate = stokes_mode(SLOW)
-    exact = velocity(last.x, last.y) * math.exp(-0.01 * rate * last.t)
-    found = np.stack([last.u, last.v], 1) - linear(last.y)
-    return np.linalg.norm(found - exact) / np.linalg.norm(exact), scheme.projections
-
-
-@pytest.mark.parametrize("jitter", [0.0, 0.1])
-def test_a_stokes_flow_decays_as_it_should_under_the_projection(make, jitter, monkeypatch):
-    error, projections = stokes_error(make, jitter)
-    assert projections > 0
-    # the splitting is of first order in the steps, and the pressure that it starts without is missing in the first:
-    # of a decay by rate * nu * t = 0.75 in some 10 steps a few per cent are missing
-    assert error < 0.05
-    monkeypatch.setattr(_scheme, "LARGEST_DIVERGENCE", math.inf)
-    without, projections = stokes_error(make, jitter)
-    assert projections == 0
-    assert without > 4 * error
-
-
-def test_what_is_measured_after_a_projection_is_what_it_leaves(make, monkeypatch):
-    # the particles' volumes follow the divergence that is measured last
-    scheme, before, after = stokes_scheme(make, 0.1), [], []
-    project = scheme.projection.project
-
-    def projected(length):
-        before.append(scheme.field.residual)
-        return project(length)
-
-    monkeypatch.setattr(scheme.projection, "project", projected)
-    for _ in range(4):
-        scheme.advance()
-        after.append(scheme.field.residual)
-    # what is left is the truncation error of gradients on a disordered arrangement, measured 6e-3 to 8e-3
-    assert len(before) == len(after)
-    assert max(after) < 1e-2 < min(before)
-
-
-def test_a_restart_keeps_the_pressure(make, tmp_path):
-    scheme = stokes_scheme(make, 0.1)
-    while scheme.projections < 2:
-        scheme.advance()
-    checkpoint.save(tmp_path / "state.h5", scheme, "fingerprint")
-    before = scheme.projections
-    whole = run(scheme)
-    assert scheme.projections > before
-    resumed = stokes_scheme(make, 0.1, started=False)
-    checkpoint.restore(tmp_path / "state.h5", resumed, "fingerprint")
-    last = run(resumed)
-    for name in ("t", "step", "x", "y", "u", "v", "density", "pressure"):
-        assert np.array_equal(getattr(last, name), getattr(whole, name)), name
-    assert resumed.projections == scheme.projections

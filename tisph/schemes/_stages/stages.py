@@ -165,18 +165,17 @@ class FlowState:
 
 
 class ViscousStages:
-    """Advances a ``FlowState`` of a Newtonian fluid; ``walls`` are a ``WallPair``, None where they are at rest.
+    """Advances a ``FlowState`` of a Newtonian fluid between ``walls``, a ``WallPair``.
 
-    ``force`` (n): body force that changes from point to point. ``mean_velocity`` and ``mean_stress`` (n), the latter
-    None here: means over the last step.
+    ``mean_velocity`` and ``mean_stress`` (n), the latter None here: means over the last step.
     """
 
     model = mean_stress = None
 
     def __init__(self, operators, channel, walls):
         self.operators, self.walls, self.channel = operators, walls, channel
-        self.viscosity, self.acceleration = channel.solvent_viscosity, channel.acceleration if walls else 0.0
-        self.force, self.mean_velocity, self.steady_source = 0.0, None, None
+        self.viscosity, self.acceleration = channel.solvent_viscosity, channel.acceleration
+        self.mean_velocity, self.steady_source = None, None
 
     def advance(self, start, time, dt, tolerance):
         """Return the ``FlowState`` after a step, and the estimated error.
@@ -210,8 +209,7 @@ class ViscousStages:
 
     def begin(self, start, time, dt):
         """Begin a step: set the rates at its ``start``."""
-        if self.walls:
-            self.walls.begin(time, dt, None, self.operators)
+        self.walls.begin(time, dt, None, self.operators)
         self.steady_source = None
         start.velocity_rate = self.viscosity * self.operators.laplacian(start.velocity) + self.source(0)
         start.state_rate = start.state
@@ -226,13 +224,11 @@ class ViscousStages:
         return (None, math.nan) if velocity is None else (FlowState(velocity, known.state), 0.0)
 
     def source(self, stage):
-        """Return the source of the velocities in a stage: acceleration, walls, and ``force``."""
-        if self.walls is None:
-            return self.force + np.zeros(1)
+        """Return the acceleration in a stage by the body force and the motion of the walls."""
         if self.steady_source is not None:
             return self.steady_source
         source = self.viscosity * self.operators.boundary_laplacian(self.walls.series(stage))
-        source += self.acceleration + self.force
+        source += self.acceleration
         self.steady_source = source if self.walls.steady else None
         return source
 

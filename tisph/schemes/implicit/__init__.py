@@ -2,11 +2,10 @@
 
 The velocities obey u' = nu A u + what walls and drive give, A being least-squares rows of order 2 or 4 in the
 arrangement of the middle of a step (``tisph/least_squares``), closed by ghosts beyond the walls (``_ghosts.py``), and
-are advanced by an implicit method of third order with an error estimate (``schemes/_stages``). There is a pressure
-from the moment on when the velocities have a divergence that truncation errors do not explain (``_field.py``).
+are advanced by an implicit method of third order with an error estimate (``schemes/_stages``).
 
-That is for flows that are parallel, but for errors. In two-dimensional flow pressure and motion are of third order in
-time, too: ``tisph/schemes/_splitting``.
+Such a flow is parallel: the velocities across the channel are 0, and the pressure is constant. In two-dimensional flow
+pressure and motion are of third order in time, too: ``tisph/schemes/_splitting``.
 """
 
 import math
@@ -55,7 +54,7 @@ class Parameters(Model):
 
 
 def build(config, scene, targets, serial):
-    """Return the scheme that a scene needs: without a pressure where the flow is parallel."""
+    """Return the scheme of a scene, that of parallel flow where it is parallel."""
     if not scene.parallel:
         from tisph.schemes import _splitting
 

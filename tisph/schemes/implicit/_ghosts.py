@@ -111,11 +111,6 @@ class Ghosts:
         """Return 1 for each ghost, -1 beyond a wall with even reflection."""
         return np.where(np.array(self.even_reflection)[self.side], -1.0, 1.0)
 
-    def parities(self, *usual):
-        """Return the parities of fields of the velocity along the channel, ``usual`` but for even reflections."""
-        usual = np.array(usual)
-        return np.multiply.outer(self.sign(), usual) if any(self.even_reflection) else usual
-
 
 @ti.data_oriented
 class MirrorGhosts(Ghosts):

@@ -212,11 +212,6 @@ class CoupledSolver(BiCGStab):
                 total += viscous + self.operators.d_dy[i, k] * (self.tangent_stress[j] - stress)
         return self.sigma[None] * centre - total
 
-    def solve(self, coefficient, tolerance):
-        """Solve (1 - ``coefficient`` A) x = b, of velocities across the channel; return whether it did."""
-        view(self.tangent)[self.fluid] = 0.0
-        return super().solve(coefficient, tolerance)
-
     def solve_coupled(self, coefficient, tangent, tolerance):
         """Solve (1 - ``coefficient`` A - D ``tangent`` D) x = b to ``tolerance`` |b|; return whether it did."""
         view(self.tangent)[self.fluid] = tangent

@@ -16,15 +16,11 @@ from tisph.schemes._shifting import OverlapShifting
 from tisph.schemes._stages.models import model_of
 from tisph.schemes._stages.stages import EMBEDDED_ORDER, SOLVER_TOLERANCE, WORST
 from tisph.schemes._stages.wall_pair import WallPair
-from tisph.schemes.implicit._field import Projection, VelocityField
+from tisph.schemes.implicit._field import VelocityField
 from tisph.schemes.implicit._ghosts import FixedGhosts, MirrorGhosts
 from tisph.schemes.implicit._operators import ClosedParticleOperators
 from tisph.schemes.implicit._step import DenseOutput, ImplicitStep, Motion, WallForce
 from tisph.snapshot import STRESSES, Snapshot
-
-LARGEST_DIVERGENCE = 2e-2
-"""Of the velocities over their gradient, as root mean squares, that needs no pressure. Truncation errors of disordered
-shear flow are below 5e-3 once the layers are resolved; a flow that needs a pressure soon has 1e-1."""
 
 RESOLVED = 2.0
 """Thickness sqrt(nu t) of a layer, in particle spacings, from which on derivatives of the velocities mean something."""
@@ -35,8 +31,6 @@ class ChannelScheme(ControlledScheme):
 
     ``control`` is the ``StepControl`` of the run. ``serial`` compiles loops without threads.
     """
-
-    kept = (*ControlledScheme.kept, "projections", "transverse")
 
     def __init__(self, config, channel, control, serial):
         order = config.scheme.operators.order
@@ -55,28 +49,23 @@ class ChannelScheme(ControlledScheme):
         self.stepper, self.walls, self.solver = ImplicitStep(closed, channel, walls), walls, closed.solver
         self.wall_force, self.field = WallForce(self.stepper, channel), VelocityField(self.stepper)
         self.shift = OverlapShifting(self.points, self.ghosts, channel.spacing)
-        self.projection = Projection(self.stepper, self.field, channel.gap)
         self.motion = Motion(self.field, self.shift, channel.length)
-        self.dense = DenseOutput(self.stepper, self.motion, (self.field.log_volume, self.projection.pressure))
+        self.dense = DenseOutput(self.stepper, self.motion)
         self.control = control
         self.reset()
 
     def reset(self):
         """Go back to before the first step."""
         self.reset_steps(self.channel.start_time)
-        self.projections, self.transverse = 0, False
         self.momentum = MomentumBalance(self.time)
         active(self.field.log_volume)[...] = 0.0
-        active(self.projection.pressure)[...] = 0.0
-        self.stepper.set_force((0.0, 0.0))
         self.walls.enter(self.time)
 
     def start(self, position, velocity, _stress=None):
         """Place the particles, (particles, 2) arrays; the channel knows the states that they carry."""
         active(self.motion.position)[...] = position
-        active(self.stepper.velocity)[...] = velocity.T
+        active(self.stepper.velocity)[...] = velocity[:, 0]
         self.momentum.initial = float(velocity[:, 0].sum())
-        self.transverse = bool(np.any(velocity[:, 1] != 0.0))
         self.stepper.begin_with(position[:, 1])
         if self.walls.obeys_momentum and self.walls.any_jump:
             self.apply_impulse()
@@ -94,7 +83,7 @@ class ChannelScheme(ControlledScheme):
         """Compute the velocities at the end of a step; return their error over the velocity scale, and its order."""
         first = self.control.last_rejected is None
         self.assemble(dt, shift=self.steps > 0 and self.layer_thickness >= 1.0 and first)
-        error = self.stepper.advance(self.transverse, self.time, dt, SOLVER_TOLERANCE * self.control.tolerance)
+        error = self.stepper.advance(self.time, dt, SOLVER_TOLERANCE * self.control.tolerance)
         error /= self.channel.reference_velocity
         if math.isnan(error) or (math.isinf(error) and self.control.fixed):
             raise self.diverged("u, v: the linear systems cannot be solved")
@@ -116,8 +105,6 @@ class ChannelScheme(ControlledScheme):
             self.motion.shift_fields(0.5 * dt)
         self.ghosts.prepare()
         self.operators.assemble()
-        if self.projections:
-            self.stepper.set_force(-self.projection.gradient(active(self.projection.pressure)))
 
     @property
     def layer_thickness(self):
@@ -136,13 +123,7 @@ class ChannelScheme(ControlledScheme):
             raise DivergedError(f"{text} {where} ({wrong.size} particles are wrong)")
         resolved = self.layer_thickness >= RESOLVED
         self.momentum.add_impulse(self.wall_force.impulse(self.time, dt, resolved))
-        self.field.measure(self.transverse)
-        if resolved and (self.projections or self.field.residual > LARGEST_DIVERGENCE):
-            self.transverse = True  # from now on there is a pressure
-            if not self.projection.project(dt):
-                raise self.diverged("pressure: cannot be solved for")
-            self.field.measure(self.transverse)
-            self.projections += 1
+        self.field.measure()
         if resolved:
             self.field.advance_volumes(dt)
         self.dense.keep(self.time, dt)
@@ -153,11 +134,11 @@ class ChannelScheme(ControlledScheme):
         """Return the state at ``time``, within the last step, or now, as a Snapshot."""
         if time is None or time == self.time:
             time = self.time
-            fields = (self.motion.position, self.stepper.velocity, self.field.log_volume, self.projection.pressure)
-            position, velocity, volume, pressure = (active(field).astype(float) for field in fields)
+            fields = (self.motion.position, self.stepper.velocity, self.field.log_volume)
+            position, velocity, volume = (active(field).astype(float) for field in fields)
             stresses = self.stepper.stress()
         else:
-            position, velocity, volume, pressure = self.dense.at(time)
+            position, velocity, volume = self.dense.at(time)
             stresses = self.stepper.stress_at((time - self.dense.began) / self.dense.dt, self.dense.dt)
         with np.errstate(over="ignore"):  # of a run that diverges; the guard finds it
             density = self.channel.density * np.exp(-volume)
@@ -166,10 +147,10 @@ class ChannelScheme(ControlledScheme):
             step=self.steps,
             x=position[:, 0] % self.channel.length,
             y=position[:, 1],
-            u=velocity[0],
-            v=velocity[1],
+            u=velocity,
+            v=np.zeros_like(velocity),
             density=density,
-            pressure=self.channel.density * pressure,
+            pressure=np.zeros_like(velocity),
             **dict(zip(STRESSES, self.channel.density * np.array(stresses), strict=False)),
         )
 
@@ -182,7 +163,7 @@ class ChannelScheme(ControlledScheme):
 
     def momentum_balance(self):
         """Return the balance of momentum along x up to ``time``, see ``MomentumBalance.report``."""
-        total = active(self.stepper.velocity)[0].sum(dtype=float)
+        total = active(self.stepper.velocity).sum(dtype=float)
         return self.momentum.report(self.channel, self.time, float(total))
 
     def numbers(self):
@@ -190,12 +171,11 @@ class ChannelScheme(ControlledScheme):
         return {
             **super().numbers(),
             "particles_wall": int(view(self.ghosts.count)),
-            "projections": self.projections,
         }
 
     def parts(self):
         """Return everything whose fields a resumed run needs, by name."""
-        parts = {"motion": self.motion, "stepper": self.stepper, "field": self.field, "projection": self.projection}
+        parts = {"motion": self.motion, "stepper": self.stepper, "field": self.field}
         return {**parts, **({"polymer": self.stepper.polymer} if self.stepper.polymer else {})}
 
     def host_state(self):

@@ -10,13 +10,11 @@ rows of particles, which is exact on a lattice, and for disordered particles off
 operators do not conserve momentum pair by pair. The force of a stress-controlled wall is known.
 """
 
-import math
-
 import numpy as np
 
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import real, ti, view
-from tisph.schemes._stages.stages import B, C, FlowState, ViscousStages, stages_of
+from tisph.schemes._stages.stages import B, C, FlowState, stages_of
 from tisph.schemes._stages.wall_pair import apply_impulse
 
 TOGETHER = 2**20
@@ -38,8 +36,8 @@ class PolymerState:
 class ImplicitStep:
     """Advances the velocities, and with a ``model`` of an extra stress the states ``polymer`` that particles carry.
 
-    ``velocity`` and ``end`` (2, fluid): at the start and at the end of the step, along and across the channel;
-    ``start_rate``, ``end_rate`` their time derivatives there.
+    ``velocity`` and ``end`` (fluid): velocities along the channel at the start and at the end of the step;
+    ``start_rate``, ``end_rate``: their time derivatives there. The velocities across the channel are 0.
     """
 
     def __init__(self, operators, channel, walls):
@@ -47,11 +45,8 @@ class ImplicitStep:
         self.channel, self.walls, self.model = channel, walls, walls.model
         self.points, self.ghosts = operators.points, operators.ghosts
         self.stages = stages_of(operators, channel, walls)
-        self.transverse_stages = ViscousStages(operators, channel, None)
-        self.velocity, self.end, self.start_rate, self.end_rate = (self.points.field(real(), 2) for _ in range(4))
-        fluid = self.points.fluid
-        self.polymer = None if self.model is None else PolymerState(self.model.components, fluid)
-        self.transverse_state = np.empty((0, fluid))
+        self.velocity, self.end, self.start_rate, self.end_rate = (self.points.field(real()) for _ in range(4))
+        self.polymer = None if self.model is None else PolymerState(self.model.components, self.points.fluid)
 
     def begin_with(self, heights):
         """Set the states of particles at ``heights`` (fluid,) when a run starts."""
@@ -68,37 +63,28 @@ class ImplicitStep:
         """
         flow = self.flow()
         gains = apply_impulse(self.stages, flow, time)
-        active(self.velocity)[0] = flow.velocity
+        active(self.velocity)[...] = flow.velocity
         if self.polymer:
             self.polymer.state[...] = flow.state
         return gains
 
-    def flow(self, component=0):
-        """Return copies of one component's velocities, states and shear rates, in double precision."""
-        velocity = active(self.velocity)[component].astype(float)
-        if component == 1 or not self.polymer:
-            return FlowState(velocity, self.transverse_state)
-        return FlowState(velocity, self.polymer.state.copy(), self.polymer.shear_rate.copy())
+    def flow(self):
+        """Return a copy of the velocities and of the state of the polymer, in double precision."""
+        velocity = active(self.velocity).astype(float)
+        if self.polymer:
+            return FlowState(velocity, self.polymer.state.copy(), self.polymer.shear_rate.copy())
+        return FlowState(velocity, np.empty((0, self.points.fluid)))
 
-    def set_force(self, force):
-        """Let a ``force`` (2, fluid) per unit mass act on the particles in the steps to come."""
-        self.stages.force, self.transverse_stages.force = force
-
-    def advance(self, transverse, time, dt, tolerance):
-        """Compute the end of a step; return its estimated error. ``transverse``: whether v is not 0 everywhere."""
+    def advance(self, time, dt, tolerance):
+        """Compute the end of a step; return its estimated error."""
         self.closed_operators.assemble()
-        errors = [self.advance_component(component, time, dt, tolerance) for component in range(1 + transverse)]
-        return math.hypot(*errors)
-
-    def advance_component(self, component, time, dt, tolerance):
-        """Compute the end of one component, and with the first the end of C; return the estimated error."""
-        start = self.flow(component)
-        end, error = (self.transverse_stages if component else self.stages).advance(start, time, dt, tolerance)
+        start = self.flow()
+        end, error = self.stages.advance(start, time, dt, tolerance)
         if end is None:
             return error
-        active(self.end)[component], active(self.end_rate)[component] = end.velocity, end.velocity_rate
-        active(self.start_rate)[component] = start.velocity_rate
-        if self.polymer and component == 0:
+        active(self.end)[...], active(self.end_rate)[...] = end.velocity, end.velocity_rate
+        active(self.start_rate)[...] = start.velocity_rate
+        if self.polymer:
             polymer = self.polymer
             polymer.end[...], polymer.end_rate[...] = end.state, end.state_rate
             polymer.end_shear_rate[...], polymer.start_rate[...] = end.shear_rate, start.state_rate
@@ -145,8 +131,8 @@ class DenseOutput:
     The values of the fields are read once a step: many outputs may fall into one.
     """
 
-    def __init__(self, step, motion, others):
-        self.step, self.motion, self.others = step, motion, others
+    def __init__(self, step, motion):
+        self.step, self.motion = step, motion
         self.began = self.dt = 0.0
         self.state = None
 
@@ -155,13 +141,14 @@ class DenseOutput:
         self.began, self.dt, self.state = time, dt, None
 
     def at(self, time):
-        """Return positions (fluid, 2) and velocities (2, fluid) at ``time``, and the ``others`` (fluid) as they are."""
+        """Return positions (fluid, 2), velocities (fluid) and the logarithms of volumes (fluid) at ``time``."""
         if self.state is None:
             self.state = self._read()
-        start, end, start_rate, end_rate, position, *others = self.state
+        start, end, start_rate, end_rate, position, log_volume = self.state
+        position = position.copy()
         theta = (time - self.began) / self.dt
-        velocity = hermite(theta, self.dt, start, end, start_rate, end_rate)
-        return position + self._displacement(theta, start, end).T, velocity, *others
+        position[:, 0] += self._displacement(theta, start, end)
+        return position, hermite(theta, self.dt, start, end, start_rate, end_rate), log_volume
 
     def around(self, times, x, half_width, period):
         """Return the particles within ``half_width`` of ``x`` (times,), of this ``period``, at each of the ``times``.
@@ -174,12 +161,12 @@ class DenseOutput:
         thetas = (np.asarray(times) - self.began)[:, None] / self.dt
         found = []
         for some in np.split(np.arange(len(times)), range(0, len(times), max(1, TOGETHER // position.shape[0]))[1:]):
-            apart = position[:, 0] + self._displacement(thetas[some], start[0], end[0]) - x[some, None]
+            apart = position[:, 0] + self._displacement(thetas[some], start, end) - x[some, None]
             apart -= period * np.round(apart / period)
             when, particle = np.nonzero(np.abs(apart) < half_width)
             theta, when = thetas[some[when], 0], some[when]
-            y = position[particle, 1] + self._displacement(theta, start[1, particle], end[1, particle])
-            u = hermite(theta, self.dt, *(values[0, particle] for values in (start, end, start_rate, end_rate)))
+            y = position[particle, 1]
+            u = hermite(theta, self.dt, *(values[particle] for values in (start, end, start_rate, end_rate)))
             found.append((when, x[when] + apart[np.searchsorted(some, when), particle], y, u))
         return [np.concatenate(column) for column in zip(*found, strict=True)]
 
@@ -188,8 +175,9 @@ class DenseOutput:
 
     def _read(self):
         step, motion = self.step, self.motion
-        fields = (motion.start_velocity, step.end, step.start_rate, step.end_rate)
-        return [active(field).astype(float) for field in (*fields, motion.start_position, *self.others)]
+        velocities = (motion.start_velocity, step.end, step.start_rate, step.end_rate)
+        fields = (*velocities, motion.start_position, motion.field.log_volume)
+        return [active(field).astype(float) for field in fields]
 
 
 def hermite(theta, dt, start, end, start_rate, end_rate):
@@ -268,19 +256,19 @@ def _intercept(distance, stress, radius):
 
 
 class Motion:
-    """Positions (fluid) and their motion, and positions and velocities (2, fluid) before the last step."""
+    """Positions (fluid) and their motion, and positions and velocities (fluid) before the last step."""
 
     def __init__(self, field, shift, period):
         step = field.step
         self.field, self.step, self.points, self.shift = field, step, step.points, shift
         self.period = period
         self.position, self.start_position = (self.points.field(ti.types.vector(2, real())) for _ in range(2))
-        self.start_velocity = self.points.field(real(), 2)
+        self.start_velocity = self.points.field(real())
 
     def predict(self, half):
         """Put the points where the particles are in the middle of a step twice as long as ``half``."""
-        place = active(self.position) + half * active(self.step.velocity).T
-        place[:, 0] = self.wrapped(place[:, 0])
+        place = active(self.position).copy()
+        place[:, 0] = self.wrapped(place[:, 0] + half * active(self.step.velocity))
         view(self.points.position)[: self.points.fluid] = place
 
     def shift_fields(self, half):
@@ -291,22 +279,23 @@ class Motion:
         shift = view(self.shift.moved)[: self.points.fluid]
         moved = np.flatnonzero(shift.any(axis=1))
         x, y = shift[moved].T
-        slope, curvature = active(self.field.slope)[:, moved], active(self.field.curvature)[:, moved]
-        x = x - half * slope[0, :, 1] * y
+        slope, curvature = active(self.field.slope)[moved], active(self.field.curvature)[moved]
+        x = x - half * slope[:, 1] * y
         squares = np.stack([0.5 * x * x, x * y, 0.5 * y * y], axis=1)
-        change = slope[..., 0] * x + slope[..., 1] * y + np.einsum("cnk,nk->cn", curvature, squares)
+        change = slope[:, 0] * x + slope[:, 1] * y + np.einsum("nk,nk->n", curvature, squares)
         self.step.shift_fields(moved, y)
         velocity = active(self.step.velocity)
-        velocity[:, moved] += change
-        active(self.position)[moved] = view(self.points.position)[moved] - half * velocity[:, moved].T
+        velocity[moved] += change
+        place = view(self.points.position)[moved]
+        place[:, 0] -= half * velocity[moved]
+        active(self.position)[moved] = place
 
     def move(self, dt):
         """Move the particles over the step and take up the velocities at its end."""
         position, velocity, end = (active(field) for field in (self.position, self.step.velocity, self.step.end))
         active(self.start_position)[...] = position
         active(self.start_velocity)[...] = velocity
-        position += (0.5 * dt) * (velocity + end).T
-        position[:, 0] = self.wrapped(position[:, 0])
+        position[:, 0] = self.wrapped(position[:, 0] + (0.5 * dt) * (velocity + end))
         self.step.accept()
 
     def wrapped(self, x):

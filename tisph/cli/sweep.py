@@ -32,7 +32,7 @@ def sweep(
     """
     from tisph import runtime
     from tisph.cli.check import forecast
-    from tisph.studies.sweep.run import run
+    from tisph.studies.sweep import run
 
     rows = run(study, out, forecast, processes or runtime.available_threads(), scheduler)
     if not any(row.status == "done" for row in rows):

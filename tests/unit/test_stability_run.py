@@ -9,7 +9,7 @@ from fake_runs import FakeRuns, make_result, sleeper
 from PIL import Image
 
 from tisph.errors import ConfigError
-from tisph.studies import engine, processes
+from tisph.studies import processes
 from tisph.studies import stability as matrix
 from tisph.studies import stability_report as stability
 from tisph.studies.stability import BUDGET, FINISHED, REQUIRED_BUDGET, STABLE, Cell, Plan, plan
@@ -130,7 +130,7 @@ def test_a_folder_that_cannot_be_used_is_bad_input(runs, tmp_path):
 
 def test_a_run_that_does_not_end_is_ended(tmp_path, monkeypatch):
     monkeypatch.setattr(processes, "start", lambda *_: sleeper())
-    process = engine.Limited(processes.Process("config.yaml", tmp_path), 0.2)
+    process = processes.Process("config.yaml", tmp_path, seconds=0.2)
     while not process.finished:
         time.sleep(0.01)  # for ever, if nothing ended it
     result, message = process.outcome()

@@ -4,11 +4,11 @@ Sweeps, the stability matrix and the comparison of wall treatments give it confi
 with this config and this code, is not run again: an interrupted command goes on where it was.
 """
 
+import math
 import time
 from contextlib import closing
 
 from tisph.report.terminal_bar import study_bar
-from tisph.studies.processes import read_result
 
 START_SECONDS = 2.0
 """Rough time of a run besides its steps, for the time that is left."""
@@ -50,8 +50,8 @@ class Engine:
         def launch(name):
             self._running.append(name)
             self._show()
-            process = self.store.launch(name, configs[name])
-            return Limited(process, PATIENCE * self._seconds[name] + ALLOWANCE) if limited else process
+            limit = PATIENCE * self._seconds[name] + ALLOWANCE if limited else math.inf
+            return self.store.launch(name, configs[name], limit)
 
         with closing(source or self.store.outcomes(configs, processes or self.processes, launch)) as ended:
             for name, result, message in ended:
@@ -76,30 +76,3 @@ class Engine:
     def _show(self):
         text = "; ".join([f"{self._ended} of {len(self._seconds)} runs", *self._running])
         self._bar.update(self._task, description=text)
-
-
-class Limited:
-    """A ``Process`` that is ended after ``seconds``."""
-
-    def __init__(self, process, seconds):
-        self.process, self.seconds = process, seconds
-        self._began = time.perf_counter()
-        self._late = False
-
-    @property
-    def finished(self):
-        """Whether it has ended, or has been ended for being late."""
-        if not self.process.finished and time.perf_counter() - self._began > self.seconds:
-            self._late = True
-            self.process.stop()
-        return self.process.finished
-
-    def outcome(self):
-        """``Result`` of the run and its error message, as of a ``Process``."""
-        if self._late:
-            return read_result(self.process.folder), f"no end after {self.seconds:.0f} s"
-        return self.process.outcome()
-
-    def stop(self):
-        """End it, if it still runs."""
-        self.process.stop()

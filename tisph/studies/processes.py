@@ -106,22 +106,30 @@ def _be(arguments, messages):
 class Process:
     """``tisph run`` of the config ``config_path`` into ``folder``, in place of what an earlier run left there.
 
-    With ``resume`` it goes on from that one's checkpoint instead. It leaves no pictures.
+    With ``resume`` it goes on from that one's checkpoint instead. After ``seconds`` it is ended. It leaves no pictures.
     """
 
-    def __init__(self, config_path, folder, resume=False):
+    def __init__(self, config_path: Path, folder: Path, resume: bool = False, seconds: float = math.inf):
         self.folder = folder
+        self._seconds, self._began, self._late = seconds, time.perf_counter(), False
         self._messages = folder.with_name(f"{folder.name}.messages")  # a pipe could fill up; stop() removes it
         command = ["run", config_path, "--out", folder, "--no-pictures", "--resume" if resume else "--overwrite"]
         self._process = start(command, self._messages)
 
     @property
     def finished(self):
-        """Whether it has ended."""
-        return self._process.exitcode is not None
+        """Whether it has ended, or has been ended because it was late."""
+        if self._process.exitcode is None:
+            self._late = time.perf_counter() - self._began > self._seconds
+            if not self._late:
+                return False
+            self.stop()
+        return True
 
     def outcome(self):
         """``Result`` of the run and its error message, empty if it is done. Waits for the end."""
+        if self._late:
+            return read_result(self.folder), f"no end after {self._seconds:.0f} s"
         self._process.join()
         status = self._process.exitcode
         result = read_result(self.folder)
@@ -130,7 +138,7 @@ class Process:
 
     def stop(self):
         """End it after its present step, if it still runs."""
-        if not self.finished:
+        if self._process.exitcode is None:
             self._process.terminate()
             self._process.join()
         with suppress(OSError):

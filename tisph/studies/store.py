@@ -1,9 +1,11 @@
 """Runs that outlive the command that asked for them: what has ended once is not run again."""
 
 import hashlib
+import math
 import time
 from contextlib import closing, contextmanager
 from pathlib import Path
+from typing import Any
 
 from filelock import Timeout
 
@@ -49,7 +51,7 @@ class Store:
 
     def kept(self, name, config):
         """``Result`` and message of a run that ended, with this config and this code; None without one."""
-        path = self._path(name)
+        path = self.folder / f"{name}.yaml"
         if not path.is_file() or path.read_text(encoding="utf-8") != self._text(name, config):
             return None
         result = read_result(self.folder / name)
@@ -73,21 +75,26 @@ class Store:
         with closing(run_side_by_side(missing, start, most)) as ended:
             yield from ended
 
-    def launch(self, name, config):
-        """Start the run as a ``Process``, in place of one that may be there, and after one that still runs."""
-        self._wait(name)
-        (self.folder / name / "summary.json").unlink(missing_ok=True)
-        self._path(name).write_text(self._text(name, config), encoding="utf-8")
-        return Process(self._path(name), self.folder / name)
+    def launch(self, name: str, config: dict[str, Any], seconds: float = math.inf) -> Process:
+        """Start the run as a ``Process`` of at most ``seconds``, in place of one that may be there.
 
-    def _wait(self, name):
-        """Wait until no run of an earlier command that was killed goes on in the folder of this one."""
-        while (self.folder / name).is_dir():
+        Wait until no run of an earlier command that was killed goes on in its folder.
+        """
+        folder = self.folder / name
+        while folder.is_dir():
             try:
-                with held(self.folder / name):
-                    return
+                with held(folder):
+                    break
             except Timeout:
                 time.sleep(POLL_SECONDS)
+        (folder / "summary.json").unlink(missing_ok=True)
+        return Process(self.write(name, config), folder, seconds=seconds)
+
+    def write(self, name: str, config: dict[str, Any]) -> Path:
+        """Write the config of a run into its file, and return the path."""
+        path = self.folder / f"{name}.yaml"
+        path.write_text(self._text(name, config), encoding="utf-8")
+        return path
 
     def keep(self, name, config, files):
         """``Result`` of a run that was made elsewhere: its ``files``, contents by name, kept as if it had run here."""
@@ -95,11 +102,8 @@ class Store:
         folder.mkdir(exist_ok=True)
         for file, content in files.items():
             (folder / file).write_bytes(content)
-        self._path(name).write_text(self._text(name, config), encoding="utf-8")
+        self.write(name, config)
         return read_result(folder)
-
-    def _path(self, name):
-        return self.folder / f"{name}.yaml"
 
     def _text(self, name, config):
         return f"# code {self._code}\n{config_text(name, config)}"

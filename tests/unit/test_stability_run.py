@@ -12,7 +12,7 @@ from tisph.errors import ConfigError
 from tisph.studies import processes
 from tisph.studies import stability as matrix
 from tisph.studies import stability_report as stability
-from tisph.studies.stability import BUDGET, FINISHED, REQUIRED_BUDGET, STABLE, Cell, Plan, plan
+from tisph.studies.stability import DATA, FINISHED, FLAGGED, STABLE, Cell, Plan, plan
 from tisph.studies.stability_judge import Judgement
 
 JITTERS = (0.0, 0.3)
@@ -142,10 +142,10 @@ def test_a_run_that_does_not_end_is_ended(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("cell", "budget"),
     [
-        (Cell(), REQUIRED_BUDGET[STABLE]),
-        (Cell(reynolds=10000.0), REQUIRED_BUDGET[FINISHED]),
-        (Cell(across=50), BUDGET),
-        (Cell(precision="f32"), BUDGET),
+        (Cell(), STABLE),
+        (Cell(reynolds=10000.0), FINISHED),
+        (Cell(across=50), FLAGGED),
+        (Cell(precision="f32"), FLAGGED),
     ],
 )
 def test_a_run_that_costs_too_much_ends_sooner(tmp_path, cell, budget):
@@ -155,7 +155,7 @@ def test_a_run_that_costs_too_much_ends_sooner(tmp_path, cell, budget):
 
     found = plan(cell, costly, tmp_path)
     assert found.t_star < cell.t_star
-    assert found.seconds == pytest.approx(budget, rel=0.05)  # its end has two digits
+    assert found.seconds == pytest.approx(DATA["budget"][budget], rel=0.05)  # its end has two digits
     assert found.config["time"]["end"] == pytest.approx(found.t_star * cell.reynolds, rel=1e-9)
     assert found.predicted == found.config["time"]["end"]  # of the run that there will be
     assert found.warnings == ("careful",)

@@ -71,25 +71,16 @@ LARGEST_REYNOLDS = 1000.0
 WAVES = 3
 """Times that an elastic wave crosses the gap there: it takes sqrt(E) viscous times, E the elasticity number."""
 
-BUDGET = 6.0
-REQUIRED_BUDGET = {STABLE: 400.0, FINISHED: 40.0}
-"""Seconds of one thread after which a cell ends, by ``_seconds``; the second, by requirement, for flows with 25
-particles across or curved walls, so that a required t* = 1, in double precision, is reached there."""
-
-STEP_SECONDS = {"explicit": 6e-5, "implicit 2": 1.5e-3, "implicit 4": 2e-3}
-PARTICLE_SECONDS = {"explicit": 1.2e-7, "implicit 2": 1e-6, "implicit 4": 2.5e-6}
-"""Rough time of a step, and of a particle in it, on one thread. Measured once and not again: the ends of the runs, and
-with them all results, must not depend on the machine."""
-
 
 @dataclass(frozen=True)
 class Flow:
-    """A flow of ``stability.yaml``: its ``kind`` and ``config``, and ``names``, the values of names in the config.
+    """A flow of a ``family`` of ``stability.yaml``: its ``kind`` and ``config``, and the values of ``names`` in it.
 
     ``measure``: the error that is judged, None without a reference; ``peak``: bound of the speed in reference
     velocities, see ``Scene.peak_velocity``; ``largest``: error of a stable run between curved walls, 12 across.
     """
 
+    family: str
     config: dict[str, Any]
     names: dict[str, Any]
     kind: str = "channel"
@@ -110,7 +101,7 @@ def flow_of(name: str) -> Flow:
         names = data.pop("let", {})
         parameters = _parameters(family, name, names)
         if parameters is not None:
-            return Flow(names=names | parameters, **data)
+            return Flow(family, names=names | parameters, **data)
     raise KeyError(name)
 
 
@@ -196,7 +187,7 @@ class Cell:
     @property
     def weissenberg(self) -> float | None:
         """Relaxation time times wall speed over gap, of an Oldroyd-B fluid in a channel; else None."""
-        return flow_of(self.flow).names.get("weissenberg") if flow_of(self.flow).kind == "channel" else None
+        return None if self.two_dimensional else flow_of(self.flow).names.get("weissenberg")
 
     @property
     def has_polymer(self) -> bool:
@@ -209,41 +200,36 @@ class Cell:
         return digits(self.weissenberg / self.reynolds)
 
     @property
-    def doubly_periodic(self) -> bool:
-        """Whether it is in a periodic square, without walls."""
-        return flow_of(self.flow).kind == "doubly_periodic"
-
-    @property
-    def curved_walls(self) -> bool:
-        """Whether it is between curved walls, in a cavity, or around a body."""
-        return flow_of(self.flow).kind == "curved_walls"
+    def kind(self) -> str:
+        """``channel``; ``doubly_periodic``, in a square; ``curved_walls``, between them, in a cavity, around bodies."""
+        return flow_of(self.flow).kind
 
     @property
     def two_dimensional(self) -> bool:
         """Whether the flow is two-dimensional, so that no particle stays in its layer."""
-        return self.doubly_periodic or self.curved_walls
+        return self.kind != "channel"
 
     @property
     def measure(self) -> str | None:
         """Error that is judged; None where there is none, or where the flow cannot be predicted."""
-        lost = self.doubly_periodic and self.reynolds > 1000 and self.t_star > PREDICTABLE
+        lost = self.kind == "doubly_periodic" and self.reynolds > 1000 and self.t_star > PREDICTABLE
         return None if lost else flow_of(self.flow).measure
 
     @property
     def requirement(self) -> str:
         """``STABLE``, ``FINISHED``, ``FLAGGED`` or ``REFUSED``."""
-        if self.flow in DATA["refused"] or (self.doubly_periodic and self.scheme == "implicit 2"):
+        if self.flow in DATA["refused"] or (self.kind == "doubly_periodic" and self.scheme == "implicit 2"):
             return REFUSED
         if not (self.usual and self.flow in DATA["required"] and self.jitter <= 0.3):
             return FLAGGED
-        if self.curved_walls:
+        if self.kind == "curved_walls":
             return STABLE if self.across >= 12 and self.cell_reynolds <= RESOLVED else FLAGGED
         if self.across < 25 or self.scheme == "implicit 2":
             return FLAGGED
-        if self.doubly_periodic and self.scheme == "implicit 4":
+        if self.kind == "doubly_periodic" and self.scheme == "implicit 4":
             return STABLE
         if self.reynolds <= 1000:
-            return FINISHED if self.doubly_periodic else STABLE
+            return FINISHED if self.kind == "doubly_periodic" else STABLE
         return FINISHED if self.flow == "couette" else FLAGGED
 
     @property
@@ -265,7 +251,7 @@ class Cell:
             return merged(change, {"time": {"cfl": AUTO_CFL * self.step}} if self.step != 1.0 else {})
         scheme = {"type": "implicit", "operators": {"order": int(self.scheme[-1])}}
         if self.two_dimensional:  # other steps than the default are not controlled by their error
-            usual = {} if self.curved_walls else {"tolerance": TWO_DIMENSIONAL_TOLERANCE}
+            usual = {} if self.kind == "curved_walls" else {"tolerance": TWO_DIMENSIONAL_TOLERANCE}
             steps = usual if self.step == 1.0 else {"cfl": digits(COURANT * self.step)}
             return {"scheme": {**scheme, "largest_courant": COURANT}, "time": steps}
         # the error of a step scales with the third power of its length
@@ -436,12 +422,14 @@ def _checked(cell, t_star, forecast, folder):
 
 
 def _seconds(cell, numbers):
-    one = STEP_SECONDS[cell.scheme] + numbers["particles"] * PARTICLE_SECONDS[cell.scheme]
-    return numbers["steps"] * one
+    step, particle = DATA["seconds"][cell.scheme]
+    return numbers["steps"] * (step + numbers["particles"] * particle)
 
 
 def _budget(cell):
+    budget = DATA["budget"]
     if cell.measure == FINER:
-        return REQUIRED_BUDGET[STABLE]  # it has to end when the run that it is compared with does
-    compared = (cell.across == 25 or cell.curved_walls) and (cell.precision == "f64" or cell.requirement == FINISHED)
-    return REQUIRED_BUDGET.get(cell.requirement, BUDGET) if compared else BUDGET
+        return budget[STABLE]  # it has to end when the run that it is compared with does
+    double = cell.precision == "f64" or cell.requirement == FINISHED
+    compared = (cell.across == 25 or cell.kind == "curved_walls") and double
+    return budget.get(cell.requirement, budget[FLAGGED]) if compared else budget[FLAGGED]

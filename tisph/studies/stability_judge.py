@@ -215,12 +215,12 @@ def _two_dimensional_faults(plan, found) -> Iterator[str]:
         yield f"a void has a radius of {radius:.3g} spacings"
     if distance < BOUNDS.distance:
         yield f"two particles are {distance:.3g} spacings apart"
-    if not plan.cell.curved_walls and last["energy"] > before["energy"] * (1.0 + BOUNDS.gain):
+    if plan.cell.kind != "curved_walls" and last["energy"] > before["energy"] * (1.0 + BOUNDS.gain):
         yield f"energy {GROWS} by {last['energy'] / before['energy'] - 1.0:.1e}"
 
 
 def _largest_error(cell: Cell, t_star: float) -> float:
-    if cell.curved_walls:
+    if cell.kind == "curved_walls":
         return stability.flow_of(cell.flow).largest * (12 / cell.across) ** BOUNDS.order
     rate, order = BOUNDS.periodic[cell.scheme]
     return rate * max(t_star, 1.0) * (25 / cell.across) ** order

@@ -74,8 +74,8 @@ LABELS = {
 FLUIDS: dict[str, Callable[[Cell], bool]] = {
     "": lambda cell: not (cell.has_polymer or cell.two_dimensional),
     ", Oldroyd-B (of the solvent)": lambda cell: cell.has_polymer,
-    ", doubly periodic": lambda cell: cell.doubly_periodic,
-    ", curved walls": lambda cell: cell.curved_walls,
+    ", doubly periodic": lambda cell: cell.kind == "doubly_periodic",
+    ", curved walls": lambda cell: cell.kind == "curved_walls",
 }
 ARRANGEMENTS = {"lattice": False, "disordered": True}
 

@@ -1,4 +1,4 @@
-"""Cells of the stability matrix: which there are, their configs, and what is known of each run beforehand.
+"""Cells of the stability matrix, their configs, and the forecast of each run.
 
 The data are in ``suites/stability.yaml``. A time is counted in lengths over reference velocity; in a channel t* = 1 is
 at t = Re, in all other flows at t = 1.

@@ -74,7 +74,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Study:
-    """A sweep: its name, the varied ``keys``, its cases, what is collected, and the bound of an ``error``, if any."""
+    """A sweep: its name, the varied ``keys``, its cases, the numbers to ``collect``, and the bound of an ``error``."""
 
     name: str
     keys: tuple[str, ...]
@@ -184,7 +184,7 @@ def _hash(data):
 
 @dataclass(frozen=True)
 class Row:
-    """A case and what became of it: ``numbers`` by name of what is collected, None where there is none."""
+    """A case and the outcome of its run: the collected ``numbers`` by name, None where the run has none."""
 
     case: Case
     status: str
@@ -364,7 +364,7 @@ class Sweep:
         self.rows = {}
 
     def run(self, processes, scheduler):
-        """Run what is missing; print and write as runs end."""
+        """Run the cases that are missing; print and write as runs end."""
         missing = self._known()
         print(f"{len(self.study.cases)} runs, {len(self.study.cases) - len(missing)} of them known", flush=True)
         try:

@@ -27,9 +27,8 @@ from tisph.cli import check, studies
 from tisph.cli.check import ERROR_FACTORS
 from tisph.config import load
 from tisph.errors import ConfigError
+from tisph.studies import stability as matrix
 from tisph.studies.engine import Engine
-from tisph.studies.stability import matrix
-from tisph.studies.stability.plan import plan
 from tisph.studies.store import Store, claimed, config_text
 from tisph.text_table import format_header, format_row
 
@@ -169,7 +168,7 @@ def _cells(forecast, scratch, quick, only=""):
     for cell in matrix.cells(matrix.sub_matrices(quick)):
         if only not in cell.name:
             continue
-        found, numbers = plan(cell, forecast, scratch), {}
+        found, numbers = matrix.plan(cell, forecast, scratch), {}
         if found.refusal is None:  # the plan is about the last sample only, by which the cell is judged
             path = scratch / "config.yaml"
             path.write_text(config_text(cell.name, found.config), encoding="utf-8")

@@ -16,7 +16,7 @@ from tisph import registry
 from tisph.config import checks
 from tisph.config.base import LARGEST, SMALLEST, Model
 from tisph.config.fields import Member
-from tisph.studies.sweep import plan
+from tisph.studies import sweep
 
 MEANINGS = yaml.safe_load((Path(__file__).parent / "_keys.yaml").read_text(encoding="utf-8"))
 FAMILIES = {
@@ -63,8 +63,8 @@ def keys_page():
 
 def study_keys():
     """Keys of the file of a sweep, as they stand in ``_keys.yaml``."""
-    ranged = [f"study/vary.KEY.{key}" for key in sorted(plan.RANGE)]
-    return [name for key in plan.KEYS for name in (f"study/{key}", *(ranged if key == "vary" else []))]
+    ranged = [f"study/vary.KEY.{key}" for key in sorted(sweep.RANGE)]
+    return [name for key in sweep.KEYS for name in (f"study/{key}", *(ranged if key == "vary" else []))]
 
 
 def study_table():

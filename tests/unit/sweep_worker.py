@@ -7,8 +7,8 @@ import time
 
 from distributed import Worker
 
+from tisph.studies import sweep_cluster
 from tisph.studies.processes import Result
-from tisph.studies.sweep import cluster
 
 
 def summary(config):
@@ -45,5 +45,5 @@ async def work(address):
 
 
 if __name__ == "__main__":
-    cluster.run_config = stand_in
+    sweep_cluster.run_config = stand_in
     asyncio.run(work(sys.argv[1]))

@@ -229,7 +229,7 @@ def test_a_part_of_the_matrix_that_there_is_not():
     ],
 )
 def test_the_matrix_ends_with_a_verdict(case, monkeypatch, met, status, verdict):
-    from tisph.studies.stability import run
+    from tisph.studies import stability_report
 
     def leave_numbers(folder, *_):
         cells = [{"name": name, "met": each} for name, each in zip("ab", met, strict=True)]
@@ -237,7 +237,7 @@ def test_the_matrix_ends_with_a_verdict(case, monkeypatch, met, status, verdict)
         (folder / "stress.json").write_text(json.dumps({"cells": cells}))
         return all(met)
 
-    monkeypatch.setattr(run, "run", leave_numbers)
+    monkeypatch.setattr(stability_report, "run", leave_numbers)
     done = tisph_command("stability", "--quick", "--out", "matrix")
     assert (done.exit_code, done.stdout.splitlines()[-1]) == (status, verdict)
 

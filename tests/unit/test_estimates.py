@@ -20,8 +20,8 @@ from tisph.schemes import resolve
 from tisph.schemes._estimate import MOST_STEPS, off_layers
 from tisph.schemes._protocol import SampleEstimate
 from tisph.studies import processes
-from tisph.studies.stability import matrix
-from tisph.studies.stability.cells import FLOWS, Cell
+from tisph.studies import stability as matrix
+from tisph.studies.stability import Cell, flow_of
 from tisph.studies.store import config_text
 
 ERROR = ERROR_FACTORS[True]
@@ -59,7 +59,7 @@ def stated(name, end, folder):
         return of_config(name)
     cell = CELLS[name]
     path = folder / "case.yaml"
-    path.write_text(config_text(name, cell.config(end / FLOWS[cell.flow].unit_time(cell.reynolds))))
+    path.write_text(config_text(name, cell.config(end / flow_of(cell.flow).unit_time(cell.reynolds))))
     return estimates(load(path))
 
 
@@ -102,7 +102,7 @@ def test_the_printed_matrix_is_within_the_factor(tmp_path):
     brief_without, failed = [], []
     for name, (t_star, error) in PRINTED.items():
         cell = CELLS[name]
-        last = stated(name, t_star * FLOWS[cell.flow].unit_time(cell.reynolds), tmp_path)["samples"][-1]
+        last = stated(name, t_star * flow_of(cell.flow).unit_time(cell.reynolds), tmp_path)["samples"][-1]
         own = getattr(last, cell.measure)
         if own is None:
             brief_without += [name] if name in on_layers and last.steps < MOST_STEPS else []

@@ -10,12 +10,13 @@ from tisph import scenes
 from tisph.cli.check import estimates
 from tisph.config import load
 from tisph.scenes.channel import Channel
-from tisph.studies.stability import matrix
-from tisph.studies.stability.cells import FINISHED, FLAGGED, REFUSED, STABLE, Cell
-from tisph.studies.stability.flows import FLOWS
+from tisph.studies import stability as matrix
+from tisph.studies.stability import FINISHED, FLAGGED, REFUSED, STABLE, Cell, flow_of
 
 FULL = matrix.sub_matrices()
 QUICK = matrix.sub_matrices(quick=True)
+USED = list(dict.fromkeys(cell.flow for cell in matrix.cells(FULL)))
+EXPLICIT = list(dict.fromkeys(cell.flow for cell in matrix.cells(FULL) if cell.scheme == "explicit"))
 COVERING = next(part for part in FULL if part.title == "covering set")
 
 
@@ -41,11 +42,15 @@ def test_every_cell_is_a_valid_config_of_what_it_says(loaded):
         config = loaded(cell)
         scene = scenes.of(config)
         # nu, U and g are written to twelve digits
-        length = 1.0 if cell.curved_walls else scene.reference_length
+        length = 1.0 if cell.kind == "curved_walls" else scene.reference_length
         assert scene.reference_velocity * length / scene.kinematic_viscosity == pytest.approx(cell.reynolds, rel=1e-11)
-        assert config.time.end / (1.0 if cell.curved_walls else scene.time_scale) == pytest.approx(1.0, rel=1e-11)
+        assert config.time.end / (1.0 if cell.kind == "curved_walls" else scene.time_scale) == pytest.approx(
+            1.0, rel=1e-11
+        )
         assert config.particles_across == cell.across
-        assert cell.curved_walls or config.columns == cell.across * (1 if cell.doubly_periodic else cell.aspect)
+        assert cell.kind == "curved_walls" or config.columns == cell.across * (
+            1 if cell.kind == "doubly_periodic" else cell.aspect
+        )
         assert (config.initial.jitter, config.discretisation.precision) == (cell.jitter, cell.precision)
         assert cell.two_dimensional or config.walls.treatment.type == cell.treatment
         assert len(config.time.samples) == 4
@@ -55,6 +60,34 @@ def test_names_of_cells_differ_and_are_names_of_folders():
     cells = matrix.cells(FULL)
     assert len({cell.name for cell in cells}) == len(cells)
     assert max(len(cell.name) for cell in cells) <= 64
+
+
+def test_every_family_has_a_cell_and_every_exception_is_a_flow():
+    families = dict.fromkeys(matrix.DATA["flows"], 0)
+    for name in USED:
+        families[flow_of(name).family] += 1
+    assert [family for family, count in families.items() if not count] == []
+    assert {*matrix.DATA["refused"], *matrix.DATA["required"]} <= set(USED)
+
+
+@pytest.mark.parametrize(
+    ("name", "family", "names"),
+    [
+        ("annulus0.5", "annulus{ratio}", {"ratio": 0.5}),
+        ("pair2.5_driven", "{shape}{size}_driven", {"size": 2.5, "motion": "fixed"}),
+        ("vortices0.5_polymer", "vortices{ratio}{fluid}", {"ratio": 0.5}),
+        ("suspension1_0.2_3.2", "suspension{density}_{fraction}_{radius}", {"density": 1.0, "fraction": 0.2}),
+    ],
+)
+def test_names_of_flows_hold_their_parameters(name, family, names):
+    flow = flow_of(name)
+    assert flow.family == family
+    assert {key: flow.names[key] for key in names} == names
+
+
+def test_a_name_of_no_flow_is_refused():
+    with pytest.raises(KeyError, match="circles3"):
+        flow_of("circles3")
 
 
 def test_the_matrix_is_large_and_always_the_same():
@@ -67,17 +100,15 @@ def test_the_matrix_is_large_and_always_the_same():
 def test_sub_matrices_can_be_chosen_by_title():
     chosen = matrix.sub_matrices(only="periodic")
     assert len(chosen) == 4
-    assert all(cell.doubly_periodic for part in chosen for cell in part.cells)
+    assert all(cell.kind == "doubly_periodic" for part in chosen for cell in part.cells)
     walls = [cell for part in matrix.sub_matrices(only="curved walls") for cell in part.cells]
-    assert {cell.flow for cell in walls} == {
-        name for name, flow in FLOWS.items() if flow.curved_walls and not flow.viscoelastic
-    }
+    assert all(cell.kind == "curved_walls" for cell in walls)
     with pytest.raises(ValueError, match="no sub-matrix has 'twists' in its title; there are Re x jitter x scheme"):
         matrix.sub_matrices(only="twists")
 
 
 def test_flows_are_what_their_names_say(loaded):
-    names = [name for name, flow in FLOWS.items() if not (flow.doubly_periodic or flow.curved_walls)]
+    names = [name for name in USED if flow_of(name).kind == "channel"]
     channels = {name: Channel.from_config(loaded(Cell(flow=name, reynolds=20.0))) for name in names}
     backflow = channels["backflow"]
     assert backflow.exact_velocity(0.5, 10 * backflow.viscous_time) < 0
@@ -88,7 +119,7 @@ def test_flows_are_what_their_names_say(loaded):
         assert channels[f"oldroyd{weissenberg:g}"].weissenberg == pytest.approx(weissenberg, rel=1e-11)
 
 
-@pytest.mark.parametrize("flow", [name for name, flow in FLOWS.items() if not (flow.curved_walls or flow.viscoelastic)])
+@pytest.mark.parametrize("flow", EXPLICIT)
 @pytest.mark.parametrize("reynolds", [0.0125, 1000.0])
 def test_the_sound_axis_is_a_multiple_of_the_automatic_one(loaded, flow, reynolds):
     """At both ends of the Reynolds numbers, where different scales set the automatic sound speed."""
@@ -143,7 +174,9 @@ def test_what_has_to_be_refused_is_refused(loaded):
     refused = [cell for cell in matrix.cells(FULL) if cell.requirement == REFUSED]
     assert refused
     for cell in refused:
-        why = "leave 2 spacings|it needs at least" if cell.curved_walls else "must be 4 in two-dimensional flow"
+        why = (
+            "leave 2 spacings|it needs at least" if cell.kind == "curved_walls" else "must be 4 in two-dimensional flow"
+        )
         with pytest.raises(Exception, match=why):
             loaded(cell)
 

@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from tisph.studies.stability import judge
-from tisph.studies.stability.cells import REFUSED, Cell
-from tisph.studies.stability.plan import Plan
+from tisph.studies import stability_judge as judge
+from tisph.studies.stability import REFUSED, Cell, Plan
 
 PLAN = Plan(Cell(jitter=0.3), {}, t_star=1.0)
 BASELINE = (4e-4, 3e-4, 2e-4, 1e-4)
@@ -33,7 +32,7 @@ def test_a_run_like_its_baseline_is_stable():
     found = verdict(errors=times(1.5))
     assert (found.verdict, found.reason, found.met) == ("stable", "", True)
     assert found.ratio == pytest.approx(1.5, rel=1e-12)
-    assert found.transverse == pytest.approx(1e-5, rel=1e-12)
+    assert found.transverse_velocity == pytest.approx(1e-5, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -115,7 +114,7 @@ def test_a_run_that_diverged_with_a_message_is_stopped():
         errors=BASELINE[:2], status="diverged", message="y of particle 7", transverse=(0,) * 2, density=(0,) * 2
     )
     assert (found.verdict, found.reason, found.met) == ("stopped", "y of particle 7", False)
-    assert found.baseline == BASELINE[1]  # of the last sample that there is
+    assert found.baseline_error == BASELINE[1]  # of the last sample that there is
     flagged = replace(PLAN, cell=replace(PLAN.cell, across=8))
     assert verdict(found=summary(status="diverged"), plan=flagged, message="y").met is True
 
@@ -131,7 +130,7 @@ def test_a_run_that_ends_without_a_clear_error_is_a_silent_failure(status, messa
 
 def test_a_run_whose_baseline_stopped_is_judged_alone():
     found = verdict(baseline={"status": "diverged", "samples": []})
-    assert (found.verdict, found.baseline, found.ratio) == ("stable", None, None)
+    assert (found.verdict, found.baseline_error, found.ratio) == ("stable", None, None)
 
 
 def test_flows_that_cross_zero_are_judged_by_the_rms():

@@ -9,11 +9,11 @@ from fake_runs import FakeRuns, make_result, sleeper
 from PIL import Image
 
 from tisph.errors import ConfigError
-from tisph.studies import engine, processes
-from tisph.studies.stability import judge, limits, maps, matrix
-from tisph.studies.stability import run as stability
-from tisph.studies.stability.cells import FINISHED, STABLE, Cell
-from tisph.studies.stability.plan import BUDGET, REQUIRED_BUDGET, Plan, plan
+from tisph.studies import processes
+from tisph.studies import stability as matrix
+from tisph.studies import stability_report as stability
+from tisph.studies.stability import DATA, FINISHED, FLAGGED, STABLE, Cell, Plan, plan
+from tisph.studies.stability_judge import Judgement
 
 JITTERS = (0.0, 0.3)
 PARTS = [
@@ -130,7 +130,7 @@ def test_a_folder_that_cannot_be_used_is_bad_input(runs, tmp_path):
 
 def test_a_run_that_does_not_end_is_ended(tmp_path, monkeypatch):
     monkeypatch.setattr(processes, "start", lambda *_: sleeper())
-    process = engine.Limited(processes.Process("config.yaml", tmp_path), 0.2)
+    process = processes.Process("config.yaml", tmp_path, seconds=0.2)
     while not process.finished:
         time.sleep(0.01)  # for ever, if nothing ended it
     result, message = process.outcome()
@@ -142,10 +142,10 @@ def test_a_run_that_does_not_end_is_ended(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("cell", "budget"),
     [
-        (Cell(), REQUIRED_BUDGET[STABLE]),
-        (Cell(reynolds=10000.0), REQUIRED_BUDGET[FINISHED]),
-        (Cell(across=50), BUDGET),
-        (Cell(precision="f32"), BUDGET),
+        (Cell(), STABLE),
+        (Cell(reynolds=10000.0), FINISHED),
+        (Cell(across=50), FLAGGED),
+        (Cell(precision="f32"), FLAGGED),
     ],
 )
 def test_a_run_that_costs_too_much_ends_sooner(tmp_path, cell, budget):
@@ -155,7 +155,7 @@ def test_a_run_that_costs_too_much_ends_sooner(tmp_path, cell, budget):
 
     found = plan(cell, costly, tmp_path)
     assert found.t_star < cell.t_star
-    assert found.seconds == pytest.approx(budget, rel=0.05)  # its end has two digits
+    assert found.seconds == pytest.approx(DATA["budget"][budget], rel=0.05)  # its end has two digits
     assert found.config["time"]["end"] == pytest.approx(found.t_star * cell.reynolds, rel=1e-9)
     assert found.predicted == found.config["time"]["end"]  # of the run that there will be
     assert found.warnings == ("careful",)
@@ -180,12 +180,12 @@ def test_a_refusal_says_why_and_not_where(tmp_path):
 
 def row(verdict="stable", **values):
     cell = Cell(**values)
-    judgement = judge.Judgement(verdict, "", True, error=1e-3, transverse=1e-4, density_variation=1e-3)
-    return cell, maps.Row(Plan(cell, {}, 1.0), judgement)
+    numbers = {"error": 1e-3, "transverse_velocity": 1e-4, "density_variation": 1e-3}
+    return cell, Judgement(Plan(cell, {}, 1.0), verdict, "", True, **numbers)
 
 
 def test_limits_are_where_the_first_run_fails():
-    found = limits.limits(
+    found = stability.limits(
         dict(
             [
                 *(row(step=step) for step in (1.0, 1.5)),
@@ -204,13 +204,13 @@ def test_limits_are_where_the_first_run_fails():
 
 
 def test_density_variations_are_compared_at_one_mach_number():
-    (found,) = limits.limits(dict([row(sound=20.0)]))["largest"]
+    (found,) = stability.limits(dict([row(sound=20.0)]))["largest"]
     assert found["density_variation"] == pytest.approx(4e-3, rel=1e-12)
 
 
 def test_every_cell_has_a_place_of_its_own_in_its_map():
     for part in PARTS[:1] + PARTS[2:]:
-        columns, names, places = maps.layout(part)
+        columns, names, places = stability.layout(part)
         assert len(places) == len(part.cells)
         assert {place for place in places} <= {(name, column) for name in names for column in columns}
 
@@ -219,4 +219,4 @@ def test_every_cell_has_a_place_of_its_own_in_its_map():
 def test_the_maps_of_the_matrix_have_room_for_every_cell(quick):
     for part in matrix.sub_matrices(quick):
         if part.columns:
-            assert len(maps.layout(part)[2]) == len(part.cells)
+            assert len(stability.layout(part)[2]) == len(part.cells)

@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from tisph.studies.stability import judge
-from tisph.studies.stability.cells import Cell
-from tisph.studies.stability.plan import Plan
+from tisph.studies import stability_judge as judge
+from tisph.studies.stability import Cell, Plan
 
 VORTEX = Plan(Cell(flow="taylor_green", scheme="implicit 4", t_star=2.0), {}, t_star=2.0)
 LAYER = replace(VORTEX, cell=replace(VORTEX.cell, flow="shear_layer"))
@@ -26,7 +25,7 @@ def test_a_run_within_all_bounds_is_stable():
     found = verdict()
     assert (found.verdict, found.reason, found.met) == ("stable", "", True)
     assert (found.error, found.max_void_radius, found.min_distance) == (1e-3, 0.8, 0.75)
-    assert found.baseline is None
+    assert found.baseline_error is None
 
 
 @pytest.mark.parametrize("plan", [VORTEX, LAYER])
@@ -75,7 +74,7 @@ def test_vortices_that_no_run_can_follow_are_not_compared():
 def test_the_cell_itself_is_its_baseline():
     cell = Cell(flow="shear_layer", jitter=0.3)
     assert cell.baseline == cell
-    assert judge.VOID > 1.0 > judge.DISTANCE
+    assert judge.BOUNDS.void > 1.0 > judge.BOUNDS.distance
 
 
 def compared(drags, resolved, fine=None):

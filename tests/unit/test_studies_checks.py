@@ -10,7 +10,7 @@ from fake_runs import make_result
 
 from tisph.errors import ConfigError
 from tisph.studies import checks, measures
-from tisph.studies.expressions import SuiteError
+from tisph.studies.expressions import SuiteError, filled
 from tisph.studies.processes import Result
 
 
@@ -297,3 +297,20 @@ def test_the_largest_of_all_samples_and_the_time_of_a_value():
     assert measures.largest(falling[0], number="y - 4") == 2.0
     assert measures.largest(falling[0], number="y", off=[4.0, 3.5, 2.0]) == 0.5
     assert measures.time_difference(*falling, number="y", value=3.0) == pytest.approx(0.25, rel=1e-12)
+
+
+def test_expressions_in_a_config_are_replaced_by_their_values():
+    names = {"nu": 1 / 3, "force": "=2*nu", "body": {"radius": "=size/2"}, "size": 0.5, "across": 25, "kind": "pipe"}
+    template = {"drive": [0.0, "=-force"], "body": "=body", "across": "=across", "scene": "=kind", "video": None}
+    assert filled(template, names) == {
+        "drive": [0.0, -0.666666666667],  # twelve digits
+        "body": {"radius": 0.25},
+        "across": 25,
+        "scene": "pipe",
+        "video": None,
+    }
+    assert filled({"points": {"repeat": 3, "each": ["=k*size", 1.0]}}, names) == {
+        "points": [[0.0, 1.0], [0.5, 1.0], [1.0, 1.0]]
+    }
+    with pytest.raises(SuiteError, match="the functions are"):
+        filled({"drive": "=open(nu)"}, names)

@@ -19,10 +19,9 @@ from sweep_worker import summary
 from tisph.cli.check import forecast
 from tisph.errors import ConfigError
 from tisph.folder import held
-from tisph.studies import processes
+from tisph.studies import processes, sweep, sweep_cluster
 from tisph.studies.store import fingerprint
-from tisph.studies.sweep import cluster, picture, plan, table
-from tisph.studies.sweep.run import run
+from tisph.studies.sweep import run
 
 CASE = """\
 scene: channel
@@ -53,7 +52,7 @@ def study(tmp_path):
 @pytest.fixture
 def undrawn(monkeypatch):
     """Draw no picture: seconds that only one test needs."""
-    monkeypatch.setattr(picture, "plot", lambda *_: False)
+    monkeypatch.setattr(sweep, "plot", lambda *_: False)
 
 
 @pytest.fixture
@@ -70,7 +69,7 @@ def test_keys_vary_each_with_each_or_together(study):
             "collect", "  'fluid.density, walls.top.velocity': [[1.0, 0.5], [2.0, 0.25]]\ncollect"
         )
     )
-    found = plan.read(study, forecast)
+    found = sweep.read(study, forecast)
     assert found.keys == ("discretisation.particles_across", "time.end", "fluid.density", "walls.top.velocity")
     assert len(found.cases) == 3 * 3 * 2
     assert [tuple(case.values.values()) for case in found.cases[:3]] == [
@@ -98,10 +97,10 @@ def test_keys_vary_each_with_each_or_together(study):
 def test_a_study_with_a_mistake_is_one_message(study, old, new, says):
     study.write_text(STUDY.replace(old, new))
     if says == "no such file":  # of the base, in every row
-        assert says in plan.read(study, forecast).cases[0].refusal
+        assert says in sweep.read(study, forecast).cases[0].refusal
         return
     with pytest.raises(ConfigError, match=says):
-        plan.read(study, forecast)
+        sweep.read(study, forecast)
 
 
 def test_table_order_and_cheapest_run(study, runs, tmp_path, capsys):
@@ -115,7 +114,7 @@ def test_table_order_and_cheapest_run(study, runs, tmp_path, capsys):
         assert file["loop_s"][0] == pytest.approx(0.01)
     printed = capsys.readouterr().out
     assert "9 runs: 9 done" in printed
-    orders = table.orders(plan.read(study, forecast), rows)
+    orders = sweep.orders(sweep.read(study, forecast), rows)
     assert orders["discretisation.particles_across"] == (pytest.approx(-2.0), 3)
     assert orders["time.end"] == (pytest.approx(1.0), 3)
     assert "cheapest run with l2 <= 0.006: discretisation.particles_across = 20, time.end = 1" in printed
@@ -135,7 +134,7 @@ def test_an_interrupted_sweep_keeps_what_is_done_and_goes_on(study, runs, undraw
     run(study, tmp_path / "whole", forecast, 2)
     whole = (tmp_path / "whole/table.csv").read_bytes()
 
-    write, written = table.write, []
+    write, written = sweep.write, []
 
     def interrupted(*arguments):
         write(*arguments)
@@ -143,12 +142,12 @@ def test_an_interrupted_sweep_keeps_what_is_done_and_goes_on(study, runs, undraw
         if len(written) == 4:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(table, "write", interrupted)
+    monkeypatch.setattr(sweep, "write", interrupted)
     with pytest.raises(KeyboardInterrupt):
         run(study, tmp_path / "out", forecast, 2)
     kept = list(csv.DictReader((tmp_path / "out/table.csv").open()))
     assert len(kept) == 4
-    monkeypatch.setattr(table, "write", write)
+    monkeypatch.setattr(sweep, "write", write)
     runs.configs.clear()
     run(study, tmp_path / "out", forecast, 1)
     assert len(runs.configs) == 9 - 4
@@ -192,7 +191,7 @@ def test_dask_with_a_killed_worker_gives_the_same_table(study, runs, undrawn, tm
         program = Path(__file__).with_name("sweep_worker.py")
         workers.append(subprocess.Popen([sys.executable, str(program), address], stderr=subprocess.DEVNULL))
 
-    write, written = table.write, []
+    write, written = sweep.write, []
 
     def and_kill(*arguments):
         write(*arguments)
@@ -200,7 +199,7 @@ def test_dask_with_a_killed_worker_gives_the_same_table(study, runs, undrawn, tm
         if len(written) == 3:
             workers[0].send_signal(signal.SIGKILL)
 
-    monkeypatch.setattr(table, "write", and_kill)
+    monkeypatch.setattr(sweep, "write", and_kill)
     # a scheduler in a process of its own would be the same to the client; here its port is known at once
     with distributed.LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address=None) as cluster:
         try:
@@ -227,14 +226,14 @@ def test_a_worker_that_dask_started_as_a_daemon_may_start_runs(monkeypatch):
         process.join()
         return None, "ended"
 
-    monkeypatch.setattr(cluster, "run_config", run_config)
+    monkeypatch.setattr(sweep_cluster, "run_config", run_config)
     monkeypatch.setitem(multiprocessing.current_process()._config, "daemon", True)
-    assert cluster.run("name", {}, fingerprint()) == ("name", {}, "ended")
+    assert sweep_cluster.run("name", {}, fingerprint()) == ("name", {}, "ended")
 
 
 def test_no_scheduler_is_one_message(study, tmp_path, monkeypatch):
     pytest.importorskip("distributed", reason="Dask is an extra")
-    connect = cluster._imported().Client
-    monkeypatch.setattr(cluster._imported(), "Client", lambda address, timeout: connect(address, timeout="1s"))
+    connect = sweep_cluster._imported().Client
+    monkeypatch.setattr(sweep_cluster._imported(), "Client", lambda address, timeout: connect(address, timeout="1s"))
     with pytest.raises(ConfigError, match="cannot be reached"):
         run(study, tmp_path / "out", forecast, 1, "tcp://127.0.0.1:9")

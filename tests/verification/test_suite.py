@@ -10,7 +10,7 @@ from filelock import FileLock
 from tisph import config, simulation
 from tisph.errors import DivergedError
 from tisph.studies import suites, verify
-from tisph.studies.processes import read_result, run_config
+from tisph.studies.processes import read_result
 from tisph.studies.suites import Suite
 
 HERE = {"runtime": {"threads": 1}, "output": {"video": None}}
@@ -63,7 +63,7 @@ def checks(quick):
 
 
 def run_here(config_path, folder):
-    """Run one config in this process; return what ``run_config`` does: no pictures, and little history."""
+    """Run one config in this process; return ``Result`` and message: no pictures, and little history."""
     with pytest.MonkeyPatch.context() as monkeypatch:
         monkeypatch.setattr("tisph.simulation.recording.begin_pictures", lambda *_: [])
         monkeypatch.setattr("tisph.observers.history.RECORDS", 21)  # steady or not is read off a quarter of them
@@ -74,27 +74,24 @@ def run_here(config_path, folder):
     return read_result(folder), ""
 
 
+class SharedRunner(verify.Runner):
+    """A Runner that shares its runs with other processes; repeated runs have a process of their own."""
+
+    def outcome(self, name, config):
+        folder = self.store.folder / name
+        with FileLock(self.store.folder / f"{name}.lock"):
+            if folder.exists():
+                return read_result(folder), ""
+            if name.endswith("repeat"):
+                return super().outcome(name, config)
+            return run_here(self.store.write(name, {**config, **HERE}), folder)
+
+
 @pytest.fixture(scope="module")
 def quick_runner(tmp_path_factory, worker_id, kept_program):
-    """A Runner that shares its runs with those of other processes; repeated runs have a process of their own."""
     folder = tmp_path_factory.getbasetemp()
     shared = (folder if worker_id == "master" else folder.parent) / "quick suite"
-    shared.mkdir(exist_ok=True)
-
-    def run_once(config_path, folder):
-        name = config_path.stem
-        with FileLock(shared / f"{name}.lock"):
-            if (shared / name).exists():
-                return read_result(shared / name), ""
-            return (run_config if name.endswith("repeat") else run_here)(config_path, shared / name)
-
-    runs = {
-        name: settings if name.endswith("repeat") else {**settings, **HERE}
-        for name, settings in suites.whole(quick=True).runs.items()
-    }
-    with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr(verify, "run_config", run_once)
-        yield verify.Runner(Suite("", runs), tmp_path_factory.mktemp("configs"))
+    return SharedRunner(Suite("", suites.whole(quick=True).runs), shared)
 
 
 @pytest.fixture(scope="module")

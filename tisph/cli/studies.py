@@ -103,16 +103,16 @@ def stability(
     """
     from tisph import runtime
     from tisph.cli.check import forecast
-    from tisph.studies.stability import matrix, run
-    from tisph.studies.stability.output import NUMBERS
+    from tisph.studies import stability_report
+    from tisph.studies.stability import sub_matrices
 
     try:
-        parts = matrix.sub_matrices(quick, only)
+        parts = sub_matrices(quick, only)
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="--only") from None
     folder = out or STABILITY_FOLDER.with_name("stress-quick" if quick else "stress-part" if only else "stress")
-    passed = run.run(folder, forecast, processes or runtime.available_threads(), parts)
-    cells = json.loads((folder / NUMBERS).read_text(encoding="utf-8"))["cells"]
+    passed = stability_report.run(folder, forecast, processes or runtime.available_threads(), parts)
+    cells = json.loads((folder / stability_report.NUMBERS).read_text(encoding="utf-8"))["cells"]
     missed = [cell["name"] for cell in cells if not cell["met"]]
     failed = f"; FAIL: {', '.join(missed)}" if missed else ""
     print(f"\n{len(cells) - len(missed)} of {len(cells)} cells meet their requirement{failed}")
@@ -144,7 +144,7 @@ def sweep(
     """
     from tisph import runtime
     from tisph.cli.check import forecast
-    from tisph.studies.sweep.run import run
+    from tisph.studies.sweep import run
 
     rows = run(study, out, forecast, processes or runtime.available_threads(), scheduler)
     if not any(row.status == "done" for row in rows):

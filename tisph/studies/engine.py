@@ -4,11 +4,14 @@ Sweeps, the stability matrix and the comparison of wall treatments give it confi
 with this config and this code, is not run again: an interrupted command goes on where it was.
 """
 
+import math
 import time
+from collections.abc import Iterator
 from contextlib import closing
+from typing import Any
 
 from tisph.report.terminal_bar import study_bar
-from tisph.studies.processes import read_result
+from tisph.studies.store import Outcome, Store
 
 START_SECONDS = 2.0
 """Rough time of a run besides its steps, for the time that is left."""
@@ -20,13 +23,12 @@ PATIENCE, ALLOWANCE = 10.0, 600.0
 class Engine:
     """Runs configs, ``processes`` at a time, and keeps the runs in a ``Store``.
 
-    ``seconds``: what each run may take, by name, for the bar. A context, in which the bar shows on standard error where
-    that is a terminal.
+    ``seconds``: estimated time of each run, by name, for the bar. A context, in which the bar shows on standard error
+    where that is a terminal.
     """
 
-    def __init__(self, store, processes, seconds):
-        self.store = store
-        self.processes = processes
+    def __init__(self, store: Store, processes: int, seconds: dict[str, float]):
+        self._store, self._processes = store, processes
         self._began = time.perf_counter()
         self._seconds = {name: estimate + START_SECONDS for name, estimate in seconds.items()}
         self._running, self._ended, self._done = [], 0, 0.0
@@ -40,7 +42,9 @@ class Engine:
     def __exit__(self, *_):
         self._bar.stop()
 
-    def outcomes(self, configs, processes=None, limited=False, source=None):
+    def outcomes(
+        self, configs: dict[str, dict[str, Any]], limited: bool = False, source: Iterator[Outcome] | None = None
+    ) -> Iterator[Outcome]:
         """Yield (name, ``Result``, message) of the runs of ``configs``, by name: first of those that are kept.
 
         ``limited``: runs are ended that take much longer than estimated. ``source``: where outcomes come from, if not
@@ -50,10 +54,10 @@ class Engine:
         def launch(name):
             self._running.append(name)
             self._show()
-            process = self.store.launch(name, configs[name])
-            return Limited(process, PATIENCE * self._seconds[name] + ALLOWANCE) if limited else process
+            limit = PATIENCE * self._seconds[name] + ALLOWANCE if limited else math.inf
+            return self._store.launch(name, configs[name], limit)
 
-        with closing(source or self.store.outcomes(configs, processes or self.processes, launch)) as ended:
+        with closing(source or self._store.outcomes(configs, self._processes, launch)) as ended:
             for name, result, message in ended:
                 self._running = [each for each in self._running if each != name]
                 self._ended += 1
@@ -62,44 +66,17 @@ class Engine:
                 self._show()
                 yield name, result, message
 
-    def say(self, text):
+    def say(self, text: str) -> None:
         """Print a line of the result, out of the way of the bar."""
         self._bar.stop()  # while it shows, the two would write into one another
         print(text, flush=True)
         self._bar.start()
 
     @property
-    def seconds_left(self):
-        """Time that the other runs will take, as those before have taken what was estimated."""
+    def seconds_left(self) -> float:
+        """Time for the runs that have not ended, if they take as much over their estimates as the earlier ones."""
         return (time.perf_counter() - self._began) * (sum(self._seconds.values()) / max(self._done, 1e-9) - 1.0)
 
     def _show(self):
         text = "; ".join([f"{self._ended} of {len(self._seconds)} runs", *self._running])
         self._bar.update(self._task, description=text)
-
-
-class Limited:
-    """A ``Process`` that is ended after ``seconds``."""
-
-    def __init__(self, process, seconds):
-        self.process, self.seconds = process, seconds
-        self._began = time.perf_counter()
-        self._late = False
-
-    @property
-    def finished(self):
-        """Whether it has ended, or has been ended for being late."""
-        if not self.process.finished and time.perf_counter() - self._began > self.seconds:
-            self._late = True
-            self.process.stop()
-        return self.process.finished
-
-    def outcome(self):
-        """``Result`` of the run and its error message, as of a ``Process``."""
-        if self._late:
-            return read_result(self.process.folder), f"no end after {self.seconds:.0f} s"
-        return self.process.outcome()
-
-    def stop(self):
-        """End it, if it still runs."""
-        self.process.stop()

@@ -1,18 +1,22 @@
-"""Numbers of a run as arithmetic expressions, such as ``drag/superficial_velocity``.
+"""Arithmetic expressions in YAML: numbers of a run, such as ``drag/superficial_velocity``, and values of configs.
 
-The names are the numbers of a sample in summary.json; ``wall_shear``, the error of the wall shear stress;
-``transverse``, the largest transverse velocity over the reference velocity; and dotted names of the whole run, such as
-``cost.steps``. The functions are abs, sqrt, hypot, sin, cos, exp and log, the constant is pi. ``NAME off exact`` is the
-relative difference of a number to ``NAME_exact``.
+The functions are abs, sqrt, hypot, sin, cos, exp and log, the constant is pi. In checks of suites the names are the
+numbers of a sample in summary.json; ``wall_shear``, the error of the wall shear stress; ``transverse``, the largest
+transverse velocity over the reference velocity; and dotted names of the whole run, such as ``cost.steps``. ``NAME off
+exact`` is the relative difference of a number to ``NAME_exact``.
 """
 
 import ast
 import math
+from collections.abc import Callable
+from functools import cache
+from types import CodeType
 from typing import Any
 
 from tisph.config.fields import nearest
 from tisph.errors import ConfigError
 from tisph.measures.channel import wall_shear_error
+from tisph.studies.flows import digits
 
 FUNCTIONS = {name: getattr(math, name) for name in ("sqrt", "hypot", "sin", "cos", "exp", "log")} | {"abs": abs}
 
@@ -28,6 +32,43 @@ class SuiteError(Exception):
         self.key, self.text = key, text
 
 
+@cache
+def _compiled(source: str, key: str) -> CodeType:
+    """Return the code of an expression, in which a name is a call of ``number`` with it; SuiteError for other texts."""
+    try:
+        tree = ast.parse(source, mode="eval")
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        raise SuiteError(key, f"{source!r} is no arithmetic expression, such as drag/superficial_velocity") from None
+    for node in ast.walk(tree):
+        if not isinstance(node, ARITHMETIC) or (isinstance(node, ast.Constant) and not is_number(node.value)):
+            raise SuiteError(key, f"{source!r}: only numbers, names, + - * / ** and {', '.join(FUNCTIONS)}")
+        if isinstance(node, ast.Call) and getattr(node.func, "id", None) not in FUNCTIONS:
+            raise SuiteError(key, f"{source!r}: the functions are {', '.join(FUNCTIONS)}")
+    return compile(_Lookup().visit(tree), "<suite>", "eval")
+
+
+def _evaluated(code: CodeType, lookup: Callable[[str], Any]) -> Any:
+    return eval(code, {"__builtins__": {}, **FUNCTIONS, "number": lookup})
+
+
+def filled(template: Any, names: dict[str, Any]) -> Any:
+    """Return plain data in which every text that begins with = is replaced by the value of this expression.
+
+    ``names`` (name -> plain data): values of the names in expressions, which may have expressions, too. Numbers become
+    floats of twelve digits. A map ``{repeat: N, each: ITEM}`` becomes a list of N items with k = 0, 1, ... N - 1.
+    """
+    if isinstance(template, dict) and "repeat" in template:
+        return [filled(template["each"], {**names, "k": k}) for k in range(template["repeat"])]
+    if isinstance(template, dict):
+        return {key: filled(value, names) for key, value in template.items()}
+    if isinstance(template, list):
+        return [filled(value, names) for value in template]
+    if not (isinstance(template, str) and template.startswith("=")):
+        return template
+    value = _evaluated(_compiled(template[1:], template), lambda name: filled(names[name], names))
+    return digits(value) if isinstance(value, float) else value
+
+
 class Number:
     """An arithmetic expression of numbers of a result; SuiteError where ``text`` is none."""
 
@@ -35,18 +76,7 @@ class Number:
         self.text = str(text)
         self._off_exact = self.text.endswith(" off exact")
         source = self.text.removesuffix(" off exact")
-        try:
-            tree = ast.parse(source, mode="eval")
-        except (SyntaxError, ValueError, RecursionError, MemoryError):
-            raise SuiteError(
-                key, f"{self.text!r} is no arithmetic expression, such as drag/superficial_velocity"
-            ) from None
-        for node in ast.walk(tree):
-            if not isinstance(node, ARITHMETIC) or (isinstance(node, ast.Constant) and not is_number(node.value)):
-                raise SuiteError(key, f"{self.text!r}: only numbers, names, + - * / ** and {', '.join(FUNCTIONS)}")
-            if isinstance(node, ast.Call) and getattr(node.func, "id", None) not in FUNCTIONS:
-                raise SuiteError(key, f"{self.text!r}: the functions are {', '.join(FUNCTIONS)}")
-        self._code = compile(_Lookup().visit(tree), "<suite>", "eval")
+        self._code = _compiled(source, key)
         self._name = source if self._off_exact else None
 
     def __call__(self, result, sample) -> float:
@@ -55,7 +85,7 @@ class Number:
             return math.nan
         lookup = lambda name: _number(result, sample, name)  # noqa: E731
         try:
-            value = eval(self._code, {"__builtins__": {}, **FUNCTIONS, "number": lookup})
+            value = _evaluated(self._code, lookup)
             value = abs(value / lookup(f"{self._name}_exact") - 1) if self._off_exact else value
         except (ArithmeticError, ValueError):
             return math.nan

@@ -1,8 +1,8 @@
-"""Runs as processes of their own, so that none can touch another, and what they leave.
+"""Runs as processes of their own, so that none can touch another, and their results.
 
-No run imports again what the one before it has imported, where processes can be forked safely, that is on Linux: a
-server imports it once and is forked for each run before Taichi is initialised. The run is a process like any other, a
-second sooner. Elsewhere each starts from nothing.
+Where processes can be forked safely, that is on Linux, a server imports the modules of a run once, and is forked for
+each run before Taichi is initialised. The run is a process like any other, and starts a second sooner. Elsewhere each
+run imports its modules itself.
 """
 
 import math
@@ -11,6 +11,7 @@ import os
 import runpy
 import sys
 import time
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,14 +27,14 @@ METHOD = "forkserver" if sys.platform == "linux" else "spawn"
 COMPILED = ("tisph.schemes.implicit._scheme", "tisph.schemes.wcsph._scheme")
 MODELS = (*registry.modules("scenes"), *registry.modules("schemes"))
 IMPORTED = ("tisph.cli", "tisph.simulation", *MODELS, *COMPILED, __name__)
-"""What the server imports; a run imports the rest that it needs."""
+"""Modules that the server imports; a run imports the others that it needs."""
 
 POLL_SECONDS = 0.02
 
 
 @dataclass(frozen=True)
 class Result:
-    """What a run left behind: its folder and the contents of its ``summary.json``."""
+    """The folder of a run and the contents of its ``summary.json``."""
 
     folder: Path
     summary: dict
@@ -50,7 +51,7 @@ class Result:
 
     @property
     def closure(self):
-        """What the momentum balance of the run leaves open, as a fraction; NaN where there is no balance."""
+        """Relative residual of the momentum balance of the run; NaN where there is no balance."""
         closure = self.summary.get("momentum", {}).get("closure")
         return math.nan if closure is None else closure
 
@@ -71,7 +72,7 @@ class Result:
 
 
 def prepare():
-    """Let the server get ready, beside what this process does, if there is to be one and it does not run yet."""
+    """Start the server in the background, unless it runs already or processes are not forked."""
     if METHOD == "forkserver":
         from multiprocessing import forkserver  # not everywhere
 
@@ -79,10 +80,10 @@ def prepare():
         forkserver.ensure_running()
 
 
-def start(arguments, messages):
+def start(arguments: list, messages: Path) -> multiprocessing.process.BaseProcess:
     """Start the command line with ``arguments`` and return its ``multiprocessing.Process``.
 
-    Its standard error goes to the file ``messages``, what it prints nowhere.
+    Its standard error goes to the file ``messages``, its standard output nowhere.
     """
     prepare()
     words = [str(each) for each in arguments]
@@ -104,24 +105,33 @@ def _be(arguments, messages):
 
 
 class Process:
-    """``tisph run`` of the config ``config_path`` into ``folder``, in place of what an earlier run left there.
+    """``tisph run`` of the config ``config_path`` into ``folder``, in place of an earlier run there.
 
-    With ``resume`` it goes on from that one's checkpoint instead. It leaves no pictures.
+    With ``resume`` it continues the earlier run from its checkpoint instead. After ``seconds`` it is ended. It leaves
+    no pictures.
     """
 
-    def __init__(self, config_path, folder, resume=False):
+    def __init__(self, config_path: Path, folder: Path, resume: bool = False, seconds: float = math.inf):
         self.folder = folder
+        self._seconds, self._began, self._late = seconds, time.perf_counter(), False
         self._messages = folder.with_name(f"{folder.name}.messages")  # a pipe could fill up; stop() removes it
         command = ["run", config_path, "--out", folder, "--no-pictures", "--resume" if resume else "--overwrite"]
         self._process = start(command, self._messages)
 
     @property
     def finished(self):
-        """Whether it has ended."""
-        return self._process.exitcode is not None
+        """Whether it has ended, or has been ended because it was late."""
+        if self._process.exitcode is None:
+            self._late = time.perf_counter() - self._began > self._seconds
+            if not self._late:
+                return False
+            self.stop()
+        return True
 
     def outcome(self):
         """``Result`` of the run and its error message, empty if it is done. Waits for the end."""
+        if self._late:
+            return read_result(self.folder), f"no end after {self._seconds:.0f} s"
         self._process.join()
         status = self._process.exitcode
         result = read_result(self.folder)
@@ -130,26 +140,26 @@ class Process:
 
     def stop(self):
         """End it after its present step, if it still runs."""
-        if not self.finished:
+        if self._process.exitcode is None:
             self._process.terminate()
             self._process.join()
         with suppress(OSError):
             self._messages.unlink()
 
     def _error(self):
-        """What it has written to standard error, without the lines of its progress."""
+        """Its standard error without the lines of its progress."""
         if not self._messages.exists():
             return ""
         text = self._messages.read_text(encoding="utf-8", errors="replace")
         return text[max(text.rfind("error: "), 0) :].removeprefix("error: ").strip()
 
 
-def read_result(folder):
+def read_result(folder: Path) -> Result:
     """``Result`` of the finished run in ``folder``; of status ``failed`` where it left no summary."""
     return Result(folder, Folder(folder).read_summary())
 
 
-def run_config(config_path, folder):
+def run_config(config_path: Path, folder: Path) -> tuple[Result, str]:
     """Run one config: its ``Result``, and its error message, empty if it is done."""
     process = Process(config_path, folder)
     try:
@@ -158,7 +168,7 @@ def run_config(config_path, folder):
         process.stop()
 
 
-def run_resumed(config_path, folder):
+def run_resumed(config_path: Path, folder: Path) -> tuple[Result, str]:
     """Run one config that writes checkpoints, end it after its first one, and go on from there: as ``run_config``."""
     first = Process(config_path, folder)
     try:
@@ -173,7 +183,9 @@ def run_resumed(config_path, folder):
         second.stop()
 
 
-def run_side_by_side(names, launch, most):
+def run_side_by_side(
+    names: Iterable[str], launch: Callable[[str], Process], most: int
+) -> Iterator[tuple[str, Result, str]]:
     """Run ``launch(name)``, which returns a ``Process``, for each of ``names``, at most ``most`` at once.
 
     Yields (name, ``Result``, message) as they end. Those that still run when the caller gives up are stopped.

@@ -6,9 +6,11 @@ Each run is a fresh process, one at a time, so that no run can touch another.
 import json
 import math
 import tempfile
+from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
@@ -16,9 +18,9 @@ from tisph.config.fields import nearest
 from tisph.errors import ConfigError
 from tisph.studies import estimate_quality, suites
 from tisph.studies import page as page_case
-from tisph.studies.checks import Check
-from tisph.studies.processes import run_config, run_resumed
-from tisph.studies.store import Store, claimed, config_text
+from tisph.studies.checks import Check, Criterion
+from tisph.studies.processes import Result, run_config, run_resumed
+from tisph.studies.store import Store, claimed
 from tisph.studies.suites import Suite
 from tisph.text_table import format_header, format_row, format_table
 
@@ -40,7 +42,7 @@ def run(name=None, quick=False, long=False, out=None, as_json=False):
         if out:
             stack.enter_context(claimed(Path(out), "another verification is writing there"))
         folder = Path(out or stack.enter_context(tempfile.TemporaryDirectory(prefix="tisph-verify-")))
-        runner = Runner(suite, folder, Store(folder) if out else None)
+        runner = Runner(suite, folder)
         if as_json:
             return _print_json(runner)
         checks = _print_table(runner)
@@ -82,37 +84,34 @@ class Runner:
     """Runs the configs of a suite when their results are first asked for, and keeps the results.
 
     A run of ``suite`` is a config as a plain dict, or a function that runs it in this process and returns ``Result``
-    and message. Results are kept in subfolders of ``folder``. With a ``store`` of that folder, runs of configs that an
-    earlier command finished are taken from it. ``failures``: messages of runs that stopped early, and of numbers that
-    samples do not have, by name of the run.
+    and message. Runs are kept in subfolders of ``folder``; those that an earlier command finished are taken from there,
+    except resumed ones. ``failures``: messages of runs that stopped early, and of numbers that samples do not have, by
+    name of the run.
     """
 
-    def __init__(self, suite, folder, store=None):
+    def __init__(self, suite: Suite, folder: Path):
         self.suite = suite
-        self.failures = {}
-        self._store = store
-        self._folder = folder
-        self._results = {}
+        self.failures: dict[str, str] = {}
+        self.store = Store(folder)
+        self._results: dict[str, Result] = {}
 
-    def result(self, name):
+    def result(self, name: str) -> Result:
         """``Result`` of a run. Where it stopped early, ``failures[name]`` has its message."""
         if name not in self._results:
             config = self.suite.runs[name]
-            self._results[name], message = config() if callable(config) else self._outcome(name, config)
+            self._results[name], message = config() if callable(config) else self.outcome(name, config)
             if message:
                 self.failures[name] = f"did not finish: {message}"
         return self._results[name]
 
-    def _outcome(self, name, config):
-        resumed = name in self.suite.resumed
-        if self._store and not resumed:
-            [(_, result, message)] = self._store.outcomes({name: config}, 1)
-            return result, message
-        config_path = self._folder / f"{name}.yaml"
-        config_path.write_text(config_text(name, config), encoding="utf-8")
-        return (run_resumed if resumed else run_config)(config_path, self._folder / name)
+    def outcome(self, name: str, config: dict[str, Any]) -> tuple[Result, str]:
+        """``Result`` and message of a run, new or kept."""
+        if name in self.suite.resumed:
+            return run_resumed(self.store.write(name, config), self.store.folder / name)
+        [(_, result, message)] = self.store.outcomes({name: config}, 1)
+        return result, message
 
-    def checks(self):
+    def checks(self) -> Iterator[Check]:
         """Yield the ``Check`` of each criterion, as soon as its runs are done; standard error says how far it is."""
         console = Console(stderr=True)
         for criterion in self.suite.criteria:
@@ -121,7 +120,7 @@ class Runner:
                 check = self.judge(criterion)
             yield check
 
-    def judge(self, criterion):
+    def judge(self, criterion: Criterion) -> Check:
         """``Check`` of a criterion, after running its runs."""
         results = [self.result(name) for name in criterion.runs]
         try:

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from tisph.report.style import MUTED, plot_style
-from tisph.studies.sweep.picture import draw_lines
+from tisph.studies.sweep import draw_lines
 from tisph.studies.walls_cases import ARRANGEMENTS
 from tisph.studies.walls_laplacian import ROUND_OFF
 from tisph.studies.walls_table import MEASURES

@@ -1,4 +1,4 @@
-"""The runs of a sweep on the workers of a Dask scheduler: what a worker leaves behind when it dies is run again.
+"""The runs of a sweep on the workers of a Dask scheduler: a run whose worker dies is run again.
 
 A worker needs tisph, of the same code, and nothing else: the config travels to it, the files of the run come back.
 """

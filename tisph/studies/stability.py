@@ -1,0 +1,435 @@
+"""Cells of the stability matrix, their configs, and the forecast of each run.
+
+The data are in ``suites/stability.yaml``. A time is counted in lengths over reference velocity; in a channel t* = 1 is
+at t = Re, in all other flows at t = 1.
+"""
+
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from functools import cache
+from itertools import combinations, product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from ruamel.yaml import YAML
+
+from tisph.config import load
+from tisph.equation_of_state import SCALE_RATIO, Tait, sound_speed
+from tisph.errors import ConfigError
+from tisph.schemes._stages.walls import OBEY_MOMENTUM
+from tisph.schemes._time_step import AUTO_CFL
+from tisph.schemes.auto import ELASTIC_STEPS
+from tisph.schemes.implicit import LARGEST_STRAIN
+from tisph.studies.expressions import filled
+from tisph.studies.flows import digits, merged
+from tisph.studies.store import config_text
+from tisph.studies.suites import FOLDER
+
+DATA = YAML(typ="safe", pure=True).load(FOLDER / "stability.yaml")
+AXES = DATA["covering"]
+
+TOLERANCE, STRAIN = 3e-7, 0.5
+"""Defaults of scheme ``implicit``, which step multiples start from."""
+
+ELASTIC_TOLERANCE, ELASTIC_STRAIN = ELASTIC_STEPS["balanced"]
+"""Defaults of ``auto`` for viscoelastic fluids, whose steps are three times as long."""
+
+TWO_DIMENSIONAL_TOLERANCE, COURANT = 2e-6, 0.3
+"""Defaults of ``implicit`` for two-dimensional flow."""
+
+SCHEMES = {"explicit": "exp", "implicit 2": "imp2", "implicit 4": "imp4"}
+"""Schemes and orders, and their short names."""
+
+STABLE, FINISHED, FLAGGED, REFUSED = "stable", "finished", "flagged", "refused"
+"""Requirements: a stable run; one that finishes without growth, with an error that the map has; anything but a silent
+failure, that is a wrong result without a warning; that ``tisph check`` refuses it."""
+
+UNBALANCED, FINER, BOTH_STRESSES, EXACT = "unbalanced", "finer", "both_stresses", "exact"
+"""Errors that samples do not have. The sum of the forces on all bodies and walls over the largest of them. The
+difference to a run with twice the particles across: of the drag, of free bodies' velocities, of the torque and the
+radial velocity of Taylor's vortices. The difference between the shear stresses by the bodies and on the walls. The
+largest of the errors of the velocity (L2) and of the loads on the walls."""
+
+PREDICTABLE = 5.0
+"""Time, in lengths over speed, up to which vortices can be compared at Reynolds numbers above 1000: disturbances of
+their size grow by a factor e in 2, there is nothing to damp them, and the exact flow is one that no run can stay on."""
+
+COMPARED_ACROSS, FINER_JITTER = 24, 0.3
+"""Particles across up to which a run is compared with a finer one, and the jitter of the finer one."""
+
+RESOLVED = 10.0
+"""Cell Reynolds number up to which a flow between curved walls has to be stable, 12 across or more."""
+
+LEAST_COLUMNS = 10
+"""Particles along the channel that the neighbour search of the explicit scheme needs."""
+
+LARGEST_REYNOLDS = 1000.0
+"""Where the elasticity number is given: steps, limited by strain, are about as many as the Reynolds number."""
+
+WAVES = 3
+"""Times that an elastic wave crosses the gap there: it takes sqrt(E) viscous times, E the elasticity number."""
+
+
+@dataclass(frozen=True)
+class Flow:
+    """A flow of a ``family`` of ``stability.yaml``: its ``kind`` and ``config``, and the values of ``names`` in it.
+
+    ``measure``: the error that is judged, None without a reference; ``peak``: bound of the speed in reference
+    velocities, see ``Scene.peak_velocity``; ``largest``: error of a stable run between curved walls, 12 across.
+    """
+
+    family: str
+    config: dict[str, Any]
+    names: dict[str, Any]
+    kind: str = "channel"
+    measure: str | None = "l2"
+    peak: float = 1.0
+    largest: float = 0.0
+
+    def unit_time(self, reynolds: float) -> float:
+        """Return the time t* = 1 in lengths over reference velocity: in a channel the viscous time."""
+        return reynolds if self.kind == "channel" else 1.0
+
+
+@cache
+def flow_of(name: str) -> Flow:
+    """Return the ``Flow`` of the first family that the name fits."""
+    for family in DATA["flows"]:
+        data = _family(family)
+        names = data.pop("let", {})
+        parameters = _parameters(family, name, names)
+        if parameters is not None:
+            return Flow(family, names=names | parameters, **data)
+    raise KeyError(name)
+
+
+def _family(name):
+    data = dict(DATA["flows"][name])
+    return merged(_family(data.pop("like")), data) if "like" in data else data
+
+
+def _parameters(family, name, names):
+    """Return the values of the parameters in the braces of a family's name; None where ``name`` is of another one."""
+
+    def group(braces):
+        words = names.get(braces[1])
+        choices = "|".join(map(re.escape, words)) if isinstance(words, dict) else r"[\d.]+"
+        return f"(?P<{braces[1]}>{choices})"
+
+    found = re.fullmatch(re.sub(r"\\\{(\w+)\\\}", group, re.escape(family)), name)
+    if found is None:
+        return None
+    return {key: names[key][text] if key in names else float(text) for key, text in found.groupdict().items()}
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One run of the matrix.
+
+    ``flow``: one of ``stability.yaml``; ``jitter`` in spacings; ``scheme``: a key of ``SCHEMES``; ``step``: length of
+    the steps over the default; ``sound``: sound speed over the fastest velocity scale (explicit scheme only);
+    ``aspect``: length of a channel over its gap; ``solvent``: its part of the viscosity of an Oldroyd-B fluid, by
+    default the smallest for which the explicit scheme is verified; ``t_star``: end of the run, if there is time for it.
+    """
+
+    flow: str = "couette"
+    reynolds: float = 50.0
+    jitter: float = 0.0
+    across: int = 25
+    scheme: str = "explicit"
+    treatment: str = "consistent_image"
+    step: float = 1.0
+    sound: float = SCALE_RATIO
+    precision: str = "f64"
+    aspect: float = 2.0
+    solvent: float = 0.1
+    t_star: float = 1.0
+
+    @property
+    def name(self) -> str:
+        """Name of its run: flow, Reynolds number, jitter, resolution and scheme, then values besides the defaults."""
+        parts = [self.flow, f"re{self.reynolds:g}", f"j{self.jitter:g}", f"n{self.across}", SCHEMES[self.scheme]]
+        usual = Cell()
+        special = {
+            "treatment": self.treatment.removesuffix("_image"),
+            "step": f"s{self.step:g}",
+            "sound": f"c{self.sound:g}",
+            "precision": self.precision,
+            "aspect": f"l{self.aspect:g}",
+            "solvent": f"b{self.solvent:g}",
+            "t_star": f"t{self.t_star:g}",
+        }
+        return "-".join(parts + [text for key, text in special.items() if getattr(self, key) != getattr(usual, key)])
+
+    @property
+    def baseline(self) -> "Cell":
+        """The same cell from the lattice; of a two-dimensional flow, where a lattice is no calmer, the cell itself.
+
+        A run that is compared with a finer one has that with twice the particles across, the same for every jitter.
+        """
+        if self.measure == FINER and self.across <= COMPARED_ACROSS and self.flow not in DATA["refused"]:
+            return replace(self, across=2 * self.across, jitter=FINER_JITTER)
+        return self if self.two_dimensional else replace(self, jitter=0.0)
+
+    @property
+    def cell_reynolds(self) -> float:
+        """Reynolds number of a particle spacing, U dx / nu, by the viscosity of the solvent."""
+        return self.reynolds / self.across / (self.solvent if self.has_polymer else 1.0)
+
+    @property
+    def usual(self) -> bool:
+        """Whether walls, steps and sound speed are the defaults."""
+        defaults = Cell()
+        return all(getattr(self, key) == getattr(defaults, key) for key in ("treatment", "step", "sound"))
+
+    @property
+    def weissenberg(self) -> float | None:
+        """Relaxation time times wall speed over gap, of an Oldroyd-B fluid in a channel; else None."""
+        return None if self.two_dimensional else flow_of(self.flow).names.get("weissenberg")
+
+    @property
+    def has_polymer(self) -> bool:
+        """Whether the fluid is an Oldroyd-B fluid in a channel."""
+        return self.weissenberg is not None
+
+    @property
+    def elasticity(self) -> float:
+        """Relaxation time over the viscous time, of an Oldroyd-B fluid."""
+        return digits(self.weissenberg / self.reynolds)
+
+    @property
+    def kind(self) -> str:
+        """``channel``; ``doubly_periodic``, in a square; ``curved_walls``, between them, in a cavity, around bodies."""
+        return flow_of(self.flow).kind
+
+    @property
+    def two_dimensional(self) -> bool:
+        """Whether the flow is two-dimensional, so that no particle stays in its layer."""
+        return self.kind != "channel"
+
+    @property
+    def measure(self) -> str | None:
+        """Error that is judged; None where there is none, or where the flow cannot be predicted."""
+        lost = self.kind == "doubly_periodic" and self.reynolds > 1000 and self.t_star > PREDICTABLE
+        return None if lost else flow_of(self.flow).measure
+
+    @property
+    def requirement(self) -> str:
+        """``STABLE``, ``FINISHED``, ``FLAGGED`` or ``REFUSED``."""
+        if self.flow in DATA["refused"] or (self.kind == "doubly_periodic" and self.scheme == "implicit 2"):
+            return REFUSED
+        if not (self.usual and self.flow in DATA["required"] and self.jitter <= 0.3):
+            return FLAGGED
+        if self.kind == "curved_walls":
+            return STABLE if self.across >= 12 and self.cell_reynolds <= RESOLVED else FLAGGED
+        if self.across < 25 or self.scheme == "implicit 2":
+            return FLAGGED
+        if self.kind == "doubly_periodic" and self.scheme == "implicit 4":
+            return STABLE
+        if self.reynolds <= 1000:
+            return FINISHED if self.kind == "doubly_periodic" else STABLE
+        return FINISHED if self.flow == "couette" else FLAGGED
+
+    @property
+    def required(self) -> bool:
+        """Whether something is required of the result."""
+        return self.requirement in (STABLE, FINISHED)
+
+    def config(self, t_star: float) -> dict[str, Any]:
+        """Config of the run to ``t_star``, a plain dict without a name."""
+        flow = flow_of(self.flow)
+        end = t_star * flow.unit_time(self.reynolds)
+        names = {**flow.names, **vars(self), "nu": 1.0 / self.reynolds, "end": end}
+        return filled(merged(DATA["config"], DATA["kinds"][flow.kind], flow.config, self._scheme_change()), names)
+
+    def _scheme_change(self):
+        if self.scheme == "explicit":
+            state = {"sound_speed": "auto" if self.sound == SCALE_RATIO else self._sound_speed()}
+            change = {"scheme": {"type": "wcsph", "equation_of_state": state}}
+            return merged(change, {"time": {"cfl": AUTO_CFL * self.step}} if self.step != 1.0 else {})
+        scheme = {"type": "implicit", "operators": {"order": int(self.scheme[-1])}}
+        if self.two_dimensional:  # other steps than the default are not controlled by their error
+            usual = {} if self.kind == "curved_walls" else {"tolerance": TWO_DIMENSIONAL_TOLERANCE}
+            steps = usual if self.step == 1.0 else {"cfl": digits(COURANT * self.step)}
+            return {"scheme": {**scheme, "largest_courant": COURANT}, "time": steps}
+        # the error of a step scales with the third power of its length
+        tolerance, strain = (ELASTIC_TOLERANCE, ELASTIC_STRAIN) if self.has_polymer else (TOLERANCE, STRAIN)
+        return {
+            "scheme": {**scheme, "largest_strain": digits(min(strain * self.step, LARGEST_STRAIN))},
+            "time": {"tolerance": digits(tolerance * self.step**3)},
+        }
+
+    def _sound_speed(self):
+        """Sound speed for ``sound`` times the velocity scale that sets an automatic one."""
+        nu = 1.0 / self.reynolds
+        relaxation = self.weissenberg
+        automatic = sound_speed(
+            Tait(),
+            reference_velocity=flow_of(self.flow).peak,
+            kinematic_viscosity=nu,
+            length=1.0,
+            density=1.0,
+            elastic_speed=((1.0 - self.solvent) * nu / relaxation) ** 0.5 if relaxation else 0.0,
+        )
+        return digits(automatic * self.sound / SCALE_RATIO)
+
+
+@dataclass(frozen=True)
+class SubMatrix:
+    """Cells under a title, and the axes along which the columns and rows of their map go; none for a list by axis."""
+
+    title: str
+    cells: tuple[Cell, ...]
+    columns: tuple[str, ...] = ()
+    rows: tuple[str, ...] = ()
+
+
+def sub_matrices(quick: bool = False, only: str | None = None) -> list[SubMatrix]:
+    """All sub-matrices, or a few short cells of every kind, in a fixed order; cells may be in several of them.
+
+    ``only``: those with this text in their title; ValueError where there is none.
+    """
+    parts = _parts("quick" if quick else "full")
+    chosen = [part for part in parts if only is None or only in part.title]
+    if not chosen:
+        titles = ", ".join(part.title for part in parts)
+        raise ValueError(f"no sub-matrix has {only!r} in its title; there are {titles}")
+    return chosen
+
+
+def cells(chosen: Iterable[SubMatrix]) -> list[Cell]:
+    """Every cell of sub-matrices once, each after its baseline."""
+    return list(dict.fromkeys(each for part in chosen for cell in part.cells for each in (cell.baseline, cell)))
+
+
+@cache  # the covering set is a second of work
+def _parts(extent):
+    return [_part(**given) for given in DATA[extent]]
+
+
+def _part(title, grids=None, columns=(), rows=()):
+    """A sub-matrix of ``stability.yaml``; without grids it is the covering set."""
+    if grids is None:
+        return SubMatrix(title, tuple(Cell(**row) for row in covering_set(AXES, covered)))
+    return SubMatrix(title, sum((grid(**values) for values in grids), ()), tuple(columns), tuple(rows))
+
+
+def grid(**values: Any) -> tuple[Cell, ...]:
+    """All cells that there are with one of the values of every named axis, the last axis varying fastest."""
+    choices = [each if isinstance(each, list | tuple) else [each] for each in values.values()]
+    rows = [dict(zip(values, chosen, strict=True)) for chosen in product(*choices)]
+    found = [_cell(**row) for row in rows if exists(row)]
+    return tuple(cell for cell in found if "elasticity" not in values or cell.reynolds <= LARGEST_REYNOLDS)
+
+
+def _cell(elasticity=None, **values):
+    """A cell; one of a given elasticity number runs until waves have crossed the gap ``WAVES`` times."""
+    if elasticity is not None:
+        values["reynolds"] = digits(Cell(flow=values["flow"]).weissenberg / elasticity)
+        values["t_star"] = max(1.0, round(WAVES * elasticity**0.5))
+    return Cell(**values)
+
+
+def exists(values: dict[str, Any]) -> bool:
+    """Whether a config can have these values of axes together, of which some may be missing."""
+    across, aspect = values.get("across"), values.get("aspect")
+    if across and aspect and (across * aspect % 1 or across * aspect < LEAST_COLUMNS):
+        return False
+    if values.get("scheme", "explicit") == "explicit":
+        return True
+    return (
+        values.get("sound", SCALE_RATIO) == SCALE_RATIO and values.get("treatment", "consistent_image") in OBEY_MOMENTUM
+    )
+
+
+def covered(values: dict[str, Any]) -> bool:
+    """Whether the covering set has these values together; viscoelastic fluids have sub-matrices of their own."""
+    viscoelastic = Cell(flow=values.get("flow", "couette")).has_polymer
+    return exists(values) and not (viscoelastic and values.get("scheme", "explicit") != "explicit")
+
+
+def covering_set(axes: dict[str, list], exists: Callable[[dict], bool]) -> list[dict[str, Any]]:
+    """Return rows, dicts with a value of every axis, that together have every possible pair of values.
+
+    ``axes``: values by the name of the axis. ``exists(values)``: whether two values, a dict of two axes, can be had
+    together. Greedy: each row is the first of those that bring the most new pairs, so that the set is always the same.
+    Two libraries were tried: allpairspy 2.5 misses 19 of 622 pairs of the matrix, because of the values that exclude
+    one another; covertable 3.2 finds them all, in 45 rows, where this needs 48.
+    """
+    values = [(name, value) for name, choices in axes.items() for value in choices]
+    sizes = [len(choices) for choices in axes.values()]
+    first = np.cumsum([0, *sizes[:-1]])
+    rows = np.indices(sizes).reshape(len(sizes), -1).T + first  # every row there is, as positions in ``values``
+    possible = np.array([[exists(dict([one, other])) for other in values] for one in values])
+    columns = list(combinations(range(len(sizes)), 2))
+    pairs = np.stack([rows[:, one] * len(values) + rows[:, other] for one, other in columns], axis=1)
+    whole = possible.ravel()[pairs].all(axis=1)
+    rows, pairs = rows[whole], pairs[whole]
+    missing = np.zeros(possible.size, dtype=bool)
+    missing[pairs] = True
+    chosen = []
+    while missing.any():
+        best = int(np.argmax(missing[pairs].sum(axis=1)))
+        missing[pairs[best]] = False
+        chosen.append(dict(values[position] for position in rows[best]))
+    return chosen
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The run of a cell: its config, its end t*, its estimated ``seconds``, and the forecast of ``tisph check``.
+
+    ``predicted``: the error that it states, ``refusal``: why it is refused, both None where there is none;
+    ``warnings``: texts.
+    """
+
+    cell: Cell
+    config: dict[str, Any]
+    t_star: float
+    seconds: float = 0.0
+    predicted: float | None = None
+    warnings: tuple[str, ...] = ()
+    refusal: str | None = None
+
+
+def plan(cell: Cell, forecast: Callable, folder: Path) -> Plan:
+    """Return the ``Plan`` of a cell; ``folder`` is for a config file to be checked.
+
+    ``forecast(config)`` returns the numbers and the warnings of ``tisph check``.
+    """
+    t_star = cell.t_star
+    try:
+        numbers, warnings = _checked(cell, t_star, forecast, folder)
+        seconds, budget = _seconds(cell, numbers), _budget(cell)
+        if seconds > budget:
+            t_star = float(f"{t_star * budget / seconds:.1e}")
+            numbers, warnings = _checked(cell, t_star, forecast, folder)
+    except ConfigError as error:
+        return Plan(cell, cell.config(t_star), t_star, refusal=str(error).partition(": ")[2])
+    stated = getattr(numbers["samples"][-1], cell.measure, None) if cell.measure else None
+    return Plan(cell, cell.config(t_star), t_star, _seconds(cell, numbers), stated, tuple(warnings))
+
+
+def _checked(cell, t_star, forecast, folder):
+    """Forecast of the last sample, by which the cell is judged."""
+    config = cell.config(t_star)
+    last = {**config, "time": {**config["time"], "samples": config["time"]["samples"][-1:]}}
+    path = folder / "config.yaml"
+    path.write_text(config_text(cell.name, last), encoding="utf-8")
+    return forecast(load(path))
+
+
+def _seconds(cell, numbers):
+    step, particle = DATA["seconds"][cell.scheme]
+    return numbers["steps"] * (step + numbers["particles"] * particle)
+
+
+def _budget(cell):
+    budget = DATA["budget"]
+    if cell.measure == FINER:
+        return budget[STABLE]  # it has to end when the run that it is compared with does
+    double = cell.precision == "f64" or cell.requirement == FINISHED
+    compared = (cell.across == 25 or cell.kind == "curved_walls") and double
+    return budget.get(cell.requirement, budget[FLAGGED]) if compared else budget[FLAGGED]

@@ -1,1 +1,0 @@
-"""Sweeps: one config with some of its keys varied, run on all processors or on many machines, as one table."""

@@ -9,83 +9,17 @@ parallel, and no solution is known: then it is a cell between two walls (``_cell
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
-import numpy as np
 from pydantic import Field, model_validator
 
 from tisph.config import checks, schema
 from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, refusals
 from tisph.config.fields import Bodies, Member, number_or
 from tisph.config.motion import Amplitude, Times, Values, WallMotion, check_as_many, check_schedule
-from tisph.scenes._body_scene import plane_walls, planes
-from tisph.scenes._cell import Cell
 from tisph.scenes._channel import Channel
-from tisph.scenes._initial import Contact, Drive, Initial, bodies_of, cell_problems, start_problems, still_problem
-
-
-def cell_scene(config):
-    """The scene that a validated config with bodies describes."""
-    walls = _planes(config)
-    developed = Developed.of(config) if config.initial.state == "developed" else None
-    return Cell.around(config, bodies_of(config, walls), walls, planes=planes(walls), start=developed)
-
-
-@dataclass(frozen=True)
-class Developed:
-    """Steady flow of a Newtonian fluid in the channel without bodies: velocities at places x, y."""
-
-    gap: float
-    bottom: float
-    top: float
-    curvature: float
-
-    @classmethod
-    def of(cls, config):
-        """Of a ``config``, whose walls have constant velocities."""
-        speeds = config.walls.bottom.velocity or 0.0, config.walls.top.velocity or 0.0
-        return cls(config.geometry.gap, *speeds, config.drive.acceleration / (2.0 * config.kinematic_viscosity))
-
-    def __call__(self, x, y):
-        """Velocities along x and y."""
-        along = self.bottom + (self.top - self.bottom) * y / self.gap + self.curvature * y * (self.gap - y)
-        return np.stack([along + 0.0 * x, 0.0 * x])
-
-
-def body_problems(config: Any) -> Iterator[Problem]:
-    """What the channel with bodies has against the config."""
-    driven = [side for side in ("bottom", "top") if getattr(config.walls, side).stress_controlled]
-    if driven:
-        yield f"walls.{driven[0]}", "must have a velocity: with bodies in the channel no stress can drive a wall"
-        return
-    for side in ("bottom", "top"):
-        if getattr(config.walls, side).velocities:
-            yield f"walls.{side}.velocities", "is not for a channel with bodies: give velocity, or an amplitude"
-            return
-    moving = any(getattr(config.walls, side).amplitude for side in ("bottom", "top"))
-    if config.initial.state != "rest" and (moving or config.fluid.rheology.type != "newtonian"):
-        text = "must be rest with bodies in the channel, unless a Newtonian fluid and steady walls make it developed"
-        yield "initial.state", text
-    elif config.initial.state == "exact":
-        yield "initial.state", "must be rest or developed: with bodies in the channel no exact flow is known"
-    if config.initial.time:
-        yield "initial.time", "must be 0: with bodies in the channel the run starts from rest"
-    for side in ("bottom", "top"):
-        if getattr(config.walls, side).speed_before is not None:
-            yield f"walls.{side}.velocity_before", "is not allowed with bodies: the run starts from rest"
-    if config.walls.treatment.type != "consistent_image":
-        yield "walls.treatment.type", "must be left out: with bodies walls are points on them, without images"
-    if config.probes != type(config.probes)():
-        yield "probes", "are not for a channel with bodies: what is followed are the forces on these"
-    named = {f"walls.{name}": wall for name, wall in _planes(config).items()}
-    yield from cell_problems(config, bodies_of(config, named), named)
-
-
-def _planes(config: Any):
-    return plane_walls(config.geometry.length, config.geometry.gap, config.walls)
-
+from tisph.scenes._initial import Contact, Drive, Initial, start_problems, still_problem
 
 __all__ = ["Channel", "Config", "Scene"]
 
@@ -243,7 +177,9 @@ class Config(schema.Config):
     def problems(self) -> Iterator[Problem]:
         """What the channel has against the config."""
         if self.bodies:
-            yield from body_problems(self)
+            from tisph.scenes._channel_with_bodies import problems  # of no use to the others
+
+            yield from problems(self)
             return
         if self.drive.gravity:
             yield "drive.gravity", "moves free bodies, and there are none: along the channel an acceleration drives it"
@@ -272,7 +208,9 @@ class Scene:
         """The scene that a validated config describes."""
         if not config.bodies:
             return Channel.from_config(config)
-        return cell_scene(config)
+        from tisph.scenes._channel_with_bodies import scene
+
+        return scene(config)
 
 
 def _motion(config: Config) -> Iterator[Problem]:

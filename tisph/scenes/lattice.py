@@ -14,8 +14,8 @@ from collections.abc import Iterator
 from tisph.config import checks, schema
 from tisph.config.base import Model, Positive, Problem
 from tisph.config.fields import bodies
-from tisph.scenes._cell import Cell
-from tisph.scenes._initial import Contact, Drive, RestInitial, bodies_of, cell_problems, incommensurate_periods
+from tisph.scenes._cell import Cell, bodies_of, cell_problems
+from tisph.scenes._initial import Contact, Drive, RestInitial, incommensurate_periods
 
 
 class Geometry(Model):

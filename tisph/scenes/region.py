@@ -31,16 +31,8 @@ from tisph.geometry.polygon import Polygon
 from tisph.scenes import _axisymmetric, annulus
 from tisph.scenes._axisymmetric import AxisymmetricScene, cylinder, layer_at_plates
 from tisph.scenes._body_scene import farthest, plane_walls, planes
-from tisph.scenes._cell import Cell
-from tisph.scenes._initial import (
-    Contact,
-    Drive,
-    RestInitial,
-    bodies_of,
-    cell_problems,
-    incommensurate_periods,
-    surroundings,
-)
+from tisph.scenes._cell import Cell, bodies_of, cell_problems, surroundings
+from tisph.scenes._initial import Contact, Drive, RestInitial, incommensurate_periods
 from tisph.scenes._layers import depth
 from tisph.scenes.annulus import turning_of
 from tisph.scenes.channel import Wall

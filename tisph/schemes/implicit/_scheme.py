@@ -138,16 +138,20 @@ class ChannelScheme(ControlledScheme):
         self.momentum.add_impulse(self.wall_force.impulse(self.time, dt, resolved))
         self.field.measure(self.transverse)
         if resolved and (self.projections or self.field.residual > LARGEST_DIVERGENCE):
-            self.transverse = True  # from now on there is a pressure
-            if not self.projection.project(dt):
-                raise self.diverged("pressure: cannot be solved for")
-            self.field.measure(self.transverse)
-            self.projections += 1
+            self.project(dt)
         if resolved:
             self.field.advance_volumes(dt)
         self.dense.keep(self.time, dt)
         self.motion.move(dt)
         self.end_step(dt, self.field.steepest)
+
+    def project(self, dt):
+        """Project the velocities at the end of a step; from then on there is a pressure."""
+        self.transverse = True
+        if not self.projection.project(dt):
+            raise self.diverged("pressure: cannot be solved for")
+        self.field.measure(self.transverse)
+        self.projections += 1
 
     def snapshot(self, time=None):
         """Return the state at ``time``, within the last step, or now, as a Snapshot."""

@@ -7,7 +7,7 @@ import pytest
 from implicit_case import IMPLICIT, fix_steps, run, start_of_layers
 
 from tisph.scenes.channel import Channel
-from tisph.schemes._stages.models import ViscoelasticModel, deviation
+from tisph.schemes._stages.models import ViscoelasticModel, conformation_excess
 
 LIQUID = "fluid={{density: 2.0, kinematic_viscosity: 1.0, rheology: {}}}"
 OLDROYD = LIQUID.format("{type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.1}")
@@ -226,7 +226,7 @@ def test_the_states_shear_as_the_conformation_does(model):
             state += length * np.array(law.rate_in_shear(middle, rate))
     for part, state in zip(model.parts, plain, strict=True):
         # midpoint rules of step 4e-4 of the strain: 1e-7 each
-        assert np.array(deviation(carried[part]))[:, 0] == pytest.approx(state, rel=1e-6, abs=1e-6)
+        assert np.array(conformation_excess(carried[part]))[:, 0] == pytest.approx(state, rel=1e-6, abs=1e-6)
 
 
 def test_the_conformation_stays_positive_at_large_strain(make):

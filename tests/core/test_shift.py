@@ -29,7 +29,7 @@ def test_no_small_displacement_of_the_lattice_relaxes_faster_than_the_stiffest_w
     # linear in the displacements xi, and symmetric: 0 <= -(xi, du) <= SHIFT c/h (xi, xi), nearly reached by waves
     overrides = f"discretisation.kernel={kernel}", f"discretisation.smoothing_ratio={ratio}", "geometry.length=2.0"
     scheme = make("discretisation.particles_across=24", *overrides)
-    rate = SHIFT * scheme.sound_speed / scheme.smoothing_length
+    rate = SHIFT * scheme.sound_speed / (ratio / 24)
     now, fluid, spacing = scheme.now, scheme.particles.fluid, 1 / 24
     lattice = scheme.particles.mid_position.to_numpy()
     x, y = lattice[now, :fluid].T

@@ -13,7 +13,7 @@ QUADRANTS := $(subst .venv,.venv-quadrants,$(BIN))
 demo: .venv/run-ready
 	$(BIN)/python -m tisph run configs/couette.yaml --overwrite
 
-# Run the tests, without the ones that take minutes (those: $(BIN)/python -m pytest -m slow). Many start programs, which
+# Run the tests, without the slow ones (those: $(BIN)/python -m pytest -m slow). Many start programs, which
 # would compile all modules anew where Python is told to keep none.
 test: export PYTHONDONTWRITEBYTECODE =
 test: .venv/test-ready
@@ -49,10 +49,12 @@ docs-draft: docs
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test]"
 	$(BIN)/python -c "import pathlib; pathlib.Path('$@').touch()"
 
-.venv-quadrants/ready: pyproject.toml
-	$(PYTHON) -m venv .venv-quadrants
-	$(QUADRANTS)/python -m pip install --quiet --disable-pip-version-check --editable ".[test]"
-	$(QUADRANTS)/python -m pip uninstall --quiet --yes taichi
+# All packages of the other environment serve here, too, but for Taichi, which Python is told not to find.
+SHARED := import site, sys; sys.modules[\"taichi\"] = None; site.addsitedir({other!r})
+.venv-quadrants/ready: .venv/test-ready
+	$(PYTHON) -m venv --without-pip .venv-quadrants
+	$(QUADRANTS)/python -c "import pathlib, sysconfig; own = sysconfig.get_path('purelib'); \
+	other = own.replace('.venv-quadrants', '.venv'); pathlib.Path(own, 'shared.pth').write_text(f'$(SHARED)')"
 	$(QUADRANTS)/python -m pip install --quiet --disable-pip-version-check "quadrants>=1.3,<2"
 	$(QUADRANTS)/python -c "import pathlib; pathlib.Path('$@').touch()"
 

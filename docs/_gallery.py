@@ -5,8 +5,8 @@ numbers in it. A number that is not within its bound ends the build, with the na
 are kept in runs/gallery/ and used again as long as config, settings and package are the same.
 ``python docs/_gallery.py NAME...`` makes the runs of some pages, or of all, and prints their numbers.
 
-``make docs-draft`` (GALLERY=draft) cuts every run short after some ten steps and makes none of exercises: the site is
-built and looked at as a whole, without numbers, in a few minutes.
+``make docs-draft`` (GALLERY=draft) makes the beginning of ``DRAFT_RUNS`` alone. The other pages show the pictures of
+the first of them, and no page has numbers: the site is built and looked at as a whole in a few minutes.
 
 In a text, <<name>> stands for the number of that name; a key may be a sum, ``samples.1.drag + samples.1.drag_top``.
 """
@@ -29,7 +29,9 @@ ROOT = Path(__file__).resolve().parents[1]
 TEXTS = ROOT / "docs" / "_gallery"
 DRAFT = os.environ.get("GALLERY") == "draft"
 RUNS = ROOT / "runs" / ("gallery-draft" if DRAFT else "gallery")
-DRAFT_STEPS = 10
+DRAFT_RUNS = "couette", "cylinder_in_channel", "taylor_vortices"
+DRAFT_PART = 0.002
+"""Part of the duration of a run that a draft simulates."""
 MOVIE = [
     "output.video.style=field",
     "output.video.width=960",
@@ -55,8 +57,8 @@ class Job:
 
     @property
     def folder(self):
-        """Return where the results are."""
-        return RUNS / self.name
+        """Return where the results are; in a draft, of a page without a run, the results of the first page."""
+        return RUNS / (DRAFT_RUNS[0] if DRAFT and self.name not in DRAFT_RUNS else self.name)
 
     def stamp(self):
         """Return a hash of all on which the results depend."""
@@ -89,14 +91,12 @@ class Job:
         stamp.write_text(self.stamp())
 
     def cut_short(self):
-        """Return arguments that let a run end after some ``DRAFT_STEPS``, with as many samples."""
-        from tisph.cli.check import forecast
+        """Return arguments that let a run end after ``DRAFT_PART`` of its duration, with as many samples."""
         from tisph.config import load
 
         config = load(self.config, self.settings)
-        numbers, _ = forecast(config)
-        start, part = config.start_time, min(1.0, DRAFT_STEPS / numbers["steps"])
-        samples = [float(f"{start + part * (t - start):.6g}") for t in config.time.samples]
+        start = config.start_time
+        samples = [float(f"{start + DRAFT_PART * (t - start):.6g}") for t in config.time.samples]
         words = [f"time.samples={json.dumps(samples)}", f"time.end={samples[-1]}", "output.video.frames=2"]
         return [word for text in words for word in ("--set", text)]
 
@@ -247,7 +247,8 @@ def index(chosen):
 def make(names=()):
     """Make the runs of some pages, or of all, and check their numbers; OutOfBoundsError lists those out of bounds."""
     chosen = {name: flow for name, flow in flows().items() if not names or name in names}
-    wanted = [job for name, flow in chosen.items() for job in jobs(name, flow)[: 1 if DRAFT else None]]
+    wanted = [job for name, flow in chosen.items() for job in jobs(name, flow)]
+    wanted = [job for job in wanted if job.name in DRAFT_RUNS or not DRAFT]
     with ThreadPoolExecutor(AT_ONCE) as pool:
         for number, _ in enumerate(pool.map(Job.make, wanted), 1):
             print(f"gallery: run {number} of {len(wanted)} is ready: {wanted[number - 1].name}", flush=True)
@@ -281,7 +282,7 @@ def add(files, config):
     for name, text in pages.items():
         files.append(File.generated(config, f"gallery/{name}.md", content=text))
     for name, flow in chosen.items():
-        folder, plot = RUNS / name, flow.get("plot", "profiles")
+        folder, plot = jobs(name, flow)[0].folder, flow.get("plot", "profiles")
         for target, source in {f"{name}.mp4": "movie.mp4", f"{name}-{plot}.png": f"{plot}.png"}.items():
             files.append(File.generated(config, f"gallery/{target}", abs_src_path=str(folder / source)))
         files.append(File.generated(config, f"gallery/{name}.jpg", content=poster(folder / "movie.mp4")))

@@ -1,17 +1,19 @@
 """Tutorials: the notebooks of docs/tutorials/, executed when the site is made, as pages.
 
-``make docs`` calls ``add``. A notebook whose code fails ends the build. Executed notebooks are kept in runs/tutorials/
-and used again as long as notebook and package are the same. They become Markdown here, since the site draws formulas of
-Markdown without a script; nbconvert and mkdocs-jupyter bring a page, styles and a script of their own.
+``make docs`` calls ``add``. A notebook whose code fails ends the build. Two notebooks are executed at once. Executed
+notebooks are kept in runs/tutorials/ and used again as long as notebook and package are the same. They become Markdown
+here, since the site draws formulas of Markdown without a script; nbconvert and mkdocs-jupyter bring a page, styles and
+a script of their own.
 """
 
 import base64
 import hashlib
 import os
 import re
+from concurrent.futures import ThreadPoolExecutor
 
 import nbformat
-from _gallery import ROOT, package
+from _gallery import AT_ONCE, ROOT, package
 
 NOTEBOOKS = ROOT / "docs" / "tutorials"
 RUNS = ROOT / "runs" / "tutorials"
@@ -33,6 +35,7 @@ def executed(path):
         nbclient.NotebookClient(notebook, timeout=600, resources={"metadata": {"path": str(folder)}}).execute()
         nbformat.write(notebook, done)
         stamp.write_text(key)
+    print(f"tutorials: {path.stem} is ready", flush=True)
     return nbformat.read(done, as_version=4)
 
 
@@ -69,10 +72,12 @@ def add(files, config):
     from mkdocs.structure.files import File
     from nbclient.exceptions import CellExecutionError
 
-    names = []
-    for path in sorted(NOTEBOOKS.glob("*.ipynb")):
+    names, paths = [], sorted(NOTEBOOKS.glob("*.ipynb"))
+    with ThreadPoolExecutor(AT_ONCE) as pool:
+        waiting = [pool.submit(executed, path) for path in paths]
+    for path, notebook in zip(paths, waiting, strict=True):
         try:
-            text, pictures = markdown(executed(path), path.stem)
+            text, pictures = markdown(notebook.result(), path.stem)
         except CellExecutionError as error:
             raise PluginError(f"tutorial {path.name}: {error}") from error
         names.append(f"tutorials/{path.stem}.md")

@@ -37,7 +37,7 @@ def test_the_order_in_the_spacing_is_that_of_the_rows(make):
     assert np.all(np.log2(found[0] / found[1]) > 3.5)
 
 
-@pytest.mark.parametrize("law", [pytest.param(OLDROYD, marks=pytest.mark.slow), GIESEKUS, CARREAU])
+@pytest.mark.parametrize("law", [pytest.param(law, marks=pytest.mark.slow) for law in (OLDROYD, CARREAU)] + [GIESEKUS])
 def test_steps_are_of_third_order_in_velocity_and_stress(make, law):
     # a driven start without a jump; the truth is that of much shorter steps on the same lattice, to a 64th of the finer
     states = {}
@@ -81,7 +81,9 @@ BOTH = LIQUID.format(f"{{type: multi_mode, solvent_fraction: 0.1, {MODES}}}")
     ("law", "start"),
     [
         (FENE, "initial={state: exact, time: 0.5}"),
-        (BOTH, "initial.state=developed|walls.top.velocity_before=2.0"),
+        pytest.param(  # two modes are in test_restart.py and rows of verify
+            BOTH, "initial.state=developed|walls.top.velocity_before=2.0", marks=pytest.mark.slow
+        ),
     ],
 )
 def test_a_start_under_way_has_the_conformation_of_each_mode(make, law, start):

@@ -39,8 +39,8 @@ def verify(
 
     Prints a table of case, error, bound, pass or FAIL; exit status 1 on a FAIL. A SUITE is one of ours or a YAML file
     (docs/how-to/acceptance-tests.md); with --out DIR its finished runs are kept, and an interrupted suite goes on with
-    the same command. With --walls a table of wall treatments, with a picture and all numbers in DIR. The whole suite
-    ends with the errors that runs state of themselves (tisph run --estimate-error), over the true ones.
+    the same command. With --walls a table of wall treatments, with a picture and all numbers in DIR. The suite
+    estimates compares the errors that runs state of themselves (tisph run --estimate-error) with the true ones.
 
     \b
     Examples:

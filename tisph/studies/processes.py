@@ -106,14 +106,15 @@ def _be(arguments, messages):
 class Process:
     """``tisph run`` of the config ``config_path`` into ``folder``, in place of what an earlier run left there.
 
-    With ``resume`` it goes on from that one's checkpoint instead. It leaves no pictures.
+    With ``resume`` it goes on from that one's checkpoint instead. ``estimated``: it states its error, too. It leaves no
+    pictures.
     """
 
-    def __init__(self, config_path, folder, resume=False):
+    def __init__(self, config_path, folder, resume=False, estimated=False):
         self.folder = folder
         self._messages = folder.with_name(f"{folder.name}.messages")  # a pipe could fill up; stop() removes it
         command = ["run", config_path, "--out", folder, "--no-pictures", "--resume" if resume else "--overwrite"]
-        self._process = start(command, self._messages)
+        self._process = start([*command, "--estimate-error"] if estimated else command, self._messages)
 
     @property
     def finished(self):
@@ -149,9 +150,9 @@ def read_result(folder):
     return Result(folder, Folder(folder).read_summary())
 
 
-def run_config(config_path, folder):
-    """Run one config: its ``Result``, and its error message, empty if it is done."""
-    process = Process(config_path, folder)
+def run_config(config_path, folder, estimated=False):
+    """Run one config: its ``Result``, and its error message, empty if it is done. ``estimated``: see ``Process``."""
+    process = Process(config_path, folder, estimated=estimated)
     try:
         return process.outcome()
     finally:

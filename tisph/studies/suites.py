@@ -88,6 +88,11 @@ def config_of(name: str, run: str) -> dict[str, Any]:
     return ours(name).runs[run]
 
 
+def study(name: str) -> dict[str, Any]:
+    """Return the data of a study that is no suite of checks, in a file beside the suites."""
+    return parse((FOLDER / f"{name}.yaml").read_text(encoding="utf-8")).data
+
+
 def read(path: Path, quick: bool = False, long: bool = False) -> Suite:
     """Return the suite of a file, its ``quick`` or its ``long`` section.
 

@@ -72,8 +72,8 @@ def bench(
         raise ConfigError(f"bench {name}: it is a script of the repository now: python benchmarks/{MOVED[name]}")
     if peers and not (peers / "measure.py").is_file():
         raise ConfigError(f"--peers {peers}: there is no measure.py; the peers' scripts are in benchmarks/peers")
-    from tisph.studies.frontier import measurement
+    from tisph.studies import frontier
 
     folder = out or FOLDER / ("frontier" if flow == "channel" else f"frontier_{flow}")
-    if not measurement.run(folder, quick=quick, peers_folder=peers, group=flow):
+    if not frontier.run(folder, quick=quick, peers_folder=peers, group=flow):
         raise typer.Exit(1)

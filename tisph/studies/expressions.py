@@ -2,8 +2,8 @@
 
 The names are the numbers of a sample in summary.json; ``wall_shear``, the error of the wall shear stress;
 ``transverse``, the largest transverse velocity over the reference velocity; and dotted names of the whole run, such as
-``cost.steps``. The functions are abs, sqrt, hypot, sin, cos, exp and log, the constant is pi. ``NAME off exact`` is the
-relative difference of a number to ``NAME_exact``.
+``cost.steps``. The functions are abs, max, sqrt, hypot, sin, cos, exp and log, the constant is pi. ``NAME off exact``
+is the relative difference of a number to ``NAME_exact``.
 """
 
 import ast
@@ -14,7 +14,8 @@ from tisph.config.fields import nearest
 from tisph.errors import ConfigError
 from tisph.measures.wall_shear import wall_shear_error
 
-FUNCTIONS = {name: getattr(math, name) for name in ("sqrt", "hypot", "sin", "cos", "exp", "log")} | {"abs": abs}
+FUNCTIONS = {name: getattr(math, name) for name in ("sqrt", "hypot", "sin", "cos", "exp", "log")}
+FUNCTIONS |= {"abs": abs, "max": lambda *numbers: math.nan if any(map(math.isnan, numbers)) else max(numbers)}
 
 ARITHMETIC = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.operator, ast.unaryop, ast.Constant, ast.Name, ast.Call)
 ARITHMETIC += (ast.Attribute, ast.Load)

@@ -26,7 +26,7 @@ from tisph.schemes._supported import AROUND_BODIES
 from tisph.snapshot import STRESSES, STRESSES_AROUND
 from tisph.studies import checks
 from tisph.studies.checks import Criterion
-from tisph.studies.flows import across, at_times, merged
+from tisph.studies.flows import merged
 from tisph.studies.processes import Result
 
 DENSITY, VISCOSITY, INDEX = 2.0, 0.05, 0.6
@@ -148,7 +148,8 @@ class Case:
         given = {"body_force": force, "conformation_source": fields.get("source")}
         if self.config["scene"] == "shear_layer":  # which starts with streams of its own
             given["initial_velocity"] = lambda x, y, t: (0.0, 0.0)
-        config = merged(SHARED, self.config, across(number), at_times([self.end]))
+        times = {"time": {"end": self.end, "samples": [self.end]}, "discretisation": {"particles_across": number}}
+        config = merged(SHARED, self.config, times)
         try:
             with Simulation(config, **given) as simulation:
                 snapshot = simulation.run_until(self.end).snapshot

@@ -135,14 +135,19 @@ def rows_of(cases, outcomes, extent):
     ``REFERENCE``; ``stopped``: messages of runs that did not reach their end. NaN where a run gave no number.
     """
 
+    def step_seconds(case):
+        summary = outcomes[name_of(case, measured_at)][0].summary
+        cost = summary.get("cost") if summary["status"] == "done" else None
+        return cost["wall_loop_s"] / cost["steps"] if cost else math.nan
+
     def largest(number, measure):
         result, value = outcomes[name_of(case, number)][0], Number(measure, "measure")
         return float(np.max([value(result, result.sample(time)) for time in flow["t_star"]]))
 
     measured_at = extent["measured_at"]
     polymer = "rheology" in FLOWS[cases[0][0]]["change"].get("fluid", {})
-    seconds = {case: _step_seconds(outcomes[name_of(case, measured_at)][0].summary) for case in cases}
-    reference = {arrangement: seconds[case] for case in cases for _, name, arrangement in [case] if name == REFERENCE}
+    seconds = {case: step_seconds(case) for case in cases}
+    reference = {case[2]: seconds[case] for case in cases if case[1] == REFERENCE}
     for case in cases:
         flow, names = FLOWS[case[0]], [name_of(case, number) for number in extent["resolutions"]]
         errors = {number: largest(number, flow["measure"]) for number in extent["resolutions"]}
@@ -159,11 +164,6 @@ def rows_of(cases, outcomes, extent):
         }
 
 
-def _step_seconds(summary):
-    cost = summary.get("cost") if summary["status"] == "done" else None
-    return cost["wall_loop_s"] / cost["steps"] if cost else math.nan
-
-
 def standings(rows, measured_at):
     """Return geometric means of errors and costs, and how many runs stopped, of each treatment in ``rows``."""
     found = []
@@ -171,21 +171,17 @@ def standings(rows, measured_at):
         own = [row for row in rows if row["case"]["treatment"] == name]
         numbers = [row["errors"][measured_at] for row in own], [row["cost"] for row in own]
         error, cost = (float(np.exp(np.mean(np.log(each)))) for each in numbers)
-        found.append(
-            {"treatment": name, "error": error, "cost": cost, "stopped": sum(len(row["stopped"]) for row in own)}
-        )
+        stopped = sum(len(row["stopped"]) for row in own)
+        found.append({"treatment": name, "error": error, "cost": cost, "stopped": stopped})
     return found
 
 
 def recommended(found):
     """Return the treatment of the smallest mean error that stopped nowhere, at a cost within the limit; or None."""
-    eligible = [
-        one for one in found if not one["stopped"] and one["cost"] <= COST_LIMIT and math.isfinite(one["error"])
-    ]
+    finished = [one for one in found if not one["stopped"] and math.isfinite(one["error"])]
+    eligible = [one for one in finished if one["cost"] <= COST_LIMIT]
     return min(eligible, key=lambda one: one["error"])["treatment"] if eligible else None
 
-
-MEASURES = {"l2": "L2", "rms": "rms"}
 
 ROUND_OFF = 1e-11
 """Error of an exact Laplacian: rounding of a velocity over a time step."""
@@ -278,7 +274,7 @@ def cells(row):
         FLOWS[flow]["title"],
         treatment,
         arrangement,
-        MEASURES[row["measure"]],
+        row["measure"].replace("l", "L"),
         *(_number(error, ".1e", "stopped") for error in row["errors"].values()),
         _number(row["order"], ".2f"),
         f"{_number(100 * row['wall_shear'], '.2g')} %".replace("- %", "-"),
@@ -326,13 +322,15 @@ COLUMNS = 3
 def plot_walls(path, rows, laplacians):
     """Write the picture to ``path``: error against resolution, a panel for each flow and each profile.
 
-    Runs that stopped leave gaps. Laplacians with the usual kernel are drawn, next to the wall.
+    Runs that stopped leave gaps.
     """
-    looks = dict(zip(dict.fromkeys(row["case"]["treatment"] for row in rows), cycle(LOOKS), strict=False))
+    treatments = dict.fromkeys(row["case"]["treatment"] for row in rows)
+    looks = {
+        name: {"color": colour, "marker": marker, "markerfacecolor": "none", "markersize": 7}
+        for name, (colour, marker) in zip(treatments, cycle(LOOKS), strict=False)
+    }
     drawn = {row["case"]["arrangement"]: STYLES[row["case"]["arrangement"]] for row in rows}
-    usual = [each for each in laplacians if (each["kernel"], each["ratio"]) == ("quintic_spline", 1.0)]
-    panels = [_errors(flow, rows, looks) for flow in dict.fromkeys(row["case"]["flow"] for row in rows)]
-    panels += [_near(profile, usual, looks, drawn) for profile in dict.fromkeys(each["profile"] for each in usual)]
+    panels = _panels(rows, laplacians, looks, drawn)
     with plot_style():
         height = -(-len(panels) // COLUMNS)
         figure = Figure((12.0, 3.9 * height + 0.9), dpi=120, layout="constrained")
@@ -344,38 +342,36 @@ def plot_walls(path, rows, laplacians):
             each.set_title(title, fontsize=11)
         for each in axes[len(panels) :]:
             each.axis("off")
-        handles = [Line2D([], [], label=name, **_options(look, "")) for name, look in looks.items()]
+        handles = [Line2D([], [], label=name, **look) for name, look in looks.items()]
         handles += [Line2D([], [], color="#000000", linestyle=style, label=name) for name, style in drawn.items()]
         handles.append(Line2D([], [], color=MUTED, linewidth=0.8, label="second order"))
         figure.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False)
         figure.savefig(path)
 
 
-def _options(look, style):
-    colour, marker = look
-    return {"color": colour, "marker": marker, "markerfacecolor": "none", "markersize": 7, "linestyle": style}
+def _panels(rows, laplacians, looks, drawn):
+    """Return title, label and lines of each panel: of Laplacians those with the usual kernel, next to the wall."""
 
+    def line(points, of):
+        return points.items(), {**looks[of["treatment"]], "linestyle": drawn[of["arrangement"]], "linewidth": 1.4}
 
-def _errors(flow, rows, looks):
-    """Return title, label and lines of the panel of a flow, with a line of slope -2 below all others."""
-    own, lines = [row for row in rows if row["case"]["flow"] == flow], []
-    for row in own:
-        options = _options(looks[row["case"]["treatment"]], STYLES[row["case"]["arrangement"]])
-        lines.append((row["errors"].items(), {**options, "linewidth": 1.4}))
-    scaled = [error * number**2 for row in own for number, error in row["errors"].items() if error > 0]
-    if scaled:
-        slope = [(number, 0.6 * min(scaled) / number**2) for number in own[0]["errors"]]
-        lines.append((slope, {"color": MUTED, "linewidth": 0.8}))
-    title = f"{FLOWS[flow]['title']}, t* = {', '.join(f'{time:g}' for time in own[0]['t_star'])}"
-    return title, f"{MEASURES[own[0]['measure']]} error", lines
-
-
-def _near(profile, laplacians, looks, drawn):
-    """Return title, label and lines of the panel of a profile, of arrangements that are ``drawn`` elsewhere, too."""
-    lines = []
-    for each in laplacians:
-        near = {number: error for number, (error, _) in each["errors"].items() if error > ROUND_OFF}
-        if near and each["profile"] == profile and each["arrangement"] in drawn:
-            options = _options(looks[each["treatment"]], drawn[each["arrangement"]])
-            lines.append((near.items(), {**options, "linewidth": 1.4}))
-    return f"Laplacian next to the wall, {profile} profile", "error of the Laplacian over $u_{yy}$", lines
+    panels = []
+    for flow in dict.fromkeys(row["case"]["flow"] for row in rows):
+        own = [row for row in rows if row["case"]["flow"] == flow]
+        lines = [line(row["errors"], row["case"]) for row in own]
+        scaled = [error * number**2 for row in own for number, error in row["errors"].items() if error > 0]
+        if scaled:  # a line of slope -2 below all others
+            slope = [(number, 0.6 * min(scaled) / number**2) for number in own[0]["errors"]]
+            lines.append((slope, {"color": MUTED, "linewidth": 0.8}))
+        title = f"{FLOWS[flow]['title']}, t* = {', '.join(f'{time:g}' for time in own[0]['t_star'])}"
+        panels.append((title, f"{own[0]['measure'].replace('l', 'L')} error", lines))
+    usual = [each for each in laplacians if (each["kernel"], each["ratio"]) == ("quintic_spline", 1.0)]
+    for profile in dict.fromkeys(each["profile"] for each in usual):
+        lines = []
+        for each in usual:
+            near = {number: error for number, (error, _) in each["errors"].items() if error > ROUND_OFF}
+            if near and each["profile"] == profile and each["arrangement"] in drawn:
+                lines.append(line(near, each))
+        title = f"Laplacian next to the wall, {profile} profile"
+        panels.append((title, "error of the Laplacian over $u_{yy}$", lines))
+    return panels

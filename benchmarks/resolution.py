@@ -15,13 +15,32 @@ from pathlib import Path
 
 from tisph import simulation
 from tisph.config import load, yaml_text
-from tisph.studies.flows import NEWTONIAN, across, implicit, merged, oldroyd_b, state, walls
+from tisph.studies.expressions import merged
 
 DEPTHS = (0.5, 1.0, 2.0, 3.0, 4.0)
 ROWS = 40
-START = merged(NEWTONIAN, across(ROWS), walls(0.0, 0.5), {"output": {"video": None}})
-POLYMER = merged(START, oldroyd_b(relaxation_time=1.0, solvent_fraction=0.1))
-SCHEMES = {"wcsph": {}, "implicit, order 2": implicit(2), "implicit, order 4": implicit(4)}
+START = {
+    "scene": "channel",
+    "fluid": {"density": 1.0, "kinematic_viscosity": 0.01},
+    "geometry": {"gap": 1.0, "length": 0.4},
+    "walls": {"treatment": {"type": "consistent_image"}, "bottom": {"velocity": 0.0}, "top": {"velocity": 0.5}},
+    "discretisation": {"particles_across": ROWS},
+    "scheme": {"type": "wcsph"},
+    "output": {"video": None},
+}
+POLYMER = merged(
+    START,
+    {
+        "fluid": {
+            "kinematic_viscosity": 1.0,
+            "rheology": {"type": "oldroyd_b", "relaxation_time": 1.0, "solvent_fraction": 0.1},
+        }
+    },
+)
+SCHEMES = {
+    "wcsph": {},
+    **{f"implicit, order {n}": {"scheme": {"type": "implicit", "operators": {"order": n}}} for n in (2, 4)},
+}
 
 
 def errors(config, times, amplitude=None):
@@ -48,7 +67,9 @@ def oscillating(config, depth):
     frequency = nu / (2.0 * (depth / ROWS) ** 2)
     top = {"walls": {"top": {"amplitude": speed, "angular_frequency": frequency}}}
     plain = {key: value for key, value in config.items() if key != "walls"}
-    moving = merged(plain, {"walls": {"treatment": config["walls"]["treatment"]}}, top, state("developed"))
+    moving = merged(
+        plain, {"walls": {"treatment": config["walls"]["treatment"]}}, top, {"initial": {"state": "developed"}}
+    )
     found = errors(moving, [k / frequency for k in (4, 5, 6, 7, 8)], speed * math.sqrt(nu * frequency))
     return tuple(max(column) for column in zip(*found, strict=True))
 

@@ -20,7 +20,7 @@ import pyperf
 from tisph import runtime, scenes, schemes
 from tisph.config import load
 from tisph.simulation.state import start_values
-from tisph.studies.flows import drive, jitter, merged, oldroyd_b
+from tisph.studies.expressions import merged
 
 COUETTE = {
     "scene": "channel",
@@ -56,8 +56,14 @@ SCHEMES = {
 """Changes of the config by name: the explicit scheme goes by that of its operators."""
 
 OSCILLATING = {"walls": {"top": {"velocity": None, "amplitude": 0.5, "angular_frequency": 0.5}}}
+DRIVEN = {"drive": {"acceleration": 1e-3}}
 FROM_REST = {"initial": {"state": "rest"}, "time": {"end": 100.0}}
-POLYMER = merged(oldroyd_b(relaxation_time=1.0, solvent_fraction=0.5), {"fluid": {"kinematic_viscosity": 0.01}})
+POLYMER = {
+    "fluid": {
+        "kinematic_viscosity": 0.01,
+        "rheology": {"type": "oldroyd_b", "relaxation_time": 1.0, "solvent_fraction": 0.5},
+    }
+}
 # steps of spacing / wall velocity / 2, all alike: those that follow the flow differ from case to case
 EVEN_STEPS = {"scheme": {"type": "implicit", "largest_strain": 0.7}, "time": {"cfl": 0.5, "tolerance": 3e-5}}
 PARTS = {
@@ -70,14 +76,18 @@ PARTS = {
                 "polymer stress": POLYMER,
                 "pressure cutoff": {"scheme": {"equation_of_state": {"pressure_cutoff": -1.0}}},
                 "artificial viscosity": {"scheme": {"artificial_viscosity": 0.1}},
-                "body acceleration": drive(1e-3),
+                "body acceleration": DRIVEN,
                 "oscillating wall": OSCILLATING,
             },
         ),
         (
             "implicit",
             EVEN_STEPS,
-            {"body acceleration": drive(1e-3), "oscillating wall": OSCILLATING, "jitter": jitter(0.2)},
+            {
+                "body acceleration": DRIVEN,
+                "oscillating wall": OSCILLATING,
+                "jitter": {"initial": {"jitter": 0.2, "seed": 0}},
+            },
         ),
     )
 }

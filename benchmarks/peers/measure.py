@@ -11,7 +11,7 @@ loop alone, ``particle_steps_per_s``, ``l2``, the relative error of the velocity
 (null with ``--steps``: after a few steps nothing but a layer at the wall has moved), and ``neighbours``, those of a
 particle of the lattice within the reach of the kernel. Cases other than Couette flow have one thread and no
 ``--steps``. In the cavity the error is that of the extremes on the centre lines, with cylinders that of their drag
-(``tisph/studies/frontier/cases.py``); with cylinders the end is in radius^2/viscosity.
+(``tisph/suites/frontier.yaml``); with cylinders the end is in radius^2/viscosity.
 """
 
 import argparse
@@ -29,8 +29,7 @@ import numpy as np
 
 from tisph import config, scenes
 from tisph.exact import couette, taylor_green
-from tisph.studies.flows import across, merged
-from tisph.studies.frontier import cases
+from tisph.studies.frontier import FLOWS, Point
 
 HERE = Path(__file__).resolve().parent
 
@@ -117,7 +116,7 @@ def vortex_error(particles, found, arguments):
 
 def cavity_error(particles, found, arguments):
     """Error of the extremes on the centre lines of the cavity, interpolated as those of our own particles are."""
-    described = merged(cases.BENCHMARKS["cavity_10"].config, across(arguments.across))
+    described = Point("cavity_10", "implicit 4, balanced", arguments.across).config
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "cavity.yaml"
         path.write_text(json.dumps(described), encoding="utf-8")  # JSON is YAML
@@ -125,12 +124,12 @@ def cavity_error(particles, found, arguments):
     scene = scenes.of(settings)
     seen = SimpleNamespace(**dict(zip("xyuv", particles, strict=True)), t=found["time"])
     u, v = scene.lines(seen, np.linspace(0.0, 1.0, 401))
-    return cases.extremes({"u_extreme": u.min(), "v_min": v.min(), "v_max": v.max()})
+    return FLOWS["cavity_10"].error_of({"u_extreme": u.min(), "v_min": v.min(), "v_max": v.max()})
 
 
 def cylinder_error(particles, found, arguments):
     """Error of the drag of a cylinder, which is given over the dynamic viscosity."""
-    return cases.resistance(found, viscosity=1.0)
+    return FLOWS["cylinder"].error_of({**found, "drag": 10.0 * found["drag"]})  # its dynamic viscosity is 10
 
 
 ERRORS = {"taylor_green": vortex_error, "cavity": cavity_error, "cylinder": cylinder_error}

@@ -8,7 +8,7 @@ import pytest
 
 import tisph
 from tisph.measures.metrics import relative_error
-from tisph.studies.flows import merged
+from tisph.studies.expressions import merged
 
 COMMON = {"name": "axisymmetric", "initial": {"jitter": 0.2, "seed": 0}, "runtime": {"threads": 1}}
 

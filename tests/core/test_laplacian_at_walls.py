@@ -2,7 +2,7 @@
 
 import pytest
 
-from tisph.studies.walls_laplacian import ROUND_OFF, measured
+from tisph.studies.walls import ROUND_OFF, measured
 
 
 @pytest.fixture(scope="module")
@@ -11,7 +11,7 @@ def near():
 
     def errors(treatment, profile):
         lattice, *_ = measured(treatment, profile, (12, 24))
-        return [at_wall for at_wall, _ in lattice.errors.values()]
+        return [at_wall for at_wall, _ in lattice["errors"].values()]
 
     return errors
 

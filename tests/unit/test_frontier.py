@@ -12,19 +12,25 @@ from typer.testing import CliRunner
 import tisph
 from tisph.cli import app
 from tisph.config import load
+from tisph.exact import cavity
 from tisph.report.style import plot_style
-from tisph.studies.frontier import cases, measurement
-from tisph.studies.frontier.comparison import (
+from tisph.studies import frontier
+from tisph.studies.frontier import (
+    FLOWS,
+    GROUPS,
+    Measured,
     comparison_table,
     comparisons,
     equal_resolution,
     equal_resolution_table,
+    fastest,
+    figure_of,
+    pareto_front,
+    peer_rows,
+    peer_runs,
     speedups,
+    styles_of,
 )
-from tisph.studies.frontier.pareto import Measured, fastest, pareto_front
-from tisph.studies.frontier.peers import merged, quoted, runs
-from tisph.studies.frontier.picture import QUOTED as HOLLOW
-from tisph.studies.frontier.picture import figure_of, styles_of
 
 FLOW = "couette_2.7"
 QUOTED = ("channel", "taylor_green")
@@ -40,9 +46,9 @@ def lammps(l2, loop):
 
 
 @pytest.mark.parametrize("quick", [False, True])
-@pytest.mark.parametrize("group", cases.GROUPS)
+@pytest.mark.parametrize("group", GROUPS)
 def test_every_point_is_a_valid_config_of_its_own(tmp_path, group, quick):
-    points = cases.points(group, quick)
+    points = frontier.points(group, quick)
     assert len({point.name for point in points}) == len(points)
     for point in points:
         path = tmp_path / "case.yaml"
@@ -90,12 +96,11 @@ def test_the_table_has_the_ratio_of_medians_and_its_range():
     assert "| 15 (8..15) | >= 10 | PASS |" in comparison_table(comparisons(rows))
 
 
-@pytest.mark.parametrize(
-    ("flow", "bound"), [(key, bound) for key in cases.BENCHMARKS for bound in cases.BENCHMARKS[key].bounds]
-)
+@pytest.mark.parametrize(("flow", "bound"), [(key, bound) for key in FLOWS for bound in FLOWS[key].bounds])
 def test_a_peer_that_comes_too_close_misses_the_bound(flow, bound):
     ours = row("implicit 4", 1e-3, 1.0, flow=flow)
-    near, far = (row(bound.peer, 1e-2, factor * bound.speedup, code=bound.peer, flow=flow) for factor in (0.99, 1.01))
+    peer, speedup = bound["peer"], bound["speedup"]
+    near, far = (row(peer, 1e-2, factor * speedup, code=peer, flow=flow) for factor in (0.99, 1.01))
     assert [found.passed for found in comparisons([ours, near, far])] == [False, True]
 
 
@@ -114,8 +119,8 @@ def test_peers_that_failed_are_not_compared_and_quoted_ones_not_judged():
 
 def test_a_missed_bound_is_what_show_returns_and_the_files_hold(tmp_path):
     ours = row("implicit 4", 1e-3, 1.0)
-    assert measurement.show(tmp_path, [ours, lammps(1e-2, 20.0)])
-    assert not measurement.show(tmp_path, [ours, lammps(1e-2, 5.0)])
+    assert frontier.show(tmp_path, [ours, lammps(1e-2, 20.0)])
+    assert not frontier.show(tmp_path, [ours, lammps(1e-2, 5.0)])
     numbers = json.loads((tmp_path / "frontier.json").read_text())
     assert [(one["ratio"], one["passed"]) for one in numbers["comparisons"]] == [(5.0, False)]
     assert numbers["machine"]["processor"]
@@ -123,34 +128,36 @@ def test_a_missed_bound_is_what_show_returns_and_the_files_hold(tmp_path):
 
 
 def all_rows(group):
-    """A row of every method in every flow of a group, and of every peer."""
-    ours = [row(method, 1e-4, 0.1, flow=key) for key in flows_of(group) for method in cases.BENCHMARKS[key].methods]
-    peers = [row(run.label, 1e-3, 1.0, code=run.label.split()[0], flow=run.flow) for run in runs(group)]
-    scale = row("LAMMPS", 1e-3, 1.0, code="LAMMPS", flow="couette_20")
-    return [*ours, *peers, *(quoted(scale) if group == "channel" else merged([], group))]
+    """A row of every method in every flow of a group, of every peer, and of all that are quoted."""
+    resolutions = frontier.DATA["resolutions"]
+    ours = [row(method, 1e-4, 0.1, flow=key) for key in flows_of(group) for method in resolutions[FLOWS[key].methods]]
+    peers = [row(run.label, 1e-3, 1.0, code=run.label.split()[0], flow=run.flow) for run in peer_runs(group)]
+    scale = [run for run in peer_runs(group) if run.flow == "couette_20" and run.code == "lammps"]
+    quoted = peer_rows([{run: {"steps": 1, "l2": 1e-3, "loop_seconds": 1.0} for run in scale}], group)
+    return [*ours, *peers, *(one for one in quoted if one.quoted)]
 
 
 def flows_of(group):
-    return [key for key, flow in cases.BENCHMARKS.items() if flow.group == group]
+    return [key for key, flow in FLOWS.items() if flow.group == group]
 
 
-@pytest.mark.parametrize("group", cases.GROUPS)
+@pytest.mark.parametrize("group", GROUPS)
 def test_every_way_looks_different_and_only_what_was_measured_elsewhere_is_hollow(group):
     styles = styles_of(all_rows(group))
-    assert len({(style.colour, style.mark) for style in styles.values()}) == len(styles)
-    hollow = {method for method, style in styles.items() if style.options["markerfacecolor"] == "none"}
-    assert hollow == {method for method, style in styles.items() if style.group == HOLLOW}
+    assert len({(options["color"], options["marker"]) for _, options in styles.values()}) == len(styles)
+    hollow = {method for method, (_, options) in styles.items() if options["markerfacecolor"] == "none"}
+    assert hollow == {method for method, (kind, _) in styles.items() if kind == frontier.QUOTED}
     assert bool(hollow) == (group in QUOTED)
 
 
-@pytest.mark.parametrize("flows", [*map(flows_of, cases.GROUPS), ["couette_20"]])
+@pytest.mark.parametrize("flows", [*map(flows_of, GROUPS), ["couette_20"]])
 def test_no_legend_of_the_picture_covers_another_or_a_panel(flows):
-    rows = [one for one in all_rows(cases.BENCHMARKS[flows[0]].group) if one.flow in flows]
+    rows = [one for one in all_rows(FLOWS[flows[0]].group) if one.flow in flows]
     with plot_style():
         figure = figure_of(rows, {flow: [] for flow in flows})
         figure.draw_without_rendering()
         boxes = [part.get_tightbbox() for part in (*figure.legends, *figure.axes)]
-    assert len(figure.legends) == len({style.group for style in styles_of(rows).values()})
+    assert len(figure.legends) == len({kind for kind, _ in styles_of(rows).values()})
     assert all(
         first.xmax <= second.xmin or second.xmax <= first.xmin or first.ymax <= second.ymin or second.ymax <= first.ymin
         for first, second in combinations(boxes, 2)
@@ -187,8 +194,8 @@ def test_only_runs_of_the_rival_way_with_as_many_particles_are_compared():
 
 
 def test_quoted_peers_of_the_vortex_are_shown_and_not_judged(tmp_path, capsys):
-    rows = [vortex("implicit 4, balanced", 1e-2, 1000.0), *merged([], "taylor_green")]
-    assert measurement.show(tmp_path, rows)
+    rows = [vortex("implicit 4, balanced", 1e-2, 1000.0), *peer_rows([], "taylor_green")]
+    assert frontier.show(tmp_path, rows)
     point, compared = [line for line in capsys.readouterr().out.splitlines() if "JAX-SPH TVF, quoted" in line]
     assert "quoted 23.000" in point
     assert compared.split("|")[-2].strip() == "-"
@@ -198,20 +205,20 @@ def test_quoted_peers_of_the_vortex_are_shown_and_not_judged(tmp_path, capsys):
 
 def test_a_missed_bound_at_equal_number_is_what_show_returns(tmp_path):
     fast, edac = vortex("implicit 4, fast", 1e-2, 0.1), vortex("PySPH EDAC", 2e-2, 90.0, code="PySPH")
-    assert measurement.show(tmp_path, [fast, vortex("implicit 4, balanced", 1e-4, 2.0), edac])
-    assert not measurement.show(tmp_path, [fast, vortex("implicit 4, balanced", 2e-4, 2.0), edac])
+    assert frontier.show(tmp_path, [fast, vortex("implicit 4, balanced", 1e-4, 2.0), edac])
+    assert not frontier.show(tmp_path, [fast, vortex("implicit 4, balanced", 2e-4, 2.0), edac])
     assert [one["passed"] for one in json.loads((tmp_path / "frontier.json").read_text())["equal_number"]] == [False]
 
 
 def test_the_groups_of_the_command_line_are_those_that_there_are(tmp_path, monkeypatch):
     asked = []
     monkeypatch.setattr(
-        measurement, "run", lambda folder, **options: asked.append((folder.name, options["group"])) or True
+        frontier, "run", lambda folder, **options: asked.append((folder.name, options["group"])) or True
     )
-    for group in cases.GROUPS:
+    for group in GROUPS:
         assert CliRunner().invoke(app, ["bench", "frontier", "--flow", group]).exit_code == 0
     assert CliRunner().invoke(app, ["bench"]).exit_code == 0
-    others = [(f"frontier_{group}", group) for group in cases.GROUPS if group != "channel"]
+    others = [(f"frontier_{group}", group) for group in GROUPS if group != "channel"]
     assert asked == [("frontier", "channel"), *others, ("frontier", "channel")]
     assert CliRunner().invoke(app, ["bench", "frontier", "--flow", "annulus"]).exit_code == 2
 
@@ -223,14 +230,19 @@ def test_a_folder_without_the_peers_scripts_is_refused(tmp_path):
 
 
 def test_each_flow_has_the_error_that_its_title_names():
-    exact = {"u_extreme": -0.2140417, "v_min": -0.253803, "v_max": 0.1795728}
-    assert cases.BENCHMARKS["cavity_10"].error(exact) == 0.0
-    assert cases.BENCHMARKS["cavity_10"].error({**exact, "v_max": 1.03 * 0.1795728}) == pytest.approx(0.03)
-    assert cases.BENCHMARKS["cylinder"].error({"drag": 1068.12, "superficial_velocity": 0.5}) == pytest.approx(1.0)
-    assert cases.BENCHMARKS["circular_couette_2"].error({"l2": 1e-3}) == 1e-3
-    assert math.isnan(cases.BENCHMARKS["circular_couette_2"].error({"l2": None}))
-    stresses = {"l2": 1e-5, "shear_stress_l2": 3e-5, "normal_stress_l2": 2e-5}
-    assert cases.BENCHMARKS["oldroyd_b_couette"].error(stresses) == 3e-5
+    def error(flow, **sample):
+        return FLOWS[flow].error_of(sample)
+
+    known = cavity.extremes(100.0)
+    exact = {"u_extreme": known["u_min"], "v_min": known["v_min"], "v_max": known["v_max"]}
+    assert error("cavity_10", **exact) == 0.0
+    assert error("cavity_10", **{**exact, "v_max": 1.03 * known["v_max"]}) == pytest.approx(0.03)
+    assert error("cylinder", drag=1068.12, superficial_velocity=0.5) == pytest.approx(1.0)
+    assert error("circular_couette_2", l2=1e-3) == 1e-3
+    assert math.isnan(error("circular_couette_2", l2=None))
+    assert error("oldroyd_b_couette", l2=1e-5, shear_stress_l2=3e-5, normal_stress_l2=2e-5) == 3e-5
+    assert math.isnan(error("oldroyd_b_couette", l2=1e-5, shear_stress_l2=3e-5, normal_stress_l2=None))
+    assert error("oldroyd_b_cylinders", l2=1e-3, torque_inner=1.01, torque_inner_exact=1.0) == pytest.approx(0.01)
 
 
 @pytest.mark.parametrize("name", ["throughput", "features", "startup", "scaling"])

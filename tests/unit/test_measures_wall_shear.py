@@ -9,10 +9,18 @@ from tisph.geometry.motion import WallMotion
 from tisph.measures.channel import wall_shear, wall_shear_error, wall_velocity
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Snapshot
-from tisph.studies import flows
+from tisph.studies import suites, walls
+from tisph.studies.expressions import merged
 from tisph.studies.store import config_text
 
-FLOWS = {name: flow for name, flow in vars(flows).items() if isinstance(flow, flows.Flow)}
+NEWTONIAN = ("poiseuille", "poiseuille_steady", "backflow", "oscillating_slow", "oscillating_fast", "stopped")
+VISCOELASTIC = ("oldroyd_b_couette_explicit", "oldroyd_b_poiseuille_explicit")
+CONFIGS = {
+    **{name: walls.config_of((name, "consistent_image", "lattice"), 50) for name in ("couette", "oscillating")},
+    **{name: suites.config_of("channel", name) for name in NEWTONIAN},
+    **{name: suites.config_of("viscoelastic", name) for name in VISCOELASTIC},
+}
+TIMES = [(name, t) for name, config in CONFIGS.items() for t in config["time"]["samples"]]
 
 
 def make_channel(rows=12, **changes):
@@ -109,13 +117,13 @@ def test_the_weights_choose_among_fits_that_are_not_exact():
     assert wall_shear(channel, snapshot)[0] == pytest.approx(expected, rel=1e-9)  # normal equations: condition 1e6
 
 
-def shear_errors(name, t_star, jitter, folder):
+def shear_errors(name, t, jitter, folder):
     errors = []
     for rows in (25, 50, 100):
         path = folder / "flow.yaml"
-        path.write_text(config_text("flow", FLOWS[name].at(flows.across(rows))), encoding="utf-8")
+        size = {"discretisation": {"particles_across": rows}, "geometry": {"length": 0.4}}
+        path.write_text(config_text("flow", merged(CONFIGS[name], size)), encoding="utf-8")
         channel = Channel.from_config(load(path))
-        t = t_star * channel.viscous_time
         keys = ("wall_shear_bottom", "wall_shear_top")
         measured = wall_shear(channel, exact_snapshot(channel, t, jitter))
         exact = channel.exact_wall_shear(t)
@@ -128,10 +136,10 @@ def shear_errors(name, t_star, jitter, folder):
 
 
 @pytest.mark.parametrize("jitter", [0.0, 0.2])
-@pytest.mark.parametrize(("name", "t_star"), [(name, t_star) for name in FLOWS for t_star in FLOWS[name].samples])
-def test_exact_fields_give_the_exact_stress_in_every_flow(name, t_star, jitter, tmp_path):
+@pytest.mark.parametrize(("name", "t"), TIMES)
+def test_exact_fields_give_the_exact_stress_in_every_flow(name, t, jitter, tmp_path):
     """What the fit adds at 50 across is a tenth of the 1 % to which the flows are held, and of fourth order."""
-    errors = shear_errors(name, t_star, jitter, tmp_path)
+    errors = shear_errors(name, t, jitter, tmp_path)
     assert errors[1] <= 1e-3
     assert errors[2] <= 1e-3 / 16
 
@@ -139,11 +147,17 @@ def test_exact_fields_give_the_exact_stress_in_every_flow(name, t_star, jitter, 
 @pytest.mark.parametrize("jitter", [0.0, 0.2])
 @pytest.mark.parametrize(
     ("name", "power"),
-    [("COUETTE", 4), ("POISEUILLE", 4), ("BACKFLOW", 4), ("OSCILLATING_SLOW", 4), ("OLDROYD_B_COUETTE", 3)],
+    [
+        ("couette", 4),
+        ("poiseuille", 4),
+        ("backflow", 4),
+        ("oscillating_slow", 4),
+        ("oldroyd_b_couette_explicit", 3),
+    ],
 )
 def test_the_error_of_the_fit_falls_with_its_power_of_the_spacing(name, power, jitter, tmp_path):
     """Where 25 across resolve the layer at the wall: solvent and polymer, with and without curvature at the wall."""
-    errors = shear_errors(name, FLOWS[name].samples[-1], jitter, tmp_path)
+    errors = shear_errors(name, CONFIGS[name]["time"]["end"], jitter, tmp_path)
     assert np.log2(errors[0] / errors[2]) / 2 > power - 0.3  # what higher orders take at 25 rows
 
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from fake_runs import make_result
 
+from tisph.config.yaml_text import dump
 from tisph.errors import ConfigError
-from tisph.studies import checks, measures
+from tisph.studies import checks, measures, suites
 from tisph.studies.expressions import SuiteError, filled
 from tisph.studies.processes import Result
 
@@ -196,6 +197,16 @@ def test_a_number_is_nothing_but_arithmetic(text):
         ),
         ({"order": "l2", "runs": {"a": 25}, "at_least": 1.0}, "runs", "two runs or more"),
         ({"run": "a", "measure": "larges", "at_most": 1.0}, "measure", "nearest: largest"),
+        (
+            {"run": "a", "t": 1.0, "measure": "resolved_samples", "at_most": 0},
+            "with",
+            "t: resolved_samples takes nothing",
+        ),
+        (
+            {"run": "a", "t": "1", "measure": "stated_error", "with": {"field": "velocity"}, "within_factor": 3},
+            "t",
+            "must be a number",
+        ),
         ({"run": [["a"]], "momentum_closes": 0.1}, "run", "there is no run"),
         ({"run": "a", "measure": "largest", "with": 5, "at_most": 1.0}, "with", "must be a map"),
         ({"run": "a", "measure": "largest", "at_most": 1.0}, "with", "number: largest takes number, off"),
@@ -314,3 +325,37 @@ def test_expressions_in_a_config_are_replaced_by_their_values():
     }
     with pytest.raises(SuiteError, match="the functions are"):
         filled({"drive": "=open(nu)"}, names)
+
+
+@pytest.mark.parametrize(("stated", "passed"), [(3.1e-3, False), (2.9e-3, True), (3.4e-4, True), (3.2e-4, False)])
+def test_a_stated_error_is_judged_beside_the_true_one_at_each_time(stated, passed):
+    entry = {"run": "a", "t": [0.5, 1.0], "measure": "stated_error", "with": {"field": "pressure"}, "within_factor": 3}
+    estimates = [{"fields": {"pressure": {"error": error}}} for error in (5e-4, stated)]
+    run = ended({"t": 0.5, "l2_pressure": 5e-4}, {"t": 1.0, "l2_pressure": 1e-3})
+    run.summary["error_estimate"] = {"samples": estimates}
+    first, second = (one.judge(run) for one in checks.criteria(entry, {"a"}))
+    assert (first.passed, first.value, first.bound) == (True, 1.0, "1/3 to 3")
+    assert (second.passed, second.quantity) == (passed, "stated error at t = 1")
+
+
+def test_without_an_estimate_no_stated_error_passes():
+    found = criterion(run="a", t=0.5, measure="stated_error", **{"with": {"field": "velocity"}}, within_factor=3)
+    run = ended({"t": 0.5, "l2": 1e-3})
+    run.summary["error_estimate"] = {"reason": "a coarser run did not finish"}
+    assert not found.judge(run).passed
+
+
+def test_without_an_exact_solution_a_finer_run_gives_the_true_error(tmp_path):
+    """The velocity is constant on both lattices, a tenth larger on the coarser one."""
+    finer, ours = (tmp_path / name for name in ("finer", "ours"))
+    config = {"name": "box", **suites.config_of("two_dimensional", "taylor_green")}
+    for folder, across, u in ((ours, 12, 1.1), (finer, 24, 1.0)):
+        folder.mkdir()
+        (folder / "config.resolved.yaml").write_text(dump({**config, "discretisation": {"particles_across": across}}))
+        x, y = (np.arange(across**2) % across + 0.5) / across, (np.arange(across**2) // across + 0.5) / across
+        with h5py.File(folder / "samples.h5", "w") as file:
+            group = file.create_group("sample_000")
+            group["x"], group["y"], group["u"], group["v"] = x, y, np.full_like(x, u), np.zeros_like(x)
+    summary = {"samples": [{"t": 0.5}], "error_estimate": {"samples": [{"fields": {"velocity": {"error": 0.05}}}]}}
+    found = measures.stated_error(Result(ours, summary), Result(finer, {}), field="velocity", t=0.5)
+    assert found == pytest.approx(0.5, rel=1e-9)

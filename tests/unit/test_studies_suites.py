@@ -13,7 +13,7 @@ from tisph.config import load
 from tisph.config.yaml_text import parse
 from tisph.errors import ConfigError
 from tisph.exact.taylor_vortices import critical_reynolds
-from tisph.studies import checks, suites, verify
+from tisph.studies import checks, processes, suites, verify
 from tisph.studies.processes import Result
 from tisph.studies.suites import Suite
 
@@ -69,12 +69,14 @@ def test_every_run_is_a_valid_config(suite, tmp_path):
 
 @pytest.mark.parametrize("quick", [True, False])
 def test_runs_of_all_suites_have_names_of_their_own(quick):
-    parts = [suites.ours(name, quick) for name in suites.PARTS]
+    names = [name for name in suites.PARTS if not (quick and name in suites.NOT_QUICK)]
+    parts = [suites.ours(name, quick) for name in names]
     assert len(suites.whole(quick).runs) == sum(len(part.runs) for part in parts)
 
 
 def test_every_file_is_part_of_the_whole():
-    assert {path.stem for path in suites.FOLDER.iterdir() if path.suffix} == {*suites.PARTS, "stability"}
+    files = {path.stem: parse(path.read_text(encoding="utf-8")).data for path in suites.FOLDER.glob("*.yaml")}
+    assert {name for name, data in files.items() if "checks" in data} == set(suites.PARTS)
 
 
 def time_scale(config):
@@ -249,6 +251,20 @@ def test_each_case_runs_once_with_its_config(fake_process, small_suite, capsys):
     assert output.endswith("\n\n2 of 2 rows passed\n")
 
 
+def test_only_a_run_that_is_asked_to_states_its_error(fake_process, small_suite, tmp_path, monkeypatch):
+    start, asked = processes.start, {}
+
+    def listening(arguments, messages):
+        asked[arguments[1].stem] = "--estimate-error" in arguments
+        return start(arguments, messages)
+
+    monkeypatch.setattr(processes, "start", listening)
+    runner = verify.Runner(Suite("", small_suite, [], estimated={"lattice"}), tmp_path)
+    for name in small_suite:
+        runner.result(name)
+    assert asked == {"lattice": True, "jitter_0.2": False}
+
+
 def test_a_failed_bound_fails_the_suite(fake_process, small_suite, capsys):
     fake_process[1]["jitter_0.2"] = 1.2e-3
     assert verify.run(quick=True) is False
@@ -352,6 +368,11 @@ def test_a_suite_of_a_user_is_read_from_files(tmp_path):
         ("coarse: {samples", "../coarse: {samples", "mine.yaml:4: runs.../coarse: a name has letters, digits"),
         ("like: coarse", "like: [coarse]", "mine.yaml:5: runs.fine.like: there is no"),
         ("t: 0.1", "t: []", "mine.yaml:7: checks.0: checks nothing"),
+        (
+            "[0.1]}",
+            "[0.1], resumed: true, estimated: true}",
+            "mine.yaml:4: runs.coarse.estimated: not with resumed: a run is one or the other",
+        ),
         ("fine: 32", "fine: -32", "mine.yaml:7: checks.0.runs: must be a map of two runs or more"),
     ],
 )

@@ -2,7 +2,7 @@
 
 import itertools
 import json
-from dataclasses import replace
+import math
 
 import numpy as np
 import pytest
@@ -12,14 +12,19 @@ from PIL import Image
 from tisph import registry
 from tisph.errors import ConfigError
 from tisph.studies import processes, store, walls
-from tisph.studies.walls_cases import Case, Extent, Row
-from tisph.studies.walls_laplacian import Laplacian
-from tisph.studies.walls_picture import plot_walls
 
 TREATMENTS = ["comoving_image", "consistent_image"]
-SMALL = Extent((25, 50), 50, ("lattice", "jitter 0.2"))
+SMALL = {"resolutions": [25, 50], "measured_at": 50, "arrangements": ["lattice", "jitter 0.2"]}
 RUNS_OF_A_FLOW = 2 * 2 * 2
-LAPLACIAN = Laplacian("comoving_image", "bent", "lattice", "quintic_spline", 1.0, {25: (0.1, 0.0), 50: (0.4, 0.0)})
+LAPLACIAN = {
+    "treatment": "comoving_image",
+    "profile": "bent",
+    "arrangement": "lattice",
+    "kernel": "quintic_spline",
+    "ratio": 1.0,
+    "errors": {25: (0.1, 0.0), 50: (0.4, 0.0)},
+    "orders": [-2.0, math.nan],
+}
 
 
 @pytest.fixture
@@ -40,10 +45,10 @@ def runs(monkeypatch):
     monkeypatch.setattr(processes, "start", fake)
     monkeypatch.setattr(processes, "POLL_SECONDS", 0.0)
     monkeypatch.setattr(registry, "names", lambda family: TREATMENTS)
-    monkeypatch.setattr(walls.walls, "FULL", SMALL)
-    flows = {name: walls.walls.FLOWS[name] for name in ("couette", "poiseuille")}
-    monkeypatch.setattr(walls.walls, "FLOWS", flows)
-    monkeypatch.setattr(walls.walls_laplacian, "laplacians", lambda treatments, resolutions: [LAPLACIAN])
+    monkeypatch.setitem(walls.DATA, "full", SMALL)
+    flows = {name: walls.FLOWS[name] for name in ("couette", "poiseuille")}
+    monkeypatch.setattr(walls, "FLOWS", flows)
+    monkeypatch.setattr(walls, "laplacians", lambda treatments, resolutions: [LAPLACIAN])
     return fake
 
 
@@ -164,14 +169,19 @@ def test_the_message_of_a_run_is_its_error_without_its_progress(runs, tmp_path):
 def test_treatments_and_arrangements_can_be_told_apart_in_the_picture(tmp_path):
     """Each treatment has pixels of its own colour, also where runs stopped."""
     rows = [
-        Row(Case("couette", name, arrangement), dict(zip((25, 50, 100), errors, strict=True)), 2, 0, None, 1, {})
+        {
+            "case": {"flow": "couette", "treatment": name, "arrangement": arrangement},
+            "errors": dict(zip((25, 50, 100), errors, strict=True)),
+            "t_star": [0.027],
+            "measure": "l2",
+        }
         for place, name in enumerate(("a", "b", "c", "d", "e"))
         for arrangement, errors in (
             ("lattice", (0.1 * 2**place, 0.02 * 2**place, 0.005 * 2**place)),
             ("jitter 0.2", (0.09 * 2**place, np.nan, np.nan)),
         )
     ]
-    plot_walls(tmp_path / "picture.png", rows, [replace(LAPLACIAN, treatment="a")])
+    walls.plot_walls(tmp_path / "picture.png", rows, [{**LAPLACIAN, "treatment": "a"}])
     pixels = np.asarray(Image.open(tmp_path / "picture.png").convert("RGB")).reshape(-1, 3)
     for colour in ((0xD5, 0x5E, 0x00), (0x00, 0x9E, 0x73), (0x56, 0xB4, 0xE9), (0xCC, 0x79, 0xA7)):
         assert np.sum(np.all(pixels == colour, axis=1)) > 100

@@ -1,6 +1,5 @@
 """The comparison of wall treatments: its runs, its rows, its recommendation and its text. Nothing is simulated."""
 
-import json
 import math
 
 import pytest
@@ -8,26 +7,25 @@ from fake_runs import make_result
 
 from tisph import registry
 from tisph.config import load
-from tisph.studies import walls_cases as walls
+from tisph.studies import walls
 from tisph.studies.processes import Result
 from tisph.studies.store import config_text
-from tisph.studies.walls_cases import Case, Row
-from tisph.studies.walls_table import cells, header, recommendation, standings_table, stopped_lines, widths
 
 TREATMENTS = ("comoving_image", "consistent_image")
+FULL = walls.DATA["full"]
 
 
 def make_row(treatment, error, cost=1.0, flow="poiseuille", arrangement="lattice", stopped=()):
-    errors = {12: 16 * error, 25: 4 * error, 50: error, 100: error / 4}
-    return Row(
-        case=Case(flow, treatment, arrangement),
-        errors=errors,
-        order=2.0,
-        wall_shear=0.0012,
-        stress_error=None,
-        cost=cost,
-        stopped=dict(stopped),
-    )
+    return {
+        "case": {"flow": flow, "treatment": treatment, "arrangement": arrangement},
+        "errors": {12: 16 * error, 25: 4 * error, 50: error, 100: error / 4},
+        "order": 2.0,
+        "wall_shear": 0.0012,
+        "stress_error": None,
+        "cost": cost,
+        "stopped": dict(stopped),
+        "measure": walls.FLOWS[flow]["measure"],
+    }
 
 
 def best(*rows):
@@ -37,27 +35,35 @@ def best(*rows):
 @pytest.mark.parametrize("flow", walls.FLOWS)
 def test_every_run_is_a_valid_config_of_that_treatment_on_one_thread(flow, tmp_path):
     path = tmp_path / "run.yaml"
-    for case in walls.cases(flow, registry.names("walls"), walls.FULL):
-        for number in walls.FULL.resolutions[::3]:
-            path.write_text(config_text(case.name(number), case.config(number)), encoding="utf-8")
+    for case in walls.cases(flow, registry.names("walls"), FULL):
+        _, treatment, arrangement = case
+        for number in FULL["resolutions"][::3]:
+            config = walls.config_of(case, number)
+            path.write_text(config_text(walls.name_of(case, number), config), encoding="utf-8")
             loaded = load(path)
-            assert loaded.walls.treatment.type == case.treatment
+            assert loaded.walls.treatment.type == treatment
             assert loaded.runtime.threads == 1
-            assert loaded.initial.jitter == walls.ARRANGEMENTS[case.arrangement]
+            assert loaded.initial.jitter == walls.ARRANGEMENTS[arrangement]
             assert loaded.time.samples[-1] == loaded.time.end
-            assert round(loaded.geometry.length * number) == walls.COLUMNS
+            assert round(loaded.geometry.length * number) == 10
+
+
+@pytest.mark.parametrize("flow", walls.FLOWS)
+def test_dimensionless_times_are_those_of_the_config(flow):
+    """t* = nu t/gap^2."""
+    config = walls.config_of((flow, "adami", "lattice"), 50)
+    scale = config["geometry"]["gap"] ** 2 / config["fluid"]["kinematic_viscosity"]
+    times = [t_star * scale for t_star in walls.FLOWS[flow]["t_star"]]
+    assert config["time"]["samples"] == pytest.approx(times, rel=1e-12)
 
 
 def test_a_flow_has_every_arrangement_of_every_treatment():
-    cases = walls.cases("couette", TREATMENTS, walls.FULL)
-    assert {(case.treatment, case.arrangement) for case in cases} == {
-        (name, arrangement) for name in TREATMENTS for arrangement in ("lattice", "jitter 0.2")
-    }
+    expected = {("couette", name, arrangement) for name in TREATMENTS for arrangement in ("lattice", "jitter 0.2")}
+    assert set(walls.cases("couette", TREATMENTS, FULL)) == expected
 
 
 def test_where_the_velocity_crosses_zero_the_error_is_the_rms():
-    measures = {flow: Case(flow, "adami", "lattice").measure for flow in walls.FLOWS}
-    assert {flow for flow, measure in measures.items() if measure == "rms"} == {"backflow", "oscillating"}
+    assert {name for name, flow in walls.FLOWS.items() if flow["measure"] == "rms"} == {"backflow", "oscillating"}
 
 
 def run_result(error, seconds=2.0, steps=1000, status="done"):
@@ -73,41 +79,49 @@ def run_result(error, seconds=2.0, steps=1000, status="done"):
     return Result(None, {**result.summary, "status": status, "cost": {"wall_loop_s": seconds, "steps": steps}})
 
 
+def rows_of(results, treatments=("comoving_image",), measured_at=50):
+    """Rows of the driven flow from a lattice; ``results`` by particles across, or by treatment and these."""
+    extent = {"resolutions": list({key[-1]: 0 for key in results}), "measured_at": measured_at}
+    cases = [("poiseuille", name, "lattice") for name in treatments]
+    outcomes = {
+        walls.name_of(case, number): results.get((case[1], number), results.get((number,)))
+        for case in cases
+        for number in extent["resolutions"]
+    }
+    return list(walls.rows_of(cases, outcomes, extent))
+
+
 def test_a_row_is_read_from_its_runs():
-    case = Case("poiseuille", "adami", "lattice")
-    results = {number: (run_result(number**-1.5), "") for number in (25, 50, 100)}
-    row = walls.row(case, results, 50, cost=1.2)
-    assert row.errors[50] == 50**-1.5
-    assert row.order == pytest.approx(1.5, rel=1e-12)
-    assert row.wall_shear == pytest.approx(0.01, rel=1e-12)
-    assert row.stress_error is None
-    assert row.stopped == {}
+    (row,) = rows_of({(number,): (run_result(number**-1.5), "") for number in (25, 50, 100)})
+    assert row["errors"][50] == 50**-1.5
+    assert row["order"] == pytest.approx(1.5, rel=1e-12)
+    assert row["wall_shear"] == pytest.approx(0.01, rel=1e-12)
+    assert row["stress_error"] is None
+    assert row["stopped"] == {}
 
 
 def test_the_largest_error_of_all_times_counts(monkeypatch):
-    case, later = Case("poiseuille", "adami", "lattice"), run_result(0.01)
+    later = run_result(0.01)
     later.summary["samples"].append({**later.summary["samples"][0], "t_star": 0.2, "l2": 0.03})
-    monkeypatch.setitem(walls.TIMES, "poiseuille", (0.1, 0.2))
-    assert walls.row(case, {25: (later, ""), 50: (later, "")}, 50, cost=1.0).errors == {25: 0.03, 50: 0.03}
+    monkeypatch.setitem(walls.FLOWS["poiseuille"], "t_star", [0.1, 0.2])
+    (row,) = rows_of({(number,): (later, "") for number in (25, 50)})
+    assert row["errors"] == {25: 0.03, 50: 0.03}
 
 
 def test_the_cost_of_a_step_is_relative_to_plain_images():
-    extent = walls.Extent((25, 50), 50, ("lattice",))
-    cases = walls.cases("poiseuille", ["comoving_image", "adami"], extent)
     seconds = {"comoving_image": 2.0, "adami": 2.4}
-    outcomes = {case.name(n): (run_result(0.1, seconds[case.treatment]), "") for case in cases for n in (25, 50)}
-    assert [row.cost for row in walls.rows(cases, outcomes, extent)] == [1.0, pytest.approx(1.2, rel=1e-12)]
+    results = {(name, number): (run_result(0.1, seconds[name]), "") for name in seconds for number in (25, 50)}
+    assert [row["cost"] for row in rows_of(results, seconds)] == [1.0, pytest.approx(1.2, rel=1e-12)]
 
 
 def test_a_row_with_a_stopped_run_has_no_order():
-    case = Case("poiseuille", "adami", "lattice")
     nothing = Result(None, {"status": "failed", "samples": []})
-    results = {25: (run_result(0.1), ""), 50: (run_result(0.02), ""), 100: (nothing, "diverged: u of particle 7")}
-    row = walls.row(case, results, 50, cost=1.0)
-    assert (row.errors[25], row.errors[50]) == (0.1, 0.02)
-    assert math.isnan(row.errors[100])
-    assert math.isnan(row.order)
-    assert row.stopped == {"poiseuille-adami-lattice-100": "diverged: u of particle 7"}
+    stopped = (nothing, "diverged: u of particle 7")
+    (row,) = rows_of({(25,): (run_result(0.1), ""), (50,): (run_result(0.02), ""), (100,): stopped})
+    assert (row["errors"][25], row["errors"][50]) == (0.1, 0.02)
+    assert math.isnan(row["errors"][100])
+    assert math.isnan(row["order"])
+    assert row["stopped"] == {"poiseuille-comoving_image-lattice-100": "diverged: u of particle 7"}
 
 
 def test_the_smallest_geometric_mean_is_recommended():
@@ -115,7 +129,7 @@ def test_the_smallest_geometric_mean_is_recommended():
     first = [make_row("a", 1e-2), make_row("a", 4e-6, flow="couette")]
     second = [make_row("b", 2e-2), make_row("b", 1e-6, flow="couette")]
     assert best(*first, *second) == "b"
-    assert walls.standings([*first, *second], 50)[0].error == pytest.approx(2e-4, rel=1e-12)
+    assert walls.standings([*first, *second], 50)[0]["error"] == pytest.approx(2e-4, rel=1e-12)
 
 
 def test_a_treatment_that_stops_somewhere_is_not_recommended():
@@ -132,13 +146,20 @@ def test_a_treatment_that_costs_too_much_is_not_recommended(cost, chosen):
 
 def test_the_geometric_mean_of_the_costs_counts():
     rows = [make_row("a", 1e-6, cost=1.6), make_row("a", 1e-6, cost=1.0)]
-    assert walls.standings(rows, 50)[0].cost == pytest.approx(math.sqrt(1.6), rel=1e-12)
+    assert walls.standings(rows, 50)[0]["cost"] == pytest.approx(math.sqrt(1.6), rel=1e-12)
     assert best(*rows) == "a"
     assert best(make_row("a", 1e-6, cost=1.6), make_row("a", 1e-6, cost=1.1)) is None
 
 
 def line_of(row):
-    return dict(zip(header(walls.FULL), cells(row), strict=True))
+    return dict(zip(walls.header(FULL), walls.cells(row), strict=True))
+
+
+def text_below(*rows):
+    found = walls.standings(rows, 50)
+    name = walls.recommended(found)
+    numbers = {"measured_at": 50, "recommended": name, "treatments": found, "rows": rows, "laplacians": []}
+    return walls.conclusion(numbers, "picture: there").splitlines()
 
 
 def test_the_table_says_what_is_compared():
@@ -150,11 +171,11 @@ def test_the_table_says_what_is_compared():
 
 
 def test_every_cell_fits_its_column():
-    room = widths(walls.FULL, TREATMENTS)
+    room = walls.widths(FULL, TREATMENTS)
     for flow in walls.FLOWS:
-        for case in walls.cases(flow, TREATMENTS, walls.FULL):
-            row = make_row(case.treatment, 1e-3, flow=flow, arrangement=case.arrangement)
-            assert all(len(cell) <= width for cell, width in zip(cells(row), room, strict=True))
+        for _, treatment, arrangement in walls.cases(flow, TREATMENTS, FULL):
+            row = make_row(treatment, 1e-3, flow=flow, arrangement=arrangement)
+            assert all(len(cell) <= width for cell, width in zip(walls.cells(row), room, strict=True))
 
 
 def test_a_run_that_stopped_shows_in_the_table_and_below_it():
@@ -163,24 +184,14 @@ def test_a_run_that_stopped_shows_in_the_table_and_below_it():
     line = line_of(row)
     assert line["50 across"] == "stopped"
     assert line["cost"] == "-"
-    assert stopped_lines([row]) == ["poiseuille-adami-lattice-50 stopped: diverged: u of particle 7"]
-    means = standings_table(walls.standings([row], 50)).splitlines()[-1]
-    assert [cell.strip() for cell in means.split("|")[1:-1]] == ["adami", "-", "-", "1"]
+    below = text_below(row)
+    assert "poiseuille-adami-lattice-50 stopped: diverged: u of particle 7" in below
+    assert "| adami     |          - |         - |            1 |" in below
 
 
 def test_the_recommendation_names_treatment_and_rule():
-    text = recommendation("consistent_image", 50)
+    text = text_below(make_row("consistent_image", 1e-3))[-1]
     assert text.startswith("recommended: consistent_image")
     assert "geometric mean of the errors at 50 across" in text
     assert "1.3 x comoving_image" in text
-    assert recommendation(None, 50).startswith("recommended: none")
-
-
-def test_the_numbers_are_json_with_null_for_what_is_missing():
-    rows = [make_row("a", 1e-3), make_row("b", math.nan, cost=math.nan)]
-    data = json.loads(json.dumps(walls.as_data(rows, [], 50), allow_nan=False))
-    assert data["recommended"] == "a"
-    assert data["rows"][0]["errors"]["50"] == 1e-3
-    assert data["rows"][0]["case"]["treatment"] == "a"
-    assert data["rows"][1]["errors"]["50"] is None
-    assert data["treatments"][1]["cost"] is None
+    assert text_below(make_row("consistent_image", math.nan))[-1].startswith("recommended: none")

@@ -2,9 +2,8 @@
 
 import pytest
 
-from tisph.studies.frontier import measurement
-from tisph.studies.frontier.cases import points
-from tisph.studies.frontier.pareto import fastest
+from tisph.studies import frontier
+from tisph.studies.frontier import fastest, points
 from tisph.studies.store import Store
 
 
@@ -15,10 +14,10 @@ def test_the_implicit_scheme_reaches_an_error_ten_times_faster(tmp_path):
     rows = []
     for point in points("channel", quick=True):
         summaries = [
-            measurement.outcome(store, f"{point.name}_{number}", point.config)
-            for number in range(measurement.ROUNDS["channel"])
+            frontier.outcome(store, f"{point.name}_{number}", point.config)
+            for number in range(frontier.DATA["rounds"]["channel"])
         ]
-        rows.append(measurement.measured(point, summaries))
+        rows.append(frontier.measured(point, summaries))
     explicit = fastest(rows, 1e-3, "explicit")
     implicit = fastest(rows, 1e-3, "implicit")
     # measured: 50 to 70; a machine that is busy for a while changes a median of three by less than the rest

@@ -40,8 +40,8 @@ def verify(
 
     Prints a table of case, error, bound, pass or FAIL; exit status 1 on a FAIL. A SUITE is one of ours or a YAML file
     (docs/how-to/acceptance-tests.md); with --out DIR its finished runs are kept, and an interrupted suite goes on with
-    the same command. With --walls a table of wall treatments, with a picture and all numbers in DIR. The whole suite
-    ends with the errors that runs state of themselves (tisph run --estimate-error), over the true ones.
+    the same command. With --walls a table of wall treatments, with a picture and all numbers in DIR. The suite
+    estimates compares the errors that runs state of themselves (tisph run --estimate-error) with the true ones.
 
     \b
     Examples:
@@ -217,8 +217,8 @@ def bench(
         raise ConfigError(f"bench {name}: it is a script of the repository now: python benchmarks/{MOVED[name]}")
     if peers and not (peers / "measure.py").is_file():
         raise ConfigError(f"--peers {peers}: there is no measure.py; the peers' scripts are in benchmarks/peers")
-    from tisph.studies.frontier import measurement
+    from tisph.studies import frontier
 
     folder = out or BENCH_FOLDER / ("frontier" if flow == "channel" else f"frontier_{flow}")
-    if not measurement.run(folder, quick=quick, peers_folder=peers, group=flow):
+    if not frontier.run(folder, quick=quick, peers_folder=peers, group=flow):
         raise typer.Exit(1)

@@ -14,6 +14,7 @@ without either the number is the one of the last sample of a run that reached it
 - {run: other_units, same_velocities_as: fine, within: 1.0e-6}           # over the reference velocity
 - {run: fine, momentum_closes: 0.01}                                     # summary.json: momentum.closure
 - {run: fine, measure: resolved_samples, at_most: 0}                     # a function of ``studies/measures.py``
+- {run: fine, t: 2.7, measure: stated_error, with: {field: velocity}, within_factor: 3}   # from 1/3 to 3
 
 A number is an expression, see ``studies/expressions.py``.
 """
@@ -39,7 +40,7 @@ FORMS: dict[str, tuple[str, ...]] = {
     "same_bits_as": ("run",),
     "same_velocities_as": ("run", "within"),
     "momentum_closes": ("run",),
-    "measure": ("run", "case", "called", "with", "expected", "within", "at_most"),
+    "measure": ("run", "t", "case", "called", "with", "expected", "within", "within_factor", "at_most"),
     "at_most": (*COMPARED, "at_least", "off_exact"),
     "at_least": (*COMPARED, "off_exact"),
     "off_exact": COMPARED,
@@ -105,7 +106,8 @@ def criteria(entry: dict[str, Any], names: set[str]) -> Iterator[Criterion]:
         return
     runs = _listed(_given(entry, "run"))
     if kind == "measure":
-        yield _measure(entry, tuple(runs))
+        for time in _listed(entry["t"]) if "t" in entry else [None]:
+            yield _measure(entry, tuple(runs), time)
         return
     for run in runs:
         if kind == "same_bits_as":
@@ -223,11 +225,15 @@ def _orders(entry):
             yield bounded(case, f"{name}{words}", _bound(entry, "at_least"), fitted, tuple(resolutions), ">=")
 
 
-def _measure(entry, runs):
-    """The criterion of a function of ``measures.py``."""
-    name, given = str(entry["measure"]), entry.get("with", {})
+def _measure(entry, runs, time):
+    """The criterion of a function of ``measures.py``, at a ``time`` where one is given."""
+    name, given, at = str(entry["measure"]), entry.get("with", {}), ""
     if not isinstance(given, dict):
         raise SuiteError("with", "must be a map of the parameters of the measure")
+    if time is not None:
+        if not is_number(time):
+            raise SuiteError("t", f"{time!r}: must be a number, or a list of numbers")
+        given, at = {**given, "t": time}, f" at t = {time:g}"
     if name not in measures.MEASURES:
         raise SuiteError("measure", f"there is no measure {name!r}{nearest(str(name), sorted(measures.MEASURES))}")
     function = measures.MEASURES[name]
@@ -243,7 +249,10 @@ def _measure(entry, runs):
         """NaN where one of the runs stopped early."""
         return function(*results, **given) if all(result.last for result in results) else math.nan
 
-    case, words = entry.get("case", runs[0]), entry.get("called", name.replace("_", " "))
+    case, words = entry.get("case", runs[0]), entry.get("called", name.replace("_", " ")) + at
+    if "within_factor" in entry:
+        most = _bound(entry, "within_factor")
+        return Criterion(case, words, f"1/{most:g} to {most:g}", runs, value, lambda number: 1 / most <= number <= most)
     if "expected" not in entry:
         return bounded(case, words, _bound(entry, "at_most"), value, runs)
     expected = _bound(entry, "expected")

@@ -1,7 +1,7 @@
 """Arithmetic expressions in YAML: numbers of a run, such as ``drag/superficial_velocity``, and values of configs.
 
-The functions are abs, sqrt, hypot, sin, cos, exp and log, the constant is pi. In checks of suites the names are the
-numbers of a sample in summary.json; ``wall_shear``, the error of the wall shear stress; ``transverse``, the largest
+The functions are abs, max, sqrt, hypot, sin, cos, exp and log, the constant is pi. In checks of suites the names are
+the numbers of a sample in summary.json; ``wall_shear``, the error of the wall shear stress; ``transverse``, the largest
 transverse velocity over the reference velocity; and dotted names of the whole run, such as ``cost.steps``. ``NAME off
 exact`` is the relative difference of a number to ``NAME_exact``.
 """
@@ -16,9 +16,9 @@ from typing import Any
 from tisph.config.fields import nearest
 from tisph.errors import ConfigError
 from tisph.measures.channel import wall_shear_error
-from tisph.studies.flows import digits
 
-FUNCTIONS = {name: getattr(math, name) for name in ("sqrt", "hypot", "sin", "cos", "exp", "log")} | {"abs": abs}
+FUNCTIONS = {name: getattr(math, name) for name in ("sqrt", "hypot", "sin", "cos", "exp", "log")}
+FUNCTIONS |= {"abs": abs, "max": lambda *numbers: math.nan if any(map(math.isnan, numbers)) else max(numbers)}
 
 ARITHMETIC = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.operator, ast.unaryop, ast.Constant, ast.Name, ast.Call)
 ARITHMETIC += (ast.Attribute, ast.Load)
@@ -138,3 +138,17 @@ def _number(result, sample, name):
             found = found[part]
         value = found
     return math.nan if value is None else value
+
+
+def digits(number: float) -> float:
+    """Return the number to twelve digits: 1.8, not 1.7999999999999998."""
+    return float(f"{number:.12g}")
+
+
+def merged(config: dict[str, Any], *changes: dict[str, Any]) -> dict[str, Any]:
+    """Return a copy of a nested dict with the values of ``changes`` put in their place, in turn."""
+    result = dict(config)
+    for change in changes:
+        for key, value in change.items():
+            result[key] = merged(result.get(key, {}), value) if isinstance(value, dict) else value
+    return result

@@ -156,6 +156,22 @@ def intrinsic_viscosity_off(*results, fractions, viscosity, expected) -> float:
     return abs(np.polyfit(fractions, rises, 1)[1] / expected - 1)
 
 
+def stated_error(result, *finer, field, t) -> float:
+    """Return the error of a ``field`` at the time ``t`` that a run states of itself, over the true error.
+
+    The true error is relative, L2 over the particles: the difference from the exact solution, or from a ``finer`` run.
+    ``field``: velocity or pressure.
+    """
+    sample, estimates = result.sample(t, "t"), result.summary.get("error_estimate", {}).get("samples")
+    if not sample or not estimates:
+        return math.nan
+    place = result.summary["samples"].index(sample)
+    stated = estimates[place]["fields"][field]["error"]
+    exact = {"velocity": "l2", "pressure": "l2_pressure"}[field]
+    true = _off_finer(field, place, result, *finer) if finer else sample[exact]
+    return math.nan if stated is None else stated / true
+
+
 MEASURES = {
     function.__name__: function
     for function in (
@@ -173,6 +189,7 @@ MEASURES = {
         critical_value,
         drag_off_table,
         intrinsic_viscosity_off,
+        stated_error,
     )
 }
 """Functions by the name that ``measure`` in a suite gives."""
@@ -198,3 +215,16 @@ def _angular_momentum(result, place):
     points = np.stack(np.meshgrid(along, radii, indexing="ij"), axis=-1).reshape(-1, 2)
     swirl = interpolated(scene, np.stack([x, y], axis=1), w[:, None], points)[:, 0].reshape(NODES, NODES).mean(axis=0)
     return scene.density * scene.length * np.pi * scene.extent[1] * np.sum(weights * radii**2 * swirl)
+
+
+def _off_finer(field, place, result, finer):
+    """Relative L2 difference of a field from that of a finer run, over the particles of the coarser one."""
+    names, points, values = {"velocity": "uv", "pressure": ["pressure"]}[field], [], []
+    for run in (result, finer):
+        arrays, sample = run.arrays(), f"sample_{place:03d}"
+        points.append(np.stack([arrays[f"{sample}/{name}"] for name in "xy"], axis=1))
+        values.append(np.stack([arrays[f"{sample}/{name}"] for name in names], axis=1))
+    values[1] = interpolated(scenes.of(open_run(finer.folder).config), points[1], values[1], points[0])
+    if field == "pressure":  # known up to a constant
+        values = [each - each.mean() for each in values]
+    return float(np.linalg.norm(values[0] - values[1]) / np.linalg.norm(values[1]))

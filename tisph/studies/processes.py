@@ -107,16 +107,23 @@ def _be(arguments, messages):
 class Process:
     """``tisph run`` of the config ``config_path`` into ``folder``, in place of an earlier run there.
 
-    With ``resume`` it continues the earlier run from its checkpoint instead. After ``seconds`` it is ended. It leaves
-    no pictures.
+    With ``resume`` it continues the earlier run from its checkpoint instead. ``estimated``: it states its error, too.
+    After ``seconds`` it is ended. It leaves no pictures.
     """
 
-    def __init__(self, config_path: Path, folder: Path, resume: bool = False, seconds: float = math.inf):
+    def __init__(
+        self,
+        config_path: Path,
+        folder: Path,
+        resume: bool = False,
+        seconds: float = math.inf,
+        estimated: bool = False,
+    ):
         self.folder = folder
         self._seconds, self._began, self._late = seconds, time.perf_counter(), False
         self._messages = folder.with_name(f"{folder.name}.messages")  # a pipe could fill up; stop() removes it
         command = ["run", config_path, "--out", folder, "--no-pictures", "--resume" if resume else "--overwrite"]
-        self._process = start(command, self._messages)
+        self._process = start([*command, "--estimate-error"] if estimated else command, self._messages)
 
     @property
     def finished(self):
@@ -159,9 +166,9 @@ def read_result(folder: Path) -> Result:
     return Result(folder, Folder(folder).read_summary())
 
 
-def run_config(config_path: Path, folder: Path) -> tuple[Result, str]:
-    """Run one config: its ``Result``, and its error message, empty if it is done."""
-    process = Process(config_path, folder)
+def run_config(config_path: Path, folder: Path, estimated: bool = False) -> tuple[Result, str]:
+    """Run one config: its ``Result``, and its error message, empty if it is done. ``estimated``: see ``Process``."""
+    process = Process(config_path, folder, estimated=estimated)
     try:
         return process.outcome()
     finally:

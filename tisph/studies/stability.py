@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from ruamel.yaml import YAML
 
 from tisph.config import load
 from tisph.equation_of_state import SCALE_RATIO, Tait, sound_speed
@@ -22,12 +21,11 @@ from tisph.schemes._stages.walls import OBEY_MOMENTUM
 from tisph.schemes._time_step import AUTO_CFL
 from tisph.schemes.auto import ELASTIC_STEPS
 from tisph.schemes.implicit import LARGEST_STRAIN
-from tisph.studies.expressions import filled
-from tisph.studies.flows import digits, merged
+from tisph.studies.expressions import digits, filled, merged
 from tisph.studies.store import config_text
-from tisph.studies.suites import FOLDER
+from tisph.studies.suites import study
 
-DATA = YAML(typ="safe", pure=True).load(FOLDER / "stability.yaml")
+DATA = study("stability")
 AXES = DATA["covering"]
 
 TOLERANCE, STRAIN = 3e-7, 0.5

@@ -10,7 +10,8 @@
     quick: {runs: ..., checks: ...}     # with --quick in place of the above; its runs are like those above, or others
     long: {runs: ..., checks: ...}      # with --long
 
-A run with ``resumed: true`` is stopped after its first checkpoint and resumed.
+A run with ``resumed: true`` is stopped after its first checkpoint and resumed; one with ``estimated: true`` states its
+error (tisph run --estimate-error).
 """
 
 import copy
@@ -31,37 +32,44 @@ FOLDER = Path(__file__).parents[1] / "suites"
 
 PARTS = ("couette", "channel", "viscoelastic", "rheologies", "rheometry", "implicit", "two_dimensional")
 PARTS += ("circular_couette", "cavity", "bodies", "free_bodies", "axisymmetric", "two_dimensional_inelastic")
-PARTS += ("two_dimensional_polymers",)
+PARTS += ("two_dimensional_polymers", "estimates")
 """Suites of ``tisph verify``, in the order of its table."""
+
+NOT_QUICK = ("estimates",)
+"""Suites that ``tisph verify --quick`` leaves out."""
 
 NAME = re.compile(r"\w[\w.-]*")
 """Of a run, which is a folder, too."""
 
 SECTION = ("base", "bases", "runs", "checks")
-OF_RUNS = ("base", "like", "samples", "resumed")
+FLAGS = ("resumed", "estimated")
+OF_RUNS = ("base", "like", "samples", *FLAGS)
 
 
 @dataclass
 class Suite:
-    """Configs of runs by name, as plain dicts, the criteria that judge them, and the runs that are resumed."""
+    """Configs of runs by name, as plain dicts, the criteria that judge them, and names of runs with a flag."""
 
     title: str = ""
     runs: dict[str, dict[str, Any]] = field(default_factory=dict)
     criteria: list[Criterion] = field(default_factory=list)
     resumed: set[str] = field(default_factory=set)
+    estimated: set[str] = field(default_factory=set)
 
     def add(self, other: "Suite") -> None:
         """Take in the runs and criteria of another suite, whose runs have other names."""
         self.runs |= other.runs
         self.criteria += other.criteria
         self.resumed |= other.resumed
+        self.estimated |= other.estimated
 
 
 def whole(quick: bool = False) -> Suite:
-    """Return all of ``PARTS`` as one suite."""
+    """Return all of ``PARTS`` as one suite, less ``NOT_QUICK`` where it is ``quick``."""
     suite = Suite()
     for name in PARTS:
-        suite.add(ours(name, quick))
+        if not (quick and name in NOT_QUICK):
+            suite.add(ours(name, quick))
     return suite
 
 
@@ -78,6 +86,11 @@ def _ours(name, quick, long):
 def config_of(name: str, run: str) -> dict[str, Any]:
     """Return the config of a run of one of ``PARTS``."""
     return ours(name).runs[run]
+
+
+def study(name: str) -> dict[str, Any]:
+    """Return the data of a study that is no suite of checks, in a file beside the suites."""
+    return parse((FOLDER / f"{name}.yaml").read_text(encoding="utf-8")).data
 
 
 def read(path: Path, quick: bool = False, long: bool = False) -> Suite:
@@ -108,27 +121,28 @@ class _File:
 
     def suite(self, section: str | None) -> Suite:
         """Return the suite: the main one, or of a ``section``, ``quick`` or ``long``."""
-        configs, resumed = self._runs(self.data, (), {})
+        configs, flags = self._runs(self.data, (), {})
         if section is None:
-            return Suite(self.data["title"], configs, self._criteria(self.data, (), configs), resumed)
+            return Suite(self.data["title"], configs, self._criteria(self.data, (), configs), **flags)
         if section not in self.data:
             if section == "quick":
                 return self.suite(None)
             raise ConfigError(f"--long: {self.path.stem} has no long section")
         data = self._map(self.data, (), section)
         self._require_keys(data, (section,), SECTION)
-        own, own_resumed = self._runs({**self.data, **data}, (section,), configs) if "runs" in data else ({}, set())
+        own, own_flags = self._runs({**self.data, **data}, (section,), configs) if "runs" in data else ({}, {})
         configs |= own
         criteria = self._criteria(data, (section,), configs)
         used = {name for criterion in criteria for name in criterion.runs}
         needed = {name: config for name, config in configs.items() if name in own or name in used}
-        return Suite(self.data["title"], needed, criteria, (resumed | own_resumed) & used)
+        flags = {flag: (names | own_flags.get(flag, set())) & used for flag, names in flags.items()}
+        return Suite(self.data["title"], needed, criteria, **flags)
 
     def _runs(self, data, place, known):
-        """Return the configs of the runs of a section by name, and the names of those that are resumed."""
+        """Return the configs of the runs of a section by name, and the names of the runs with each of ``FLAGS``."""
         bases = {name: self._base(base, place, "bases") for name, base in self._map(data, place, "bases").items()}
         base = self._base(data["base"], place, "base") if "base" in data else None
-        configs, resumed = {}, set()
+        configs, flags = {}, {flag: set() for flag in FLAGS}
         for name, changes in self._map(data, place, "runs").items():
             where = (*place, "runs", name)
             if not NAME.fullmatch(name):
@@ -144,12 +158,15 @@ class _File:
                 if not isinstance(times, list) or not times:
                     self._fail((*where, "samples"), "must be a list of times, such as [1.8, 2.7]")
                 config["time"] = {**config.get("time", {}), "end": times[-1], "samples": times}
-            if changes.get("resumed", False) not in (True, False):
-                self._fail((*where, "resumed"), "must be true or false")
-            if changes.get("resumed"):
-                resumed.add(name)
+            for flag, names in flags.items():
+                if changes.get(flag, False) not in (True, False):
+                    self._fail((*where, flag), "must be true or false")
+                if changes.get(flag):
+                    names.add(name)
+            if name in flags["resumed"] & flags["estimated"]:
+                self._fail((*where, "estimated"), "not with resumed: a run is one or the other")
             configs[name] = self._valid(config, where)
-        return configs, resumed
+        return configs, flags
 
     def _valid(self, config, where):
         """Return the config of a run; ConfigError where ``tisph run`` would refuse it. Tests check our own suites."""

@@ -16,13 +16,13 @@ from rich.console import Console
 
 from tisph.config.fields import nearest
 from tisph.errors import ConfigError
-from tisph.studies import estimate_quality, suites
 from tisph.studies import page as page_case
+from tisph.studies import suites
 from tisph.studies.checks import Check, Criterion
 from tisph.studies.processes import Result, run_config, run_resumed
 from tisph.studies.store import Store, claimed
 from tisph.studies.suites import Suite
-from tisph.text_table import format_header, format_row, format_table
+from tisph.text_table import format_header, format_row
 
 HEADER = ("case", "quantity", "value", "bound", "verdict")
 
@@ -46,8 +46,6 @@ def run(name=None, quick=False, long=False, out=None, as_json=False):
         if as_json:
             return _print_json(runner)
         checks = _print_table(runner)
-        if name is None and not quick:
-            checks += _print_estimates(folder)
     return _conclude([(f"{each.case} {each.quantity}", each.passed) for each in checks], "rows passed")
 
 
@@ -108,6 +106,8 @@ class Runner:
         """``Result`` and message of a run, new or kept."""
         if name in self.suite.resumed:
             return run_resumed(self.store.write(name, config), self.store.folder / name)
+        if name in self.suite.estimated:
+            return run_config(self.store.write(name, config), self.store.folder / name, estimated=True)
         [(_, result, message)] = self.store.outcomes({name: config}, 1)
         return result, message
 
@@ -156,19 +156,6 @@ def _print_json(runner):
     title = runner.suite.title
     print(json.dumps({"title": title, "passed": passed, "checks": rows, "failures": runner.failures}, indent=2))
     return passed
-
-
-def _print_estimates(folder):
-    """Print how good the errors are that runs state of themselves; return the checks."""
-    print("\nErrors that runs state of themselves (tisph run --estimate-error), over the true ones:\n")
-    with Console(stderr=True).status("running the cases and their coarser runs"):
-        checks = list(estimate_quality.checks(folder))
-    lines = [
-        (each.case, each.quantity, f"{each.value:.2g}", each.bound, "pass" if each.passed else "FAIL")
-        for each in checks
-    ]
-    print(format_table(HEADER, lines))
-    return checks
 
 
 def _conclude(rows, words):

@@ -1,1 +1,0 @@
-"""Run time against error (``tisph bench frontier``): cases as data, their measurement, peers, tables and picture."""

@@ -241,19 +241,15 @@ def write(study: Study, rows: list[Row], folder: Path) -> None:
             writer.writerow(columns)
             writer.writerows(zip(*(map(_text, column) for column in columns.values()), strict=True))
     with replaced(folder / ARRAYS) as new, hdf5_file(new) as file:
-        _fill(file, {**computed, **costs})
+        for name, column in {**computed, **costs}.items():
+            numeric = all(value is None or isinstance(value, int | float) for value in column)
+            kind = float if numeric else h5py.string_dtype()
+            values = [np.nan if value is None else value for value in column] if numeric else map(_text, column)
+            file.create_dataset(name, data=np.array(list(values), dtype=object).astype(kind))
 
 
 def _text(value):
     return "" if value is None else repr(value) if isinstance(value, float) else str(value)
-
-
-def _fill(file, columns):
-    for name, column in columns.items():
-        numeric = all(value is None or isinstance(value, int | float) for value in column)
-        kind = float if numeric else h5py.string_dtype()
-        values = [np.nan if value is None else value for value in column] if numeric else map(_text, column)
-        file.create_dataset(name, data=np.array(list(values), dtype=object).astype(kind))
 
 
 def orders(study: Study, rows: list[Row]) -> dict[str, tuple[float, int]]:
@@ -263,15 +259,11 @@ def orders(study: Study, rows: list[Row]) -> dict[str, tuple[float, int]]:
     """
     found = {}
     for key in study.keys:
-        slopes = [_power(points) for points in groups(study, rows, key).values() if len(points) > 1]
+        lines = [zip(*points, strict=True) for points in groups(study, rows, key).values() if len(points) > 1]
+        slopes = [-fitted_order(values, errors) for values, errors in lines]
         if slopes:
             found[key] = statistics.median(slopes), len(slopes)
     return found
-
-
-def _power(points):
-    values, errors = zip(*points, strict=True)
-    return -fitted_order(values, errors)
 
 
 def groups(study: Study, rows: list[Row], key: str, of: Callable[[Row], float] | None = None) -> dict[tuple, list]:

@@ -169,7 +169,7 @@ def outcomes(examples, path, run):
 
 
 def test_any_config_runs_or_is_refused_or_stops_with_an_error(tmp_path):
-    assert outcomes(8, tmp_path / "case.yaml", run)["done"] > 3
+    assert outcomes(4, tmp_path / "case.yaml", run)["done"] > 1
 
 
 @pytest.mark.slow

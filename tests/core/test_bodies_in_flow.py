@@ -63,7 +63,7 @@ def test_a_body_across_the_corners_of_the_cell_is_one_body(make):
     assert corner["superficial_velocity"] == pytest.approx(middle["superficial_velocity"], rel=2e-3)
 
 
-@pytest.mark.parametrize("moves", [False, True])
+@pytest.mark.parametrize("moves", [pytest.param(False, marks=pytest.mark.slow), True])  # a drive is in the suite
 def test_momentum_closes(make, moves):
     # drive, or a body that oscillates across the edge of the cell: impulse and momentum between two times, by Simpson
     motion = "{amplitude: [20.0, 0.0], angular_frequency: 500.0, phase: sin}"

@@ -36,7 +36,13 @@ def run(config, folder, **changes):
         return tisph.open(simulation.run(settings, folder, pictures=False, video=False))
 
 
-@pytest.fixture(scope="module", params=RUNS)
+FEW = "creep_and_recovery", "cylinder_in_channel", "cavity", "spin_up"
+"""A stress-controlled wall, bodies, a scene without a reference, axisymmetric flow with a polymer."""
+
+
+@pytest.fixture(
+    scope="module", params=[pytest.param(name, marks=[] if name in FEW else [pytest.mark.slow]) for name in RUNS]
+)
 def results(request, tmp_path_factory, kept_program):
     """Return the results of a short, coarse run of a scene."""
     folder = tmp_path_factory.mktemp(request.param) / "run"

@@ -46,10 +46,16 @@ def off(scene, found, field):
 @pytest.mark.parametrize(
     ("rheology", "changes", "fields", "bound"),
     [
-        (CARREAU, DRIVEN, ("u",), 1e-3),
+        pytest.param(CARREAU, DRIVEN, ("u",), 1e-3, marks=pytest.mark.slow),  # the next law thins more
         (POWER, (*BETWEEN, *INNER, "initial.state=developed"), ("w",), 3e-3),
         (GIESEKUS, DRIVEN, ("u", *STRESSES[:2]), 3e-3),
-        (FENE_P, (*BETWEEN, *DRIVEN, "walls.inner={velocity: 1.0}"), ("u", *STRESSES[:2]), 1e-3),
+        pytest.param(
+            FENE_P,
+            (*BETWEEN, *DRIVEN, "walls.inner={velocity: 1.0}"),
+            ("u", *STRESSES[:2]),
+            1e-3,
+            marks=pytest.mark.slow,  # both laws and both kinds of pipes are in other cases
+        ),
         (GIESEKUS, (*BETWEEN, *INNER), ("w", "stress_tt", "stress_yt"), 5e-4),
         (FENE_P, SPUN, ("w", "stress_tt", "stress_yt"), 2e-2),
     ],
@@ -76,7 +82,10 @@ PLUG = (
 """Steady flow along an annular pipe; where the velocity is largest the power law's viscosity changes tenfold."""
 
 
-@pytest.mark.parametrize(("rheology", "changes", "resolved"), [(POWER, PLUG, False), (CARREAU, PLUG, True)])
+@pytest.mark.parametrize(
+    ("rheology", "changes", "resolved"),
+    [(POWER, PLUG, False), pytest.param(CARREAU, PLUG, True, marks=pytest.mark.slow)],  # most runs are resolved
+)
 def test_samples_are_not_resolved_where_the_viscosity_jumps(tmp_path, rheology, changes, resolved):
     """Such a flow ends 3 % too fast (docs/evidence/stability.md), whereas the Carreau fluid is right to 1e-3."""
     scene, scheme = started(tmp_path, rheology, changes)
@@ -96,7 +105,7 @@ def vector(x, y):
     return WAY[0] * (2.0 + smooth[0]), WAY[1] * y * smooth[1], WAY[2] * y * smooth[2]
 
 
-@pytest.mark.parametrize("turning", [False, True])
+@pytest.mark.parametrize("turning", [pytest.param(False, marks=pytest.mark.slow), True])  # fewer components
 def test_force_of_a_stress_is_its_divergence(tmp_path, turning):
     """P = g g, so that S = modulus k g g, k = (exp(g.g) - 1)/g.g, and div (k g g) = g div (k g) + k (g . grad) g."""
     changes = SPUN if turning else DRIVEN

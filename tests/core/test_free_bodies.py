@@ -90,7 +90,10 @@ def test_a_drift_without_walls_is_measured_and_not_resolved():
     assert "drift together by 0.05" in reason
 
 
-@pytest.mark.parametrize("density", [0.0, 0.1, 0.5, 2.0, 1000.0])
+BETWEEN = [pytest.param(density, marks=pytest.mark.slow) for density in (0.1, 0.5)]
+
+
+@pytest.mark.parametrize("density", [0.0, *BETWEEN, 2.0, 1000.0])
 def test_first_acceleration_of_a_released_body_is_that_of_potential_flow(density):
     _, scheme = ended(changed(CELL, density=density), 1e-6)
     motion = scheme.wall_boundary.free.motions[0]
@@ -99,6 +102,7 @@ def test_first_acceleration_of_a_released_body_is_that_of_potential_flow(density
     assert abs(motion.change[0]) < 1e-3 * abs(exact)
 
 
+@pytest.mark.slow  # 48 across, a massless body is in the test above
 def test_first_acceleration_is_found_however_exactly_the_pressure_is_solved():
     """A circle without mass in a box: the accelerations of its pressure change no longer before they are exact."""
     box = {"type": "polygon", "centre": [0.5, 0.5], "corners": SQUARE, "corner_radius": 0.0833333333333}
@@ -114,7 +118,7 @@ def test_first_acceleration_is_found_however_exactly_the_pressure_is_solved():
     assert abs(acceleration[0]) < 1e-3
 
 
-@pytest.mark.parametrize("density", [0.0, 1.0])
+@pytest.mark.parametrize("density", [pytest.param(0.0, marks=pytest.mark.slow), 1.0])  # the next one has none
 def test_cylinder_in_slow_shear_rotates_as_by_finite_elements(density):
     bodies, _ = ended(changed(SHEAR, density=density))
     assert bodies.angular_velocity[0] == pytest.approx(-0.482223, rel=2e-3)  # 6e-4 with 40 across, third order
@@ -169,6 +173,7 @@ def test_bodies_pushed_together_touch_and_are_counted():
     assert min(free.gaps.values()) > 0.0
 
 
+@pytest.mark.slow  # hundreds of steps; bodies touch in the test above
 def test_disc_that_falls_on_a_floor_bounces_and_loses_speed():
     """At a Reynolds number of 5: in gaps of less than two spacings removing divergence would let it grow."""
     floor = {"around": {"type": "polygon", "centre": [0.5, 0.5], "corners": SQUARE, "corner_radius": 0.1}}

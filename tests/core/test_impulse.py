@@ -72,6 +72,7 @@ def test_a_stopped_wall_gives_the_opposite_impulse(make):
     assert np.allclose(stopped - 0.5 * y, -started, atol=1e-14)
 
 
+@pytest.mark.slow  # poiseuille_25 of tests/verification/test_suite.py does so
 def test_the_impulse_halves_the_error_of_start_up_flow(make):
     # what it is for: the error after the jump, with the mode sums of the scheme corrected
     errors = []

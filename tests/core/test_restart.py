@@ -79,11 +79,15 @@ SCENES = {
 }
 SLOW = [
     "implicit order 2",
+    "oscillating",
     "oscillating implicit",
     "single precision",
     "viscoelastic",  # all that it knows goes on from any step, below
     "viscoelastic implicit",  # as several modes
     "annulus",  # as a channel with a body
+    "cavity",  # as test_polymer_in_two_dimensions.py, under a lid too
+    "channel with a body",  # free bodies have more to remember
+    "scheduled wall",  # of which a run is extended, below
     "creep and recovery",  # a plate with a mass has more to remember, a scheduled wall what is to change
 ]
 

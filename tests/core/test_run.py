@@ -295,10 +295,16 @@ def test_render_needs_frames_for_another_movie(tisph, copied):
 @pytest.mark.parametrize(
     ("scheme", "treatment", "across", "rheology"),
     [
-        ("wcsph", "consistent_image", 12, "oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4"),
+        pytest.param(
+            "wcsph",
+            "consistent_image",
+            12,
+            "oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4",
+            marks=pytest.mark.slow,
+        ),
         ("wcsph", "adami", 6, "newtonian"),
         pytest.param("implicit", "consistent_image", 12, "newtonian", marks=pytest.mark.slow),  # part of the last one
-        ("implicit", "virtual_image", 6, "newtonian"),
+        pytest.param("implicit", "virtual_image", 6, "newtonian", marks=pytest.mark.slow),
         ("implicit", "consistent_image", 12, "oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4"),
     ],
 )

@@ -36,11 +36,6 @@ VORTICES = {
 }
 
 
-@pytest.fixture(scope="module", autouse=True)
-def started_once():
-    """Let each simulation start Taichi, as those of users do: what is tested here is one after the other."""
-
-
 @pytest.fixture(autouse=True)
 def no_other():
     """Let no simulation of another test be open."""

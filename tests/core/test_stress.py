@@ -151,7 +151,14 @@ def test_without_polymer_viscosity_the_flow_is_newtonian(make):
     assert ends[0].stress_xy is None
 
 
-@pytest.mark.parametrize("treatment", ["adami", "comoving_image", "fixed_image", "virtual_image"])
+@pytest.mark.parametrize(
+    "treatment",
+    [
+        "adami",
+        "virtual_image",
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("comoving_image", "fixed_image")),
+    ],
+)
 def test_every_treatment_carries_stress(make, treatment):
     # a uniform stress exerts no force, at the walls neither
     scheme = make(LINEAR_EOS, OLDROYD, f"walls.treatment.type={treatment}", jitter=0.3)

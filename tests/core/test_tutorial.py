@@ -9,6 +9,7 @@ import tisph
 ROOT = Path(tisph.__file__).parents[1]
 
 
+@pytest.mark.slow  # make docs-draft, a part of .ci/run, executes all tutorials
 def test_the_tutorial_runs(tmp_path, monkeypatch):
     nbformat = pytest.importorskip("nbformat", reason="there is no nbformat, which the test extra brings")
     nbclient = pytest.importorskip("nbclient", reason="there is no nbclient, which the test extra brings")

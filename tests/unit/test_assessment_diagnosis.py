@@ -12,7 +12,7 @@ from tisph.config import load
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
-FACTORS = (0.25, 0.3048, 0.4, 0.5, 2 / 3, 0.8, 0.95, 1.1, 1.5, 2.0, 3.0, 4.0)
+FACTORS = (0.25, 0.95, 3.0)
 
 TIMES = (0.02, 0.15, 2.0)
 """t* from a layer of three spacings to developed flow."""
@@ -64,7 +64,7 @@ def test_a_plain_factor_is_named_as_one(name, equals, factor):
             assert 1 + found["factor"] == pytest.approx(factor, abs=30 * scatter + 1e-9)
 
 
-@pytest.mark.parametrize("width", [0.5, 0.9, 1.25, 2.0])
+@pytest.mark.parametrize("width", [0.9, 2.0])
 @pytest.mark.parametrize("name", ["couette", "poiseuille"])
 def test_a_gap_that_is_wrong_is_named_or_nothing_is(name, width):
     scene = scene_of(name)
@@ -114,7 +114,7 @@ def test_half_the_drive_is_named_or_nothing_is(name):
             assert found.keys() <= {"factor"}, times
 
 
-@pytest.mark.parametrize("factor", [3.2, 3.28084, 3.3, 39.0, 12.0, 9.9])
+@pytest.mark.parametrize("factor", [3.28084, 39.0, 12.0])
 def test_a_factor_near_that_of_a_unit_is_no_unit(factor):
     scene = scene_of("poiseuille")
     found = findings(scene, lambda y, t: factor * scene.exact("u", y, y, t), 2.0, scatter=1e-4)

@@ -12,7 +12,13 @@ from tisph.studies.verify import Runner
 pytestmark = pytest.mark.verification
 
 
-@pytest.mark.parametrize("name", manufactured.QUICK)
+LONG = ("annulus_oldroyd_b",)
+"""What takes a minute: the stress of a polymer is compared with its reference in tests/core."""
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] if name in LONG else []) for name in manufactured.QUICK]
+)
 def test_errors_fall_with_the_order_of_the_scheme(name, tmp_path):
     """Orders are bounded by ``Case.orders``: those of operators of order 4, and of the explicit scheme's."""
     runner = Runner(Suite("", manufactured.runs(quick=True)), tmp_path)

@@ -34,17 +34,31 @@ LONG = (
     "free_shear",
     "sphere 16/24",
     "sphere_24",
+    "annulus_25",
+    "taylor_green_25",
+    "giesekus_couette",
+    "carreau",
+    "carreau_annulus",
+    "pipe_20",
+    "spin_up_20",
+    "vortex_20",
+    "free_at_rest",
+    "free_falling",
+    "free_uniform",
+    "released_0.1",
 )
 """Quick rows that take longest. The order of the explicit scheme is that of poiseuille, with the same operators and
 walls, and lattice bounds the error at 50 across of the wall that moves. The vortex of 50 across has the same bounds in
-tests/core/test_splitting.py, its order too, and taylor_green_25 is a row of it. What walls of any shape cost 12 and 25
-across is in tests/core/test_curved_walls.py and annulus_25, eccentric cylinders in
+tests/core/test_splitting.py, its order too. What walls of any shape cost is in tests/core/test_curved_walls.py,
+eccentric cylinders in
 tests/core/test_eccentric_cylinders.py; the steady flow under a regular lid and the sharp lid are
 in tests/core/test_cavity.py; a coarser cylinder is held in shear in tests/core/test_bodies_in_flow.py, to the same
 stress of the walls; between the same cylinders a Giesekus fluid starts in
 tests/core/test_polymer_in_two_dimensions.py.
-What turns a free circle in shear is in tests/core/test_free_bodies.py, the drag of a sphere in
-tests/core/test_axisymmetric_loads.py.
+What moves free bodies at rest, when they are released, falling and in shear is in tests/core/test_free_bodies.py, the
+drag of a sphere in tests/core/test_axisymmetric_loads.py. The pipe and Taylor vortices with fewer particles are in
+tests/core/test_axisymmetric.py, spin-up in tests/core/test_regions_of_revolution.py, a fluid of varying viscosity
+between cylinders in tests/core/test_varying_viscosity.py. Bingham's law is stepped as Carreau's, and varies more.
 What the two laws say in kernels is compared with NumPy in tests/core/test_laws_in_kernels.py, that with the literature
 in tests/unit/test_laws.py; how a law is stepped is in other rows here, and two modes in
 tests/core/test_polymer_steps.py, to the same bound."""

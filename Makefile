@@ -13,7 +13,7 @@ QUADRANTS := $(subst .venv,.venv-quadrants,$(BIN))
 demo: .venv/run-ready
 	$(BIN)/python -m tisph run configs/couette.yaml --overwrite
 
-# Run the tests, without the ones that take minutes (those: $(BIN)/python -m pytest -m slow). Many start programs, which
+# Run the tests, without the slow ones (those: $(BIN)/python -m pytest -m slow). Many start programs, which
 # would compile all modules anew where Python is told to keep none.
 test: export PYTHONDONTWRITEBYTECODE =
 test: .venv/test-ready

@@ -82,7 +82,9 @@ BOTH = LIQUID.format(f"{{type: multi_mode, solvent_fraction: 0.1, {MODES}}}")
     ("law", "start"),
     [
         (FENE, "initial={state: exact, time: 0.5}"),
-        (BOTH, "initial.state=developed|walls.top.velocity_before=2.0"),
+        pytest.param(  # two modes are in test_restart.py and rows of verify
+            BOTH, "initial.state=developed|walls.top.velocity_before=2.0", marks=pytest.mark.slow
+        ),
     ],
 )
 def test_a_start_under_way_has_the_conformation_of_each_mode(make, law, start):

@@ -70,8 +70,8 @@ def test_a_closed_cylinder_spins_up_as_its_series_and_its_torques_balance(run):
 @pytest.mark.parametrize(
     ("around", "bodies"),
     [
-        ("{type: circle, centre: [0, 0], radius: 1.0}", "[]"),  # a ball
-        ("{type: circle, centre: [0, 1.5], radius: 0.5}", "[]"),  # a ring
+        pytest.param("{type: circle, centre: [0, 0], radius: 1.0}", "[]", marks=pytest.mark.slow),  # a ball
+        pytest.param("{type: circle, centre: [0, 1.5], radius: 0.5}", "[]", marks=pytest.mark.slow),  # a ring
         (
             "{type: polygon, corners: [[0, 0], [0, 1], [2, 1], [2, 0]]}",
             "[{type: polygon, corners: [[0.8, 0], [1.2, 0], [1.2, 0.6], [0.8, 0.6]], corner_radius: 0.16}]",
@@ -89,33 +89,37 @@ def test_fluid_in_what_turns_as_a_whole_turns_as_a_solid(run, around, bodies):
 
 
 SAME = [
-    (
+    pytest.param(
         "scene: pipe\ngeometry: {radius: 1.0, length: 1.5}\nwalls: {outer: {angular_velocity: 0.3}}\n"
         "drive: {acceleration: 4.0}",
         "geometry: {height: 1.0, length: 1.5}\nturning: [{wall: top, angular_velocity: 0.3}]\n"
         "drive: {acceleration: 4.0}",
         {"outer": "top"},
+        marks=pytest.mark.slow,  # the others have a tube or plates, too
+        id="pipe",
     ),
-    (
+    pytest.param(
         "scene: taylor_couette\ngeometry: {inner_radius: 1.0, outer_radius: 2.0, length: 1.5, end_plates: with_inner}\n"
         "walls: {inner: {times: [0.0, 0.02], angular_velocities: [0.0, 1.0]}}",
         "walls: {around: {type: polygon, corners: [[0, 1], [0, 2], [1.5, 2], [1.5, 1]]}}\n"
         "turning: [{wall: around, times: [0.0, 0.02], angular_velocities: [0.0, 1.0]}, "
         "{wall: around_1, angular_velocity: 0.0}]",
         {"inner": "around_3", "outer": "around_1", "left": "around_0", "right": "around_2"},
+        id="end plates",
     ),
-    (
+    pytest.param(
         "scene: sphere_in_tube\ngeometry: {tube_radius: 1.0, sphere_radius: 0.5, length: 2.0}\n"
         "closure: periodic_pressure\ndrive: {acceleration: 3.0}\nsphere: {velocity: 1.0, angular_velocity: 2.0}",
         "geometry: {height: 1.0, length: 2.0}\ndrive: {acceleration: 3.0}\n"
         "bodies: [{type: circle, centre: [1.0, 0.0], radius: 0.5, motion: {velocity: [1.0, 0.0]}}]\n"
         "turning: [{wall: body_0, angular_velocity: 2.0}]",
         {"sphere": "body_0", "tube": "top"},
+        id="sphere",
     ),
 ]
 
 
-@pytest.mark.parametrize(("other", "region", "names"), SAME, ids=["pipe", "end plates", "sphere"])
+@pytest.mark.parametrize(("other", "region", "names"), SAME)
 def test_loads_are_those_of_the_scene_of_that_shape(run, other, region, names):
     """The same numbers but for rounding, which walls in another order make, over the largest load."""
     end = "time.end=0.01" if "sphere" in names else "time.end=0.05"

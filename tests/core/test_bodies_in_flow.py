@@ -55,6 +55,7 @@ def test_slow_flow_through_a_square_array(make):
     assert abs(found["torque"]) < 1e-3 * force * scene.reference_length
 
 
+@pytest.mark.slow  # one that crosses an edge is in the next test
 def test_a_body_across_the_corners_of_the_cell_is_one_body(make):
     # what is left of the start by then is the same; the particles lie differently: that is the difference
     middle = run(*make("time.end=0.01"))
@@ -63,7 +64,7 @@ def test_a_body_across_the_corners_of_the_cell_is_one_body(make):
     assert corner["superficial_velocity"] == pytest.approx(middle["superficial_velocity"], rel=2e-3)
 
 
-@pytest.mark.parametrize("moves", [pytest.param(False, marks=pytest.mark.slow), True])  # a drive is in the suite
+@pytest.mark.parametrize("moves", [pytest.param(False, marks=pytest.mark.slow), True])  # array_0.4 has a drive
 def test_momentum_closes(make, moves):
     # drive, or a body that oscillates across the edge of the cell: impulse and momentum between two times, by Simpson
     motion = "{amplitude: [20.0, 0.0], angular_frequency: 500.0, phase: sin}"

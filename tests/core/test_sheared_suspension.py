@@ -55,6 +55,7 @@ def test_both_ways_agree_where_bodies_push_each_other():
     assert found["shear_stress_bodies"] == pytest.approx(found["shear_stress_walls"], abs=6e-3)
 
 
+@pytest.mark.slow  # as long as both others, which have the stresses of bodies and of contacts
 def test_loads_from_outside_count_by_where_they_act():
     held = {"centre": [0.2, 0.25], "radius": 0.13, "motion": "free", "hold": ["angle"], "force": [40.0, 0.0]}
     turned = {"centre": [0.6, 0.7], "radius": 0.13, "motion": "free", "torque": 10.0}

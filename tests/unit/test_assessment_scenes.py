@@ -68,7 +68,14 @@ def undiagnosed(monkeypatch):
     monkeypatch.setattr(judge, "_diagnoses", lambda series: {})
 
 
-@pytest.mark.parametrize("name", KNOWN)
+QUICK = ("couette", "couette_poiseuille_backflow", "oscillating_wall_fast", "oldroyd_b_couette", "creep_and_recovery")
+QUICK += ("circular_couette", "circular_couette_oldroyd_b", "pipe", "spin_up", "taylor_green")
+"""One config of each scene, kind of fields and motion of walls; the others are slow."""
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow]) for name in KNOWN]
+)
 def test_every_file_that_tisph_writes_has_the_error_of_the_run(tmp_path, undiagnosed, name):
     config, scene = coarse(CONFIGS[name])
     (tmp_path / "config.resolved.yaml").write_text(config.resolved_yaml())

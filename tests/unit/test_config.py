@@ -159,7 +159,7 @@ def config_data(draw):
     }
 
 
-same_folder = settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+same_folder = settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 @same_folder
@@ -226,7 +226,7 @@ def test_division_has_a_tolerance_for_decimal_rounding(tmp_path, rows, thousandt
 yaml_like = st.text(alphabet=":{}[],-?&*!|>'\"%@` \n\t#abcdefscn01.e+~<=\\", max_size=200)
 
 
-@settings(same_folder, max_examples=150)
+@settings(same_folder, max_examples=50)
 @given(st.one_of(st.binary(max_size=300), yaml_like.map(str.encode), st.text(max_size=200).map(lambda t: t.encode())))
 def test_any_bytes_are_a_config_or_a_config_error(tmp_path, content):
     path = tmp_path / "case.yaml"
@@ -250,7 +250,7 @@ def dotted_keys(data, before=""):
 places = st.sampled_from(list(dotted_keys(Config.model_validate({"name": "case", **MINIMAL}).model_dump())))
 
 
-@settings(same_folder, max_examples=150)
+@settings(same_folder, max_examples=50)
 @given(places, values)
 def test_any_value_anywhere_is_a_config_or_a_config_error(tmp_path, place, value):
     path = write(tmp_path, MINIMAL)

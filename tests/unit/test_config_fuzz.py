@@ -164,7 +164,7 @@ structures = st.recursive(
 )
 
 
-@settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=8, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.dictionaries(st.sampled_from(KEYS), structures, max_size=12))
 def test_random_structures(outcome, data):
     stream = io.StringIO()
@@ -172,7 +172,7 @@ def test_random_structures(outcome, data):
     assert isinstance(outcome(stream.getvalue()), str)  # nothing that makes a whole config comes by chance
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=20, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.sampled_from(KEYS), structures)
 def test_one_random_structure_in_a_good_file(outcome, key, data):
     whole = YAML(typ="safe", pure=True).load(GOOD)

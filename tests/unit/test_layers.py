@@ -1,6 +1,7 @@
 """Imports run strictly downwards without any circle, and everything that needs no Taichi works without it."""
 
 import ast
+import functools
 import pkgutil
 import subprocess
 import sys
@@ -66,9 +67,15 @@ def is_for_types_only(node):
     return isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
 
 
+@functools.cache
+def tree(path):
+    """The syntax tree of a file."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def nodes(path, types=True):
     """All syntax nodes of a file; those below ``if TYPE_CHECKING`` only with ``types``."""
-    waiting = [ast.parse(path.read_text(encoding="utf-8"))]
+    waiting = [tree(path)]
     while waiting:
         node = waiting.pop()
         yield node

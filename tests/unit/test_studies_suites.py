@@ -75,8 +75,8 @@ def test_runs_of_all_suites_have_names_of_their_own(quick):
 
 
 def test_every_file_is_part_of_the_whole():
-    files = {path.stem: parse(path.read_text(encoding="utf-8")).data for path in suites.FOLDER.glob("*.yaml")}
-    assert {name for name, data in files.items() if "checks" in data} == set(suites.PARTS)
+    files = {path.stem for path in suites.FOLDER.glob("*.yaml")}
+    assert files - {"frontier", "manufactured", "stability", "walls"} == set(suites.PARTS)  # these have no checks
 
 
 def time_scale(config):

@@ -65,17 +65,17 @@ SCATTER = 0.05
 class Shifting:
     """Jacobi sweeps that move the fluid ``points``; ``moved`` (fluid) is by how much.
 
-    ``displacement(i)`` of a subclass is the move of a particle; longer ones than ``LARGEST`` are cut. ``farthest``:
-    length of the longest move of a sweep, before it is cut, where that ``ends`` the sweeps.
+    ``displacement(i)`` of a subclass is the move of a particle; moves longer than ``largest`` are cut. ``farthest``:
+    length of the longest move of a sweep, before it is cut, where that ``ends`` the sweeps. Both are in ``unit``.
     """
 
     ends = False
 
-    def __init__(self, points, spacing):
+    def __init__(self, points, largest, unit=1.0):
         self.points = points
         vector = ti.types.vector(2, real())
         self.move, self.moved = ti.field(vector, points.capacity), ti.field(vector, points.capacity)
-        self.largest, self.farthest = scalar(LARGEST * spacing), scalar(0.0)
+        self.largest, self.unit, self.farthest = scalar(largest), scalar(unit), scalar(0.0)
 
     @ti.kernel
     def sweep(self):
@@ -85,7 +85,7 @@ class Shifting:
         ti.loop_config(serialize=self.points.serial)
         for i in range(particles):
             displacement = self.displacement(i)
-            size = ti.sqrt(displacement.dot(displacement))
+            size = ti.sqrt(displacement.dot(displacement)) / self.unit[None]
             self.move[i] = displacement * ti.min(1.0, self.largest[None] / ti.max(size, self.largest[None]))
             if ti.static(self.ends):
                 ti.atomic_max(self.farthest[None], size)
@@ -102,8 +102,8 @@ class OverlapShifting(Shifting):
     ends = True
 
     def __init__(self, points, ghosts, spacing):
-        super().__init__(points, spacing)
-        self.ghosts, self.spacing, self.smallest = ghosts, scalar(spacing), SMALLEST * spacing
+        super().__init__(points, LARGEST, spacing)
+        self.ghosts = ghosts
 
     def shift(self):
         """Push points apart; return whether any moved."""
@@ -112,14 +112,14 @@ class OverlapShifting(Shifting):
         for sweep in range(OVERLAP_SWEEPS):
             self.sweep()
             self.ghosts.follow()
-            if farthest <= self.smallest:
+            if farthest <= SMALLEST:
                 return sweep > 0 or bool(farthest > 0.0)
         return True
 
     @ti.func
     def displacement(self, i):
         """Return the displacement of particle ``i`` by the overlaps with its neighbours."""
-        reach, displacement = DIAMETER * self.spacing[None], ti.Vector([0.0, 0.0])
+        reach, displacement = DIAMETER * self.unit[None], ti.Vector([0.0, 0.0])
         for k in range(self.points.count[i]):
             apart = self.points.separation(i, self.points.neighbours[i, k])
             distance = ti.sqrt(apart.dot(apart)) + 1e-30
@@ -138,7 +138,7 @@ class FickianShifting(Shifting):
     """
 
     def __init__(self, points, spacing, walls=0, off_walls=False, across_axis=False):
-        super().__init__(points, spacing)
+        super().__init__(points, LARGEST * spacing)
         self.scatter, self.walls, self.off_walls = SCATTER * spacing, walls, off_walls
         self.sweeps = SWEEPS_ACROSS_AXIS if across_axis else SWEEPS
         self.closest = scalar(CLOSEST * spacing)

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from ruamel.yaml import YAML
 
 from tisph.config import load
 from tisph.equation_of_state import SCALE_RATIO, Tait, sound_speed
@@ -23,9 +24,9 @@ from tisph.schemes.auto import ELASTIC_STEPS
 from tisph.schemes.implicit import LARGEST_STRAIN
 from tisph.studies.expressions import digits, filled, merged
 from tisph.studies.store import config_text
-from tisph.studies.suites import study
+from tisph.studies.suites import FOLDER
 
-DATA = study("stability")
+DATA = YAML(typ="safe", pure=True).load(FOLDER / "stability.yaml")
 AXES = DATA["covering"]
 
 TOLERANCE, STRAIN = 3e-7, 0.5

@@ -13,9 +13,9 @@ starts it anew there, which shows that nothing here hides a fault.
 import os
 
 from tisph import runtime
-from tisph.runtime import _package, ti
+from tisph.runtime import _taichi, ti
 
-PLAIN = not _package.KNOWN
+PLAIN = not _taichi.KNOWN
 
 if not PLAIN:
     import fast_translation

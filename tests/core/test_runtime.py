@@ -16,7 +16,7 @@ import tisph
 from tisph import runtime
 from tisph.runtime import ti, unrolled
 
-of_taichi_1_7_4 = pytest.mark.skipif(not runtime._package.KNOWN, reason="about parts that are replaced there alone")
+of_taichi_1_7_4 = pytest.mark.skipif(not runtime._taichi.KNOWN, reason="about parts that are replaced there alone")
 
 
 def test_serial_and_parallel_kernels_are_cached_apart():
@@ -74,7 +74,7 @@ def test_a_stale_lock_does_not_block_the_kernel_cache(tmp_path, monkeypatch, age
     monkeypatch.setattr(runtime, "CACHE", tmp_path)
     folder = tmp_path / runtime.GENERATION / "serial"
     folder.mkdir(parents=True)
-    lock = folder / {"TI": "ticache.lock", "QD": "qdcache.lock"}[runtime._package.PREFIX]
+    lock = folder / {"TI": "ticache.lock", "QD": "qdcache.lock"}[runtime._taichi.PREFIX]
     lock.touch()
     os.utime(lock, (time.time() - age,) * 2)
     runtime.start("f64", 1)

@@ -1,7 +1,7 @@
 """Taichi, imported and initialised in one place.
 
 Everything that needs Taichi imports ``ti`` from here, and does not know whether that is Taichi or Quadrants, its
-maintained fork, which takes its place where Taichi has no wheels (``_package``). Of Taichi 1.7.4 three inner parts are
+maintained fork, which takes its place where Taichi has no wheels (``_taichi``). Of Taichi 1.7.4 three inner parts are
 replaced by faster ones (``_inner``), which changes how long a run takes and no bit of its results.
 """
 
@@ -9,16 +9,14 @@ import contextlib
 import io
 import os
 
-from tisph.runtime import _clock, _fields, _package, _program
+from tisph.runtime import _fields, _taichi
 from tisph.runtime._cache import CACHE, CACHE_BYTES, GENERATION, WRITTEN_SECONDS, unlock
-from tisph.runtime._clock import compile_seconds
 from tisph.runtime._fields import holding, integer, real, scalar, unrolled, view
-from tisph.runtime._program import foreign_program, program
-from tisph.runtime._taichi import ti
+from tisph.runtime._taichi import compile_seconds, foreign_program, program, ti
 from tisph.runtime._threads import CHUNK, available_threads, processors_shared
 
-_clock.install()
-if _package.KNOWN:
+_taichi.time_kernels()
+if _taichi.KNOWN:
     from tisph.runtime import _inner
 
     _inner.install()
@@ -44,7 +42,7 @@ __all__ = [
     "view",
 ]
 
-PACKAGE = _package.NAME
+PACKAGE = _taichi.NAME
 """Name of the package that ``ti`` is, of which a summary gives the version."""
 
 _threads = 1
@@ -59,7 +57,7 @@ def start(precision, threads):
     ``cache_loop_invariant_global_vars``: it reads a[0] before an inner loop that writes a[i], where it runs serially.
     """
     global _threads
-    os.environ.pop(f"{_package.PREFIX}_ARCH", None)  # a run depends on its config alone
+    os.environ.pop(f"{_taichi.PREFIX}_ARCH", None)  # a run depends on its config alone
     cache = CACHE / GENERATION / ("serial" if threads == 1 else "parallel")
     unlock(cache)
     with processors_shared(threads), contextlib.redirect_stdout(io.StringIO()):
@@ -75,9 +73,9 @@ def start(precision, threads):
             log_level=ti.ERROR,
         )
     _fields.begin(precision)
-    if _package.KNOWN:
+    if _taichi.KNOWN:
         _inner.begin()
-    _program.mark()
+    _taichi.mark()
     _threads = threads
 
 

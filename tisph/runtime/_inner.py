@@ -1,6 +1,6 @@
 """Three inner parts of Taichi 1.7.4 are replaced here: the launch of kernels, the layout of fields, and loops.
 
-The file is used with that version alone (``_package.KNOWN``), since any other version, and Quadrants, may have other
+The file is used with that version alone (``_taichi.KNOWN``), since any other version, and Quadrants, may have other
 inner parts; everything works without it. The results are the same to the last bit with this file and without it
 (``tests/core/test_runtime.py``).
 

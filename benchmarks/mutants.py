@@ -101,8 +101,7 @@ TESTS = {
     "operators": [CORE + "weights", *EXPLICIT],
     "walls": [CORE + "walls", CORE + "wall_t*", CORE + "impulse", CORE + "stress", CORE + "implicit_symmetry"],
     "walls/_circles": [CORE + "explicit_bodies", CORE + "wall_t*"],
-    "walls/_layers": [CORE + "explicit_bodies", CORE + "explicit_box"],
-    "walls/_solids": [CORE + "explicit_bodies", CORE + "explicit_box"],
+    "walls/_dummies": [CORE + "explicit_bodies", CORE + "explicit_box", CORE + "wall_t*"],
     "walls/consistent": [CORE + "wall_t*", CORE + "stress", CORE + "implicit_symmetry", CORE + "implicit_accuracy"],
 }
 """Tests of a folder or file of the package, the quickest first; the longest name that fits counts."""

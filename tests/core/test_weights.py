@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tisph import registry, runtime
-from tisph.operators._weights import WeightTable
+from tisph.operators._pairs import WeightTable
 from tisph.runtime import ti
 
 

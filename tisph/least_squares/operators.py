@@ -8,7 +8,7 @@ With M = sum_j w phi phi^T, an operator e . c (the Laplacian: 2 (c_xx + c_yy)) i
 a_ij = w z . phi(r_ij) and M z = e: generalised moving least squares (as in S. J. Lind, P. K. Stansby, J. Comput. Phys.
 326 (2016) 290-311, and J. R. C. King, S. J. Lind, A. M. A. Nasar, J. Comput. Phys. 415 (2020) 109549, with a basis of
 Taylor monomials). The entries of M are the sums of w x^a y^b of degree 2 .. 2 order: 42 for order 4 instead of 105.
-Near a curved wall the vectors r are mapped to polar coordinates (``polar``); weights remain those of the distances.
+Near a curved wall the vectors r are mapped to polar coordinates (``to_polar``); weights remain those of the distances.
 
 Three loops, each in the form that compiles to the fastest code:
 
@@ -22,7 +22,6 @@ Three loops, each in the form that compiles to the fastest code:
 import numpy as np
 
 from tisph.least_squares.elimination import horner, moment_chains, moment_indices, moment_of_entries, powers, targets
-from tisph.least_squares.polar import to_polar
 from tisph.neighbours.point_cloud import LANES
 from tisph.runtime import CHUNK, holding, integer, real, scalar, threads, ti, unrolled, view
 
@@ -44,6 +43,23 @@ LOWEST = 5
 """Unknowns of order 2, the last ones of all."""
 
 LAPLACIAN, D_DX, D_DY = range(3)
+
+
+@ti.func
+def to_polar(vector, bend):
+    """Return a ``vector`` in polar coordinates around the centre of curvature of a wall, both as complex numbers.
+
+    With z = x + i y and the centre at z = -1/b, b = ``bend``, seen from a particle, they are log(1 + b z)/b:
+    differences of the logarithm of the radius, and of the angle. A flow around a circle is smooth in these, and has
+    powers of (distance over radius) in x and y. The map is analytic with the derivative 1 at the particle, so that
+    gradient and Laplacian there are those in x and y; so is its Pade approximant, z (6 + 3 b z)/(6 + 6 b z + b^2 z^2).
+    """
+    x = ti.Vector([bend.x * vector.x - bend.y * vector.y, bend.x * vector.y + bend.y * vector.x])
+    squared = ti.Vector([x.x * x.x - x.y * x.y, 2.0 * x.x * x.y])
+    upper = ti.Vector([6.0 + 3.0 * x.x, 3.0 * x.y])
+    lower = ti.Vector([6.0, 0.0]) + 6.0 * x + squared
+    share = ti.Vector([upper.dot(lower), upper.y * lower.x - upper.x * lower.y]) / lower.dot(lower)
+    return ti.Vector([share.x * vector.x - share.y * vector.y, share.x * vector.y + share.y * vector.x])
 
 
 @ti.data_oriented

@@ -1,8 +1,7 @@
 """What Taichi compiles for ``adami.py``, where its formulas are."""
 
 from tisph.runtime import real, scalar, ti
-from tisph.walls._dummies import Dummies, DummyWalls
-from tisph.walls._layers import LayerWalls
+from tisph.walls._dummies import Dummies, DummyWalls, LayerWalls
 
 
 @ti.data_oriented

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 from tisph.neighbours.counting_sort import counting_sort
 from tisph.runtime import integer, real, ti, view
-from tisph.walls._solids import SolidWalls
+from tisph.walls._treatment import SolidWalls
 
 ROOM = 1.5
 """Room for images over the number of particles that lie within cutoff of the walls in an even arrangement."""

@@ -1,11 +1,16 @@
-"""Walls made of dummy particles: layers that move with the wall and carry extrapolated fluid values."""
+"""Walls made of dummy particles, which move with the wall and carry extrapolated fluid values.
+
+In a channel they are rows of the lattice, in bodies of any smooth shape layers along the wall.
+"""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
-from tisph.runtime import ti, view
-from tisph.walls._treatment import WallTreatment
+from tisph.runtime import real, ti, view
+from tisph.size_class import size_class
+from tisph.walls._treatment import SolidWalls, WallTreatment
 
 
 @ti.data_oriented
@@ -88,3 +93,143 @@ class DummyWalls(Dummies):
 def layers(channel, cutoff):
     """Return the number of layers on each wall that a fluid particle at the wall could see."""
     return math.ceil(cutoff / channel.spacing - 0.5)
+
+
+@dataclass(frozen=True)
+class Layers:
+    """Dummy particles in the frames of their bodies: ``place`` and ``wall_point``, the nearest wall point, (n, 2) each.
+
+    ``body`` (n,) is the number of the body that each is in.
+    """
+
+    place: np.ndarray
+    wall_point: np.ndarray
+    body: np.ndarray
+
+    @property
+    def mirror(self):
+        """Mirror points (n, 2) of the particles, in the fluid."""
+        return 2.0 * self.wall_point - self.place
+
+    @property
+    def slots(self):
+        """Number of particles, and room for images."""
+        return len(self.place), 0
+
+    def radius(self, body, mirrored):
+        """Distance of the farthest particle in a body from its centre, or ``mirrored`` of it or its mirror point."""
+        farthest = [np.linalg.norm(self.place[self.body == body], axis=1).max()]
+        if mirrored:
+            farthest.append(np.linalg.norm(self.mirror[self.body == body], axis=1).max())
+        return float(max(farthest))
+
+
+def layers_in(bodies, spacing, cutoff):
+    """Return the ``Layers`` of bodies: (k + 1/2) ``spacing`` behind the wall, as many as a particle at it could see.
+
+    In each layer particles are about a spacing apart; there is none where the wall's centre of curvature is nearer.
+    """
+    feet, places, numbers = [], [], []
+    for number, body in enumerate(bodies):
+        for layer in range(math.ceil(cutoff / spacing - 0.5)):
+            depth = (layer + 0.5) * spacing
+            part = _outline(body.shape, spacing, depth)
+            if part is None:
+                break
+            feet.append(part.point)
+            places.append(part.point - depth * part.normal)
+            numbers.append(np.full(len(part.point), number))
+    return Layers(np.concatenate(places), np.concatenate(feet), np.concatenate(numbers))
+
+
+def _outline(shape, spacing, depth):
+    """Return wall points whose like at a ``depth`` behind the wall are a spacing apart; None where none can be."""
+    wall = shape.boundary_points(spacing)
+    shrinking = 1.0 - depth * wall.curvature
+    if shrinking.min() <= 0.0:
+        return None
+    return shape.boundary_points(spacing * wall.length.sum() / (wall.length * shrinking).sum())
+
+
+@ti.data_oriented
+class LayerWalls(Dummies, SolidWalls):
+    """Dummy particles in bodies.
+
+    ``number[k]`` tells which of the ``Layers`` the k-th wall slot holds: a sort permutes them, and nothing else of
+    theirs but that is kept by slot from step to step. With ``uses_mirror_points`` the lists get their mirror points.
+    """
+
+    accelerates = True
+
+    def __init__(self, lists, kernel, fluid, parameters, layers, bodies, origin):
+        super().__init__(lists, kernel, fluid, parameters, bodies, origin)
+        self.layers = layers
+        slots, vector = size_class(self.particles.dummies), ti.types.vector(2, real())
+        self.number, self.sorted = (ti.field(ti.i32, shape=slots) for _ in range(2))
+        self.body = ti.field(ti.i32, shape=slots)
+        self.lever_arm, self.wall_point = (ti.field(vector, shape=slots) for _ in range(2))
+        self.number.used = self.body.used = self.lever_arm.used = self.wall_point.used = np.s_[: self.particles.dummies]
+        self.sorted.used = None
+
+    @staticmethod
+    def arrange(bodies, spacing, cutoff):
+        """Return the ``Layers`` of bodies, for particles of the support radius ``cutoff``."""
+        return layers_in(bodies, spacing, cutoff)
+
+    def load(self, time):
+        """Put the dummy particles into the bodies at the start."""
+        count = self.particles.dummies
+        view(self.number)[:count] = np.arange(count)
+        view(self.body)[:count] = self.layers.body
+        view(self.lever_arm)[:count], view(self.wall_point)[:count] = self.layers.place, self.layers.wall_point
+        self.place_bodies(time)
+        slots = slice(self.particles.first_wall, self.particles.first_wall + count)
+        for number, body in enumerate(self.bodies):
+            own = self.layers.body == number
+            places = body.at(time).to_lab_frame(self.layers.place[own]) - self.origin
+            view(self.particles.mid_position)[0, slots][own] = places
+
+    @ti.kernel
+    def lay_out(self, now: ti.i32):
+        """Follow a sort: find which particle each slot holds."""
+        first, fluid = self.particles.first_wall, self.particles.fluid_number[None]
+        count = self.particles.mobile_number[None] - fluid
+        ti.loop_config(serialize=True)
+        for k in range(count):
+            self.sorted[k] = self.number[self.cells.order[fluid + k] - first]
+        ti.loop_config(serialize=True)
+        for k in range(count):
+            self.number[k] = self.sorted[k]
+            if ti.static(self.uses_mirror_points):
+                self.mirror(first + k)
+
+    @ti.func
+    def advance(self, now, k, elapsed):
+        """Carry dummy particle ``k`` along with its body into the other buffer."""
+        number = self.number[k - self.particles.first_wall]
+        body = self.body[number]
+        self.particles.mid_position[1 - now, k] = self.centre[body] + self.rotated(body, self.lever_arm[number])
+        if ti.static(self.uses_mirror_points):
+            self.mirror(k)
+
+    @ti.func
+    def mirror(self, k):
+        """Tell the lists where the mirror point of dummy particle ``k`` is."""
+        number = self.number[k - self.particles.first_wall]
+        body = self.body[number]
+        lever_arm = self.rotated(body, 2.0 * self.wall_point[number] - self.lever_arm[number])
+        self.lists.mirror[k - self.particles.first_wall] = self.centre[body] + lever_arm
+
+    @ti.func
+    def velocity_at(self, buffer, k):
+        """Return the velocity of the wall point nearest to dummy particle ``k``."""
+        number = self.number[k - self.particles.first_wall]
+        body = self.body[number]
+        return self.velocity_of(body, self.rotated(body, self.wall_point[number]))
+
+    @ti.func
+    def acceleration_at(self, k):
+        """Return the acceleration of the wall point nearest to dummy particle ``k``."""
+        number = self.number[k - self.particles.first_wall]
+        body = self.body[number]
+        return self.acceleration_of(body, self.rotated(body, self.wall_point[number]))

@@ -1,8 +1,7 @@
 """What Taichi compiles for ``virtual_image.py``, where its formulas are."""
 
 from tisph.runtime import real, scalar, ti
-from tisph.walls._dummies import Dummies, DummyWalls
-from tisph.walls._layers import LayerWalls
+from tisph.walls._dummies import Dummies, DummyWalls, LayerWalls
 
 RADIUS = 0.75
 """Radius of the fit over the cutoff: what lists that look inside are complete for (neighbours/verlet.py)."""

@@ -9,7 +9,7 @@ where the momentum equation at the wall, whose acceleration is known, gives
     u_nn|_W = (dU/dt - g) / nu                          (Newtonian)
     u_nn|_W = (dU/dt - g - S_xy,y / rho_W) / nu_s       (with polymer stress S, and then S_I = S_F - 2 d S_n|_W)
 
-with the density and the stress of the fluid on the wall from ``walls/_track.py``.
+with the density and the stress of the fluid on the wall from ``walls/_consistent_image.py``.
 
 F. Bierbrauer, "No-Slip Boundary Conditions in Smoothed Particle Hydrodynamics", slides 7 to 23; the slides' formulas
 are lost and these are reconstructed: p_y = 0 and p_x = 0 from rho_y = rho_x = 0 (slides 13 and 21), no compressible

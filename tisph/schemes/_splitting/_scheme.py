@@ -28,8 +28,7 @@ from tisph.schemes._splitting._viscoelastic_stress import ViscoelasticStress
 from tisph.schemes._splitting._wall_boundary import WallBoundary
 from tisph.schemes._splitting._wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
 from tisph.snapshot import STRESSES, STRESSES_AROUND, Snapshot
-from tisph.solvers.auxiliary_grid import PeriodicGrid
-from tisph.solvers.walled_grid import WalledGrid
+from tisph.solvers.auxiliary_grid import PeriodicGrid, WalledGrid
 
 SUPPORT = 2.9
 """Support radius of the operators in particle spacings. Below it a lattice that the flow stretches makes them singular

@@ -41,7 +41,8 @@ def test_laplacian_and_gradient_converge_at_second_order_on_the_lattice(make):
         s = 1e-3 * np.cos(wave * x)
         slope = 25.0 * 1e-3 * wave * np.sin(wave * x) / (1 + s)
         exact = slope - 0.01 * wave**2 * np.sin(wave * x)
-        diffusion = -DIFFUSION * scheme.smoothing_length * 5.0 * wave**2 * s
+        # the smoothing length is the spacing
+        diffusion = -DIFFUSION * scheme.scene.spacing * 5.0 * wave**2 * s
         exact_compression = -(1 + s) * wave * np.cos(wave * x) + diffusion
         errors.append(
             (

@@ -41,9 +41,10 @@ def test_rates_are_exact_for_linear_velocity_and_stress(make):
 
 def test_acoustic_and_elastic_waves_limit_the_first_time_step(make):
     # 0.25 h / (sqrt(c^2 + c_e^2) + U), with rho c_e^2 the modulus of the polymer; no impulse has strained it
+    # h is the spacing
     scheme = make(OLDROYD, "fluid.rheology.relaxation_time=0.1", "walls.treatment.type=comoving_image")
     modulus, fastest = 0.6 * 0.01 / 0.1, scheme.scene.peak_velocity
-    expected = 0.25 * scheme.smoothing_length / (np.sqrt(scheme.sound_speed**2 + modulus) + fastest)
+    expected = 0.25 * scheme.scene.spacing / (np.sqrt(scheme.sound_speed**2 + modulus) + fastest)
     assert scheme.time_step_limit() == pytest.approx(expected, rel=1e-12)
 
 

@@ -201,7 +201,7 @@ def test_fixed_bodies_are_no_suspension(make, tmp_path):
     (tmp_path / "config.resolved.yaml").write_text(config.resolved_yaml())
     done = CliRunner().invoke(cli.app, ["rheometry", str(tmp_path)])
     assert done.exit_code == 2
-    assert "is no run in a channel, without bodies or with free ones, or between cylinders" in done.stderr
+    assert "rheometry reads runs in a channel (without bodies, or with free bodies)" in done.stderr
 
 
 def test_the_picture_has_both_ways_over_the_strain(make, tmp_path, monkeypatch):

@@ -28,7 +28,7 @@ BULGES = {
     "corners": ("corner_radius", "a corner"),
     "points": ("points", "a bend"),
 }
-"""By the key that shapes a body, the key of the smallest radius and what has it."""
+"""Key that defines a body's shape -> (key of its smallest radius, name of the part that has this radius)."""
 
 Walls = dict[str, Body]
 """The other walls by what messages call them."""

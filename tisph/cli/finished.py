@@ -122,8 +122,8 @@ def rheometry(
             readable = config.parallel or scene.has_free_bodies
         if not readable:
             raise ConfigError(
-                f"{run_dir}: is no run in a channel, without bodies or with free ones, or between cylinders, in a pipe"
-                " or of a falling ball"
+                f"{run_dir}: rheometry reads runs in a channel (without bodies, or with free bodies), between "
+                "cylinders, in a pipe, and of a falling ball; this run is none of them"
             )
         try:
             last = run.summary.samples[-1] if run.summary.samples else None

@@ -216,7 +216,10 @@ class Schedule:
 
     @cached_property
     def _pieces(self):
-        """Begin, speed then, slope, and way up to then, of what is before the first time and after each."""
+        """Segments of a piecewise linear velocity: start time, velocity there, slope, displacement up to the start.
+
+        The first segment ends at the first time.
+        """
         begins = np.array([0.0, *self.times])
         speeds = np.array([self.velocities[0], *self.velocities])
         lengths, rises = np.diff(begins), np.diff(speeds)

@@ -20,7 +20,7 @@ class PolymerParameters:
 
     @classmethod
     def of(cls, rheology):
-        """What stands first of it for a ``rheology`` with polymer; None for others."""
+        """Return the parameters of the first relaxation mode of a ``rheology``; None without polymer."""
         if rheology and rheology.carries_stress:
             return cls(rheology.relaxation_time, rheology.solvent_fraction)
         return None
@@ -49,7 +49,7 @@ def age(wall, t):
 def spreading_viscosity(scene, t):
     """Kinematic viscosity nu by which a wall's motion has spread to a depth sqrt(nu t) in the time ``t``.
 
-    Of an inelastic fluid it is the slope of the shear stress at the rate that is the largest speed over that depth.
+    In an inelastic fluid it is d(stress)/d(shear rate) divided by the density, at the shear rate U/sqrt(nu t).
     """
     viscosity = scene.kinematic_viscosity
     if scene.polymer:

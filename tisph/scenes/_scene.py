@@ -3,7 +3,7 @@
 A scene is one file of this folder with two names: ``Config``, the model of its config (``tisph/config/schema.py``),
 and ``Scene``, a frozen dataclass derived from the ``Scene`` here. Everything above it, from the observers to the
 pictures, asks no more than what is here. A scene must give what has no value here and what raises NotImplementedError;
-what it leaves out of the rest has the answer of a fluid at rest in a periodic box.
+The defaults of all other names describe a fluid at rest in a periodic box.
 """
 
 import math

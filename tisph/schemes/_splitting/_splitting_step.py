@@ -105,7 +105,7 @@ class SplittingStep:
         return (not self.mean_velocity or self.mean_velocity.correct()) and settled
 
     def solve_pressure(self, tolerance):
-        """Solve -L p = b; return whether it could be; residuals of ``rounding`` are none."""
+        """Solve -L p = b; return whether it was solved. Residuals below ``rounding`` count as zero."""
         return self.pressure.solve(1.0, tolerance, 0.0, self.for_pressure, least=self.rounding)
 
     def accelerate(self, acceleration):
@@ -215,7 +215,10 @@ class SplittingStep:
 
     @ti.kernel
     def add_centripetal(self, dt: float, again: bool):
-        """Add dt W^2 to what is known of V, of the velocities found last, in place of that of those before."""
+        """Add the centripetal term dt W^2 to the radial right-hand side.
+
+        In later outer iterations it replaces the term of the previous iterate.
+        """
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
             square = self.velocity.x[i].z ** 2

@@ -268,8 +268,8 @@ class WallBoundary:
     def begin(self, splitting, tolerance, more_impulse=None):
         """Let the points have the velocities of the walls at the start, and the pressure meet their acceleration.
 
-        Return whether the impulse could be solved for where walls move into the fluid; ``more_impulse`` gives the fluid
-        another one, and returns the same.
+        Return whether the system of the impulse was solved where walls move into the fluid. ``more_impulse`` applies a
+        further impulse and returns whether its system was solved.
         """
         regular, started, against = self.regular_velocities, True, self.velocity - self.fluid_velocity
         if splitting.coupling:

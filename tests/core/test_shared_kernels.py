@@ -23,7 +23,6 @@ def use(scheme):
         scheme.boundaries.wall_forces(scheme.now)
     else:
         scheme.advance()  # the first step does not shift
-        scheme.project(1.0)
         scheme.field.advance_volumes(1.0)
         scheme.advance()
     scheme.snapshot()

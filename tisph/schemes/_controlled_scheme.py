@@ -30,15 +30,20 @@ class ControlledScheme(Kept):
         self.order_reduced += int(view(self.operators.order_reduced))
         self.singular += int(view(self.operators.singular))
 
+    @property
+    def present_step(self) -> str:
+        """The step that is being taken, and its time, as text."""
+        return f"at step {self.steps + 1}, t = {self.time:.6g}"
+
     def diverged(self, text: str) -> DivergedError:
-        """Return the DivergedError with a ``text``, the present step and its time."""
-        return DivergedError(f"{text} at step {self.steps + 1}, t = {self.time:.6g}")
+        """Return the DivergedError with a ``text`` and the present step."""
+        return DivergedError(f"{text} {self.present_step}")
 
     def require_room(self, what: str, needed: int) -> None:
         """Raise DivergedError if ``needed`` (0 where all fits) tells that a field for ``what`` overflows."""
         if needed:
-            where = f"at step {self.steps + 1}, t = {self.time:.6g}"
-            raise DivergedError(f"x, y: too many {what} ({needed}), {where}: the particles have clustered")
+            text = f"x, y: too many {what} ({needed}), {self.present_step}: the particles have clustered"
+            raise DivergedError(text)
 
     @property
     def finished(self):

@@ -180,7 +180,7 @@ def run(folder: Path, quick: bool = False, peers_folder: Path | None = None, gro
 def outcome(store: Store, name: str, config: dict[str, Any]) -> dict[str, Any]:
     """Return the summary of a run, kept or new. Raises TisphError where it could not even start."""
     with Console(stderr=True).status(name):
-        ((_, result, message),) = store.outcomes({name: config}, 1)
+        result, message = store.outcome(name, config)
     if "cost" not in result.summary:
         raise TisphError(f"{name}: {message}")
     return result.summary

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from ruamel.yaml import YAML
 
 from tisph.config import load
 from tisph.equation_of_state import SCALE_RATIO, Tait, sound_speed
@@ -24,9 +23,9 @@ from tisph.schemes.auto import ELASTIC_STEPS
 from tisph.schemes.implicit import LARGEST_STRAIN
 from tisph.studies.expressions import digits, filled, merged
 from tisph.studies.store import config_text
-from tisph.studies.suites import FOLDER
+from tisph.studies.suites import study
 
-DATA = YAML(typ="safe", pure=True).load(FOLDER / "stability.yaml")
+DATA = study("stability")
 AXES = DATA["covering"]
 
 TOLERANCE, STRAIN = 3e-7, 0.5

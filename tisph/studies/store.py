@@ -64,6 +64,11 @@ class Store:
             return None
         return result, result.summary.get("message", "")
 
+    def outcome(self, name: str, config: dict[str, Any]) -> tuple[Result, str]:
+        """``Result`` and message of one run, kept or new."""
+        [(_, result, message)] = self.outcomes({name: config}, 1)
+        return result, message
+
     def outcomes(
         self, configs: dict[str, dict[str, Any]], most: int, launch: Callable[[str], Process] | None = None
     ) -> Iterator[Outcome]:

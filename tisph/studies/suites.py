@@ -21,6 +21,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from ruamel.yaml import YAML
+
 from tisph.config.fields import nearest
 from tisph.config.loader import loaded
 from tisph.config.yaml_text import YamlTextError, parse
@@ -89,8 +91,8 @@ def config_of(name: str, run: str) -> dict[str, Any]:
 
 
 def study(name: str) -> dict[str, Any]:
-    """Return the data of a study that is no suite of checks, in a file beside the suites."""
-    return parse((FOLDER / f"{name}.yaml").read_text(encoding="utf-8")).data
+    """Return the data of a study that is no suite of checks, in a file beside the suites, which may have anchors."""
+    return YAML(typ="safe", pure=True).load(FOLDER / f"{name}.yaml")
 
 
 def read(path: Path, quick: bool = False, long: bool = False) -> Suite:

@@ -108,8 +108,7 @@ class Runner:
             return run_resumed(self.store.write(name, config), self.store.folder / name)
         if name in self.suite.estimated:
             return run_config(self.store.write(name, config), self.store.folder / name, estimated=True)
-        [(_, result, message)] = self.store.outcomes({name: config}, 1)
-        return result, message
+        return self.store.outcome(name, config)
 
     def checks(self) -> Iterator[Check]:
         """Yield the ``Check`` of each criterion, as soon as its runs are done; standard error says how far it is."""

@@ -262,7 +262,7 @@ class SplittingScheme(ControlledScheme):
         if self.wall_boundary:
             self.wall_boundary.find_fastest()
         if self.speed > limits.RUNAWAY * self.problem.reference_velocity:
-            text = f"{limits.RUNAWAY:g} times the reference velocity at step {self.steps + 1}, t = {self.time:.6g}"
+            text = f"{limits.RUNAWAY:g} times the reference velocity {self.present_step}"
             cure = "a reference.velocity, if the body force drives it, else " if self.problem.body_force else ""
             raise DivergedError(f"u, v: above {text}: the flow needs {cure}a smaller spacing")
         if (self.steps + 1) % REORDER_INTERVAL == 0:

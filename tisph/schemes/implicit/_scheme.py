@@ -119,8 +119,7 @@ class ChannelScheme(ControlledScheme):
         wrong = self.stepper.indefinite()
         if wrong.size:
             text = f"stress: the conformation tensor of particle {wrong[0]} is not positive definite any more,"
-            where = f"at step {self.steps + 1}, t = {self.time:.6g}"
-            raise DivergedError(f"{text} {where} ({wrong.size} particles are wrong)")
+            raise DivergedError(f"{text} {self.present_step} ({wrong.size} particles are wrong)")
         resolved = self.layer_thickness >= RESOLVED
         self.momentum.add_impulse(self.wall_force.impulse(self.time, dt, resolved))
         self.field.measure()

@@ -15,14 +15,14 @@ import tempfile
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1] / "tisph"
-SCHEME, WALLS = "_splitting/_scheme.py", "_splitting/_wall_boundary.py"
-LOG = "_splitting/_log_conformation"
-STEP, COORDINATES = "_splitting/_splitting_step.py", "_splitting/_coordinates.py"
-POLYMER = "_splitting/_viscoelastic_stress.py"
+SCHEME, WALLS = "_two_dimensional/scheme.py", "_two_dimensional/wall_boundary.py"
+LOG = "_two_dimensional/log_conformation"
+STEP, COORDINATES = "_two_dimensional/splitting_step.py", "_two_dimensional/coordinates.py"
+POLYMER = "_two_dimensional/viscoelastic_stress.py"
 
 ERRORS = {
     "none": ("pipe", STEP, "", ""),
-    "convection along paths": ("square", "_splitting/_time_levels.py", "+= self.step_w", "+= 0.95 * self.step_w"),
+    "convection along paths": ("square", "_two_dimensional/time_levels.py", "+= self.step_w", "+= 0.95 * self.step_w"),
     "pressure gradient": ("channel", STEP, "x -= dt * gradient", "x -= 0.95 * dt * gradient"),
     "viscosity": ("square", SCHEME, "nu = self.problem", "nu = 0.95 * self.problem"),
     "hoop term of the divergence": ("pipe", COORDINATES, "result = 2.0 * value", "result = 1.9 * value"),

@@ -10,9 +10,9 @@ from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region, box_around
-from tisph.schemes._splitting import BoundedProblem
-from tisph.schemes._splitting._scheme import COURANT, SplittingScheme
-from tisph.schemes._splitting._wall_points import WallPoints
+from tisph.schemes._two_dimensional import BoundedProblem
+from tisph.schemes._two_dimensional.scheme import COURANT, SplittingScheme
+from tisph.schemes._two_dimensional.wall_points import WallPoints
 
 INNER, OUTER, ACROSS = 1.0, 2.0, 12
 VISCOSITY = 0.02

@@ -5,7 +5,7 @@ import pytest
 
 from tisph import config, registry, runtime, scenes
 from tisph.least_squares import operators
-from tisph.schemes._splitting import _wall_points
+from tisph.schemes._two_dimensional import wall_points
 from tisph.simulation.state import start_values
 
 ANNULUS = """
@@ -93,7 +93,7 @@ def test_single_precision_gives_the_same_flow(start, monkeypatch):
     Rounding of 6e-8 in the places, over a spacing of 1/14 or 1/18 and times the rows' largest entries, about 10.
     Measured: velocities 2e-5, forces 1.3e-3, pressure 9e-3; these are divided by the short first steps.
     """
-    monkeypatch.setattr(_wall_points, "BENT", -1.0)
+    monkeypatch.setattr(wall_points, "BENT", -1.0)
     single, double = (stepped(start(precision=precision)) for precision in ("f32", "f64"))
     assert single["t"] == pytest.approx(double["t"], rel=1e-3)  # the step follows the error, which has its own rounding
     for name in ("x", "y", "u", "v"):

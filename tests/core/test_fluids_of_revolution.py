@@ -10,9 +10,9 @@ from tisph.measures.resolution import LARGEST_ADDED_POWER, resolution
 from tisph.rheology import oldroyd_b
 from tisph.runtime import view
 from tisph.scenes import _axisymmetric
-from tisph.schemes import _splitting
+from tisph.schemes import _two_dimensional
 from tisph.schemes._local_newton import SMALL
-from tisph.schemes._splitting._scheme import SplittingScheme
+from tisph.schemes._two_dimensional.scheme import SplittingScheme
 from tisph.simulation.state import start_values
 from tisph.snapshot import STRESSES, STRESSES_AROUND
 
@@ -150,7 +150,7 @@ def test_flow_along_and_around_the_axis_goes_on(tmp_path):
         along, around = (0.5 * flow.shear_rate(y, 0.0) for flow in scene._flows)
         return [np.stack([2 * along**2, along, 0 * y, 2 * around**2, 2 * along * around, around])]
 
-    problem = replace(_splitting._problem(scene), rheology=fluid, initial_conformation_excess=excess)
+    problem = replace(_two_dimensional._problem(scene), rheology=fluid, initial_conformation_excess=excess)
     scheme = SplittingScheme(problem, [0.3], True)
     scheme.start(*start_values(scene, settings.initial))
     while not scheme.finished:

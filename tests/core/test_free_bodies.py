@@ -9,7 +9,7 @@ import pytest
 import tisph
 from tisph.measures.fits import cell_mean
 from tisph.measures.resolution import resolution
-from tisph.schemes._splitting._free_bodies import RESIDUAL
+from tisph.schemes._two_dimensional.free_bodies import RESIDUAL
 
 SHEAR = {
     "name": "free",

@@ -7,7 +7,7 @@ from tisph import registry
 from tisph.errors import ConfigError, DivergedError
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import view
-from tisph.schemes._stages.walls import OBEY_MOMENTUM
+from tisph.schemes._channel.walls import OBEY_MOMENTUM
 
 
 @pytest.mark.parametrize("order", [2, 4])

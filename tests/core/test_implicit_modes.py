@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import view
-from tisph.schemes._stages.stages import B_HAT, GAMMA, A, B
+from tisph.schemes._channel.stages import B_HAT, GAMMA, A, B
 from tisph.schemes._step_control import SAFETY
 
 NU, ROWS = 0.01, 12

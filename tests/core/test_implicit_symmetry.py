@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from implicit_case import IMPLICIT, run
 
-from tisph.schemes._stages.walls import OBEY_MOMENTUM
+from tisph.schemes._channel.walls import OBEY_MOMENTUM
 
 LAST = list(OBEY_MOMENTUM)[-1]
 

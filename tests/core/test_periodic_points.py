@@ -7,7 +7,7 @@ from tisph import runtime
 from tisph.neighbours.point_cloud import PointCloud
 from tisph.periodic import PeriodicDomain
 from tisph.runtime import view
-from tisph.schemes._splitting import PeriodicProblem
+from tisph.schemes._two_dimensional import PeriodicProblem
 
 REACH = 3.0
 

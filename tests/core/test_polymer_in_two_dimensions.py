@@ -21,8 +21,8 @@ from tisph.neighbours.point_cloud import active
 from tisph.rheology import giesekus, oldroyd_b
 from tisph.runtime import view
 from tisph.scenes.annulus import cartesian
-from tisph.schemes._splitting import _viscoelastic_stress
-from tisph.schemes._splitting._wall_points import WallPoints
+from tisph.schemes._two_dimensional import viscoelastic_stress
+from tisph.schemes._two_dimensional.wall_points import WallPoints
 from tisph.simulation import checkpoint
 from tisph.simulation.state import start_values
 
@@ -168,7 +168,7 @@ def test_stress_follows_a_shift():
 
 
 def test_stress_without_resolution_is_named_with_its_place(monkeypatch):
-    monkeypatch.setattr(_viscoelastic_stress, "MAX_LOG_JUMP", 0.5)
+    monkeypatch.setattr(viscoelastic_stress, "MAX_LOG_JUMP", 0.5)
     scheme = started(*make(turning=STILL))
     scheme.polymer.states[:, 0, 7] = 2.0
     place = view(scheme.points.position)[7] + scheme.problem.origin

@@ -7,7 +7,7 @@ import pytest
 from implicit_case import IMPLICIT, fix_steps, run, start_of_layers
 
 from tisph.scenes.channel import Channel
-from tisph.schemes._stages.models import ViscoelasticModel, conformation_excess
+from tisph.schemes._channel.models import ViscoelasticModel, conformation_excess
 
 LIQUID = "fluid={{density: 2.0, kinematic_viscosity: 1.0, rheology: {}}}"
 OLDROYD = LIQUID.format("{type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.1}")

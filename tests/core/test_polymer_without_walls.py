@@ -9,8 +9,8 @@ from tisph import config, registry, runtime, schemes
 from tisph.errors import ConfigError
 from tisph.rheology import oldroyd_b
 from tisph.runtime import view
-from tisph.schemes._splitting import PeriodicProblem
-from tisph.schemes._splitting._scheme import SplittingScheme
+from tisph.schemes._two_dimensional import PeriodicProblem
+from tisph.schemes._two_dimensional.scheme import SplittingScheme
 from tisph.simulation.state import start_values
 
 SPEED, VISCOSITY, END = 1e-6, 0.1, 0.5

@@ -10,7 +10,7 @@ from tisph.errors import ConfigError
 from tisph.exact.start_up import CircularStartUp, ViscoelasticFluid
 from tisph.geometry.motion import Schedule, WallMotion
 from tisph.measures.rheometry import read
-from tisph.schemes._splitting._scheme import SplittingScheme
+from tisph.schemes._two_dimensional.scheme import SplittingScheme
 from tisph.simulation import checkpoint
 
 PULSE = Schedule((0.0, 0.1, 0.1), (1.0, 1.0, 0.0))

@@ -7,8 +7,8 @@ from oracles import oldroyd_b
 
 from tisph import registry, runtime
 from tisph.measures.channel import _slope
-from tisph.schemes._stages.stages import FlowState
-from tisph.schemes._stages.walls import PrescribedWall
+from tisph.schemes._channel.stages import FlowState
+from tisph.schemes._channel.walls import PrescribedWall
 from tisph.simulation.state import start_values
 
 CASE = """

@@ -15,9 +15,10 @@ from tisph.least_squares import operators
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import ti, view
 from tisph.schemes._shifting import SCATTER
-from tisph.schemes._splitting import _scheme, _step_limits
-from tisph.schemes._splitting._corner_singularities import SingularPaths
-from tisph.schemes._splitting._time_levels import VELOCITIES
+from tisph.schemes._two_dimensional import scheme as splitting_scheme
+from tisph.schemes._two_dimensional import step_limits
+from tisph.schemes._two_dimensional.corner_singularities import SingularPaths
+from tisph.schemes._two_dimensional.time_levels import VELOCITIES
 
 
 @pytest.mark.parametrize("jitter", [0.0, 0.35])
@@ -62,7 +63,7 @@ def test_a_flow_in_other_units_is_bitwise_the_same():
         runtime.start("f64", 1)
         units = {"spacing": length / 12, "density": density, "reference_velocity": length / time}
         box = replace(flow(12, 1), kinematic_viscosity=VISCOSITY * length**2 / time, **units)
-        scheme, position = _scheme.SplittingScheme(box, [time], True), arrangement(12, 0.3)
+        scheme, position = splitting_scheme.SplittingScheme(box, [time], True), arrangement(12, 0.3)
         scheme.start(position * length, np.stack(exact(*position.T, 0.0, VISCOSITY)[:2], 1) * length / time)
         for _ in range(8):
             scheme.advance()
@@ -146,7 +147,7 @@ def test_a_coarse_tolerance_makes_fewer_steps_and_larger_errors():
 
 
 def test_a_flow_that_runs_away_stops_with_a_specific_message(monkeypatch):
-    monkeypatch.setattr(_step_limits, "RUNAWAY", 0.5)
+    monkeypatch.setattr(step_limits, "RUNAWAY", 0.5)
     with pytest.raises(DivergedError, match=r"u, v: above 0\.5 times the reference velocity at step 1"):
         make(12).advance()
 
@@ -193,7 +194,7 @@ def bits(scheme, steps):
 def test_places_in_memory_change_nothing_that_is_seen(monkeypatch):
     # but the order of sums, and so their rounding, and what the solvers leave: 1e-10 of velocities, 1e-6 of pressures
     kept = bits(make(24), 20)
-    monkeypatch.setattr(_scheme, "REORDER_INTERVAL", 2)
+    monkeypatch.setattr(splitting_scheme, "REORDER_INTERVAL", 2)
     scheme = make(24)
     tidied = bits(scheme, 20)
     assert np.any(np.diff(active(scheme.levels.number)) != 1)
@@ -202,7 +203,7 @@ def test_places_in_memory_change_nothing_that_is_seen(monkeypatch):
 
 
 def test_a_resumed_run_is_bitwise_reproducible(monkeypatch):
-    monkeypatch.setattr(_scheme, "REORDER_INTERVAL", 4)
+    monkeypatch.setattr(splitting_scheme, "REORDER_INTERVAL", 4)
     scheme = make(24)
     bits(scheme, 6)
     host = json.loads(json.dumps(scheme.host_state()))

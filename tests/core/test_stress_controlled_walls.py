@@ -7,7 +7,7 @@ import pytest
 from implicit_case import channel_of, layers, run
 
 from tisph import registry, runtime
-from tisph.schemes._stages.stress_controlled import MasslessWall
+from tisph.schemes._channel.stress_controlled import MasslessWall
 from tisph.simulation.state import start_values
 
 CASE = """

@@ -9,8 +9,8 @@ import vortex_case
 
 from tisph import runtime
 from tisph.rheology import carreau_yasuda, power_law
-from tisph.schemes._splitting import PeriodicProblem
-from tisph.schemes._splitting._scheme import SplittingScheme
+from tisph.schemes._two_dimensional import PeriodicProblem
+from tisph.schemes._two_dimensional.scheme import SplittingScheme
 
 TURNING = (1.0, 0.0)
 

@@ -7,7 +7,7 @@ from implicit_case import IMPLICIT, SLOW, run
 from tisph.least_squares import operators
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import real, ti, view
-from tisph.schemes.implicit import _operators
+from tisph.schemes._channel import operators as _operators
 from tisph.simulation import checkpoint
 from tisph.solvers.auxiliary_grid import DirichletGrid
 

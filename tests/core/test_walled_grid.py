@@ -6,7 +6,7 @@ from annulus_case import INNER, OUTER, make, run
 
 from tisph import runtime
 from tisph.runtime import view
-from tisph.schemes._splitting._scheme import SplittingScheme
+from tisph.schemes._two_dimensional.scheme import SplittingScheme
 
 
 def started():

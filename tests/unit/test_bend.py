@@ -8,7 +8,7 @@ import pytest
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.polygon import Polygon
-from tisph.schemes._splitting._wall_points import WallPoints
+from tisph.schemes._two_dimensional.wall_points import WallPoints
 
 
 def test_operators_use_polar_coordinates_near_curved_walls_only():

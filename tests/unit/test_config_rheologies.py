@@ -10,7 +10,7 @@ import pytest
 from tisph import registry, schemes
 from tisph.config import load
 from tisph.errors import ConfigError
-from tisph.schemes import _splitting
+from tisph.schemes import _two_dimensional
 
 RHEOLOGIES = {
     "giesekus": "{type: giesekus, relaxation_time: 1.0, solvent_fraction: 0.5, mobility: 0.2}",
@@ -69,7 +69,7 @@ IN_TWO_DIMENSIONS = ["shear_layer", "circular_couette", "cylinder_lattice", "cyl
 def test_fluids_of_varying_viscosity_are_served_in_two_dimensions(flow, name):
     """Their law reaches the problem that is solved, with the density by which a yield stress is divided."""
     config = changed(flow, f"fluid.rheology={RHEOLOGIES[name]}", "fluid.density=2.0")
-    problem = _splitting._problem(registry.load("scenes", config.scene).Scene.from_config(config))
+    problem = _two_dimensional._problem(registry.load("scenes", config.scene).Scene.from_config(config))
     assert problem.rheology == config.fluid.rheology
     assert (problem.density, problem.solvent_viscosity) == (2.0, 0.0)
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tisph.schemes._stages import stages
-from tisph.schemes._stages.stages import GAMMA
+from tisph.schemes._channel import stages
+from tisph.schemes._channel.stages import GAMMA
 
 A, B, C, B_HAT = (np.array(numbers) for numbers in (stages.A, stages.B, stages.C, stages.B_HAT))
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tisph.exact.sliding_corner import CornerSingularity
-from tisph.schemes._splitting._corner_singularities import CornerSingularities
+from tisph.schemes._two_dimensional.corner_singularities import CornerSingularities
 
 NU, SPEED = 0.01, 1.3
 WAYS = np.eye(2)

@@ -23,7 +23,7 @@ from tisph.report.overlays import BodyTracks, Solids, Tracks
 from tisph.report.plots import history_figure
 from tisph.results._results import Trajectories as Read
 from tisph.scenes import _suspension_stress
-from tisph.schemes._splitting._free_bodies import Contact
+from tisph.schemes._two_dimensional.free_bodies import Contact
 from tisph.simulation.recording import _steady
 from tisph.simulation.state import start_snapshot, start_values
 from tisph.snapshot import Bodies

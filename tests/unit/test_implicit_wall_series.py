@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tisph.geometry.motion import WallMotion
-from tisph.schemes._stages.walls import CoupledWall, PrescribedWall
+from tisph.schemes._channel.walls import CoupledWall, PrescribedWall
 
 NU, FREQUENCY, TIME = 0.02, 3.0, 0.7
 SWINGING, STILL = WallMotion(1.0, 0.5, FREQUENCY), WallMotion(0.0)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tisph.schemes._splitting._wall_boundary import scatter
+from tisph.schemes._two_dimensional.wall_boundary import scatter
 
 
 def test_a_cubic_force_over_uneven_steps_has_no_scatter():

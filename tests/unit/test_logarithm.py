@@ -6,7 +6,7 @@ from scipy.linalg import expm, expm_frechet
 
 from tisph import registry
 from tisph.schemes._local_newton import SMALL, eliminate, matrix
-from tisph.schemes._splitting._log_conformation import conformation_excess, logarithm, rate
+from tisph.schemes._two_dimensional.log_conformation import conformation_excess, logarithm, rate
 
 LAWS = {
     "oldroyd_b": {},

@@ -6,7 +6,7 @@ from polymer_laws import KINDS, TIME, law
 from scipy.linalg import expm, expm_frechet
 
 from tisph.schemes._local_newton import SMALL, matrix
-from tisph.schemes._splitting._log_conformation_with_swirl import PLACES, conformation_excess, logarithm, rate
+from tisph.schemes._two_dimensional.log_conformation_with_swirl import PLACES, conformation_excess, logarithm, rate
 
 SIZES = 0.0, 1e-4, 0.02, 0.5, 2.0
 """Of P: both sides of where series give way to functions, differences of 1e-3."""

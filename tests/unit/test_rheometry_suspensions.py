@@ -14,7 +14,7 @@ from tisph.measures.rheometry import read
 from tisph.measures.viscometers import batch_means
 from tisph.report import plots as report
 from tisph.scenes._suspension_stress import BODIES, CONTACTS, WALLS, columns, stresses
-from tisph.schemes._splitting._free_bodies import Contact
+from tisph.schemes._two_dimensional.free_bodies import Contact
 from tisph.simulation.state import start_snapshot, start_values
 from tisph.snapshot import Bodies
 

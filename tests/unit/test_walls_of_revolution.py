@@ -6,7 +6,7 @@ import pytest
 
 from tisph import scenes
 from tisph.config import load
-from tisph.schemes._splitting._wall_points import WallsOfRevolution
+from tisph.schemes._two_dimensional.wall_points import WallsOfRevolution
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 

@@ -3,7 +3,7 @@
 In a plane flow on the lattice all particles of a layer do the same. With one velocity for each layer, the operators,
 walls, start and step control of the implicit scheme are those of the run at a thousandth of its cost, and the exact
 solution is known: so the error and the number of steps of every sample are computed, not guessed. The stages are those
-of ``schemes/_stages``; the operators of the layers are matrices. Layers know nothing of disordered particles and of
+of ``schemes/_channel``; the operators of the layers are matrices. Layers know nothing of disordered particles and of
 single precision. Of such runs, of the explicit scheme and of two-dimensional flows no error is stated before the run;
 ``tisph run --estimate-error`` states one.
 
@@ -19,9 +19,8 @@ import numpy as np
 
 from tisph.least_squares import SUPPORT
 from tisph.measures.metrics import relative_error, rms_error
-from tisph.schemes._protocol import SampleEstimate
-from tisph.schemes._stages.models import model_of
-from tisph.schemes._stages.stages import (
+from tisph.schemes._channel.models import model_of
+from tisph.schemes._channel.stages import (
     EMBEDDED_ORDER,
     SOLVER_TOLERANCE,
     WORST,
@@ -31,7 +30,8 @@ from tisph.schemes._stages.stages import (
     stages_of,
     stress_excess,
 )
-from tisph.schemes._stages.wall_pair import WallPair, apply_impulse
+from tisph.schemes._channel.wall_pair import WallPair, apply_impulse
+from tisph.schemes._protocol import SampleEstimate
 from tisph.schemes._step_control import steps_between
 from tisph.schemes._time_step import limits_of, sound_speed_of
 
@@ -299,7 +299,7 @@ class ImplicitLayers:
 
 
 class LayerOperators:
-    """``ClosedOperators`` of ``schemes/_stages/stages.py``, of an ``order``, on layers at ``heights``."""
+    """``ClosedOperators`` of ``schemes/_channel/stages.py``, of an ``order``, on layers at ``heights``."""
 
     def __init__(self, channel, order, even_reflection):
         rows, spacing = channel.rows, channel.spacing

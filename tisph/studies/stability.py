@@ -17,7 +17,7 @@ import numpy as np
 from tisph.config import load
 from tisph.equation_of_state import SCALE_RATIO, Tait, sound_speed
 from tisph.errors import ConfigError
-from tisph.schemes._stages.walls import OBEY_MOMENTUM
+from tisph.schemes._channel.walls import OBEY_MOMENTUM
 from tisph.schemes._time_step import AUTO_CFL
 from tisph.schemes.auto import ELASTIC_STEPS
 from tisph.schemes.implicit import LARGEST_STRAIN

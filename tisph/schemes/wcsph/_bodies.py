@@ -16,7 +16,7 @@ from tisph.measures.fits import local_fits, parts, periodic_tree, with_walls
 from tisph.periodic import PeriodicDomain
 from tisph.runtime import view
 from tisph.schemes import AROUND_BODIES
-from tisph.schemes._splitting._wall_points import WallPoints
+from tisph.schemes._two_dimensional.wall_points import WallPoints
 from tisph.schemes.wcsph._boundaries import PeriodicBoundaries
 from tisph.snapshot import Bodies
 

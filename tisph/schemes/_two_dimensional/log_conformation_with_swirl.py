@@ -7,7 +7,7 @@ In the axes of P, where it has p_i and the velocity gradient L the symmetric par
 z coth(z/2) being 2 where z is 0, and relaxation R adds R_ii/exp(p_i). A change V of P changes exp P, in the same axes,
 by V_ij (exp p_i - exp p_j)/(p_i - p_j) (Yu. L. Daleckii and S. G. Krein, 1965). That is what complex steps are answered
 with, for a complex P has no such axes; those of ``rate`` are by differences, since Newton's method alone needs them.
-Sources: as of ``_log_conformation``.
+Sources: as of ``log_conformation``.
 """
 
 import numpy as np

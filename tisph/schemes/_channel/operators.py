@@ -12,7 +12,7 @@ import numpy as np
 from tisph.least_squares.operators import FEW
 from tisph.neighbours.point_cloud import LANES
 from tisph.runtime import holding, real, scalar, ti, view
-from tisph.schemes._stages.stages import even_fit, polynomial_fit, stress_excess
+from tisph.schemes._channel.stages import even_fit, polynomial_fit, stress_excess
 from tisph.solvers.bicgstab import BiCGStab
 
 ROUGH = 3.0
@@ -27,7 +27,7 @@ IDENTICAL = 1e-9
 
 @ti.data_oriented
 class ClosedParticleOperators:
-    """``ClosedOperators`` of ``schemes/_stages/stages.py`` on the particles of a ``channel``; arrays are (fluid,).
+    """``ClosedOperators`` of ``schemes/_channel/stages.py`` on the particles of a ``channel``; arrays are (fluid,).
 
     ``coupled``: whether there is an extra stress.
     """

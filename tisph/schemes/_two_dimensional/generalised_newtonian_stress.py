@@ -21,7 +21,7 @@ is not 0 as that of a constant viscosity. Written as a divergence it would be un
 return undiminished from one outer iteration to the next.
 
 In axisymmetric flow with swirl the components of 2 D that are odd in r are divided by it, and that of r and the
-direction t around the axis by r^2, so that all are even and the operators of ``_coordinates`` hold:
+direction t around the axis by r^2, so that all are even and the operators of ``coordinates`` hold:
 
     xx 2 du/dx,   xr/r du/ds + dV/dx,   rr 2 (V + r^2 dV/ds),   tt 2 V,   xt/r dW/dx,   rt/r^2 dW/ds.
 
@@ -36,7 +36,7 @@ import numpy as np
 
 from tisph.runtime import real, ti, view
 from tisph.schemes._local_newton import SMALL
-from tisph.schemes._splitting._time_levels import gradients
+from tisph.schemes._two_dimensional.time_levels import gradients
 
 XX, XR, RR, TT, XT, RT = range(6)
 """Components of revolution."""

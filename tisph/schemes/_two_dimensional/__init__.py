@@ -9,9 +9,9 @@ import numpy as np
 
 from tisph.geometry.region import Box, box_around
 from tisph.schemes._protocol import SampleEstimate
-from tisph.schemes._splitting._step_limits import FIRST, TOLERANCE, courant_speed, viscous_step
-from tisph.schemes._splitting._wall_points import WallPoints, WallsOfRevolution
 from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR
+from tisph.schemes._two_dimensional.step_limits import FIRST, TOLERANCE, courant_speed, viscous_step
+from tisph.schemes._two_dimensional.wall_points import WallPoints, WallsOfRevolution
 
 CROWDING = 1.6
 
@@ -109,7 +109,7 @@ class _Problem(Box):
         return self.rheology is not None and self.rheology.carries_stress
 
     def unknowns(self, velocity, y):
-        """Return the unknowns of the scheme for ``velocity`` (n, components) at y (n,), see ``_coordinates.py``."""
+        """Return the unknowns of the scheme for ``velocity`` (n, components) at y (n,), see ``coordinates.py``."""
         return velocity / _factors(y) if self.axisymmetric else velocity
 
     def velocities(self, unknowns, y):
@@ -156,12 +156,12 @@ class BoundedProblem(_Problem):
 
 def scheme(config, scene, targets, serial):
     """Return the ``SplittingScheme`` of a scene."""
-    from tisph.schemes._splitting._scheme import SplittingScheme  # imports Taichi
+    from tisph.schemes._two_dimensional.scheme import SplittingScheme  # imports Taichi
 
     tolerance, courant = _steps(config)
     built = SplittingScheme(_problem(scene), targets, serial, tolerance, courant)
     if scene.kept_mean_velocity is not None:
-        from tisph.schemes._splitting._mean_velocity import MeanVelocityControl
+        from tisph.schemes._two_dimensional.mean_velocity import MeanVelocityControl
 
         built.splitting.mean_velocity = MeanVelocityControl(scene, built.wall_boundary, built.splitting)
     return built

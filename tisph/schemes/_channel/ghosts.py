@@ -13,7 +13,7 @@ Smoothed Particle Hydrodynamics", slides 4 and 6, second way, whose fit is linea
 needs the curvature right).
 
 At a massless stress-controlled wall it is the slope that is known, and the even terms cancel: ``even_reflection``, see
-``schemes/_stages/stress_controlled.py``. The series is then one of odd powers.
+``schemes/_channel/stress_controlled.py``. The series is then one of odd powers.
 
 Ghosts are few: except for the values that each iteration of a solver needs, NumPy computes all of them at once.
 """

@@ -14,8 +14,8 @@ import numpy as np
 
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import real, ti, view
-from tisph.schemes._stages.stages import B, C, FlowState, stages_of
-from tisph.schemes._stages.wall_pair import apply_impulse
+from tisph.schemes._channel.stages import B, C, FlowState, stages_of
+from tisph.schemes._channel.wall_pair import apply_impulse
 
 TOGETHER = 2**20
 """Positions of particles at various times that are looked at together."""

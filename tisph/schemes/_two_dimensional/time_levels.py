@@ -9,7 +9,7 @@ import numpy as np
 
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import holding, real, scalar, ti, view
-from tisph.schemes._splitting._coordinates import Coordinates
+from tisph.schemes._two_dimensional.coordinates import Coordinates
 
 VELOCITIES, PRESSURES = 4, 2
 """Number of time levels: at the end of the last step, and of those before."""

@@ -1,6 +1,6 @@
 """Walls and the images beyond them: the Taylor series of velocity and stress at the wall.
 
-Images have twice the even part of the velocity's series less that of their source (``schemes/implicit/_ghosts.py``):
+Images have twice the even part of the velocity's series less that of their source (``schemes/_channel/ghosts.py``):
 2 U, and by the momentum equation at the wall u_yy = (U' - g - S_y)/nu_s and u_yyyy. With an extra stress S the slopes
 of its states C obey the derivative of the law there,
 
@@ -13,7 +13,7 @@ stages, extrapolated from the last two steps. The image of the stress is S_I = S
 
 import numpy as np
 
-from tisph.schemes._stages.stages import GAMMA, A, C, weighted
+from tisph.schemes._channel.stages import GAMMA, A, C, weighted
 
 OBEY_MOMENTUM = {"comoving_image": False, "consistent_image": True, "virtual_image": False}
 """Treatments that the implicit scheme serves, and whether their series follow from the momentum equation."""

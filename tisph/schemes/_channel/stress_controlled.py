@@ -27,8 +27,8 @@ import math
 import numpy as np
 
 from tisph.errors import DivergedError
-from tisph.schemes._stages.stages import DEFECT, GAMMA, A, B, weighted
-from tisph.schemes._stages.walls import CoupledWall, WallSystem
+from tisph.schemes._channel.stages import DEFECT, GAMMA, A, B, weighted
+from tisph.schemes._channel.walls import CoupledWall, WallSystem
 
 MOST_ITERATIONS = 60
 ROUND_OFF = 1e-13

@@ -20,9 +20,9 @@ does not depend, and the polymer is still at rest.
 
 import numpy as np
 
-from tisph.schemes._stages.stages import C
-from tisph.schemes._stages.stress_controlled import InertialWall, MasslessWall, one_sided
-from tisph.schemes._stages.walls import OBEY_MOMENTUM, CoupledWall, PrescribedWall
+from tisph.schemes._channel.stages import C
+from tisph.schemes._channel.stress_controlled import InertialWall, MasslessWall, one_sided
+from tisph.schemes._channel.walls import OBEY_MOMENTUM, CoupledWall, PrescribedWall
 
 
 class WallPair:

@@ -2,10 +2,10 @@
 
 The velocities obey u' = nu A u + what walls and drive give, A being least-squares rows of order 2 or 4 in the
 arrangement of the middle of a step (``tisph/least_squares``), closed by ghosts beyond the walls (``_ghosts.py``), and
-are advanced by an implicit method of third order with an error estimate (``schemes/_stages``).
+are advanced by an implicit method of third order with an error estimate (``schemes/_channel``).
 
 Such a flow is parallel: the velocities across the channel are 0, and the pressure is constant. In two-dimensional flow
-pressure and motion are of third order in time, too: ``tisph/schemes/_splitting``.
+pressure and motion are of third order in time, too: ``tisph/schemes/_two_dimensional``.
 """
 
 import math
@@ -16,7 +16,7 @@ from pydantic import Field
 from tisph.config.base import Model
 from tisph.least_squares import SKIN, SUPPORT
 from tisph.schemes import unsupported
-from tisph.schemes._stages.walls import OBEY_MOMENTUM
+from tisph.schemes._channel.walls import OBEY_MOMENTUM
 from tisph.schemes._step_control import StepControl
 
 PERIODIC = [(True, False), (True, True), (False, False)]
@@ -56,10 +56,10 @@ class Parameters(Model):
 def build(config, scene, targets, serial):
     """Return the scheme of a scene, that of parallel flow where it is parallel."""
     if not scene.parallel:
-        from tisph.schemes import _splitting
+        from tisph.schemes import _two_dimensional
 
-        return _splitting.scheme(config, scene, targets, serial)
-    from tisph.schemes.implicit._scheme import ChannelScheme
+        return _two_dimensional.scheme(config, scene, targets, serial)
+    from tisph.schemes._channel.scheme import ChannelScheme
 
     return ChannelScheme(config, scene, control(config, scene, targets), serial)
 
@@ -93,9 +93,9 @@ def coarsen_steps(config, factor):
     if tolerance == "auto":
         tolerance = TOLERANCE
         if turns:
-            from tisph.schemes import _splitting
+            from tisph.schemes import _two_dimensional
 
-            tolerance = _splitting.TOLERANCE
+            tolerance = _two_dimensional.TOLERANCE
     time = {"tolerance": min(tolerance * factor ** (4 if turns else 3), LARGEST_TOLERANCE)}
     strain = {"largest_strain": min(config.scheme.largest_strain * factor, LARGEST_STRAIN)}
     changed = {"time": config.time.model_copy(update=time), "scheme": config.scheme.model_copy(update=strain)}
@@ -140,9 +140,9 @@ def _problems_without_walls(config):
 def estimates(config, scene):
     """Return the estimates of a run of this scheme for ``tisph check``."""
     if not scene.parallel:
-        from tisph.schemes import _splitting
+        from tisph.schemes import _two_dimensional
 
-        return _splitting.estimates(config, scene)
+        return _two_dimensional.estimates(config, scene)
     from tisph.schemes._estimate import implicit
 
     return implicit(config, scene, control(config, scene, sorted({*config.time.samples, config.time.end})))

@@ -3,7 +3,7 @@
 Backward differences of the logarithm P of the conformation tensor, of the same order and for the same steps dt as those
 of the velocities,
 
-    gamma_0 P = sum_q alpha_q P^(n+1-q) + dt F(P, L),    L = grad u, F as in ``_log_conformation.py``,
+    gamma_0 P = sum_q alpha_q P^(n+1-q) + dt F(P, L),    L = grad u, F as in ``log_conformation.py``,
 
 are solved particle by particle for given L. At rest a small change of L changes the stress S by 2 nu* D, with
 D = (L + L^T)/2 and
@@ -43,9 +43,9 @@ import numpy as np
 from tisph.errors import DivergedError
 from tisph.runtime import real, ti, view
 from tisph.schemes._local_newton import SMALL, Modes, matrix, solve
-from tisph.schemes._splitting import _log_conformation, _log_conformation_with_swirl
-from tisph.schemes._splitting._log_conformation_with_swirl import ModesWithSwirl, change_of_logarithm
-from tisph.schemes._splitting._time_levels import ORDER, gradients, transfer
+from tisph.schemes._two_dimensional import log_conformation, log_conformation_with_swirl
+from tisph.schemes._two_dimensional.log_conformation_with_swirl import ModesWithSwirl, change_of_logarithm
+from tisph.schemes._two_dimensional.time_levels import ORDER, gradients, transfer
 
 MAX_LOG_JUMP = 5.0
 """Change of P within a spacing above which a run stops: A changes 150-fold from one particle to the next."""
@@ -71,9 +71,9 @@ class Components(NamedTuple):
 
 
 COMPONENTS = {
-    "planar": Components(4, 3, (), _log_conformation, Modes),
-    "axisymmetric": Components(5, 4, ((XR, 1),), _log_conformation, Modes),
-    "with swirl": Components(7, 6, ((XR, 1), (XT, 1), (RT, 2)), _log_conformation_with_swirl, ModesWithSwirl),
+    "planar": Components(4, 3, (), log_conformation, Modes),
+    "axisymmetric": Components(5, 4, ((XR, 1),), log_conformation, Modes),
+    "with swirl": Components(7, 6, ((XR, 1), (XT, 1), (RT, 2)), log_conformation_with_swirl, ModesWithSwirl),
 }
 
 

@@ -18,15 +18,15 @@ from tisph.periodic import PeriodicDomain
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._shifting import TRAVEL, FickianShifting
-from tisph.schemes._splitting import _step_limits as limits
-from tisph.schemes._splitting._coupling import Coupling
-from tisph.schemes._splitting._free_bodies import RESIDUAL
-from tisph.schemes._splitting._generalised_newtonian_stress import GeneralisedNewtonianStress
-from tisph.schemes._splitting._splitting_step import SplittingStep
-from tisph.schemes._splitting._time_levels import PRESSURES, VELOCITIES, TimeLevels, TimeWeights
-from tisph.schemes._splitting._viscoelastic_stress import ViscoelasticStress
-from tisph.schemes._splitting._wall_boundary import WallBoundary
-from tisph.schemes._splitting._wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
+from tisph.schemes._two_dimensional import step_limits as limits
+from tisph.schemes._two_dimensional.coupling import Coupling
+from tisph.schemes._two_dimensional.free_bodies import RESIDUAL
+from tisph.schemes._two_dimensional.generalised_newtonian_stress import GeneralisedNewtonianStress
+from tisph.schemes._two_dimensional.splitting_step import SplittingStep
+from tisph.schemes._two_dimensional.time_levels import PRESSURES, VELOCITIES, TimeLevels, TimeWeights
+from tisph.schemes._two_dimensional.viscoelastic_stress import ViscoelasticStress
+from tisph.schemes._two_dimensional.wall_boundary import WallBoundary
+from tisph.schemes._two_dimensional.wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
 from tisph.snapshot import STRESSES, STRESSES_AROUND, Snapshot
 from tisph.solvers.auxiliary_grid import PeriodicGrid, WalledGrid
 

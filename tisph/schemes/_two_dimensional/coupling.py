@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from tisph.runtime import view
-from tisph.schemes._splitting._free_bodies import MOST_ITERATIONS
+from tisph.schemes._two_dimensional.free_bodies import MOST_ITERATIONS
 
 
 class Coupling:

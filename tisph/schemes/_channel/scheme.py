@@ -10,16 +10,16 @@ from tisph.least_squares import SKIN, SUPPORT
 from tisph.least_squares.operators import LeastSquaresOperators
 from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.runtime import view
+from tisph.schemes._channel.field import VelocityField
+from tisph.schemes._channel.ghosts import FixedGhosts, MirrorGhosts
+from tisph.schemes._channel.models import model_of
+from tisph.schemes._channel.operators import ClosedParticleOperators
+from tisph.schemes._channel.stages import EMBEDDED_ORDER, SOLVER_TOLERANCE, WORST
+from tisph.schemes._channel.step import DenseOutput, ImplicitStep, Motion, WallForce
+from tisph.schemes._channel.wall_pair import WallPair
 from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._momentum import MomentumBalance
 from tisph.schemes._shifting import OverlapShifting
-from tisph.schemes._stages.models import model_of
-from tisph.schemes._stages.stages import EMBEDDED_ORDER, SOLVER_TOLERANCE, WORST
-from tisph.schemes._stages.wall_pair import WallPair
-from tisph.schemes.implicit._field import VelocityField
-from tisph.schemes.implicit._ghosts import FixedGhosts, MirrorGhosts
-from tisph.schemes.implicit._operators import ClosedParticleOperators
-from tisph.schemes.implicit._step import DenseOutput, ImplicitStep, Motion, WallForce
 from tisph.snapshot import STRESSES, Snapshot
 
 RESOLVED = 2.0

@@ -12,7 +12,7 @@ import numpy as np
 
 from tisph.exact.sliding_corner import DEGREE
 from tisph.runtime import holding, integer, real, ti, view
-from tisph.schemes._splitting._time_levels import VELOCITIES
+from tisph.schemes._two_dimensional.time_levels import VELOCITIES
 
 PARTS = 2
 """Of a step, in each of which the path of a particle is found by the classical Runge-Kutta method; far from corners

@@ -20,10 +20,10 @@ import numpy as np
 
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import holding, real, scalar, ti, view
-from tisph.schemes._splitting._corner_singularities import CornerSingularities
-from tisph.schemes._splitting._free_bodies import FreeBodies
-from tisph.schemes._splitting._time_levels import VELOCITIES
-from tisph.schemes._splitting._wall_points import POINT_SUPPORT
+from tisph.schemes._two_dimensional.corner_singularities import CornerSingularities
+from tisph.schemes._two_dimensional.free_bodies import FreeBodies
+from tisph.schemes._two_dimensional.time_levels import VELOCITIES
+from tisph.schemes._two_dimensional.wall_points import POINT_SUPPORT
 from tisph.snapshot import Bodies
 
 LOAD_STEPS = 12

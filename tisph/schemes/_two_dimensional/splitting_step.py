@@ -17,8 +17,8 @@ import math
 import numpy as np
 
 from tisph.runtime import holding, real, scalar, ti, view
-from tisph.schemes._splitting._free_bodies import MOST_ITERATIONS
-from tisph.schemes._splitting._time_levels import PRESSURES, VELOCITIES, gradients
+from tisph.schemes._two_dimensional.free_bodies import MOST_ITERATIONS
+from tisph.schemes._two_dimensional.time_levels import PRESSURES, VELOCITIES, gradients
 from tisph.solvers.bicgstab import BiCGStab
 from tisph.solvers.two_level import TwoLevel
 

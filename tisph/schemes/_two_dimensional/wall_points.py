@@ -4,7 +4,7 @@ The points are neighbours of known velocity, there are no ghosts. Near walls the
 only a part of a disc around a particle holds any fluid: without that they are unstable.
 
 Walls of axisymmetric flow are curves in the half-plane y >= 0, each that of a surface of revolution around y = 0.
-Velocities are the unknowns of ``_coordinates``: u, v/r and w/r. The part of a wall in the other half-plane is no wall
+Velocities are the unknowns of ``coordinates``: u, v/r and w/r. The part of a wall in the other half-plane is no wall
 to the fluid: points are those with y > 0.
 """
 

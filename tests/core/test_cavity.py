@@ -89,7 +89,7 @@ def test_output_between_steps_lies_on_the_paths():
 def test_paths_past_corners_follow_their_flow():
     """The flow in the corners moves particles as an integrator with the exact formulas does, on and back."""
     scheme = started(cavity(12, 100.0), 0.5, 0.3)
-    corners, length = scheme.wall_boundary.corners, 0.02
+    corners, length = scheme.boundary.corners, 0.02
     places = view(scheme.levels.position)[: scheme.problem.n_fluid].astype(float)
     for sign in (1.0, -1.0):
         found = corners.paths.find(lambda part: np.zeros(4), sign * length)

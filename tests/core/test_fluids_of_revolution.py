@@ -111,7 +111,7 @@ def test_force_of_a_stress_is_its_divergence(tmp_path, turning):
     changes = SPUN if turning else DRIVEN
     _, scheme = started(tmp_path, GIESEKUS, changes)
     points = slice(scheme.points.fluid)
-    polymer, count = scheme.polymer, scheme.polymer.stress_numbers
+    polymer, count = scheme.extra_stress, scheme.extra_stress.stress_numbers
     scheme.assemble(scheme.time)
     x, y = view(scheme.points.position)[points].T + np.array(scheme.problem.origin)[:, None]
 

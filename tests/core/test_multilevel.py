@@ -19,9 +19,9 @@ def laplacian(scheme, values):
 
 def solve_pressure(scheme, source, tolerance):
     """Solve -L x = source from 0; return the solution and the iterations."""
-    solver, fluid = scheme.splitting.pressure, scheme.points.fluid
+    solver, fluid = scheme.equations.pressure, scheme.points.fluid
     view(solver.b)[:fluid], view(solver.x)[:fluid] = source, 0.0
-    assert scheme.splitting.solve_pressure(tolerance)
+    assert scheme.equations.solve_pressure(tolerance)
     return view(solver.x)[:fluid].copy(), solver.iterations
 
 
@@ -37,9 +37,9 @@ def test_what_is_found_solves_the_system_but_for_a_constant():
 @pytest.mark.parametrize("rough", [False, True])
 def test_viscous_system(rough):
     scheme = make(24)
-    solver, known = scheme.splitting.velocity, np.random.default_rng(1).normal(size=(576, 2))
+    solver, known = scheme.equations.velocity, np.random.default_rng(1).normal(size=(576, 2))
     view(solver.b)[:576], view(solver.x)[:576] = known, 0.0
-    assert solver.solve(0.01, 1e-10, 2.0, None if rough else scheme.splitting.for_velocity)
+    assert solver.solve(0.01, 1e-10, 2.0, None if rough else scheme.equations.for_velocity)
     for component in range(2):
         found = view(solver.x)[:576, component].copy()
         left = known[:, component] - 2.0 * found + 0.01 * laplacian(scheme, found)
@@ -48,15 +48,15 @@ def test_viscous_system(rough):
 
 def test_what_moves_along_x_alone_does_so_on_the_nodes_too():
     scheme = make(24)
-    solver, known = scheme.splitting.velocity, np.random.default_rng(1).normal(size=(576, 2)) * [1.0, 0.0]
+    solver, known = scheme.equations.velocity, np.random.default_rng(1).normal(size=(576, 2)) * [1.0, 0.0]
     view(solver.b)[:576], view(solver.x)[:576] = known, 0.0
-    assert solver.solve(1.0, 1e-10, 2.0, scheme.splitting.for_velocity)
+    assert solver.solve(1.0, 1e-10, 2.0, scheme.equations.for_velocity)
     assert np.array_equal(view(solver.x)[:576, 1], np.zeros(576))
 
 
 def test_iterations_are_pairs_of_cycles(monkeypatch):
     scheme, cycles = make(24), []
-    preconditioner = scheme.splitting.for_pressure
+    preconditioner = scheme.equations.for_pressure
     whole = preconditioner.apply
     monkeypatch.setattr(preconditioner, "apply", lambda: cycles.append(whole()))
     _, iterations = solve_pressure(scheme, np.random.default_rng(0).normal(size=576), 1e-6)
@@ -77,10 +77,10 @@ def test_iterations_do_not_grow_with_the_number_of_particles():
 
 def test_viscous_iterations_do_not_grow_with_the_viscous_number():
     scheme = make(24)
-    solver, known = scheme.splitting.velocity, np.random.default_rng(3).normal(size=(576, 2))
+    solver, known = scheme.equations.velocity, np.random.default_rng(3).normal(size=(576, 2))
     counts = []
     for viscous_number in (1.0, 10.0, 100.0, 1e4):
         view(solver.b)[:576], view(solver.x)[:576] = known, 0.0
-        assert solver.solve(viscous_number / 24**2, 1e-10, 1.0, scheme.splitting.for_velocity)
+        assert solver.solve(viscous_number / 24**2, 1e-10, 1.0, scheme.equations.for_velocity)
         counts.append(solver.iterations)
     assert max(counts) < 12

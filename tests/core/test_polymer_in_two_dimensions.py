@@ -93,7 +93,7 @@ def test_stress_at_rest_relaxes_and_pushes_nothing():
     flow, places = make(turning=STILL)
     scheme = started(flow, places)
     logarithm = logm([[1.3, 0.1], [0.1, 0.8]])
-    scheme.polymer.states[:] = logarithm[[0, 0, 1], [0, 1, 1]][:, None]
+    scheme.extra_stress.states[:] = logarithm[[0, 0, 1], [0, 1, 1]][:, None]
     while not scheme.finished:
         scheme.advance()
     expected = 0.9 * np.array([0.3, 0.1, -0.2]) * math.exp(-scheme.time)
@@ -154,7 +154,7 @@ def test_stress_follows_a_shift():
     # a quadratic field, but for what polar rows near the cylinders leave of it: measured 4.5e-6 of values up to 4
     flow, places = make()
     scheme = started(flow, places)
-    polymer, liquid = scheme.polymer, flow.n_fluid
+    polymer, liquid = scheme.extra_stress, flow.n_fluid
     scheme.assemble(scheme.time)
     place = view(scheme.points.position)[: flow.particles].copy()
     field = lambda at: 1.0 + 2.0 * at[:, 0] - at[:, 0] * at[:, 1] + 0.5 * at[:, 1] ** 2  # noqa: E731
@@ -170,7 +170,7 @@ def test_stress_follows_a_shift():
 def test_stress_without_resolution_is_named_with_its_place(monkeypatch):
     monkeypatch.setattr(viscoelastic_stress, "MAX_LOG_JUMP", 0.5)
     scheme = started(*make(turning=STILL))
-    scheme.polymer.states[:, 0, 7] = 2.0
+    scheme.extra_stress.states[:, 0, 7] = 2.0
     place = view(scheme.points.position)[7] + scheme.problem.origin
     with pytest.raises(DivergedError, match="changes more than 2-fold within a particle spacing") as error:
         scheme.advance()
@@ -183,13 +183,13 @@ def test_samples_say_how_steep_the_stress_is():
     flow, places = make(turning=STILL)
     scheme = started(flow, places)
     place = view(scheme.points.position)[: flow.particles]
-    scheme.polymer.states[:, 0] = 2.0 * place[:, 0]
-    scheme.polymer.states[:, 1] = place[:, 1]
-    scheme.polymer.level_gradients()
-    assert scheme.polymer.log_jump()[0] == pytest.approx(
+    scheme.extra_stress.states[:, 0] = 2.0 * place[:, 0]
+    scheme.extra_stress.states[:, 1] = place[:, 1]
+    scheme.extra_stress.level_gradients()
+    assert scheme.extra_stress.log_jump()[0] == pytest.approx(
         math.sqrt(6.0) * flow.spacing, rel=6e-5
     )  # (reach/radius)^5/120
-    scheme.polymer.begin()
+    scheme.extra_stress.begin()
     scheme.advance()
     assert scheme.snapshot().steepest[0] < 1e-9
 

@@ -14,9 +14,9 @@ from tisph.exact.sliding_corner import DEGREE
 from tisph.least_squares import operators
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import ti, view
+from tisph.schemes import _two_dimensional
 from tisph.schemes._shifting import SCATTER
 from tisph.schemes._two_dimensional import scheme as splitting_scheme
-from tisph.schemes._two_dimensional import step_limits
 from tisph.schemes._two_dimensional.corner_singularities import SingularPaths
 from tisph.schemes._two_dimensional.time_levels import VELOCITIES
 
@@ -147,7 +147,7 @@ def test_a_coarse_tolerance_makes_fewer_steps_and_larger_errors():
 
 
 def test_a_flow_that_runs_away_stops_with_a_specific_message(monkeypatch):
-    monkeypatch.setattr(step_limits, "RUNAWAY", 0.5)
+    monkeypatch.setattr(_two_dimensional, "RUNAWAY", 0.5)
     with pytest.raises(DivergedError, match=r"u, v: above 0\.5 times the reference velocity at step 1"):
         make(12).advance()
 

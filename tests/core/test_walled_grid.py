@@ -23,7 +23,7 @@ def test_grid_between_cylinders_solves_a_neumann_problem():
     grid, fluid, particles = scheme.grid, scheme.problem.n_fluid, scheme.points.fluid
     wave, radius = np.pi / (OUTER - INNER), np.hypot(*(view(scheme.points.position)[:fluid] + scheme.problem.origin).T)
     phase = wave * (radius - INNER)
-    preconditioner, source = scheme.splitting.for_pressure, view(scheme.splitting.pressure.input)
+    preconditioner, source = scheme.equations.for_pressure, view(scheme.equations.pressure.input)
     source[:particles] = 0.0
     source[:fluid] = wave**2 * np.cos(phase) + wave * np.sin(phase) / radius
     preconditioner.restrict()
@@ -41,10 +41,10 @@ def test_grid_between_cylinders_solves_a_neumann_problem():
 def test_iterations_between_walls_are_few():
     """From zero, with a rough source."""
     scheme = started()
-    solver, particles = scheme.splitting.pressure, scheme.points.fluid
+    solver, particles = scheme.equations.pressure, scheme.points.fluid
     view(solver.b)[:particles] = np.random.default_rng(0).normal(size=particles)
     view(solver.x)[:particles] = 0.0
-    assert scheme.splitting.solve_pressure(1e-6)
+    assert scheme.equations.solve_pressure(1e-6)
     assert solver.iterations <= 8  # measured 6.5
 
 
@@ -67,4 +67,4 @@ def place(walls):
 def test_cylinders_that_turn_keep_their_grid():
     flow, places = make()
     scheme = run(flow, places, np.zeros_like(places), 3.0, steps=12)
-    assert scheme.wall_boundary.grid_time == 0.0
+    assert scheme.boundary.grid_time == 0.0

@@ -5,9 +5,8 @@ from kept_program import kept
 
 from tisph import runtime
 from tisph.least_squares import operators
-from tisph.schemes._two_dimensional import PeriodicProblem
+from tisph.schemes._two_dimensional import TOLERANCE, PeriodicProblem, step_control
 from tisph.schemes._two_dimensional.scheme import COURANT, SplittingScheme
-from tisph.schemes._two_dimensional.step_limits import TOLERANCE, step_control
 
 WAVE = 2 * np.pi
 VISCOSITY = 0.01

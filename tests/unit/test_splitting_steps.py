@@ -10,8 +10,7 @@ import pytest
 from tisph.cli.check import estimates
 from tisph.config import load
 from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR
-from tisph.schemes._two_dimensional import BETWEEN_WALLS, COST, OVERHEAD, STARTED, _guessed_steps
-from tisph.schemes._two_dimensional.step_limits import FIRST
+from tisph.schemes._two_dimensional import BETWEEN_WALLS, COST, FIRST, OVERHEAD, STARTED, _guessed_steps
 from tisph.schemes._two_dimensional.time_levels import TimeWeights
 
 STEPS = [0.3, 0.25, 0.2, 0.28]

@@ -3,17 +3,61 @@
 The problem that the scheme solves is a box, a fluid, scales, and the walls in it.
 """
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from tisph.geometry.region import Box, box_around
+from tisph.measures.fits import section_weights
 from tisph.schemes._protocol import SampleEstimate
-from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR
-from tisph.schemes._two_dimensional.step_limits import FIRST, TOLERANCE, courant_speed, viscous_step
+from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR, StepControl
 from tisph.schemes._two_dimensional.wall_points import WallPoints, WallsOfRevolution
 
+TOLERANCE = 2e-6
+"""Of a step."""
+
+SMALLEST_SPEED, SMALLEST_SCALE = 0.5, 0.1
+"""Parts of the reference velocity below which the Courant number of steps, and their errors, refer to them instead of
+the present velocities. The second is the smaller one, so that errors of a flow that decays stay relative for longer."""
+
+RUNAWAY = 1e3
+"""Largest velocity over the reference velocity. Bodies that close a gap press some tens of times theirs out of it."""
+
+LEAST_GRADIENT = 100 * TOLERANCE
+"""Difference of velocities within a spacing, over the largest velocity, that a divergence is compared with at least.
+One that counts as resolved (1 % of that) then alters them by less than the error of a step."""
+
+FIRST = 0.02
+"""The first step, which is of first order, over what the Courant number allows."""
+
+PRESSURE_RESIDUAL, VELOCITY_RESIDUAL = (1.0, 1e-6), (5e-4, 1e-10)
+"""Of the linear systems: over the tolerance of a step, and the least that is asked for. That of the velocities adds up
+from step to step; with 5 times that of the pressure, forces on bodies have errors of 1e-4. With the least ones always,
+25 across between cylinders, errors of the velocities differ by 3 % (``balanced`` accuracy) and 0.1 % (``fast``)."""
+
+ROUNDING = 30.0
+"""The least residual that is asked for, in units of the rounding error."""
+
+DECAY = 0.3, 10.0
+"""Where steps are short divergence decays at the rate 0.3 nu/spacing^2 + 10 U/spacing. A larger second number moves
+errors from the velocities to the pressure, a smaller one the other way: in the vortex at Re = 100, 50 x 50, a Courant
+number of 0.15 and t = 1 they are 2.7e-5 and 7.0e-5 with 4, 1.9e-5 and 8.5e-5 with 10. With 12 the noise of a divergence
+that has to vanish at once makes coarse runs take shorter steps."""
+
+MOST_VISCOUS = 5.0
+"""Viscous number nu h/spacing^2 of the longest step between walls. Up to 6 divergence decays at the rate above whatever
+the step, beyond it the divergence that there is grows with the step: every change of the step would change velocities
+by more than the tolerance, and be refused. Steps are stable to 400 and more; flow rates of cylinders in slow flow, 20
+spacings across, have errors of 3e-4 with 10 and of 1e-3 with 400."""
+
+LEADING = 11 / 6
+"""What backward differences of third order multiply the newest value with, over steps of one length."""
+
 CROWDING = 1.6
+"""How many more neighbours a particle may have than near walls: in gaps that bodies close, points of both walls."""
 
 COST, OVERHEAD = 3.5e-6, 2e-3
 """Rough cost of one particle and step on two threads, and of a step whatever the number of particles [s]."""
@@ -47,28 +91,28 @@ LEAST_MARGIN, LEAST_BOX = 3.0, 18.0
 
 OF_SCENE = ("density", "kinematic_viscosity", "reference_velocity", "start_time", "rheology", "jump_times")
 OF_SCENE += ("initial_conformation_excess", "axisymmetric", "swirls")
-OF_SCENE += ("body_force", "conformation_source", "initial_velocity", "has_own_start")
-"""What a problem has under the same name."""
+OF_SCENE += ("body_force", "conformation_source", "initial_velocity", "has_own_start", "kept_mean_velocity")
+"""Attributes that a problem takes from its scene."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Problem(Box):
     """Fluid in a box, in any consistent units.
 
-    ``reference_velocity`` is the velocity that errors and steps refer to, as seen from the frame of the mean flow.
-    ``acceleration`` is that of the body force; ``walls`` (``WallPoints``) are None where there are none, ``corners``
-    those (``exact/sliding_corner.py``) where the velocities of two of them differ. ``kinematic_viscosity`` is the total
-    one, of solvent and polymer; ``rheology``: parameters of the fluid where it is not Newtonian, else None, and
-    ``initial_conformation_excess`` of the conformation tensors of its modes at x, y, None where it starts from rest.
-    ``initial_velocity``: function of x, y with the velocities (components, ...) before bodies start; None where the
-    fluid is at rest. ``has_own_start``: whether these may have a divergence, which is removed. ``body_force``,
-    ``conformation_source``: functions of places and time, see ``Scene``. ``swirls``: whether the fluid may turn around
-    the axis.
-    ``axisymmetric``: whether y is the distance from an axis, and not planar flow; ``annular``: whether an inner wall
-    keeps the fluid from that.
-    ``keeps_mean_velocity``: whether the acceleration changes from step to step.
-    ``contact``: distance and pressure of ``Contact``, where there are free bodies.
-    ``jump_times``: times at which the velocity of a wall, or its acceleration, jumps.
+    * ``kinematic_viscosity`` of solvent and polymer together. ``rheology``: parameters of a fluid that is not
+      Newtonian, else None. ``initial_conformation_excess``: function of x, y that returns the conformation tensors
+      minus 1 of its modes; None for a start from rest.
+    * ``reference_velocity``: velocity that errors and steps refer to, in the frame of the mean flow.
+    * ``walls`` (``WallPoints``): None without walls. ``corners`` (``exact/sliding_corner.py``): corners in which the
+      velocities of two walls differ. ``contact``: distance and pressure of ``Contact``, where there are free bodies.
+    * ``acceleration`` (2,) of a uniform body force. ``kept_mean_velocity``: mean velocity along x that a pressure
+      gradient keeps, else None; ``section_weights``: function of positions and time with the weights of that mean.
+    * ``initial_velocity``: function of x, y that returns the velocities (components, ...) before bodies start; None for
+      a fluid at rest. ``has_own_start``: whether they may have a divergence, which is removed.
+    * ``body_force``, ``conformation_source``: functions of places and time, see ``Scene``.
+    * ``axisymmetric``: whether y is the distance from an axis; ``annular``: whether an inner wall keeps the fluid away
+      from the axis; ``swirls``: whether the fluid may turn around it.
+    * ``jump_times``: times at which the velocity of a wall, or its acceleration, jumps.
     """
 
     density: float
@@ -89,7 +133,8 @@ class _Problem(Box):
     jump_times: tuple[float, ...] = ()
     axisymmetric: bool = False
     annular: bool = False
-    keeps_mean_velocity: bool = False
+    kept_mean_velocity: float | None = None
+    section_weights: Callable[..., np.ndarray] | None = None
 
     @property
     def bodies(self):
@@ -145,7 +190,7 @@ class BoundedProblem(_Problem):
 
     @property
     def crowding(self):
-        """How many more neighbours a particle may have than near walls: in gaps that bodies close, points of both."""
+        """Factor of the largest number of neighbours."""
         return CROWDING if self.contact else 1.0
 
     @property
@@ -158,19 +203,13 @@ def scheme(config, scene, targets, serial):
     """Return the ``SplittingScheme`` of a scene."""
     from tisph.schemes._two_dimensional.scheme import SplittingScheme  # imports Taichi
 
-    tolerance, courant = _steps(config)
-    built = SplittingScheme(_problem(scene), targets, serial, tolerance, courant)
-    if scene.kept_mean_velocity is not None:
-        from tisph.schemes._two_dimensional.mean_velocity import MeanVelocityControl
-
-        built.splitting.mean_velocity = MeanVelocityControl(scene, built.wall_boundary, built.splitting)
-    return built
+    return SplittingScheme(_problem(scene), targets, serial, *_steps(config))
 
 
 def _problem(scene):
-    """Box and fluid of a scene, and its walls."""
+    """Return the box and the fluid of a scene, and its walls."""
     fluid = {name: getattr(scene, name) for name in OF_SCENE}
-    fluid |= {"keeps_mean_velocity": scene.kept_mean_velocity is not None}
+    fluid["section_weights"] = partial(section_weights, scene)
     fluid |= {"annular": scene.axisymmetric and scene.origin[1] > 0.0}
     if not scene.bodies:
         return PeriodicProblem(columns=scene.columns, rows=scene.rows, spacing=scene.spacing, **fluid)
@@ -192,6 +231,56 @@ def _steps(config):
         return None, config.scheme.largest_courant
     tolerance = TOLERANCE if config.time.tolerance == "auto" else config.time.tolerance
     return tolerance, config.scheme.largest_courant
+
+
+def courant_speed(fastest, case):
+    """Return the velocity that the Courant number refers to where the ``fastest`` one of a flow or scene is that."""
+    part = SMALLEST_SCALE if case.axisymmetric else SMALLEST_SPEED  # what goes around the axis moves no particle
+    return max(fastest, part * case.reference_velocity)
+
+
+def error_speed(fastest, case):
+    """Return the velocity that errors of steps are divided by."""
+    return max(fastest, SMALLEST_SCALE * case.reference_velocity)
+
+
+def decay_rate(viscosity, speed, spacing):
+    """Return the rate r at which divergence decays, equation (4) of docs/theory/two-dimensional.md."""
+    return DECAY[0] * viscosity / spacing**2 + DECAY[1] * speed / spacing
+
+
+def residuals(tolerance, least):
+    """Return those of pressure and velocities for the ``tolerance`` of a step."""
+    return [max(part * tolerance, lowest, least) for part, lowest in (PRESSURE_RESIDUAL, VELOCITY_RESIDUAL)]
+
+
+def step_control(case, targets, tolerance, courant):
+    """Return the ``StepControl`` of a run of a flow or scene, the ``case``, to the last of the ``targets``.
+
+    ``tolerance`` is that of the error of a step over the velocity, None where the Courant number alone decides. The
+    limit depends on the largest velocity.
+    """
+    viscous = viscous_step(case)
+    limit = lambda speed: min(courant * case.spacing / speed, viscous)  # noqa: E731
+    control = StepControl(tolerance, limit, fixed=tolerance is None, multistep=True, jump_times=case.jump_times)
+    control.set_targets(targets, case.start_time)
+    return control
+
+
+def viscous_step(case):
+    """Return the step at which ``MOST_VISCOUS`` is reached, infinite in a box without walls of a Newtonian fluid.
+
+    Of a polymer as much of the viscosity counts as answers within the step h: h times the moduli per unit density and
+    over g.
+    """
+    if not (case.bodies or case.rheology):
+        return math.inf
+    most, viscosity = MOST_VISCOUS * case.spacing**2, case.kinematic_viscosity
+    if case.rheology is None or not case.rheology.carries_stress:
+        return most / viscosity
+    stiffness = sum(law.modulus for law in case.rheology.laws(viscosity)) / LEADING
+    solvent = case.rheology.solvent_fraction * viscosity
+    return 2.0 * most / (solvent + math.sqrt(solvent**2 + 4.0 * stiffness * most))
 
 
 def estimates(config, scene):

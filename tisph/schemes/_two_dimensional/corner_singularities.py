@@ -8,11 +8,13 @@ along the paths of the particles, and are small and smooth near the corners, whe
 The particles carry w; along their paths U is evaluated everywhere, and w is interpolated in time.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from tisph.exact.sliding_corner import DEGREE
 from tisph.runtime import holding, integer, real, ti, view
-from tisph.schemes._two_dimensional.time_levels import VELOCITIES
+from tisph.schemes._two_dimensional.time_levels import VELOCITIES, TimeWeights
 
 PARTS = 2
 """Of a step, in each of which the path of a particle is found by the classical Runge-Kutta method; far from corners
@@ -202,33 +204,110 @@ class SingularPaths:
 
 
 class CornerSingularities:
-    """The sum of the flows in the ``corners``, steady, at positions (n, 2) that count from ``origin``.
+    """The sum U, P of the steady flows in the corners of a ``problem``, and w = u - U of the particles of ``levels``.
 
-    ``paths`` of the particles of ``levels``: see ``SingularPaths``.
+    The walls beside such corners slide along themselves, so that the points on them stay where they are.
     """
 
-    def __init__(self, corners, origin, levels):
-        self.corners, self.origin = corners, np.array(origin)
-        self.paths = SingularPaths(corners, origin, levels)
+    def __init__(self, problem, levels):
+        self.corners, self.origin, self.problem = problem.corners, np.array(problem.origin), problem
+        self.points, self.paths = levels.points, SingularPaths(problem.corners, problem.origin, levels)
+        self.wall_velocity = self.wall_traction = None
 
-    def _sum(self, name, position):
-        return sum(getattr(corner, name)(position + self.origin) for corner in self.corners)
+    def velocity(self, position: np.ndarray) -> np.ndarray:
+        """Return U (n, 2) at positions (n, 2) in the box."""
+        return sum(corner.velocity(position + self.origin) for corner in self.corners)
 
-    def velocity(self, position):
-        """U (n, 2)."""
-        return self._sum("velocity", position)
-
-    def pressure(self, position):
-        """P (n,)."""
-        return self._sum("pressure", position)
-
-    def force(self, dt, weights):
-        """F (points, 2) of all points, which ``paths`` keep, for a step ``dt``; w by ``weights`` (2,) of its levels."""
-        self.paths.find_force(dt, *weights)
-        return view(self.paths.found)
-
-    def traction(self, position, normal, viscosity):
-        """Parts (2, n, 2) of viscosity and pressure of the force per area and density along ``normal`` (n, 2)."""
-        gradient = self._sum("gradient", position)
+    def traction(self, position: np.ndarray, normal: np.ndarray, viscosity: float) -> np.ndarray:
+        """Return the parts (2, n, 2) of viscosity and pressure of the force per area and density along ``normal``."""
+        place = position + self.origin
+        gradient = sum(corner.gradient(place) for corner in self.corners)
         viscous = viscosity * np.einsum("nij,nj->ni", gradient + gradient.transpose(0, 2, 1), normal)
-        return np.stack([viscous, -self.pressure(position)[:, None] * normal])
+        return np.stack([viscous, -sum(corner.pressure(place) for corner in self.corners)[:, None] * normal])
+
+    def predict(self, weights: TimeWeights, dt: float) -> None:
+        """Move the points to the positions of the particles after a step ``dt``, along paths in u = w + U."""
+        position = self.paths.find(lambda part: weights.interpolation((1.0 - part) * dt, VELOCITIES), dt)
+        position %= [self.problem.length, self.problem.height]
+        view(self.points.position)[: self.problem.n_fluid] = position
+
+    def force(self, dt: float, weights: Sequence[float]) -> np.ndarray:
+        """Return F (points, 2) for a step ``dt``, with w by ``weights`` (2,) of its newest levels."""
+        self.paths.find_force(dt, *weights)
+        return view(self.paths.found)[: self.problem.particles]
+
+    def add_force(self, forcing, weights: TimeWeights, dt: float) -> None:
+        """Add -dt F to the ``forcing`` of a step ``dt``."""
+        force = self.force(dt, weights.extrapolation(2))
+        view(forcing)[: self.problem.particles] -= dt * force
+
+    def add_start_force(self, acceleration: np.ndarray, slots: slice) -> np.ndarray:
+        """Return an ``acceleration`` (count, 2) of the points ``slots`` minus F at the start."""
+        return acceleration - self.force(0.0, (1.0, 0.0))[slots]
+
+    def remove_from(self, velocity: np.ndarray, position: np.ndarray) -> None:
+        """Subtract U from a ``velocity`` (n, 2) in place."""
+        velocity -= self.velocity(position)
+
+    def at_walls_without(self, velocity: np.ndarray) -> np.ndarray:
+        """Return a ``velocity`` (count, 2) of the points on walls minus U."""
+        if self.wall_velocity is None:
+            self.wall_velocity = self.velocity(self._wall_position)
+        return velocity - self.wall_velocity
+
+    def add_traction(self, tractions: np.ndarray, normal: np.ndarray) -> np.ndarray:
+        """Return ``tractions`` (2, count, 2) of viscosity and pressure at walls with those of U and P."""
+        if self.wall_traction is None:
+            self.wall_traction = self.traction(self._wall_position, normal, self.problem.kinematic_viscosity)
+        return tractions + self.wall_traction
+
+    @property
+    def _wall_position(self) -> np.ndarray:
+        return view(self.points.position)[self.problem.n_fluid : self.problem.particles].astype(float)
+
+    def find_fastest(self) -> None:
+        """Set the fastest velocity of the levels to that of u = w + U."""
+        self.paths.find_fastest()
+
+    def whole_flow(self, weights, offset, position, velocity, pressure, created):
+        """Return position, u and p (n, ...) for w and q at an ``offset`` before the end of the last step.
+
+        ``created`` (n,): indices that bring the particles, as they lie in memory, into the order of ``position``.
+        """
+        if offset:
+            at = lambda part: weights.interpolation(part * offset, VELOCITIES)  # noqa: E731
+            position = self.paths.find(at, -offset)[created]
+        whole = pressure + sum(corner.pressure(position + self.origin) for corner in self.corners)
+        return position, velocity + self.velocity(position), whole
+
+
+class NoCorners:
+    """Walls without singular corners: u = w. The methods are those of ``CornerSingularities``."""
+
+    def predict(self, weights, dt) -> None:
+        """Leave the points at their predicted positions."""
+
+    def add_force(self, forcing, weights, dt) -> None:
+        """Add no force."""
+
+    def add_start_force(self, acceleration: np.ndarray, slots: slice) -> np.ndarray:
+        """Return the ``acceleration`` as it is."""
+        return acceleration
+
+    def remove_from(self, velocity, position) -> None:
+        """Subtract nothing."""
+
+    def at_walls_without(self, velocity: np.ndarray) -> np.ndarray:
+        """Return the ``velocity`` as it is."""
+        return velocity
+
+    def add_traction(self, tractions: np.ndarray, normal: np.ndarray) -> np.ndarray:
+        """Return the ``tractions`` as they are."""
+        return tractions
+
+    def find_fastest(self) -> None:
+        """Leave the fastest velocity as it is."""
+
+    def whole_flow(self, weights, offset, position, velocity, pressure, created):
+        """Return position, velocity and pressure as they are."""
+        return position, velocity, pressure

@@ -30,8 +30,15 @@ acts on both alike. It is a model, and no lubrication: how often, how long and h
 
 import itertools
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
+
+from tisph.runtime import real, scalar, ti, view
+from tisph.schemes._two_dimensional.parts import MOST_ITERATIONS
+from tisph.schemes._two_dimensional.wall_boundary import WallBoundary
+from tisph.snapshot import Bodies
 
 FINER = 4
 """Points of contact within a particle spacing."""
@@ -42,7 +49,16 @@ CLOSEST = 0.02
 WINDOW = 3
 """Differences of iterations that are kept."""
 
-MOST_ITERATIONS = 20
+MEAN_RADIUS = 2.5
+"""Radius, in particle spacings, of the mean with which the pressure is continued into a gap that closes."""
+
+CONTINUED = 1.0, 0.5
+"""Distances from a wall to the other one, in particle spacings, between which the pressure becomes one that is
+continued from around the gap, as bodies approach."""
+
+NARROW = 2.0
+"""Width of a gap, in particle spacings, below which divergence in it is left as it is. There its removal lets it grow:
+the gradient of a pressure that is to remove it has the opposite divergence."""
 
 RESIDUAL = 0.3
 """Change of the velocities of bodies up to which they have converged, over the tolerance of a step."""
@@ -286,3 +302,219 @@ class FreeBodies:
         for motion, its in zip(self.motions, state["motions"], strict=True):
             motion.restore(its)
         self.contact.restore(state["contact"])
+
+
+@ti.data_oriented
+class FreeWallBoundary(WallBoundary):
+    """The ``Boundary`` of walls among which there are ``bodies`` (``FreeBodies``) that the flow carries.
+
+    They may come so close that no particle is between them, but points on both, whose equations are one and the same:
+    they leave the pressure there undetermined. ``continued`` is the part, 0 to 1, in which the pressure at a point is
+    the mean of the pressures around instead, which continues it into the gap. ``narrow`` tells whether a particle is in
+    a gap in which divergence is left as it is.
+    """
+
+    def __init__(self, problem, levels, shift, grid, extra_stress, support):
+        super().__init__(problem, levels, shift, grid, extra_stress, support)
+        self.free = FreeBodies(problem)
+        self.grid_bodies: Any = None
+        self.continued = ti.field(real(), self.points.capacity)
+        self.closes = ti.field(ti.i32, self.points.capacity)
+        self.per_spacing = scalar(1.0 / problem.spacing)
+
+    def reset(self) -> None:
+        """Return to the state before the first step."""
+        super().reset()
+        self.free.reset(self.problem.start_time)
+
+    def predict(self, weights, dt: float, time: float) -> bool:
+        """Begin the step of the bodies with extrapolated velocities; return whether none of them overlap."""
+        self.free.prepare(weights, dt, time)
+        return not self.free.overlap
+
+    def close_gaps(self, distances: np.ndarray) -> None:
+        """Set where the pressure is continued, and the particles in narrow gaps, by ``distances`` (points, 2)."""
+        spacing, n_fluid = self.problem.spacing, self.problem.n_fluid
+        nearness = (CONTINUED[0] - distances[self.slots, 1] / spacing) / (CONTINUED[0] - CONTINUED[1])
+        view(self.continued)[self.slots] = np.clip(nearness, 0.0, 1.0)
+        view(self.closes)[:n_fluid] = distances[:n_fluid].sum(axis=1) < NARROW * spacing
+
+    def set_grid(self, time: float) -> None:
+        """Set the walls of the preconditioner's ``grid``, and store the bodies' state that they belong to."""
+        super().set_grid(time)
+        self.grid_bodies = self.free.state()
+
+    def apply_impulse(self, equations, tolerance: float) -> bool:
+        """Leave the impulse to the ``FreeBodyCoupling``."""
+        self.measure_own_start()
+        return True
+
+    def jump(self, time: float) -> None:
+        """Give the points the velocities after ``time``, at which walls jump; bodies have no earlier levels then."""
+        self.free.restart()
+        super().jump(time)
+
+    def accelerate(self, acceleration: float) -> None:
+        """Change the body force along x, and with it the buoyancy of the bodies."""
+        self.free.accelerate(acceleration)
+
+    def take_velocities(self, time: float) -> None:
+        """Give the points the present velocities of the bodies at ``time``."""
+        self.velocity = self.walls.velocities(time)
+
+    def bodies(self, time: float, weights, offset: float) -> Bodies:
+        """Return the bodies at ``time``, with contact forces, which depend on places alone and need no levels."""
+        return self.loads.at(time, weights, offset, self.free.contact.loads(time)[0])
+
+    @property
+    def load_scatter(self) -> None:
+        """None: forces on free bodies are not compared."""
+        return None
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Return number and duration of contacts, and the largest contact force."""
+        contact = self.free.contact
+        return {"contacts": contact.count, "contact_time": contact.duration, "contact_force": contact.largest}
+
+    def host_state(self) -> dict[str, Any]:
+        """Return the numbers outside the fields that a resumed run needs."""
+        return {**super().host_state(), "grid_bodies": self.grid_bodies, "free": self.free.state()}
+
+    def restore_host_state(self, state: Mapping[str, Any]) -> None:
+        """Restore the numbers of ``host_state``; the bodies have moved on since the grid was set."""
+        self.free.restore(state["grid_bodies"])
+        super().restore_host_state(state)
+        self.free.restore(state["free"])
+
+    @ti.func
+    def row_weight(self, i, k, slope):
+        """Return the weight of neighbour ``k`` in the equation at a point: that of the mean in a gap that closes."""
+        apart = self.points.separation(i, self.points.neighbours[i, k]) * self.per_spacing[None]
+        nearness = self.per_spacing[None] ** 2 * ti.max(0.0, 1.0 - apart.dot(apart) / MEAN_RADIUS**2) ** 2
+        return slope + self.continued[i] * (nearness - slope)
+
+    @ti.func
+    def open_part(self, i, value):
+        """Return the part of a right-hand ``value`` at a point that lies in no gap that closes."""
+        return value * (1.0 - self.continued[i])
+
+    @ti.func
+    def retained(self, i, retained, gamma0):
+        """Return k gamma_0, with k = 1 for a particle in a narrow gap."""
+        return ti.select(self.closes[i] > 0, gamma0, retained)
+
+
+class FreeBodyCoupling:
+    """The ``Coupling`` of the bodies of a ``FreeWallBoundary`` with the fluid: loads and velocities.
+
+    With the velocities of the bodies it finds the curl of the vorticity at walls. ``precision``: relative rounding
+    error of what is computed; ``allowed``: change of a velocity up to which bodies have converged.
+    """
+
+    sets_curls = True
+
+    def __init__(self, boundary: FreeWallBoundary, precision: float):
+        self.boundary, self.bodies, self.precision = boundary, boundary.free, precision
+        self.rounding = self.allowed = self.curl_scale = self.time = 0.0
+
+    def prepare(self, equations, dt: float, gamma0: float, time: float, allowed: float) -> None:
+        """Begin a step ``dt`` that ends at ``time``, whose velocities may have an error ``allowed``."""
+        bodies, walls = self.bodies, self.boundary.walls
+        self.time, self.allowed = time, RESIDUAL * allowed
+        fastest = float(np.abs(bodies.arm * bodies.velocities).max())
+        self.rounding = self.precision * fastest * math.sqrt(walls.count) / (dt * walls.spacing)
+        self.curl_scale = bodies.viscosity * dt / gamma0 / math.sqrt(walls.count)
+
+    def correct(self, equations) -> bool:
+        """Change the velocities of the bodies by the loads of the fluid; return whether they had converged."""
+        boundary, scale = self.boundary, self.curl_scale
+        boundary.levels.measure_at_walls(equations.velocity.x)
+        strain = boundary.loads.strain(boundary.velocity)
+        loads = self._loads(equations, strain, boundary.extra_stress.implicit_wall_stress(strain))
+        given = scale * boundary.present_curls.astype(float)
+        boundary.update_normal_curls(equations.velocity.x)
+        found = scale * boundary.present_curls.astype(float)
+        if self.bodies.correct(self.bodies.step_residual(loads), self.allowed, given, found):
+            return True
+        boundary.present_curls[...] = given / scale
+        self.bodies.attempt()
+        boundary.take_velocities(self.time)
+        equations.set_wall_velocity(boundary.solver_velocity())
+        return False
+
+    def error(self) -> float:
+        """Return the error of the step in the bodies' velocities; infinite where these have not converged."""
+        return self.bodies.difference() if self.bodies.converged <= self.allowed else math.inf
+
+    def store(self, time: float) -> None:
+        """Store the velocities of the bodies at the ``time`` at the end of a step."""
+        self.bodies.accept(time)
+
+    def _loads(self, equations, strain: np.ndarray, extra: Any) -> np.ndarray:
+        """Return force and torque (n, 3), per unit density, of pressure, ``strain`` and ``extra`` stress at walls."""
+        boundary = self.boundary
+        pressure = view(equations.pressure.x)[boundary.slots].astype(float)
+        tractions = boundary.loads.tractions(pressure, boundary.normals, strain, extra)
+        return boundary.walls.sums(tractions, self.time)[0, self.bodies.index, :3]
+
+    def start(self, equations, tolerance: float) -> bool:
+        """Find the velocities after the start of bodies and fluid that move against each other before.
+
+        A pressure acts on both at once; its impulse on the one is opposite to that on the other. Return whether the
+        system of the impulse was solved.
+        """
+        bodies, boundary = self.bodies, self.boundary
+        self.time = boundary.problem.start_time
+        self._start_rotations()
+        before = bodies.newest
+        bodies.begin(before, bodies.mass + bodies.added_mass(0.0))
+        for _ in range(MOST_ITERATIONS):
+            solved = boundary.find_impulse(equations, tolerance)
+            impulse = -view(equations.pressure.x)[boundary.slots].astype(float)[:, None] * boundary.normals
+            loads = boundary.walls.sums(impulse[None], self.time)[0, bodies.index, :3]
+            residual = bodies.mass * (bodies.velocities - before) - loads
+            if bodies.correct(residual, tolerance * np.abs(boundary.velocity - boundary.fluid_velocity).max()):
+                break
+            self._start_with(bodies.velocities)
+        boundary.levels.subtract_gradient(equations.pressure.x)
+        bodies.begin_start(boundary.problem.acceleration)
+        self._set_accelerations()
+        return solved
+
+    def _start_rotations(self) -> None:
+        """Turn bodies without a moment of inertia as the fluid at their surface turns.
+
+        Else the layer that begins there, as thin as it is strong, would turn them with a torque that nothing resists.
+        """
+        bodies, boundary = self.bodies, self.boundary
+        slip = np.stack([boundary.fluid_velocity, boundary.walls.velocities(self.time)])
+        around = boundary.walls.sums(slip, self.time)[:, bodies.index, 2]
+        rate = (around[0] - around[1]) / boundary.walls.moments(self.time)[bodies.index]
+        turned = bodies.newest
+        turned[:, 2] += np.where(bodies.massless_rotation, rate, 0.0)
+        self._start_with(turned)
+
+    def _start_with(self, velocities: np.ndarray) -> None:
+        for motion, velocity in zip(self.bodies.motions, velocities, strict=True):
+            motion.start(self.time, velocity)
+        self.boundary.take_velocities(self.time)
+
+    def _set_accelerations(self) -> None:
+        for motion, acceleration in zip(self.bodies.motions, self.bodies.velocities, strict=True):
+            motion.change = acceleration
+
+    def correct_start(self, equations, tolerance: float) -> bool:
+        """Change the first accelerations of the bodies by the first pressure; return whether they had converged.
+
+        Loads of a pressure that was solved to a ``tolerance`` are no more exact: where they change no longer,
+        extrapolating from their changes would lead anywhere.
+        """
+        bodies = self.bodies
+        loads = self._loads(equations, self.boundary.loads.strain(self.boundary.velocity), 0.0)
+        residual = bodies.mass * bodies.velocities - loads - bodies.load
+        residual[bodies.massless_rotation, 2] = 0.0  # no acceleration of theirs alters a torque
+        if bodies.correct(residual, tolerance * np.abs(bodies.arm * bodies.velocities).max()):
+            return True
+        self._set_accelerations()
+        self.boundary.set_accelerations(equations)
+        return False

@@ -52,13 +52,14 @@ class GeneralisedNewtonianStress:
     the end of a step, 0 but for the errors of the operators.
     """
 
-    varying = True
+    nonlinear, resolution_name = True, "added_power"
 
     def __init__(self, levels, problem):
         self.axisymmetric, self.lowest_radius = problem.axisymmetric, problem.origin[1]
         self.strain = 6 if self.axisymmetric else 3
         self.numbers = 2 * self.strain + 2
         self.levels, self.points, self.n_fluid = levels, levels.points, problem.n_fluid
+        self.fields, self.parts = (), {}
         self.viscosity = problem.kinematic_viscosity
         self.law = problem.rheology.law(self.viscosity, problem.density)
         self.unweighted, self.operators = levels.operators, copy.copy(levels.operators)
@@ -81,8 +82,8 @@ class GeneralisedNewtonianStress:
         """Find the stress of the newest velocities, whose gradients are measured."""
         self.find(self.levels.fields, self.levels.d_dx, self.levels.d_dy)
 
-    def prepare(self, times, dt, time):
-        """Take up a step."""
+    def prepare(self, times, dt: float, time: float) -> None:
+        """Begin a step with no force of the extra stress."""
         view(self.force)[...] = 0.0
 
     def add_stress(self, velocity, known, dt):
@@ -119,7 +120,14 @@ class GeneralisedNewtonianStress:
         view(self.derived)[: self.points.fluid] = np.concatenate(numbers, axis=1)
         self.dissipation = viscosity.real * squared
 
-    def take_up(self, velocity, step):
+    def remap(self) -> None:
+        """Transfer nothing: the stress follows from the velocities."""
+
+    def at(self, weights, offset, levels, radius) -> tuple[()]:
+        """Return no polymer stress."""
+        return ()
+
+    def store(self, velocity, step: int) -> float | None:
         """Find the stress at the end of a ``step``; return the power of ``added_force`` over the dissipation nu q.
 
         The sums are over the fluid, and the velocity u along x is relative to the mean one of the walls, or without
@@ -156,6 +164,16 @@ class GeneralisedNewtonianStress:
     def implicit_viscosity(self, i):
         """Return nu* at a point."""
         return self.derived[i][self.numbers - 1]
+
+    @ti.func
+    def local_viscosity(self, i, viscosity):
+        """Return nu* at a point, in place of the constant ``viscosity`` of a step."""
+        return self.implicit_viscosity(i)
+
+    @ti.func
+    def with_viscous_divergence(self, i, divergence):
+        """Return a ``divergence`` with that of the implicit viscous term, dt grad nu* . lap u."""
+        return divergence + self.implicit_divergence[i]
 
     @ti.kernel
     def measure(self, velocity: ti.template()):

@@ -1,13 +1,14 @@
 """The pressure gradient that keeps a mean velocity, such as that of a tube which is closed at its ends.
 
 Velocity and pressure of a step depend linearly on its acceleration g along x, and with them the mean velocity m over a
-cross-section: g comes from what the last steps extrapolate to, and changes by minus (m - the one wanted)/(dm/dg) with
-the outer iterations of the step, dm/dg being that of the last two of them.
+cross-section. The first g of a step is extrapolated from the last steps. Each outer iteration changes it by
+-(m - wanted m)/(dm/dg), with dm/dg from the last two iterations.
 """
+
+from typing import Any
 
 import numpy as np
 
-from tisph.measures.fits import section_weights
 from tisph.runtime import view
 
 SETTLED = 0.3
@@ -15,85 +16,97 @@ SETTLED = 0.3
 
 
 class MeanVelocityControl:
-    """Finds the ``acceleration`` g along x with which a ``scene`` keeps its ``kept_mean_velocity``.
+    """The ``Coupling`` that finds the ``acceleration`` g along x for the ``kept_mean_velocity`` of a problem.
 
-    ``response``: dm/dg over dt/gamma_0, 1 but for what pressure and viscosity take. ``levels``: pairs of a time and g
-    of the last two steps, newest first.
+    ``response``: dm/dg over dt/gamma_0; it is 1 without the parts that pressure and viscosity take. ``levels``: pairs
+    of a time and g of the last two steps, newest first.
     """
 
-    def __init__(self, scene, boundary, splitting):
-        self.scene, self.boundary, self.splitting = scene, boundary, splitting
+    rounding, sets_curls = 0.0, False
+
+    def __init__(self, problem, boundary):
+        self.problem, self.boundary = problem, boundary
         self.acceleration, self.response, self.levels = 0.0, 1.0, []
+        self.time = self.scale = self.allowed = 0.0
+        self.tried: tuple[float, float] | None = None
+        self.weights = np.empty(0)
 
-    def start(self, time, tolerance):
-        """Give the fluid the impulse of a pressure with which it has its mean velocity at once; return whether it can.
+    def start(self, equations, tolerance: float) -> bool:
+        """Apply the impulse of a pressure that gives the fluid its mean velocity; return whether it was solved for.
 
-        It is that of flow past bodies at rest, as much of it as it takes.
+        It is a part of the impulse of flow past bodies at rest.
         """
-        splitting = self.splitting
-        self._take_positions(time)
-        fluid, newest = slice(self.boundary.problem.n_fluid), self.boundary.regular_velocities[:, 0]
-        view(splitting.velocity.x)[: len(newest)] = newest
-        wanted = self.scene.kept_mean_velocity - self._mean()
+        self._measure_section(self.problem.start_time)
+        fluid, walls = slice(self.problem.n_fluid), self.boundary.slots
+        newest, solution = self.boundary.newest_velocities, view(equations.velocity.x)
+        solution[: len(newest)] = newest
+        wanted = self.problem.kept_mean_velocity - self._mean(equations)
         if wanted == 0.0:
             return True
-        against = np.zeros_like(self.boundary.velocity)
-        against[:, 0] = -1.0
-        view(splitting.velocity.x)[self.boundary.slots] = against
-        found, before = splitting.find_impulse(tolerance), newest[fluid].copy()
-        splitting.apply_impulse()
+        solution[walls] = 0.0
+        solution[walls, 0] = -1.0
+        solved, before = equations.find_impulse(tolerance), newest[fluid].copy()
+        self.boundary.levels.subtract_gradient(equations.pressure.x)
         unit = newest[fluid] - before
         unit[:, 0] += 1.0
         newest[fluid] = before
-        view(splitting.velocity.x)[fluid] = unit
-        view(splitting.velocity.x)[self.boundary.slots] = 0.0
-        self.response = self._mean()
+        solution[fluid], solution[walls] = unit, 0.0
+        self.response = self._mean(equations)
         newest[fluid] += wanted / self.response * unit
-        return found
+        return solved
 
-    def _take_positions(self, time):
-        """Let the mean velocity be that of the present positions, those of ``time``."""
-        positions = self.boundary.positions + self.boundary.problem.origin
-        self.time, self.weights = time, section_weights(self.scene, positions, time)
+    def correct_start(self, equations, tolerance: float) -> bool:
+        """Return True: the first pressure changes nothing."""
+        return True
 
-    def _mean(self):
-        """Return the mean velocity by what is solved for."""
-        return float(self.weights @ view(self.splitting.velocity.x)[: len(self.weights), 0].astype(float))
+    def _measure_section(self, time: float) -> None:
+        """Compute the weights of the present positions, at ``time``, in the mean velocity."""
+        self.time = time
+        self.weights = self.problem.section_weights(self.boundary.positions + self.problem.origin, time)
 
-    def prepare(self, dt, gamma0, time, error):
-        """Take up a step ``dt`` that ends at ``time``, whose velocities may have an ``error``."""
-        self._take_positions(time)
-        self.scale, self.tried, self.least = dt / gamma0, None, SETTLED * error
+    def _mean(self, equations) -> float:
+        """Return the mean velocity of the present solution."""
+        return float(self.weights @ view(equations.velocity.x)[: len(self.weights), 0].astype(float))
+
+    def prepare(self, equations, dt: float, gamma0: float, time: float, allowed: float) -> None:
+        """Begin a step ``dt`` that ends at ``time``, whose velocities may have an error ``allowed``."""
+        self._measure_section(time)
+        self.scale, self.tried, self.allowed = dt / gamma0, None, SETTLED * allowed
         guess = self.levels[0][1] if self.levels else 0.0
         if len(self.levels) > 1:
             (newest, g), (before, other) = self.levels
             guess += (g - other) * (time - newest) / (newest - before)
-        self._accelerate(guess)
+        self._accelerate(equations, guess)
 
-    def _accelerate(self, acceleration):
+    def _accelerate(self, equations, acceleration: float) -> None:
         self.acceleration = acceleration
-        self.splitting.accelerate(acceleration)
+        equations.accelerate(acceleration)
+        self.boundary.accelerate(acceleration)
 
-    def correct(self):
-        """Change the acceleration by the mean velocity that comes of it; return whether there is no need to."""
-        mean, wanted = self._mean(), self.scene.kept_mean_velocity
+    def correct(self, equations) -> bool:
+        """Change the acceleration by the mean velocity of the solution; return whether it had converged."""
+        mean, wanted = self._mean(equations), self.problem.kept_mean_velocity
         if self.tried and self.acceleration != self.tried[0]:
             slope = (mean - self.tried[1]) / (self.acceleration - self.tried[0]) / self.scale
             self.response = slope if slope > 0.0 else self.response
-        if not abs(mean - wanted) > self.least:
+        if not abs(mean - wanted) > self.allowed:
             return True
         self.tried = self.acceleration, mean
-        self._accelerate(self.acceleration + (wanted - mean) / (self.response * self.scale))
+        self._accelerate(equations, self.acceleration + (wanted - mean) / (self.response * self.scale))
         return False
 
-    def accept(self):
-        """Let the acceleration of a step be the newest."""
+    def error(self) -> float:
+        """Return 0: a step has no error of its own in the mean velocity."""
+        return 0.0
+
+    def store(self, time: float) -> None:
+        """Store the acceleration of the step as the newest level."""
         self.levels = [(self.time, self.acceleration), *self.levels][:2]
 
-    def state(self):
-        """Return what a resumed run needs."""
+    def state(self) -> tuple[float, float, Any]:
+        """Return the numbers that a resumed run needs."""
         return self.acceleration, self.response, self.levels
 
-    def restore(self, state):
-        """Take up what ``state`` returned."""
+    def restore(self, state: Any) -> None:
+        """Restore the numbers of ``state``."""
         self.acceleration, self.response, self.levels = state

@@ -1,11 +1,12 @@
-"""Steps of two-dimensional flows in the implicit scheme: predict the end, assemble the operators, solve, shift.
+"""The implicit scheme of two-dimensional flow: its start, its step, and the state within the last step.
 
-The points, operators and extra stress of a problem are planar or axisymmetric, with walls or without. The state at any
-time within the last step follows from the time levels of the particles.
+The method is the velocity correction of G. E. Karniadakis, M. Israeli, S. A. Orszag, J. Comput. Phys. 97 (1991)
+414-443, along the paths of the particles, where there is no convective term. ``SplittingScheme.attempt`` is the step.
 """
 
 import math
-from functools import partial
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -16,13 +17,21 @@ from tisph.least_squares.operators import LeastSquaresOperators
 from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.periodic import PeriodicDomain
 from tisph.runtime import integer, real, ti, view
+from tisph.schemes import _two_dimensional as limits
 from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._shifting import TRAVEL, FickianShifting
-from tisph.schemes._two_dimensional import step_limits as limits
-from tisph.schemes._two_dimensional.coupling import Coupling
-from tisph.schemes._two_dimensional.free_bodies import RESIDUAL
+from tisph.schemes._two_dimensional.equations import Equations
+from tisph.schemes._two_dimensional.free_bodies import FreeBodyCoupling, FreeWallBoundary
 from tisph.schemes._two_dimensional.generalised_newtonian_stress import GeneralisedNewtonianStress
-from tisph.schemes._two_dimensional.splitting_step import SplittingStep
+from tisph.schemes._two_dimensional.mean_velocity import MeanVelocityControl
+from tisph.schemes._two_dimensional.parts import (
+    MOST_ITERATIONS,
+    Boundary,
+    Coupling,
+    ExtraStress,
+    NewtonianStress,
+    NoBoundary,
+)
 from tisph.schemes._two_dimensional.time_levels import PRESSURES, VELOCITIES, TimeLevels, TimeWeights
 from tisph.schemes._two_dimensional.viscoelastic_stress import ViscoelasticStress
 from tisph.schemes._two_dimensional.wall_boundary import WallBoundary
@@ -44,6 +53,10 @@ when their equations of the pressure became singular, and runs with a polymer di
 TOO_LONG = "u, v: no error of a step is small enough, however short it is: the flow needs a smaller spacing;"
 """Message of a run that stops."""
 
+FIRST_OUTER = 1e-3, 1e-6
+"""Residuals of the first of two outer iterations, of which only the curl at walls is used: with 1e-4 and 1e-8 errors
+between cylinders are the same to four digits. With couplings, which use the loads as well, none are less exact."""
+
 COURANT = 0.3
 """Longest step over the time in which the fastest particle goes one spacing."""
 
@@ -53,118 +66,111 @@ mixed 1e5 of them a step takes 1.7 times as long without."""
 
 
 class SplittingScheme(ControlledScheme):
-    """Particles in a periodic box, advanced step by step; ``time`` and ``steps`` tell how far.
+    """Particles in a box, with walls or without, advanced step by step.
 
     ``problem`` is a ``PeriodicProblem`` or ``BoundedProblem``; ``targets`` are times that steps end on exactly.
-    ``serial`` compiles loops without threads. ``tolerance`` is that of a step's error over the velocity, None for steps
-    of the Courant number alone.
+    ``serial`` compiles loops without threads. ``tolerance``: error of a step over the velocity, None for steps of the
+    Courant number alone. The parts of a step are ``levels``, ``boundary``, ``extra_stress`` and ``couplings``
+    (``parts.py``); ``equations`` has the linear systems.
     """
 
     kept = (*ControlledScheme.kept, "dts", "iterations", "initial_momentum", "stress_resolution")
 
-    def __init__(self, problem, targets, serial, tolerance=limits.TOLERANCE, courant=COURANT):
-        self.problem, self.initial_momentum, bounded = problem, 0.0, problem.walls is not None
+    def __init__(
+        self, problem, targets: Sequence[float], serial: bool, tolerance=limits.TOLERANCE, courant: float = COURANT
+    ):
+        self.problem, self.initial_momentum, walls = problem, 0.0, problem.walls
         self.points = points_of(problem, serial)
         self.operators = operators_of(problem, self.points)
-        periodic = not bounded
-        self.grid = PeriodicGrid(self.points, problem, problem.height) if periodic else WalledGrid(self.points, problem)
-        near = (MAX_WALLS, problem.contact is not None, problem.walls.across_axis) if bounded else ()
-        self.shift = FickianShifting(self.points, problem.spacing, *near)
-        self.levels = TimeLevels(self.operators, self.shift)
-        self.wall_boundary = None
-        if bounded:
+        if walls:
+            self.grid = WalledGrid(self.points, problem)
             self.points.n_fluid = integer(problem.n_fluid)
-            self.wall_boundary = WallBoundary(problem, self.levels, self.shift, self.grid, SUPPORT, SKIN)
-        boundary = self.wall_boundary.pressure_boundary if bounded else None
-        self.polymer = ViscoelasticStress(self.levels, problem) if problem.carries_stress else None
-        varying = problem.rheology and not problem.carries_stress
-        self.extra_stress = GeneralisedNewtonianStress(self.levels, problem) if varying else self.polymer
-        self.splitting = SplittingStep(self.levels, self.grid, problem, boundary, self.extra_stress)
+        else:
+            self.grid = PeriodicGrid(self.points, problem, problem.height)
+        near_walls = (MAX_WALLS, problem.contact is not None, walls.across_axis) if walls else ()
+        self.shift = FickianShifting(self.points, problem.spacing, *near_walls)
+        self.levels = TimeLevels(self.operators, self.shift)
+        self.extra_stress = extra_stress_of(problem, self.levels)
+        self.boundary = boundary_of(problem, self.levels, self.shift, self.grid, self.extra_stress)
+        precision = float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
+        rounding = limits.ROUNDING * precision
+        self.mean_velocity: MeanVelocityControl | None = None
+        self.couplings: list[Coupling] = []
+        if isinstance(self.boundary, FreeWallBoundary):
+            self.couplings.append(FreeBodyCoupling(self.boundary, rounding))
+        if problem.kept_mean_velocity is not None:
+            self.mean_velocity = MeanVelocityControl(problem, self.boundary)
+            self.couplings.append(self.mean_velocity)
+        self.equations = Equations(problem, self.levels, self.grid, self.boundary, self.extra_stress)
         self.control = limits.step_control(problem, targets, tolerance, courant)
-        least = limits.ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
         self.tolerance = limits.TOLERANCE if tolerance is None else tolerance
-        if bounded and self.wall_boundary.free:
-            self.splitting.coupling = Coupling(self.wall_boundary, self.splitting, least)
-        self.residuals = limits.residuals(self.tolerance, least)
+        self.residuals = limits.residuals(self.tolerance, rounding)
         self.reset()
 
-    def reset(self):
-        """Go back to before the first step."""
+    def reset(self) -> None:
+        """Return to the state before the first step."""
         self.reset_steps(self.problem.start_time)
         self.dts, self.iterations = [], [0.0, 0.0]
         self.output_cache = self.stress_resolution = None
-        if self.wall_boundary:
-            self.wall_boundary.reset()
+        self.boundary.reset()
 
-    def start(self, position, velocity, stress=None):
+    def start(self, position: np.ndarray, velocity: np.ndarray, stress: np.ndarray | None = None) -> None:
         """Place the particles, at (particles, 2), and find the pressure of their velocities (particles, components).
 
         Polymers start without ``stress``.
         """
         self.initial_momentum = float(velocity[:, 0].sum())
-        fluid = self.problem.n_fluid
-        active(self.levels.position)[:fluid] = position - np.array(self.problem.origin)
-        active(self.levels.fields)[...] = 0.0
+        fluid, levels, residual = self.problem.n_fluid, self.levels, self.residuals[0]
+        active(levels.position)[:fluid] = position - np.array(self.problem.origin)
+        active(levels.fields)[...] = 0.0
         unknowns = self.problem.unknowns(velocity, position[:, 1])
-        active(self.levels.fields)[:fluid, : self.levels.components] = unknowns
-        active(self.levels.number)[:fluid] = np.arange(len(position))
-        view(self.levels.step_weights)[...] = 0.0
-        self.levels.predict()
+        active(levels.fields)[:fluid, : levels.components] = unknowns
+        active(levels.number)[:fluid] = np.arange(len(position))
+        view(levels.step_weights)[...] = 0.0
+        levels.move_points()
         self.assemble(self.time)
+        solved = self.boundary.apply_impulse(self.equations, residual)
+        solved = all([solved, *(coupling.start(self.equations, residual) for coupling in self.couplings)])
+        self.boundary.begin(self.equations)
+        self.require_solution(solved)
         if self.problem.has_own_start:
-            if self.wall_boundary:
-                self.wall_boundary.regular_velocities[self.wall_boundary.slots, 0] = self.wall_boundary.fluid_velocity
-            self.levels.measure()
-        if self.wall_boundary:
-            more = partial(self.mean_velocity.start, self.time, self.residuals[0]) if self.mean_velocity else None
-            self.require_solution(self.wall_boundary.begin(self.splitting, self.residuals[0], more))
-        elif self.problem.has_own_start:
-            self.require_solution(self.splitting.find_impulse(self.residuals[0], diverges=True))
-            self.splitting.apply_impulse()
-        if self.problem.has_own_start:
-            change = np.abs(active(self.levels.fields)[:fluid, : self.levels.components] - unknowns).max()
+            change = np.abs(active(levels.fields)[:fluid, : levels.components] - unknowns).max()
             self.removed_divergence = float(change / (np.abs(unknowns).max() or 1.0))
-        self.levels.measure()
-        if self.extra_stress:
-            self.extra_stress.begin()
+        levels.measure()
+        self.extra_stress.begin()
         forced = self.problem.body_force is not None
         if forced:
-            view(self.splitting.u_history)[:fluid] = self.body_force(self.time)[:fluid]
-        self.require_solution(self.splitting.begin(self.problem.solvent_viscosity, self.residuals[0], forced))
-        if self.wall_boundary:
-            self.wall_boundary.measure(self.time, self.extra_stress)
-            self.wall_boundary.find_fastest()
+            view(self.equations.forcing)[:fluid] = self.body_force(self.time)[:fluid]
+        viscosity = self.problem.solvent_viscosity
+        self.require_solution(self.equations.begin(viscosity, residual, forced, self.couplings))
+        self.boundary.measure_loads(self.time)
+        self.boundary.find_fastest()
         self.begin_steps()
 
     @property
-    def mean_velocity(self):
-        """``MeanVelocityControl`` where a pressure gradient keeps the mean velocity; None without."""
-        return self.splitting.mean_velocity
-
-    @property
-    def speed(self):
-        """Largest velocity relative to the mean: what steps refer to."""
+    def speed(self) -> float:
+        """Velocity that the Courant number of a step refers to."""
         return limits.courant_speed(float(view(self.levels.fastest)), self.problem)
 
     @property
-    def error_speed(self):
-        """The same that errors of steps are divided by."""
+    def error_speed(self) -> float:
+        """Velocity that the errors of steps are divided by."""
         return limits.error_speed(float(view(self.levels.largest)), self.problem)
 
     @property
-    def residual(self):
+    def residual(self) -> float:
         """Divergence of the velocities over their gradient, where that is not too small to tell."""
         return self.levels.residual(limits.LEAST_GRADIENT * self.error_speed / self.problem.spacing)
 
-    def begin_steps(self):
+    def begin_steps(self) -> None:
         """Choose the first step, or the first one after a change."""
         self.control.dt_next = limits.FIRST * self.control.limit(self.speed)
 
-    def advance(self):
+    def advance(self) -> None:
         """Take one step, in as many attempts as its error asks for; raise DivergedError where it runs away."""
         if self.time in self.problem.jump_times:
             self.dts = []  # no polynomial in time continues past a jump
-            self.wall_boundary.jump(self.time)
+            self.boundary.jump(self.time)
             self.begin_steps()
         unresolved = self.levels.divergence_scale * self.problem.spacing / self.error_speed
         dt, error = self.control.take(self.time, self.attempt, unresolved)
@@ -174,138 +180,156 @@ class SplittingScheme(ControlledScheme):
             raise self.diverged(TOO_LONG)
         self.accept_step(dt)
 
-    def attempt(self, dt):
-        """Compute the velocities at the end of a step; return their error over the largest one, and its order."""
+    def attempt(self, dt: float) -> tuple[float, int]:
+        """Compute velocity and pressure at the end of a step; return the error, over the velocity, and its order.
+
+        With the weights gamma_0 and alpha_q of backward differences over variable steps (equations of
+        docs/theory/two-dimensional.md):
+
+        1. particles move along the polynomial through their velocities, and walls and bodies to the end of the step;
+        2. the operators are assembled there;
+        3. u^ = sum_q alpha_q u^(n+1-q), and velocity and pressure are extrapolated (1);
+        4. outer iterations: the forcing f is u^ and dt times the divergence of the extra stress, the centripetal term
+           and body forces;
+
+               L p = (D f - k gamma_0 d^n) / dt   (2, 4),   with n . grad p at walls by the momentum there (8),
+               (gamma_0 - dt nu L) u^(n+1) = f - dt (G p - g)   (3);
+
+           a second one uses the stress, and the curl of the vorticity at walls, of the velocities that the first has
+           found; with couplings (free bodies, a kept mean velocity) they go on until these have converged;
+        5. the difference from the extrapolated velocities gives the error (5).
+        """
         if self.time + 0.1 * dt == self.time:
             raise self.diverged(TOO_LONG)
-        times = TimeWeights([dt, *self.dts], dt)
-        view(self.levels.step_weights)[...] = times.step_integral()
-        self.levels.predict()
-        if self.wall_boundary:
-            self.wall_boundary.predict(times, dt)
-        coupling = self.splitting.coupling
-        if coupling:
-            coupling.prepare(times, dt, self.time + dt)
-            coupling.least = RESIDUAL * self.tolerance * self.error_speed
-            if coupling.bodies.overlap:
-                return math.inf, 1
-        self.assemble(self.time + dt)
-        gamma0, alpha = times.bdf()
-        if self.mean_velocity:
-            self.mean_velocity.prepare(dt, gamma0, self.time + dt, self.tolerance * self.error_speed)
-        view(self.splitting.alpha)[...] = alpha
-        view(self.splitting.beta)[...] = times.extrapolation(VELOCITIES)
-        view(self.splitting.beta_pressure)[...] = times.extrapolation(PRESSURES)
-        nu = self.problem.solvent_viscosity
-        if self.extra_stress:
-            self.extra_stress.prepare(times, dt, self.time + dt)
-            nu += self.extra_stress.viscosity
-        decay = limits.DECAY[0] * nu / self.problem.spacing**2 + limits.DECAY[1] * self.speed / self.problem.spacing
+        levels, boundary, extra_stress, equations = self.levels, self.boundary, self.extra_stress, self.equations
+        end, weights = self.time + dt, TimeWeights([dt, *self.dts], dt)
+        gamma0, alpha = weights.bdf()
+
+        levels.predict(weights)
+        if not boundary.predict(weights, dt, end):
+            return math.inf, 1
+        self.assemble(end)
+
+        for coupling in self.couplings:
+            coupling.prepare(equations, dt, gamma0, end, self.tolerance * self.error_speed)
+        extra_stress.prepare(weights, dt, end)
+        viscosity = self.problem.solvent_viscosity + extra_stress.viscosity
+        equations.begin_step(weights, alpha)
+        self.add_body_force(dt, end)
+        equations.set_wall_velocity(boundary.solver_velocity())
+        boundary.begin_step(weights)
+        boundary.add_force(equations.forcing, weights, dt)
+
+        decay = limits.decay_rate(viscosity, self.speed, self.problem.spacing)
         retained = max(0.0, gamma0 - decay * dt)
-        self.splitting.sum_history()
-        if not self.dts:  # what is carried along as a whole is right from the first guess on, but for rounding errors
-            view(self.splitting.velocity.x)[: self.problem.n_fluid, :2] += dt * np.array(self.problem.acceleration)
-        if self.problem.body_force:
-            force = self.body_force(self.time + dt)
-            view(self.splitting.u_history)[: len(force)] += dt * force
-        if self.wall_boundary:
-            self.wall_boundary.set_wall_velocities(self.splitting, times)
-            self.wall_boundary.add_corner_force(self.splitting, times, dt)
-        self.require_solution(self.splitting.solve(gamma0, dt, nu, retained, self.residuals))
-        error = max(self.splitting.error(), coupling.error() if coupling else 0.0)
-        if math.isnan(error):
-            self.require_solution(False)
-        error, order = times.step_error(error, gamma0, self.error_speed)
+        forcing_varies = extra_stress.nonlinear or levels.coordinates.axisymmetric
+        least = 2 if boundary.bounded or extra_stress.nonlinear else 1
+        curls_vary = not any(coupling.sets_curls for coupling in self.couplings)
+        rounding = max((coupling.rounding for coupling in self.couplings), default=0.0)
+        solved = True
+        for outer in range(MOST_ITERATIONS):
+            extra_stress.add_stress(equations.velocity.x, equations.forcing, dt)
+            levels.coordinates.add_centripetal(equations.velocity.x, equations.forcing, dt, outer > 0)
+            if outer == 0 or forcing_varies:
+                equations.set_divergence(dt, retained, gamma0)
+            if outer > 0 and curls_vary:
+                boundary.update_normal_curls(equations.velocity.x)
+            boundary.add_normal_momentum(equations, dt, gamma0, viscosity)
+            exact = self.couplings or outer >= least - 1
+            residuals = self.residuals if exact else np.maximum(self.residuals, FIRST_OUTER)
+            solved = equations.solve_pressure(residuals[0], rounding) and solved
+            solved = equations.solve_velocity(dt, viscosity, gamma0, residuals[1]) and solved
+            settled = all([coupling.correct(equations) for coupling in self.couplings])
+            if settled and outer >= least - 1:
+                break
+
+        difference = max([equations.error(), *(coupling.error() for coupling in self.couplings)])
+        self.require_solution(solved and not math.isnan(difference))
+        error, order = weights.step_error(difference, gamma0, self.error_speed)
         return error / self.error_speed, order
 
-    def body_force(self, time):
-        """Return the body force (points, components) at ``time`` at the points, divided as the unknowns are."""
+    def add_body_force(self, dt: float, time: float) -> None:
+        """Add the body forces to the forcing of a step, and a uniform one to the guess of the very first step."""
+        if not self.dts:  # a flow that is carried along as a whole is exact from the first guess on
+            fluid = slice(self.problem.n_fluid)
+            view(self.equations.velocity.x)[fluid, :2] += dt * np.array(self.problem.acceleration)
+        if self.problem.body_force:
+            force = self.body_force(time)
+            view(self.equations.forcing)[: len(force)] += dt * force
+
+    def body_force(self, time: float) -> np.ndarray:
+        """Return the given body force (points, components) at ``time`` at the points, as unknowns."""
         x, y = self.problem.places(view(self.points.position)[: int(view(self.points.particles))].astype(float))
         return self.problem.unknowns_given(self.problem.body_force, x, y, time)
 
-    def assemble(self, time):
+    def assemble(self, time: float) -> None:
         """Set the positions of the points at the end of a step, at ``time``, and compute the operators there."""
-        if self.wall_boundary:
-            self.wall_boundary.update_positions(time)
+        self.boundary.move(time)
         self.points.find_neighbours()
         self.require_room("neighbours of a particle", self.points.overflow())
         self.operators.assemble()
         self.grid.sort()
-        if self.wall_boundary:
-            self.wall_boundary.impose_neumann_rows()
+        self.boundary.impose_neumann_rows()
 
-    def require_solution(self, found):
+    def require_solution(self, solved: bool) -> None:
         """Raise DivergedError where the linear systems have none."""
-        if not found:
+        if not solved:
             raise self.diverged("u, v, pressure: the linear systems cannot be solved")
 
-    def accept_step(self, dt):
+    def accept_step(self, dt: float) -> None:
         """Store the new velocities, measure them, and shift the particles."""
-        self.splitting.store()
-        self.levels.measure()
-        if self.wall_boundary:
-            self.splitting.measured_normal_curls()
-            self.wall_boundary.store_normal_curls()
-        if self.extra_stress:
-            self.stress_resolution = self.extra_stress.take_up(self.splitting.velocity.x, self.steps + 1)
-        if self.wall_boundary:
-            self.wall_boundary.measure(self.time + dt, self.extra_stress)
-        if self.mean_velocity:
-            self.mean_velocity.accept()
-        if self.wall_boundary and self.wall_boundary.free:
-            self.wall_boundary.free.accept(self.control.end(self.time, dt))
+        levels, end = self.levels, self.control.end(self.time, dt)
+        levels.store(self.equations.velocity.x, self.equations.pressure.x)
+        levels.measure()
+        self.stress_resolution = self.extra_stress.store(self.equations.velocity.x, self.steps + 1)
+        self.boundary.store(self.time + dt)
+        for coupling in self.couplings:
+            coupling.store(end)
         travelled = dt * self.speed / self.problem.spacing
-        self.shift.shift(self.steps == 0 and not self.wall_boundary, min(1.0, travelled / TRAVEL))
-        self.levels.remap()
-        if self.polymer:
-            self.polymer.remap()
-        if self.wall_boundary:
-            self.wall_boundary.find_fastest()
+        self.shift.shift(self.steps == 0 and not self.boundary.bounded, min(1.0, travelled / TRAVEL))
+        levels.remap()
+        self.extra_stress.remap()
+        self.boundary.find_fastest()
         if self.speed > limits.RUNAWAY * self.problem.reference_velocity:
             text = f"{limits.RUNAWAY:g} times the reference velocity {self.present_step}"
             cure = "a reference.velocity, if the body force drives it, else " if self.problem.body_force else ""
             raise DivergedError(f"u, v: above {text}: the flow needs {cure}a smaller spacing")
         if (self.steps + 1) % REORDER_INTERVAL == 0:
-            self.levels.reorder([self.polymer.tensors] if self.polymer else [])
+            levels.reorder(self.extra_stress.fields)
         self.dts = [dt, *self.dts][: VELOCITIES - 1]
         self.end_step(dt, self.speed)
-        self.iterations = [sum(pair) for pair in zip(self.iterations, self.splitting.iterations, strict=True)]
+        self.iterations = [sum(pair) for pair in zip(self.iterations, self.equations.iterations, strict=True)]
 
-    def snapshot(self, time=None):
-        """Return the state at ``time``, within the last step, or now, as a Snapshot.
+    def snapshot(self, time: float | None = None) -> Snapshot:
+        """Return the state at ``time``, within the last step, or now.
 
-        It lies on the polynomial through the time levels, in the order of creation; ``output_cache`` holds those of the
-        last step, since many outputs may fall into one.
+        It lies on the polynomial through the time levels, in the order of creation; ``output_cache`` holds the levels
+        of the last step, since many outputs may fall into one.
         """
         time = self.time if time is None else time
         if self.output_cache is None or self.output_cache[0] != self.time:
             fluid = self.problem.n_fluid
             created = np.argsort(active(self.levels.number)[:fluid])
-            stored = [self.levels.fields, self.levels.position, *([self.polymer.tensors] if self.polymer else [])]
+            stored = [self.levels.fields, self.levels.position, *self.extra_stress.fields]
             fields = (active(field)[:fluid][created].astype(float) for field in stored)
             self.output_cache = self.time, created, *fields
-        problem, walls, offset = self.problem, self.wall_boundary, self.time - time
-        _, created, fields, position, *tensors = self.output_cache
+        problem, boundary, offset = self.problem, self.boundary, self.time - time
+        _, created, fields, position, *stress_levels = self.output_cache
         dts = self.dts or [1.0]
-        times = TimeWeights([0.0, *dts], dts[0])
+        weights = TimeWeights([0.0, *dts], dts[0])
         first, components = self.levels.first_pressure, self.levels.components
         velocities = fields[:, :first].reshape(len(fields), VELOCITIES, components)
         axis = position[:, 1] + problem.origin[1]
         velocities = np.stack([problem.velocities(velocities[:, level], axis) for level in range(VELOCITIES)], axis=1)
         pressure, velocity = fields[:, first], velocities[:, 0]
         if offset:
-            velocity = np.einsum("a,iac->ic", times.interpolation(offset, VELOCITIES), velocities)
-            position = position - np.einsum("a,iac->ic", times.integral(offset), velocities[..., :2])
-            pressure = fields[:, first:] @ times.interpolation(offset, PRESSURES)
-            if problem.axisymmetric:  # what is interpolated around the axis is the circulation
+            velocity = np.einsum("a,iac->ic", weights.interpolation(offset, VELOCITIES), velocities)
+            position = position - np.einsum("a,iac->ic", weights.integral(offset), velocities[..., :2])
+            pressure = fields[:, first:] @ weights.interpolation(offset, PRESSURES)
+            if problem.axisymmetric:  # around the axis the circulation is interpolated
                 velocity[:, 2] *= axis / (position[:, 1] + problem.origin[1])
-        if walls and walls.corners:
-            if offset:
-                at = lambda part: times.interpolation(part * offset, VELOCITIES)  # noqa: E731
-                position = walls.corners.paths.find(at, -offset)[created]
-            velocity = velocity + walls.corners.velocity(position)
-            pressure = pressure + walls.corners.pressure(position)
-        stress = [problem.density * part for part in self.polymer.at(times, offset, *tensors, axis)] if tensors else []
+        position, velocity, pressure = boundary.whole_flow(weights, offset, position, velocity, pressure, created)
+        stress = (problem.density * part for part in self.extra_stress.at(weights, offset, stress_levels, axis))
         return Snapshot(
             t=time,
             step=self.steps,
@@ -315,23 +339,22 @@ class SplittingScheme(ControlledScheme):
             w=velocity[:, 2].copy() if problem.axisymmetric else None,
             density=np.full(len(position), problem.density),
             pressure=problem.density * (pressure - pressure.mean()),
-            bodies=walls.bodies(time, times, offset) if walls else None,
-            steepest=self.stress_resolution if self.polymer else None,
-            added_power=None if self.polymer else self.stress_resolution,
-            load_scatter=walls.load_scatter if walls else None,
+            bodies=boundary.bodies(time, weights, offset),
+            load_scatter=boundary.load_scatter,
             divergence=self.residual,
             acceleration=self.mean_velocity.acceleration if self.mean_velocity else None,
+            **{self.extra_stress.resolution_name: self.stress_resolution},
             **dict(zip((*STRESSES, *STRESSES_AROUND), stress, strict=False)),
         )
 
-    def momentum_balance(self):
+    def momentum_balance(self) -> dict[str, float]:
         """Return the ``change`` of momentum along x up to ``time`` [mass * velocity per length], which has no cause."""
-        if self.wall_boundary:  # forces of walls are in the samples
+        if self.boundary.bounded:  # forces of walls are in the samples
             return {}
         gained = float(active(self.levels.fields)[:, 0].sum(dtype=float)) - self.initial_momentum
         return {"change": self.problem.density * self.problem.spacing**2 * gained}
 
-    def numbers(self):
+    def numbers(self) -> dict[str, Any]:
         """Return the numbers of this scheme for ``summary.json``."""
         return {
             **super().numbers(),
@@ -339,26 +362,39 @@ class SplittingScheme(ControlledScheme):
             "divergence": self.residual,
             "iterations_pressure": self.iterations[0] / max(self.steps, 1),
             "iterations_velocity": self.iterations[1] / max(self.steps, 1),
-            **(self.wall_boundary.contacts() if self.wall_boundary else {}),
+            **self.boundary.numbers(),
         }
 
-    def parts(self):
+    def parts(self) -> dict[str, Any]:
         """Return everything whose fields a resumed run needs, by name."""
-        return {"levels": self.levels, **({"polymer": self.polymer} if self.polymer else {})}
+        return {"levels": self.levels, **self.extra_stress.parts}
 
-    def host_state(self):
+    def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
-        walls = self.wall_boundary.host_state() if self.wall_boundary else None
         mean = self.mean_velocity.state() if self.mean_velocity else None
-        return {**super().host_state(), "walls": walls, "mean_velocity": mean}
+        return {**super().host_state(), "walls": self.boundary.host_state(), "mean_velocity": mean}
 
-    def restore_host_state(self, state):
-        """Take up the numbers of ``host_state``."""
+    def restore_host_state(self, state: Mapping[str, Any]) -> None:
+        """Restore the numbers of ``host_state``."""
         super().restore_host_state(state)
-        if self.wall_boundary:
-            self.wall_boundary.restore_host_state(state["walls"])
+        self.boundary.restore_host_state(state["walls"])
         if self.mean_velocity:
             self.mean_velocity.restore(state["mean_velocity"])
+
+
+def extra_stress_of(problem, levels: TimeLevels) -> ExtraStress:
+    """Return the extra stress of a fluid."""
+    if problem.rheology is None:
+        return NewtonianStress(levels)
+    return (ViscoelasticStress if problem.carries_stress else GeneralisedNewtonianStress)(levels, problem)
+
+
+def boundary_of(problem, levels: TimeLevels, shift, grid, extra_stress: ExtraStress) -> Boundary:
+    """Return the boundary of a flow: none, walls of given motion, or walls of bodies that the flow carries."""
+    if problem.walls is None:
+        return NoBoundary(problem, levels)
+    kind = FreeWallBoundary if problem.contact else WallBoundary
+    return kind(problem, levels, shift, grid, extra_stress, SUPPORT)
 
 
 def points_of(problem, serial):

@@ -1,6 +1,7 @@
 """Positions, velocities and pressures of the particles at the last time levels, and their transfer with a shift.
 
 ``TimeWeights`` are the weights of the levels, for variable steps: backward differences (BDF), integrals, interpolation.
+``PlanarCoordinates`` and ``AxisymmetricCoordinates`` are the factors by which the equations of the two flows differ.
 """
 
 import math
@@ -9,7 +10,6 @@ import numpy as np
 
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import holding, real, scalar, ti, view
-from tisph.schemes._two_dimensional.coordinates import Coordinates
 
 VELOCITIES, PRESSURES = 4, 2
 """Number of time levels: at the end of the last step, and of those before."""
@@ -103,21 +103,215 @@ def transfer(operators: ti.template(), d_dx: ti.template(), d_dy: ti.template(),
 
 
 @ti.data_oriented
+class PlanarCoordinates:
+    """Planar flow: the unknowns of a point are u and v, and every factor of the radius is 1.
+
+    The functions are those of ``AxisymmetricCoordinates``; compiled in, they cost nothing.
+    """
+
+    axisymmetric, components = False, 2
+
+    def __init__(self, operators):
+        self.operators = operators
+
+    def add_centripetal(self, velocity, forcing, dt: float, repeated: bool) -> None:
+        """Add nothing: planar flow has no centripetal term."""
+
+    @ti.func
+    def radius(self, i):
+        """Return 1 in place of the radius."""
+        return 1.0
+
+    @ti.func
+    def hoop(self, value):
+        """Return 0: the divergence has its derivatives alone."""
+        return 0.0
+
+    @ti.func
+    def divergence(self, i, stress: ti.template(), first: ti.template(), d_dx, d_dy):
+        """Return the divergence of a stress from the derivatives of its components xx, xy, yy, from ``first`` on."""
+        return ti.Vector([d_dx[first] + d_dy[first + 1], d_dx[first + 1] + d_dy[first + 2]])
+
+    @ti.func
+    def displacement(self, y, velocity):
+        """Return the displacement per time at ``y`` for a velocity."""
+        return ti.Vector([velocity[0], velocity[1]])
+
+    @ti.func
+    def above_axis(self, position):
+        """Return a position as it is: there is no axis."""
+        return position
+
+    @ti.func
+    def carried(self, velocity, before, i):
+        """Return the velocity that a particle has carried to its place."""
+        return velocity
+
+    @ti.func
+    def gradient_product(self, i, velocity: ti.template(), d_dx, d_dy):
+        """Return grad u : grad u = sum_ab (d_a u_b)(d_b u_a)."""
+        result = d_dx[0] ** 2 + 2.0 * d_dy[0] * d_dx[1]
+        result += d_dy[1] ** 2
+        return result
+
+    @ti.func
+    def gradient_square(self, i, velocity: ti.template(), d_dx, d_dy):
+        """Return the sum of the squares of the velocity gradient."""
+        return d_dx[0] ** 2 + d_dx[1] ** 2 + d_dy[0] ** 2 + d_dy[1] ** 2
+
+    @ti.func
+    def moving(self, velocity):
+        """Return the part of a velocity that moves particles: all of it."""
+        return velocity
+
+    @ti.func
+    def frame(self, mean):
+        """Return the velocity of the frame of a flow with this ``mean`` velocity."""
+        return mean
+
+    @ti.func
+    def squared(self, i, velocity):
+        """Return the square of a velocity."""
+        return velocity.dot(velocity)
+
+    @ti.func
+    def shifted(self, i, moved):
+        """Return the change of x and y of a particle that was shifted by ``moved``."""
+        return moved
+
+
+@ti.data_oriented
+class AxisymmetricCoordinates:
+    """Axisymmetric flow: x along the axis, y = r the distance from it; the unknowns of a point are
+
+        u,   V = v/r,   W = w/r   and the pressure,
+
+    with v along r and w around the axis. All of them are even in r, so that the operators of ``least_squares``, d/dx,
+    d/ds with s = r^2/2, and the Laplacian d2/dx2 + d2/dr2 + (1/r) d/dr, hold for all, and nothing is divided by r:
+
+        div u = du/dx + r^2 dV/ds + 2 V,      vorticity around the axis = r (dV/dx - du/ds),
+        DV/Dt = W^2 - V^2 - dp/ds + nu (Lap V + 2 dV/ds),      DW/Dt = -2 V W + nu (Lap W + 2 dW/ds),
+
+    Lap u and Lap p being the Laplacian alone. Along the path of a particle r V is a velocity and r^2 W the circulation;
+    their derivatives have neither V^2 nor 2 V W. Backward differences are taken of these two, at the earlier r.
+    """
+
+    axisymmetric, components = True, 3
+
+    def __init__(self, operators):
+        self.operators = operators
+        self.centripetal = ti.field(real(), operators.points.capacity)
+
+    @ti.kernel
+    def add_centripetal(self, velocity: ti.template(), forcing: ti.template(), dt: float, repeated: bool):
+        """Add the centripetal term dt W^2 to the radial right-hand side.
+
+        In ``repeated`` outer iterations it replaces the term of the previous iterate.
+        """
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.operators.points.particles[None]):
+            square = velocity[i].z ** 2
+            forcing[i].y += dt * (square - (self.centripetal[i] if repeated else 0.0))
+            self.centripetal[i] = square
+
+    @ti.func
+    def radius(self, i):
+        """Return the radius r of a point."""
+        return self.operators.radius(i)
+
+    @ti.func
+    def hoop(self, value):
+        """Return 2 V, the part of the divergence beside its derivatives, for V = ``value``."""
+        return 2.0 * value
+
+    @ti.func
+    def divergence(self, i, stress: ti.template(), first: ti.template(), d_dx, d_dy):
+        """Return the divergence of a stress from its components, from ``first`` on, and their derivatives.
+
+        The components are xx, xr/r, rr, tt and, where there are as many, xt/r and rt/r^2; the last two components of
+        the divergence are over r.
+        """
+        own, square = stress[i], self.radius(i) ** 2
+        result = ti.Vector([0.0, 0.0, 0.0])
+        result[1] = d_dx[first + 1] + d_dy[first + 2]
+        result[0] = d_dx[first] + 2.0 * own[first + 1] + square * d_dy[first + 1]
+        result[1] += (own[first + 2] - own[first + 3]) / square
+        if ti.static(stress.n >= first + 6):
+            result[2] = d_dx[first + 4] + 4.0 * own[first + 5] + square * d_dy[first + 5]
+        return result
+
+    @ti.func
+    def displacement(self, y, velocity):
+        """Return the displacement per time at ``y`` for a velocity."""
+        return ti.Vector([velocity[0], velocity[1] * (y + self.operators.lowest_radius[None])])
+
+    @ti.func
+    def above_axis(self, position):
+        """Return the mirror image of a position that has crossed the axis."""
+        lowest = self.operators.lowest_radius[None]
+        return ti.Vector([position.x, ti.abs(position.y + lowest) - lowest])
+
+    @ti.func
+    def carried(self, velocity, before, i):
+        """Return the unknowns at the present radius of a particle that carried ``velocity`` from ``before``."""
+        ratio = (before.y + self.operators.lowest_radius[None]) / self.operators.radius(i)
+        return ti.Vector([velocity.x, velocity.y * ratio, velocity.z * (ratio * ratio)])
+
+    @ti.func
+    def gradient_product(self, i, velocity: ti.template(), d_dx, d_dy):
+        """Return grad u : grad u = sum_ab (d_a u_b)(d_b u_a)."""
+        radius, across, around = self.radius(i), velocity[i][1], velocity[i][2]
+        result = d_dx[0] ** 2 + 2.0 * radius**2 * d_dy[0] * d_dx[1]
+        result += (across + radius**2 * d_dy[1]) ** 2 + across**2
+        result -= 2.0 * around * (around + radius**2 * d_dy[2])
+        return result
+
+    @ti.func
+    def gradient_square(self, i, velocity: ti.template(), d_dx, d_dy):
+        """Return the sum of the squares of the velocity gradient."""
+        own, metric = velocity[i], self.radius(i) ** 2
+        square = d_dx[0] ** 2 + metric * (d_dy[0] ** 2 + d_dx[1] ** 2 + d_dx[2] ** 2)
+        square += (own[1] + metric * d_dy[1]) ** 2 + own[1] ** 2 + (own[2] + metric * d_dy[2]) ** 2 + own[2] ** 2
+        return square
+
+    @ti.func
+    def moving(self, velocity):
+        """Return the part of a velocity that moves particles: W turns them in place."""
+        return ti.Vector([velocity.x, velocity.y, 0.0])
+
+    @ti.func
+    def frame(self, mean):
+        """Return the velocity of the frame of a flow with this ``mean``: a frame moves along the axis alone."""
+        return ti.Vector([mean.x, 0.0, 0.0])
+
+    @ti.func
+    def squared(self, i, velocity):
+        """Return u^2 + r^2 (V^2 + W^2)."""
+        across = self.radius(i) * ti.Vector([velocity[1], velocity[2]])
+        return velocity[0] ** 2 + across.dot(across)
+
+    @ti.func
+    def shifted(self, i, moved):
+        """Return the change of x and s of a particle that was shifted by ``moved``."""
+        return ti.Vector([moved.x, moved.y * (self.radius(i) - 0.5 * moved.y)])
+
+
+@ti.data_oriented
 class TimeLevels:
-    """``position`` (fluid) and ``fields`` (fluid): velocities, newest first, then pressures per unit density.
+    """The last states of each particle: ``position`` (fluid) and ``fields`` (fluid).
 
-    Velocities have as many components, and those, as the ``coordinates`` say; pressures begin at ``first_pressure``.
+    ``fields``: velocities of ``VELOCITIES`` levels, newest first, each with the unknowns of the ``coordinates``, then
+    pressures per unit density of ``PRESSURES`` levels, from ``first_pressure`` on. All levels belong to one path: a
+    particle that is shifted gets the levels of its new path by a Taylor series of second order.
 
-    All levels belong to one and the same path: where a particle is shifted, they become those of its new path, by the
-    Taylor series to second order of fields that are smooth functions of the present position. ``divergence`` (fluid) is
-    that of the newest velocities, of which ``fastest`` is the largest that moves particles, relative to the mean, and
-    ``largest`` the same with what is around the axis; ``d_dx`` and ``d_dy`` are the derivatives of all fields.
-    ``number`` (fluid) is that of a particle at the start: their order in memory changes.
+    ``d_dx``, ``d_dy``: derivatives of all fields. ``divergence`` (fluid): divergence of the newest velocities.
+    ``fastest``: largest newest velocity that moves a particle, relative to the mean; ``largest``: the same with the
+    velocity around the axis. ``number`` (fluid): number of a particle at the start, as their order in memory changes.
     """
 
     def __init__(self, operators, shift):
         self.operators, self.points, self.shift = operators, operators.points, shift
-        self.coordinates = Coordinates(operators)
+        self.coordinates = (AxisymmetricCoordinates if operators.axisymmetric else PlanarCoordinates)(operators)
         self.components = self.coordinates.components
         self.first_pressure = self.components * VELOCITIES
         kind = ti.types.vector(self.first_pressure + PRESSURES, real())
@@ -135,9 +329,14 @@ class TimeLevels:
         )
         self.largest = scalar(0.0) if self.coordinates.axisymmetric else self.fastest
 
+    def predict(self, weights: TimeWeights) -> None:
+        """Move the points to the positions of the particles at the end of a step, by the polynomial of velocities."""
+        view(self.step_weights)[...] = weights.step_integral()
+        self.move_points()
+
     @ti.kernel
-    def predict(self):
-        """Set the points where the particles are at the end of a step, by the ``step_weights`` of their velocities."""
+    def move_points(self):
+        """Set the points to x + sum_q w_q u^(n+1-q), w being the ``step_weights``."""
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None]):
             position = self.position[i]
@@ -153,24 +352,52 @@ class TimeLevels:
 
     @ti.func
     def carried(self, level: ti.template(), i):
-        """Return the same as unknowns of where the particle is at the end of the step."""
+        """Return the velocity ``level`` steps ago as unknowns at the particle's position at the end of the step."""
         return self.coordinates.carried(self.velocity(level, i), self.position[i], i)
 
-    @ti.func
-    def advance_levels(self, i, velocity, pressure):
-        """Store the result of a step as the newest level; the others move on by one."""
-        fields = self.fields[i]
-        moved_on = fields
-        for level in ti.static(range(1, VELOCITIES)):
-            earlier = self.carried(level - 1, i)
+    @ti.kernel
+    def store(self, velocity: ti.template(), pressure: ti.template()):
+        """Store the solution of a step, two fields, as the newest level; the other levels move on by one."""
+        ti.loop_config(serialize=self.operators.serial_numbers)
+        for i in range(self.points.particles[None]):
+            fields = self.fields[i]
+            moved_on = fields
+            for level in ti.static(range(1, VELOCITIES)):
+                earlier = self.carried(level - 1, i)
+                for component in ti.static(range(self.components)):
+                    moved_on[self.components * level + component] = earlier[component]
+            for level in ti.static(range(1, PRESSURES)):
+                moved_on[self.first_pressure + level] = fields[self.first_pressure + level - 1]
             for component in ti.static(range(self.components)):
-                moved_on[self.components * level + component] = earlier[component]
-        for level in ti.static(range(1, PRESSURES)):
-            moved_on[self.first_pressure + level] = fields[self.first_pressure + level - 1]
-        for component in ti.static(range(self.components)):
-            moved_on[component] = velocity[component]
-        moved_on[self.first_pressure] = pressure
-        self.fields[i] = moved_on
+                moved_on[component] = velocity[i][component]
+            moved_on[self.first_pressure] = pressure[i]
+            self.fields[i] = moved_on
+
+    @ti.kernel
+    def store_pressure(self, pressure: ti.template()):
+        """Store a field as the newest pressure."""
+        ti.loop_config(serialize=self.operators.serial_numbers)
+        for i in range(self.points.particles[None]):
+            self.fields[i][self.first_pressure] = pressure[i]
+
+    @ti.kernel
+    def subtract_gradient(self, potential: ti.template()):
+        """Subtract the gradient of a field from the newest velocities of the particles."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None]):
+            d_dx, d_dy = gradients(self.operators, potential, i)
+            self.fields[i][0] -= d_dx
+            self.fields[i][1] -= d_dy
+
+    @ti.kernel
+    def measure_at_walls(self, velocity: ti.template()):
+        """Compute the gradients of a velocity field at the points on walls, in place of the newest velocities."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None], self.points.particles[None]):
+            d_dx, d_dy = gradients(self.operators, velocity, i)
+            for component in ti.static(range(self.components)):
+                self.d_dx[i][component] = d_dx[component]
+                self.d_dy[i][component] = d_dy[component]
 
     @ti.kernel
     def measure(self):
@@ -196,41 +423,25 @@ class TimeLevels:
         mean = 0.0 * self.velocity(0, 0)
         for i in range(particles):
             mean += self.velocity(0, i)
-        mean /= particles
-        if ti.static(self.coordinates.axisymmetric):
-            mean = ti.Vector([mean[0], 0.0, 0.0])  # the only one that a frame can have
+        mean = self.coordinates.frame(mean / particles)
         for i in range(particles):
             d_dx, d_dy = self.d_dx[i], self.d_dy[i]
-            square = self.gradient_square(i, d_dx, d_dy)
+            square = self.coordinates.gradient_square(i, self.fields, d_dx, d_dy)
             divergence += self.divergence[i] ** 2
             gradient += square
             largest = ti.max(largest, square)
             velocity = self.velocity(0, i) - mean
             around = ti.max(around, self.coordinates.squared(i, velocity))
-            if ti.static(self.coordinates.axisymmetric):
-                velocity.z = 0.0
-            fastest = ti.max(fastest, self.coordinates.squared(i, velocity))
+            fastest = ti.max(fastest, self.coordinates.squared(i, self.coordinates.moving(velocity)))
         self.divergence_squared[None] = divergence
         self.gradient_squared[None] = gradient
         self.largest_gradient[None] = ti.sqrt(largest)
         self.largest[None] = ti.sqrt(around)
         self.fastest[None] = ti.sqrt(fastest)
 
-    @ti.func
-    def gradient_square(self, i, d_dx, d_dy):
-        """Return the sum of the squares of the velocity gradient with these derivatives of the fields."""
-        radius, square = self.coordinates.radius(i), 0.0
-        if ti.static(self.coordinates.axisymmetric):
-            own, metric = self.fields[i], radius**2
-            square = d_dx[0] ** 2 + metric * (d_dy[0] ** 2 + d_dx[1] ** 2 + d_dx[2] ** 2)
-            square += (own[1] + metric * d_dy[1]) ** 2 + own[1] ** 2 + (own[2] + metric * d_dy[2]) ** 2 + own[2] ** 2
-        else:
-            square = d_dx[0] ** 2 + d_dx[1] ** 2 + d_dy[0] ** 2 + d_dy[1] ** 2
-        return square
-
     @ti.kernel
     def remap(self):
-        """Take up the positions of the points, which have moved, and transfer all fields to them."""
+        """Store the positions of the points after a shift, and transfer all fields to them."""
         particles = self.points.particles[None]
         ti.loop_config(serialize=self.operators.serial)
         for i in range(particles):

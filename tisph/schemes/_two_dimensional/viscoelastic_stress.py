@@ -36,7 +36,7 @@ Sources: R. Guenette and M. Fortin, J. Non-Newtonian Fluid Mech. 60 (1995) 27-52
 
 import math
 from types import ModuleType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -45,6 +45,7 @@ from tisph.runtime import real, ti, view
 from tisph.schemes._local_newton import SMALL, Modes, matrix, solve
 from tisph.schemes._two_dimensional import log_conformation, log_conformation_with_swirl
 from tisph.schemes._two_dimensional.log_conformation_with_swirl import ModesWithSwirl, change_of_logarithm
+from tisph.schemes._two_dimensional.parts import NewtonianStress
 from tisph.schemes._two_dimensional.time_levels import ORDER, gradients, transfer
 
 MAX_LOG_JUMP = 5.0
@@ -78,13 +79,13 @@ COMPONENTS = {
 
 
 @ti.data_oriented
-class ViscoelasticStress:
+class ViscoelasticStress(NewtonianStress):
     """``tensors`` (fluid): P of all modes at the ends of the last steps, newest first.
 
     In axisymmetric flow components of P are divided by ``powers`` of the radius there, in pairs with their indices.
     """
 
-    varying = False
+    nonlinear, resolution_name = True, "steepest"
 
     def __init__(self, levels, problem):
         self.levels, self.operators, self.points = levels, levels.operators, levels.points
@@ -110,9 +111,15 @@ class ViscoelasticStress:
         self.force, self.stress_divergence = (
             ti.field(ti.types.vector(levels.components, real()), self.points.capacity) for _ in range(2)
         )
+        self.fields, self.viscosity = (self.tensors,), 0.0
         scratch = self.gradient, self.implicit_stress, self.force, self.stress_divergence
         for field in (*scratch, self.current, self.current_d_dx, self.current_d_dy):
             field.used = None
+
+    @property
+    def parts(self) -> dict[str, Any]:
+        """The stress itself: a checkpoint keeps its ``tensors``."""
+        return {"polymer": self}
 
     @property
     def radius(self):
@@ -161,11 +168,6 @@ class ViscoelasticStress:
         if self.axisymmetric:
             modes = [[*mode, *(self.stress_numbers - len(mode)) * [0.0 * mode[0]]] for mode in modes]
         return self.times_radius(np.concatenate([self.algebra.logarithm(mode) for mode in modes]), 1.0 / self.radius)
-
-    def store(self):
-        """Store P at the end of a step as the newest level."""
-        self.states[1:] = self.times_radius(self.states[:-1].copy(), self.ratio)
-        self.states[0] = self.differentiated()
 
     def implicit(self):
         """Return 2 nu* D (numbers, points), its components over the ``powers`` of the radius."""
@@ -260,14 +262,15 @@ class ViscoelasticStress:
         if self.swirls:
             gradient[5:] = self.walls.gradient_around(gradient[5:])
 
-    def take_up(self, velocity, step):
+    def store(self, velocity, step: int) -> tuple[float, float, float]:
         """Store the P of the ``velocity`` at the end of a ``step`` as the newest level.
 
         Returns the largest change of P within a spacing, and x and y where it is. Raises DivergedError where that is
         too large.
         """
         self.find(velocity)
-        self.store()
+        self.states[1:] = self.times_radius(self.states[:-1].copy(), self.ratio)
+        self.states[0] = self.differentiated()
         self.level_gradients()
         change, x, y = self.log_jump()
         if not change < MAX_LOG_JUMP:
@@ -312,9 +315,9 @@ class ViscoelasticStress:
             return stress
         return np.concatenate([stress[:3], stress[4:] if self.swirls else np.zeros((2, stress.shape[1]))])
 
-    def at(self, times, offset, tensors, radius):
+    def at(self, times, offset, levels, radius):
         """Return the stresses (components, n) a time ``offset`` before the end of the last step, of ``tensors``."""
-        levels = tensors.reshape(len(tensors), ORDER, self.size)
+        levels = levels[0].reshape(len(radius), ORDER, self.size)
         weights = times.interpolation(offset, ORDER)
         state = np.einsum("a,nac->cn", weights, levels) if offset else levels[:, 0].T
         return self.modes.stress(self.times_radius(state, radius), self.stress_numbers)

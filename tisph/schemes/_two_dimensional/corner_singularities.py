@@ -259,7 +259,8 @@ class CornerSingularities:
         """Return ``tractions`` (2, count, 2) of viscosity and pressure at walls with those of U and P."""
         if self.wall_traction is None:
             self.wall_traction = self.traction(self._wall_position, normal, self.problem.kinematic_viscosity)
-        return tractions + self.wall_traction
+        tractions += self.wall_traction
+        return tractions
 
     @property
     def _wall_position(self) -> np.ndarray:

@@ -40,7 +40,7 @@ class ControlledScheme(Kept):
         return DivergedError(f"{text} {self.present_step}")
 
     def require_room(self, what: str, needed: int) -> None:
-        """Raise DivergedError if ``needed`` (0 where all fits) tells that a field for ``what`` overflows."""
+        """Raise DivergedError if ``needed``, the size that a field for ``what`` lacks, is not 0."""
         if needed:
             text = f"x, y: too many {what} ({needed}), {self.present_step}: the particles have clustered"
             raise DivergedError(text)
@@ -55,11 +55,11 @@ class ControlledScheme(Kept):
         return self.control.set_targets(targets, self.time)
 
     def output_times(self, due):
-        """Return the times at which there is a snapshot, of those that are ``due``: all, since steps are dense."""
+        """Return all times that are ``due``, since snapshots are interpolated within a step."""
         return due
 
     def numbers(self):
-        """Return the numbers for ``summary.json`` that both schemes have."""
+        """Return the common numbers of both schemes for ``summary.json``."""
         return {
             "mach": 0.0,
             "sound_speed": None,
@@ -74,6 +74,6 @@ class ControlledScheme(Kept):
         return {**super().host_state(), **self.control.host_state()}
 
     def restore_host_state(self, state):
-        """Take up the numbers of ``host_state``."""
+        """Restore the numbers of ``host_state``."""
         super().restore_host_state(state)
         self.control.restore_host_state(state)

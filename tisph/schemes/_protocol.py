@@ -1,9 +1,9 @@
 """The interface of a scheme: its module, which imports no Taichi, and the object that takes the steps.
 
-A scheme is a module (or a package) of this folder that has what ``SchemeMember`` lists; its name is the ``type`` in a
-config. ``build`` returns the object with the members of ``Scheme``, and only there Taichi is imported. Nothing else is
-asked of a scheme, neither by the simulation nor by observers, checkpoints and reports. A member that stands for others,
-such as ``auto``, has what ``ChoiceMember`` lists instead.
+A scheme is a module (or a package) of this folder with the members of ``SchemeMember``; its name is the ``type`` in a
+config. ``build`` returns the object with the members of ``Scheme``, and imports Taichi. Simulation, observers,
+checkpoints and reports use these members alone. A module that chooses another scheme, such as ``auto``, has the members
+of ``ChoiceMember`` instead.
 """
 
 import math
@@ -86,7 +86,7 @@ class Scheme(Protocol):
         """Return everything else that a resumed run needs, as plain data that JSON can hold."""
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
-        """Take up the data of ``host_state``; the fields are restored already."""
+        """Restore the data of ``host_state``; the fields are restored already."""
 
     def set_targets(self, targets: Sequence[float]) -> bool:
         """Go on to other target times; return whether a run that had them from the start would have the same steps."""

@@ -8,7 +8,7 @@ In two-dimensional flow particles are shifted down the gradient of the concentra
 step. S. J. Lind, R. Xu, P. K. Stansby, B. D. Rogers, J. Comput. Phys. 231 (2012) 1499-1523: particles diffuse, by -D
 grad C, from where they are dense to where they are not. Without it they gather along the lines that the flow stretches,
 and the operators become singular there. On a lattice it does nothing, however much that is stretched, because all
-contributions cancel: what starts on one is scattered a little beforehand.
+contributions cancel: particles that start on a lattice are displaced a little at random beforehand.
 """
 
 import math
@@ -200,7 +200,7 @@ class FickianShifting(Shifting):
 
     @ti.func
     def displacement_by(self, apart):
-        """Return the displacement, over the strength, by what is ``apart`` from a particle."""
+        """Return the displacement, over the strength, by a particle at the vector ``apart``."""
         scaled = self.per_support[None] * apart
         nearness = ti.max(0.0, 1.0 - ti.sqrt(scaled.dot(scaled)))
         return -nearness * nearness * nearness * scaled

@@ -34,7 +34,7 @@ MOST_ATTEMPTS = 20
 
 
 class Kept:
-    """An object that runs on, of which a checkpoint keeps the attributes named in ``kept``: data that JSON can hold."""
+    """An object whose attributes named in ``kept``, data that JSON can hold, are part of a checkpoint."""
 
     kept: tuple[str, ...] = ()
 
@@ -43,21 +43,21 @@ class Kept:
         return {name: getattr(self, name) for name in self.kept}
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
-        """Take up the numbers of ``host_state``, which may be among others."""
+        """Restore the numbers of ``host_state``, which may be among others."""
         vars(self).update({name: state[name] for name in self.kept})
 
 
 class StepControl(Kept):
-    """Chooses steps; what differs between the schemes is given to it. All times are in the units of the config.
+    """The lengths of the steps of an implicit scheme. All times are in the units of the config.
 
     ``dt_next``: the next step, if no target cuts it; the scheme sets the first one. ``targets``: times, ascending, that
     steps have still to end on exactly; ``cut_by``: the last one that cut a step. ``last_rejected``: length and error
     of the last attempt, if it was rejected; ``rejected``: number of the attempts that were.
 
-    ``tolerance``: of the error of a step. ``limit``: function of what the scheme measures after each step (a velocity
-    gradient, a velocity) that returns the longest step. ``fixed``: whether steps are that long whatever their error.
-    ``multistep``: whether the method uses values of earlier steps. ``jump_times``: times at which what drives the flow
-    jumps; up to the last target they are targets as well.
+    ``tolerance``: of the error of a step. ``limit``: function that returns the longest step for the number that the
+    scheme measures after each step (a velocity gradient, a velocity). ``fixed``: whether steps are that long whatever
+    their error. ``multistep``: whether the method uses values of earlier steps. ``jump_times``: times at which a wall
+    velocity, a drive or a body force jumps; up to the last target they are targets as well.
     """
 
     kept = "dt_next", "targets", "cut_by", "last_rejected", "rejected"
@@ -114,13 +114,12 @@ class StepControl(Kept):
         return target if dt == target - time else time + dt
 
     def accepts(self, error, order, dt, unresolved=None):
-        """Judge a step of a method of ``order`` by its error; if rejected, ``dt_next`` is what to try instead.
+        """Return whether a step of a method of ``order`` is accepted; if not, ``dt_next`` is the step to try instead.
 
-        ``unresolved``: error of the spacing in the velocities, of which that of a step need not be a smaller part than
-        ``SHARE``; None where the estimated error has no part of it. With such a part an error that falls more slowly
-        than this order from one attempt to the next is not caused by the step: where layers are thinner than a
-        spacing velocities that are transferred with a shift are uneven, whatever comes next.
-        """
+        ``unresolved``: error of the spacing in the velocities; the error of a step need not be a smaller part of it
+        than ``SHARE``. None where the estimated error has no part of it. With such a part an error that falls more
+        slowly than this order from one attempt to the next is not caused by the step: where layers are thinner than a
+        spacing velocities that are transferred with a shift are uneven, whatever comes next."""
         factor = self.largest_factor
         if not self.fixed:
             ratio = max(error / max(self.tolerance, SHARE * (unresolved or 0.0)), 1e-12)
@@ -138,7 +137,7 @@ class StepControl(Kept):
         return True
 
     def step_taken(self, time, measured):
-        """Take note of a step that ended at ``time``, after which the scheme ``measured`` what the limit depends on."""
+        """Count a step that ended at ``time``; the limit of the next one depends on the ``measured`` number."""
         if time == self.targets[0]:
             self.targets.pop(0)
         self.dt_next = min(self.dt_next, self.limit(measured))

@@ -17,7 +17,7 @@ from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR, StepControl
 from tisph.schemes._two_dimensional.wall_points import WallPoints, WallsOfRevolution
 
 TOLERANCE = 2e-6
-"""Of a step."""
+"""Error of a step over the velocity."""
 
 SMALLEST_SPEED, SMALLEST_SCALE = 0.5, 0.1
 """Parts of the reference velocity below which the Courant number of steps, and their errors, refer to them instead of
@@ -31,12 +31,13 @@ LEAST_GRADIENT = 100 * TOLERANCE
 One that counts as resolved (1 % of that) then alters them by less than the error of a step."""
 
 FIRST = 0.02
-"""The first step, which is of first order, over what the Courant number allows."""
+"""The first step, which is of first order, over the longest step that the Courant number allows."""
 
 PRESSURE_RESIDUAL, VELOCITY_RESIDUAL = (1.0, 1e-6), (5e-4, 1e-10)
-"""Of the linear systems: over the tolerance of a step, and the least that is asked for. That of the velocities adds up
-from step to step; with 5 times that of the pressure, forces on bodies have errors of 1e-4. With the least ones always,
-25 across between cylinders, errors of the velocities differ by 3 % (``balanced`` accuracy) and 0.1 % (``fast``)."""
+"""Residuals of the linear systems: over the tolerance of a step, and the least one. Residuals of the velocities add up
+from step to step; with 5 times the residual of the pressure, forces on bodies have errors of 1e-4. With the least ones
+always, 25 across between cylinders, velocities differ by 3 % of their errors (accuracy ``balanced``) and 0.1 %
+(``fast``)."""
 
 ROUNDING = 30.0
 """The least residual that is asked for, in units of the rounding error."""
@@ -54,7 +55,7 @@ by more than the tolerance, and be refused. Steps are stable to 400 and more; fl
 spacings across, have errors of 3e-4 with 10 and of 1e-3 with 400."""
 
 LEADING = 11 / 6
-"""What backward differences of third order multiply the newest value with, over steps of one length."""
+"""Factor gamma_0 of the newest value in backward differences of third order over steps of one length."""
 
 CROWDING = 1.6
 """How many more neighbours a particle may have than near walls: in gaps that bodies close, points of both walls."""
@@ -63,18 +64,18 @@ COST, OVERHEAD = 3.5e-6, 2e-3
 """Rough cost of one particle and step on two threads, and of a step whatever the number of particles [s]."""
 
 BETWEEN_WALLS = 2.2
-"""By how much a particle costs more there: supports are wider, and the pressure is solved for twice a step. In
+"""Factor of the cost of a particle between walls: supports are wider, and the pressure is solved for twice a step. In
 slow flow and in quick start-up it was 2.9, in developed flow 1.6."""
 
 NOT_NEWTONIAN = 1.7
-"""By what factor a polymer increases it, or a viscosity that varies."""
+"""Factor of the cost of a particle with a polymer, or with a viscosity that varies."""
 
 FREE = 4.0
-"""By what factor bodies that the flow carries increase it."""
+"""Factor of the cost of a particle with bodies that the flow carries."""
 
 STARTED = 60
-"""Steps that a start from rest takes beside those of the longest length, with the usual tolerance: 30 to 100 in
-resolved runs of docs/evidence/verification.md."""
+"""Steps that a start from rest takes in addition to the steps of the longest length, with the usual tolerance: 30 to
+100 in resolved runs of docs/evidence/verification.md."""
 
 KNOWN, GUESSED = (0.5, 3.0), (0.5, 6.0)
 """Steps of a run over the estimated ones, least and most, where the flow is known and where it is not. Of the configs
@@ -143,7 +144,7 @@ class _Problem(Box):
 
     @property
     def solvent_viscosity(self):
-        """Kinematic viscosity that is constant, without what the extra stress of the fluid has."""
+        """Constant kinematic viscosity: of the solvent, or of the whole fluid if it is Newtonian; 0 if it varies."""
         if self.rheology is None:
             return self.kinematic_viscosity
         return self.kinematic_viscosity * self.rheology.solvent_fraction if self.carries_stress else 0.0
@@ -158,11 +159,11 @@ class _Problem(Box):
         return velocity / _factors(y) if self.axisymmetric else velocity
 
     def velocities(self, unknowns, y):
-        """Return the velocities of which ``unknowns`` are those."""
+        """Return the velocities (n, components) for the ``unknowns`` of the scheme at y (n,)."""
         return unknowns * _factors(y) if self.axisymmetric else unknowns
 
     def unknowns_given(self, function, x, y, *time):
-        """Return the unknowns (n, components) of what a ``function`` of places and time has at x, y (n,)."""
+        """Return the unknowns (n, components) for the values of a ``function`` of places and time at x, y (n,)."""
         return self.unknowns(np.stack(function(x, y, *time), axis=1), y)
 
 
@@ -235,7 +236,7 @@ def _steps(config):
 
 def courant_speed(fastest, case):
     """Return the velocity that the Courant number refers to where the ``fastest`` one of a flow or scene is that."""
-    part = SMALLEST_SCALE if case.axisymmetric else SMALLEST_SPEED  # what goes around the axis moves no particle
+    part = SMALLEST_SCALE if case.axisymmetric else SMALLEST_SPEED  # a velocity around the axis moves no particle
     return max(fastest, part * case.reference_velocity)
 
 
@@ -250,15 +251,15 @@ def decay_rate(viscosity, speed, spacing):
 
 
 def residuals(tolerance, least):
-    """Return those of pressure and velocities for the ``tolerance`` of a step."""
+    """Return the residuals of pressure and velocities for the ``tolerance`` of a step."""
     return [max(part * tolerance, lowest, least) for part, lowest in (PRESSURE_RESIDUAL, VELOCITY_RESIDUAL)]
 
 
 def step_control(case, targets, tolerance, courant):
     """Return the ``StepControl`` of a run of a flow or scene, the ``case``, to the last of the ``targets``.
 
-    ``tolerance`` is that of the error of a step over the velocity, None where the Courant number alone decides. The
-    limit depends on the largest velocity.
+    ``tolerance``: error of a step over the velocity, None where the Courant number alone decides. The limit depends on
+    the largest velocity.
     """
     viscous = viscous_step(case)
     limit = lambda speed: min(courant * case.spacing / speed, viscous)  # noqa: E731
@@ -270,8 +271,8 @@ def step_control(case, targets, tolerance, courant):
 def viscous_step(case):
     """Return the step at which ``MOST_VISCOUS`` is reached, infinite in a box without walls of a Newtonian fluid.
 
-    Of a polymer as much of the viscosity counts as answers within the step h: h times the moduli per unit density and
-    over g.
+    Of a polymer's viscosity the part counts that responds within the step h: h times the moduli per unit density, over
+    ``LEADING``.
     """
     if not (case.bodies or case.rheology):
         return math.inf

@@ -17,7 +17,7 @@ from tisph.runtime import holding, integer, real, ti, view
 from tisph.schemes._two_dimensional.time_levels import VELOCITIES, TimeWeights
 
 PARTS = 2
-"""Of a step, in each of which the path of a particle is found by the classical Runge-Kutta method; far from corners
+"""Parts of a step: in each the path of a particle is integrated by the classical Runge-Kutta method. Far from corners
 there is one part."""
 
 FAR = 10.0
@@ -171,7 +171,7 @@ class SingularPaths:
     def fields(self, position):
         """Return U, its gradient, of a component along its first axis, and the acceleration by its stresses.
 
-        The formulas are those of ``CornerSingularity``.
+        ``CornerSingularity`` has the formulas.
         """
         velocity, acceleration = ti.Vector([0.0, 0.0]), ti.Vector([0.0, 0.0])
         gradient = ti.Matrix([[0.0, 0.0], [0.0, 0.0]])
@@ -256,7 +256,8 @@ class CornerSingularities:
         return velocity - self.wall_velocity
 
     def add_traction(self, tractions: np.ndarray, normal: np.ndarray) -> np.ndarray:
-        """Return ``tractions`` (2, count, 2) of viscosity and pressure at walls with those of U and P."""
+        """Add the tractions of U and P to ``tractions`` (2, count, 2) of viscosity and pressure at walls; return
+        them."""
         if self.wall_traction is None:
             self.wall_traction = self.traction(self._wall_position, normal, self.problem.kinematic_viscosity)
         tractions += self.wall_traction
@@ -267,7 +268,7 @@ class CornerSingularities:
         return view(self.points.position)[self.problem.n_fluid : self.problem.particles].astype(float)
 
     def find_fastest(self) -> None:
-        """Set the fastest velocity of the levels to that of u = w + U."""
+        """Set the fastest velocity of the levels to the largest u = w + U."""
         self.paths.find_fastest()
 
     def whole_flow(self, weights, offset, position, velocity, pressure, created):
@@ -283,7 +284,7 @@ class CornerSingularities:
 
 
 class NoCorners:
-    """Walls without singular corners: u = w. The methods are those of ``CornerSingularities``."""
+    """Walls without singular corners: u = w. It has the methods of ``CornerSingularities``."""
 
     def predict(self, weights, dt) -> None:
         """Leave the points at their predicted positions."""

@@ -4,8 +4,8 @@ With the forcing f, which is u^ of ``scheme.SplittingScheme.attempt`` and all ex
 
     L p = (D f - k gamma_0 d^n) / dt,      (gamma_0 - dt nu L) u^(n+1) = f - dt (G p - g),
 
-equations (2) and (3) of docs/theory/two-dimensional.md. All operators are those of the arrangement at the end of the
-step. L p is the Laplacian itself, not D G p, which on particles has spurious modes; so the divergence d of the
+equations (2) and (3) of docs/theory/two-dimensional.md. All operators belong to the arrangement at the end of the step.
+L p is the Laplacian itself, not D G p, which on particles has spurious modes; so the divergence d of the
 velocities is not quite 0, and where steps are short asking for 0 anew in each would let pressures grow like 1/dt. Hence
 k: divergence decays at a rate of its own instead.
 """
@@ -103,8 +103,8 @@ class Equations:
     def find_impulse(self, tolerance: float, diverges: bool = False) -> bool:
         """Solve for the impulse of walls that start to move at ``velocity`` U against the fluid; return whether it is.
 
-        The impulse is that of a pressure, phi per unit density: u - grad phi, with L phi = 0 and n . grad phi = -n . U.
-        Where the velocities u before the start have a divergence (``diverges``), as measured, L phi = div u.
+        A pressure, phi per unit density, changes u to u - grad phi, with L phi = 0 and n . grad phi = -n . U. Where the
+        velocities u before the start have a divergence (``diverges``), as measured, L phi = div u.
         """
         self.set_impulse_divergence(diverges)
         self.boundary.add_impulse_momentum(self.pressure.b, self.velocity.x)

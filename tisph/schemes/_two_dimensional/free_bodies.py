@@ -5,18 +5,17 @@ differences of the fluid,
 
     M (gamma_0 X - sum_q alpha_q X^(n+1-q)) / dt = F(X) + load,
 
-where F, the fluid's force and torque, is that of the pressure and the velocities which the fluid has when its walls
-move with X. An outer iteration solves for these. Then X changes by minus J^-1 times the residual, where
+where F are the force and torque of the fluid, by the pressure and the velocities that it has when its walls move with
+X. An outer iteration solves for these. Then X changes by minus J^-1 times the residual, where
 
     J = gamma_0 (M + M_a),   M_a = rho pi R^2 (1 + 4 K_1(z)/(z K_0(z))),   R/delta = z,   delta^2 = nu dt/gamma_0,
 
-is what a circle alone would need: M_a is its added mass and what its viscous layer, of one step, drags along (G. G.
-Stokes 1851; H. Lamb, Hydrodynamics, 1932, art. 328, for a growth rate gamma_0/dt), and around the centre
-4 rho pi R^2 delta^2 (1 + z K_0(z)/(2 K_1(z))); of a sphere M_a = (4/3) rho pi R^3 (1/2 + (9/2) (1 + z)/z^2). That
-holds the fluid's added mass, without which light bodies are unstable whatever the step (P. Causin, J. F. Gerbeau,
-F. Nobile, Comput. Methods Appl. Mech. Eng. 194 (2005) 4506-4527).
-For other shapes, walls and neighbours the differences of the last iterations make up (Anderson's method: H. F. Walker,
-P. Ni, SIAM J. Numer. Anal. 49 (2011) 1715-1735).
+is exact for a circle alone: M_a is its added mass and the mass that its viscous layer, of one step, drags along (G. G.
+Stokes 1851; H. Lamb, Hydrodynamics, 1932, art. 328, for a growth rate gamma_0/dt), and around the centre 4 rho pi R^2
+delta^2 (1 + z K_0(z)/(2 K_1(z))); of a sphere M_a = (4/3) rho pi R^3 (1/2 + (9/2) (1 + z)/z^2). M_a contains the
+fluid's added mass, without which light bodies are unstable whatever the step (P. Causin, J. F. Gerbeau, F. Nobile,
+Comput. Methods Appl. Mech. Eng. 194 (2005) 4506-4527). For other shapes, walls and neighbours the differences of the
+last iterations correct J (Anderson's method: H. F. Walker, P. Ni, SIAM J. Numer. Anal. 49 (2011) 1715-1735).
 
 Near contact keeps bodies apart between which there are no particles any more. Down to about a spacing the fluid between
 two walls is resolved, lubrication with it. Nearer than the ``distance`` each point of a body pushes a wall away, along
@@ -74,7 +73,7 @@ class Contact:
     def __init__(self, bodies, distance, pressure, spacing):
         self.bodies, self.distance, self.pressure = bodies, distance, pressure
         self.outlines = [body.shape.boundary_points(spacing / FINER) if body.shape.area else None for body in bodies]
-        # points of one of two free bodies push against the other, those of a free one against a wall
+        # points of the first of two free bodies push against the second, and points of a free body against a wall
         self.pairs = [
             (first, second)
             for first, second in itertools.permutations(range(len(bodies)), 2)
@@ -94,8 +93,8 @@ class Contact:
     def loads(self, time):
         """Return force, torque and stresslet (bodies, 4) at ``time``, and by pair the force and the smallest gap.
 
-        Both stresslets of a pair add up to that of its force and of the vector between the centres, as those of
-        ``WallPoints.sums`` are from these.
+        Stresslets are taken from the centre of each body, as in ``WallPoints.sums``: both of a pair add up to the
+        stresslet of its force over the vector between the centres.
         """
         loads, forces, gaps = np.zeros((len(self.bodies), 4)), {}, {}
         for first, second in self._near_pairs(time):
@@ -113,7 +112,7 @@ class Contact:
         return loads, forces, gaps
 
     def _near_pairs(self, time):
-        """Return those of the pairs that may be within the distance: what is in the circles around bodies may be."""
+        """Return the pairs whose bounding circles are within the distance."""
         if not self.pairs:
             return []
         first, second = np.array(self.pairs).T
@@ -145,11 +144,11 @@ class Contact:
         self.largest = max([self.largest, *forces.values()])
 
     def state(self):
-        """What a resumed run needs."""
+        """Return the numbers that a resumed run needs."""
         return [sorted(map(list, self.touching)), self.count, self.duration, self.largest]
 
     def restore(self, state):
-        """Take up what ``state`` returned."""
+        """Restore the numbers of ``state``."""
         touching, self.count, self.duration, self.largest = state
         self.touching = {tuple(pair) for pair in touching}
 
@@ -202,7 +201,7 @@ class FreeBodies:
         return np.array([motion.velocities[0] for motion in self.motions])
 
     def added_mass(self, duration):
-        """Return M_a (n, 3) per unit density for a step of which dt/gamma_0 is the ``duration``."""
+        """Return M_a (n, 3) per unit density for a step with dt/gamma_0 = ``duration``."""
         displaced, depth = math.pi * self.radius**2, math.sqrt(self.viscosity * duration)
         if self.axisymmetric:
             displaced = 4.0 / 3.0 * self.radius * displaced
@@ -218,7 +217,7 @@ class FreeBodies:
         return np.stack([along, along, around], axis=1)
 
     def prepare(self, times, dt, time):
-        """Take up a step ``dt`` that ends at ``time``: begin with what the last steps extrapolate to."""
+        """Begin a step ``dt`` that ends at ``time`` with velocities extrapolated from the last steps."""
         self.gamma0, alpha = times.bdf()
         self.dt = dt
         levels = [np.array([motion.velocities[level] for motion in self.motions]) for level in range(self.depth)]
@@ -254,8 +253,8 @@ class FreeBodies:
     def correct(self, residual, least, curls=None, found=None):
         """Change the velocities by their ``residual``; return whether they need not be, by ``least`` of a speed.
 
-        ``curls`` (count,) at walls were the given ones, and ``found`` the ones that came of it: they change with the
-        velocities, and what they are to be next is returned in ``curls``.
+        ``curls`` (count,): curls at walls with which the fluid was solved for, and ``found`` (count,): curls of that
+        solution. They change with the velocities; the next ones are written into ``curls``.
         """
         step = np.where(self.moves, -residual / self.jacobian, 0.0)
         self.converged = float(np.abs(self.arm * step).max())
@@ -294,11 +293,11 @@ class FreeBodies:
         return float(np.abs(self.arm * (self.velocities - self.extrapolated)).max())
 
     def state(self):
-        """What a resumed run needs."""
+        """Return the numbers that a resumed run needs."""
         return {"motions": [motion.state() for motion in self.motions], "contact": self.contact.state()}
 
     def restore(self, state):
-        """Take up what ``state`` returned."""
+        """Restore the numbers of ``state``."""
         for motion, its in zip(self.motions, state["motions"], strict=True):
             motion.restore(its)
         self.contact.restore(state["contact"])
@@ -388,7 +387,7 @@ class FreeWallBoundary(WallBoundary):
 
     @ti.func
     def row_weight(self, i, k, slope):
-        """Return the weight of neighbour ``k`` in the equation at a point: that of the mean in a gap that closes."""
+        """Return the weight of neighbour ``k`` in the equation at a point; in a gap that closes it is a mean's."""
         apart = self.points.separation(i, self.points.neighbours[i, k]) * self.per_spacing[None]
         nearness = self.per_spacing[None] ** 2 * ti.max(0.0, 1.0 - apart.dot(apart) / MEAN_RADIUS**2) ** 2
         return slope + self.continued[i] * (nearness - slope)
@@ -408,7 +407,7 @@ class FreeBodyCoupling:
     """The ``Coupling`` of the bodies of a ``FreeWallBoundary`` with the fluid: loads and velocities.
 
     With the velocities of the bodies it finds the curl of the vorticity at walls. ``precision``: relative rounding
-    error of what is computed; ``allowed``: change of a velocity up to which bodies have converged.
+    error of loads; ``allowed``: change of a velocity up to which bodies have converged.
     """
 
     sets_curls = True

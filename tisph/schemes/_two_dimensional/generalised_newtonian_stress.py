@@ -4,24 +4,24 @@ With L = grad u, D its symmetric part without trace, and q = 2 D:D, the square o
 
     gamma_0 u - dt nu* L u = u^ - dt G p + dt [div (2 nu D) - nu* div (2 D)],    nu* = d(nu q)/dq,
 
-L u the Laplacian by its own operator, both divergences by those of first derivatives. These hardly see what changes
-from one particle to the next, which the Laplacian damps; of smooth velocities both parts of nu* cancel to the order of
-the operators. It is the stress that is differentiated and not the viscosity, which may change tenfold from one particle
-to the next where the stress does not, at the front of a layer or the edge of a plug: with nu lap u + 2 D grad nu a
-power law, n = 0.5, came to rest between cylinders in a flow whose torques differed by a factor of 7.
+L u the Laplacian by its own operator, both divergences by the operators of first derivatives. These hardly see
+differences between neighbouring particles, which the Laplacian damps; of smooth velocities both parts of nu* cancel to
+the order of the operators. It is the stress that is differentiated and not the viscosity, which may change tenfold from
+one particle to the next where the stress does not, at the front of a layer or the edge of a plug: with nu lap u + 2 D
+grad nu a power law, n = 0.5, came to rest between cylinders in a flow whose torques differed by a factor of 7.
 
-The bracket is first that of the extrapolated velocities, then that of the velocities found with it. A change of the
+The bracket is first computed from the extrapolated velocities, then from the velocities found with it. A change of the
 shear rate meets the viscosity nu + 2 q dnu/dq, one across it nu. Their mean is nu*, so that each outer iteration
 reduces errors by (1 - n)/(1 + n) where the viscosity is a power n - 1 of the rate, however much it varies over the
 fluid. With the largest viscosity of all as nu* they would remain where the viscosity is low, and extrapolation from
 four levels is unstable then.
 
-The pressure also has to balance the divergence of nu* L u, grad nu* . lap u, with lap u = -curl of the vorticity, which
-is not 0 as that of a constant viscosity. Written as a divergence it would be unstable: errors of the pressure would
+The pressure also has to balance the divergence of nu* L u, grad nu* . lap u, with lap u = -curl of the vorticity; for a
+constant viscosity it is 0. Written as a divergence it would be unstable: errors of the pressure would
 return undiminished from one outer iteration to the next.
 
-In axisymmetric flow with swirl the components of 2 D that are odd in r are divided by it, and that of r and the
-direction t around the axis by r^2, so that all are even and the operators of ``coordinates`` hold:
+In axisymmetric flow with swirl the components of 2 D that are odd in r are divided by it, and the component of r and
+the direction t around the axis by r^2, so that all are even and the operators of ``coordinates`` hold:
 
     xx 2 du/dx,   xr/r du/ds + dV/dx,   rr 2 (V + r^2 dV/ds),   tt 2 V,   xt/r dW/dx,   rt/r^2 dW/ds.
 
@@ -47,7 +47,7 @@ class GeneralisedNewtonianStress:
     """Of a fluid whose ``law`` gives a viscosity (``tisph/rheology``), per unit density as all else.
 
     ``operators`` are those that the velocities are solved with, the Laplacian of each particle times its nu* over the
-    ``viscosity``. ``derived``: what derivatives are taken of, 2 nu D and, from ``strain`` on, 2 D (xx, xy, yy
+    ``viscosity``. ``derived``: numbers that are differentiated, 2 nu D and, from ``strain`` on, 2 D (xx, xy, yy
     each), vorticity and nu*; ``implicit_divergence``: dt grad nu* . lap u. ``added_force``: nu* (lap u - div (2 D)) at
     the end of a step, 0 but for the errors of the operators.
     """
@@ -87,7 +87,7 @@ class GeneralisedNewtonianStress:
         view(self.force)[...] = 0.0
 
     def add_stress(self, velocity, known, dt):
-        """Add the stress of a ``velocity``, a field, to what is ``known`` of a step ``dt``, and weigh the operators."""
+        """Add dt times the divergence of the stress of a ``velocity`` to the forcing ``known``; weigh the operators."""
         self.measure(velocity)
         self.find(velocity, self.d_dx, self.d_dy)
         self.add_force(known, dt, self.viscosity)
@@ -113,7 +113,7 @@ class GeneralisedNewtonianStress:
 
     def derive(self, strain, squared, vorticity):
         """Take up 2 D (points, numbers), q and the vorticity (points,), and find the viscosities."""
-        with np.errstate(all="ignore"):  # what is not finite has no velocities, and stops the run
+        with np.errstate(all="ignore"):  # numbers that are not finite have no velocities, and stop the run
             viscosity = self.law.viscosity(squared + 1j * SMALL)
         implicit = viscosity.real + squared * viscosity.imag / SMALL
         numbers = viscosity.real[:, None] * strain, strain, np.stack([vorticity, implicit], axis=1)
@@ -172,7 +172,7 @@ class GeneralisedNewtonianStress:
 
     @ti.func
     def with_viscous_divergence(self, i, divergence):
-        """Return a ``divergence`` with that of the implicit viscous term, dt grad nu* . lap u."""
+        """Return a ``divergence`` plus the divergence of the implicit viscous term, dt grad nu* . lap u."""
         return divergence + self.implicit_divergence[i]
 
     @ti.kernel
@@ -184,7 +184,7 @@ class GeneralisedNewtonianStress:
 
     @ti.kernel
     def add_force(self, known: ti.template(), dt: float, viscosity: float):
-        """Divergence of the stress less that of the implicit part, in place of the one before; and its operators."""
+        """Add dt [div (2 nu D) - nu* div (2 D)] in place of the term of the previous iteration; weigh the operators."""
         ti.loop_config(serialize=self.unweighted.serial_light)
         for i in range(self.points.particles[None]):
             d_dx, d_dy = gradients(self.unweighted, self.derived, i)

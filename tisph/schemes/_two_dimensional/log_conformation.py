@@ -1,12 +1,12 @@
 """The logarithm P of a conformation tensor A, by which A stays positive definite however the flow stretches it.
 
 Where a fluid is stretched A grows and falls off exponentially from path to path and from step to step; its logarithm
-does so linearly, and any P is that of a positive definite A. In two dimensions P = p 1 + E, E without trace, of which
-e = (P_xx - P_yy)/2 and f = P_xy are the components, and with s^2 = e^2 + f^2
+does so linearly, and for any P the tensor A = exp P is positive definite. In two dimensions P = p 1 + E, E without
+trace, of which e = (P_xx - P_yy)/2 and f = P_xy are the components, and with s^2 = e^2 + f^2
 
     A = exp(p) (cosh s 1 + sinh(s)/s E).
 
-With L = grad u, D its symmetric part, of which d is the trace and D' the rest, and w half the vorticity,
+With L = grad u, its symmetric part D = (d/2) 1 + D', d the trace, and w half the vorticity,
 
     dp/dt = d + ...,    dE/dt = 2 w J E + 2 c D' + 2 (1 - c)/s^2 (E . D') E + ...,    c = s coth s,
 
@@ -18,7 +18,7 @@ are functions of s^2 and as smooth as A. Sources: R. Fattal and R. Kupferman, J.
 import numpy as np
 
 SMALL = 1e-3
-"""Of s^2, below which series are used; what they leave out is below 1e-16."""
+"""Value of s^2 below which series are used; their truncation error is below 1e-16."""
 
 
 def conformation_excess(state):

@@ -5,8 +5,9 @@ In the axes of P, where it has p_i and the velocity gradient L the symmetric par
     dP_ij/dt = D_ij z coth(z/2) - W_ij z,    z = p_i - p_j,
 
 z coth(z/2) being 2 where z is 0, and relaxation R adds R_ii/exp(p_i). A change V of P changes exp P, in the same axes,
-by V_ij (exp p_i - exp p_j)/(p_i - p_j) (Yu. L. Daleckii and S. G. Krein, 1965). That is what complex steps are answered
-with, for a complex P has no such axes; those of ``rate`` are by differences, since Newton's method alone needs them.
+by V_ij (exp p_i - exp p_j)/(p_i - p_j) (Yu. L. Daleckii and S. G. Krein, 1965). Functions of a
+complex step use this formula, for a complex P has no such axes; ``rate`` uses differences, since Newton's method alone
+needs its slopes.
 Sources: as of ``log_conformation``.
 """
 
@@ -21,11 +22,11 @@ DIFFERENCE = 1e-5
 """Of P, for slopes of its rate: both truncation and rounding leave some 1e-10 of them."""
 
 NEAR = 1e-3
-"""Difference of p_i below which series are used; what they leave out is below 1e-16."""
+"""Difference of p_i below which series are used; their truncation error is below 1e-16."""
 
 
 class ModesWithSwirl(Modes):
-    """Modes whose stress has six components: in every law the shear component is linear in that of C."""
+    """Modes whose stress has six components: in every law the shear stress is linear in the shear component of C."""
 
     def stress(self, state, components=6):
         """Return S_xx, S_xr, S_rr, S_tt, S_xt, S_rt per unit density, the sums over the modes."""
@@ -38,7 +39,7 @@ class ModesWithSwirl(Modes):
 
 
 def conformation_excess(state):
-    """Return the components (6, n) of A - 1, of those of P."""
+    """Return the components (6, n) of A - 1 for the components of P."""
     values, axes = _axes(state.real)
     excess = _components(axes * np.expm1(values)[:, None, :] @ _transposed(axes))
     if not np.iscomplexobj(state):

@@ -1,4 +1,4 @@
-"""The pressure gradient that keeps a mean velocity, such as that of a tube which is closed at its ends.
+"""The pressure gradient that keeps a mean velocity, such as 0 in a tube that is closed at its ends.
 
 Velocity and pressure of a step depend linearly on its acceleration g along x, and with them the mean velocity m over a
 cross-section. The first g of a step is extrapolated from the last steps. Each outer iteration changes it by

@@ -39,7 +39,7 @@ class Coordinates(Protocol):
 
 
 class ExtraStress(Protocol):
-    """The stress of a fluid beside that of its constant (solvent) viscosity."""
+    """The stress of a fluid in addition to the stress of its constant (solvent) viscosity."""
 
     nonlinear: bool
     """Whether it depends on the velocity at the end of the step, which needs a second outer iteration."""
@@ -180,7 +180,7 @@ class Boundary(Protocol):
         """Set the right-hand side of the pressure at walls, equation (8)."""
 
     def update_normal_curls(self, velocity: Any) -> None:
-        """Replace the curl of the vorticity at walls by that of a ``velocity`` field (points,)."""
+        """Compute the curl of the vorticity at walls from a ``velocity`` field (points,)."""
 
     def apply_impulse(self, equations: "Equations", tolerance: float) -> bool:
         """Apply the impulse of walls that start to move; return whether its system was solved."""

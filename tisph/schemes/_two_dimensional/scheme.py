@@ -44,17 +44,19 @@ SUPPORT = 2.9
 before it has broken up; above it the pressure has larger errors."""
 
 SMALLEST_PIVOT = 1e-3
-"""Of the operators: those of order 2, which would take over, are worse than any of order 4 that can be solved for."""
+"""Smallest pivot of the operators: operators of order 2 instead are worse than any of order 4 that can be solved
+for."""
 
 SMALLEST_PIVOT_AT_AXIS = 3e-3
-"""The same where the fluid reaches an axis: those of even functions take over. Points on a sphere had 1.8e-3 and 2.6e-3
-when their equations of the pressure became singular, and runs with a polymer diverged; others have 3.1e-3 and more."""
+"""Smallest pivot where the fluid reaches an axis: operators of even functions take over. Points on a sphere had 1.8e-3
+and 2.6e-3 when their pressure equations became singular, and runs with a polymer diverged; others have 3.1e-3 or
+more."""
 
 TOO_LONG = "u, v: no error of a step is small enough, however short it is: the flow needs a smaller spacing;"
 """Message of a run that stops."""
 
 FIRST_OUTER = 1e-3, 1e-6
-"""Residuals of the first of two outer iterations, of which only the curl at walls is used: with 1e-4 and 1e-8 errors
+"""Residuals of the first of two outer iterations, from which only the curl at walls is used: with 1e-4 and 1e-8 errors
 between cylinders are the same to four digits. With couplings, which use the loads as well, none are less exact."""
 
 COURANT = 0.3

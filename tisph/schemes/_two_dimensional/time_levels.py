@@ -15,15 +15,15 @@ VELOCITIES, PRESSURES = 4, 2
 """Number of time levels: at the end of the last step, and of those before."""
 
 ORDER = 3
-"""Of the backward differences. Those of order 4 are unstable for oscillations, and measured no better."""
+"""Order of the backward differences. Order 4 is unstable for oscillations, and measured no better."""
 
 
 class TimeWeights:
     """Weights by the polynomials through the values at the ends of some steps.
 
-    ``steps`` are the times between now, the newest value, the one before and so on, newest first: with a first one of
-    0 the newest value is that of now. ``unit`` is the unit of time of the polynomials, ``offsets`` are the times before
-    now in it. Weights come for as many values as are stored; of those that are not known yet they are 0.
+    ``steps`` are the times between now, the newest value, the one before and so on, newest first: with a first one of 0
+    the newest value is the present one. ``unit`` is the unit of time of the polynomials, ``offsets`` are the times
+    before now in it. Weights come for as many values as are stored; of those that are not known yet they are 0.
     """
 
     def __init__(self, steps, unit):
@@ -41,6 +41,7 @@ class TimeWeights:
         """Return the weights of ``count`` values that give the value at the time ``offset`` before now.
 
         For offsets (n,) weights are (count, n).
+
         """
         return self._weights(count, lambda power: (-offset / self.unit) ** power)
 
@@ -66,11 +67,11 @@ class TimeWeights:
         return float(gamma0), weights
 
     def step_error(self, difference, gamma0, speed):
-        """Return the error of a step, and of which order it is, from the ``difference`` to extrapolated velocities.
+        """Return the error of a step and its order from the ``difference`` to extrapolated velocities, equation (5).
 
-        That is u^(m) prod offsets / m! for m values, and the error of backward differences of order m - 1 is the same
-        derivative times prod offsets / (m! oldest offset gamma_0). Of a very first step only the relative change of
-        the velocities is known, difference / speed: the error is taken to be half the square of that.
+        The difference is u^(m) prod offsets / m! for m values, and the error of backward differences of order m - 1 is
+        the same derivative times prod offsets / (m! oldest offset gamma_0). Of a very first step only the relative
+        change of the velocities is known, difference / speed: the error is taken to be half the square of that.
         """
         known = min(len(self.offsets), VELOCITIES)
         if known == 1:
@@ -106,7 +107,8 @@ def transfer(operators: ti.template(), d_dx: ti.template(), d_dy: ti.template(),
 class PlanarCoordinates:
     """Planar flow: the unknowns of a point are u and v, and every factor of the radius is 1.
 
-    The functions are those of ``AxisymmetricCoordinates``; compiled in, they cost nothing.
+    It has the functions of ``AxisymmetricCoordinates``; compiled in, they cost nothing.
+
     """
 
     axisymmetric, components = False, 2
@@ -194,6 +196,7 @@ class AxisymmetricCoordinates:
 
     Lap u and Lap p being the Laplacian alone. Along the path of a particle r V is a velocity and r^2 W the circulation;
     their derivatives have neither V^2 nor 2 V W. Backward differences are taken of these two, at the earlier r.
+
     """
 
     axisymmetric, components = True, 3
@@ -207,6 +210,7 @@ class AxisymmetricCoordinates:
         """Add the centripetal term dt W^2 to the radial right-hand side.
 
         In ``repeated`` outer iterations it replaces the term of the previous iterate.
+
         """
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.operators.points.particles[None]):
@@ -230,6 +234,7 @@ class AxisymmetricCoordinates:
 
         The components are xx, xr/r, rr, tt and, where there are as many, xt/r and rt/r^2; the last two components of
         the divergence are over r.
+
         """
         own, square = stress[i], self.radius(i) ** 2
         result = ti.Vector([0.0, 0.0, 0.0])
@@ -307,6 +312,7 @@ class TimeLevels:
     ``d_dx``, ``d_dy``: derivatives of all fields. ``divergence`` (fluid): divergence of the newest velocities.
     ``fastest``: largest newest velocity that moves a particle, relative to the mean; ``largest``: the same with the
     velocity around the axis. ``number`` (fluid): number of a particle at the start, as their order in memory changes.
+
     """
 
     def __init__(self, operators, shift):
@@ -418,6 +424,7 @@ class TimeLevels:
         """Sum the squares of divergence and gradient, in a fixed order; find the largest gradient and velocity.
 
         Velocities are those relative to their mean.
+
         """
         divergence, gradient, largest, fastest, around = 0.0, 0.0, 0.0, 0.0, 0.0
         mean = 0.0 * self.velocity(0, 0)

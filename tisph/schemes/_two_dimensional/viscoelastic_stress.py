@@ -11,11 +11,11 @@ D = (L + L^T)/2 and
     nu* = sum over the modes of (nu_p/lambda) dt / (gamma_0 + dt/lambda).
 
 So the momentum equation is solved with the viscosity nu_s + nu*, by the same operators and solvers as without polymer,
-and with the force div (S - 2 nu* D), in which that part of S has cancelled; gradients of S are those of P times dS/dP:
-near walls S rises by orders of magnitude within a few spacings, and P does not. S is first that of the extrapolated
-velocities, and then that of the velocities found with it: what these two outer iterations have to resolve is the
+and with the force div (S - 2 nu* D), in which that part of S has cancelled. Gradients of S are gradients of P times
+dS/dP: near walls S rises by orders of magnitude within a few spacings, and P does not. S is first computed from the
+extrapolated velocities, and then from the velocities found with it: these two outer iterations have to resolve the
 advection and the stretching of the present stress. Points on walls belong to the fluid, and carry a stress like any
-other; there L is a shear along the wall, by what is known of the velocity. With L as measured, stress grew at them
+other; there L is a shear along the wall, since the velocity along it is known. With L as measured, stress grew at them
 (12 spacings between cylinders, Wi = 2.7 at the inner one, a solvent fraction of 0.1: by e in two relaxation times).
 
 In axisymmetric flow without swirl the conformation has xx, xr, rr and tt, t being around the axis, and the velocity
@@ -26,9 +26,9 @@ place of P_xr, which is odd in r; the force of a stress T is
 
 T_rr and T_tt are equal on the axis: their logarithms change by L_rr and L_tt, which differ by r^2 times d(v/r)/ds.
 
-With swirl it has all six components, xx, xr, rr, tt, xt and rt. The velocity gradient is that less the rotation w/r of
-the axes r and t along the path of a particle: it also has L_tx = dw/dx and L_tr = dw/dr - w/r, and nothing in place of
-xt and rt. Differentiated are P_xt/r and P_rt/r^2; a stress T exerts the force dT_xt/dx + dT_rt/dr + 2 T_rt/r around the
+With swirl it has all six components, xx, xr, rr, tt, xt and rt. From the velocity gradient the rotation w/r of the axes
+r and t along the path of a particle is subtracted: it also has L_tx = dw/dx and L_tr = dw/dr - w/r, and L_xt and L_rt
+are 0. Differentiated are P_xt/r and P_rt/r^2; a stress T exerts the force dT_xt/dx + dT_rt/dr + 2 T_rt/r around the
 axis.
 
 Sources: R. Guenette and M. Fortin, J. Non-Newtonian Fluid Mech. 60 (1995) 27-52 (a viscosity on both sides).
@@ -202,7 +202,7 @@ class ViscoelasticStress(NewtonianStress):
         return np.stack([first + stress[1] / radius, (second + (stress[2] - stress[3]) / radius) / radius, around])
 
     def prepare(self, times, dt, time):
-        """Take up a step of this ``dt`` that ends at ``time``."""
+        """Begin a step ``dt`` that ends at ``time``: history, guess and implicit viscosity."""
         gamma0, alpha = times.bdf()
         self.time, self.duration = time, dt / gamma0
         states = self.times_radius(self.states.astype(float), self.radius * self.ratio)
@@ -221,7 +221,7 @@ class ViscoelasticStress(NewtonianStress):
         view(self.force)[...] = 0.0
 
     def add_stress(self, velocity, known, dt):
-        """Add the stress of a ``velocity``, a field, to what is ``known`` of a step ``dt``."""
+        """Add dt div (S - 2 nu* D) of a ``velocity`` field to the forcing ``known`` of a step ``dt``."""
         self.find(velocity)
         all_points = slice(self.points.fluid)
         view(self.implicit_stress)[all_points] = self.implicit().T
@@ -244,19 +244,19 @@ class ViscoelasticStress(NewtonianStress):
         for mode, (law, part) in enumerate(self.modes):
             change = lambda p, law=law: self._rate(law, p, gradient)  # noqa: E731
             known, guess = self.explicit_part[part], self.state[part]
-            with np.errstate(all="ignore"):  # what is not finite has no pressure, and stops the run
+            with np.errstate(all="ignore"):  # numbers that are not finite have no pressure, and stop the run
                 jacobian = self.jacobians[mode] or matrix(change, guess, self.duration)
                 self.state[part], self.jacobians[mode] = solve(change, known, self.duration, guess, jacobian)
 
     def _rate(self, law, state, gradient):
-        """Return dP/dt with what a ``conformation_source`` produces; slopes by a complex ``state`` leave that out."""
+        """Return dP/dt with the ``conformation_source``; slopes by a complex ``state`` leave it out."""
         change = self.algebra.rate(law, state, gradient)
         if self.source:
             change = np.stack(change) + change_of_logarithm(state.real, self.produced)
         return change
 
     def take_known(self, gradient):
-        """Let a velocity gradient (numbers, count) at the points on walls be what is known of it there."""
+        """Replace a measured velocity gradient (numbers, count) at walls by a shear along the wall, in place."""
         plane = gradient[:4]
         plane[...] = self.walls.gradients(plane.reshape(2, 2, -1), self.time).reshape(4, -1)
         if self.swirls:
@@ -282,7 +282,7 @@ class ViscoelasticStress(NewtonianStress):
     def log_jump(self):
         """Return the largest change of a P within a spacing, its Frobenius norm, and x and y where it is.
 
-        Without what the ``powers`` change.
+        The ``powers`` of the radius are left out.
         """
         all_points, weights = slice(self.points.fluid), np.array([1.0, 2.0, 1.0, 1.0, 2.0, 2.0])
         gradients = (view(field)[all_points, : self.size].T.astype(float) for field in (self.d_dx, self.d_dy))
@@ -349,7 +349,7 @@ class ViscoelasticStress(NewtonianStress):
 
     @ti.kernel
     def add_stress_force(self, known: ti.template(), dt: float):
-        """Divergence of the stress less that of the implicit viscosity, instead of the one before."""
+        """Add dt div (S - 2 nu* D) in place of the term of the previous iteration."""
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
             d_dx, d_dy = gradients(self.operators, self.implicit_stress, i)

@@ -47,7 +47,7 @@ def scatter(times, forces):
     """Return the largest scatter of a body's force, relative to its size, and the number of that body; None if unknown.
 
     ``times`` (steps,), newest first, ``forces`` (steps, bodies, 2). It is the root mean square over the steps of the
-    difference from the cubic, without the part that the forces on the cubic have in it, over that of the largest force.
+    difference from the cubic, without the scatter of the forces on the cubic, over the largest root mean square force.
     """
     if len(times) <= len(CUBIC_NEIGHBOURS):
         return None
@@ -405,7 +405,7 @@ class WallBoundary:
 
     @ti.kernel
     def update_normal_curls(self, velocity: ti.template()):
-        """Set n . curl omega at the points to that of a ``velocity`` field."""
+        """Compute n . curl omega at the points from a ``velocity`` field."""
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
             own, total = velocity[i], 0.0

@@ -3,9 +3,9 @@
 The points are neighbours of known velocity, there are no ghosts. Near walls the support of operators is wider, because
 only a part of a disc around a particle holds any fluid: without that they are unstable.
 
-Walls of axisymmetric flow are curves in the half-plane y >= 0, each that of a surface of revolution around y = 0.
-Velocities are the unknowns of ``coordinates``: u, v/r and w/r. The part of a wall in the other half-plane is no wall
-to the fluid: points are those with y > 0.
+Walls of axisymmetric flow are curves in the half-plane y >= 0, the sections of surfaces of revolution around y = 0.
+Velocities are the unknowns u, v/r and w/r of ``AxisymmetricCoordinates``. The part of a wall in the other half-plane
+has no points: all have y > 0.
 """
 
 import itertools
@@ -26,7 +26,7 @@ derivative across them.
 """
 
 POINT_SUPPORT = 0.4
-"""The same of the points on walls, in addition: fluid is on one side of them only."""
+"""By how much the support of points on walls is wider in addition: fluid is on one side of them only."""
 
 CURVED = 6.0
 """Distance from a wall, in particle spacings, up to which operators use its curvature."""
@@ -46,8 +46,8 @@ MAX_WALLS = 2
 NEAR_AXIS = 2.0
 """Distance from the axis, in particle spacings, up to which operators do not use the curvature of walls. With 3 to 5
 the least eigenvalue of D G L^-1, divergence, gradient and inverse Laplacian of the pressure, is -0.08 to -0.15 beside a
-sphere of 8 spacings, in place of -0.06: what is to remove divergence then makes it grow, and at Re = 50 a run diverged.
-With 0 the largest one is above 2."""
+sphere of 8 spacings, in place of -0.06: the pressure that is to remove divergence then increases it, and at Re = 50 a
+run diverged. With 0 the largest one is above 2."""
 
 
 class WallPoints:
@@ -109,9 +109,10 @@ class WallPoints:
         return np.sum(normal * velocity, axis=1)
 
     def gradients(self, gradients, time):
-        """Return velocity gradients (2, 2, count), du_a/dx_b, on the points with what is known of them there.
+        """Return velocity gradients (2, 2, count), du_a/dx_b, that agree with the motion of the walls.
 
-        Along a wall the fluid's velocity varies as the wall's, and its divergence is 0: measured is the shear alone.
+        Along a wall the fluid's velocity varies as the wall's, and its divergence is 0: of the measured ``gradients``
+        only the shear is used.
         """
         boundaries = self._placed(time)
         normal = np.concatenate([part.normal for part in boundaries]).T
@@ -130,8 +131,8 @@ class WallPoints:
     def sums(self, tractions, time):
         """Return force, torque and stresslet (n, bodies, 4) on bodies, of n ``tractions`` (n, count, 2) at the points.
 
-        The stresslet is the sum of (x t_y + y t_x)/2, from its centre: what a body adds to the shear stress of a cell,
-        times the area of that (G. K. Batchelor, J. Fluid Mech. 41 (1970) 545-570).
+        The stresslet is the sum of (x t_y + y t_x)/2, from its centre: the shear stress that a body adds in a cell,
+        times the area of the cell (G. K. Batchelor, J. Fluid Mech. 41 (1970) 545-570).
         """
         force, result = self.length[:, None] * tractions, np.zeros((len(tractions), len(self.bodies), 4))
         for number, (body, boundary) in enumerate(zip(self.bodies, self._placed(time), strict=True)):
@@ -156,7 +157,7 @@ class WallPoints:
         return np.array([np.average(values[part], weights=self.length[part]) for part in self.parts])
 
     def _placed(self, time):
-        """Return the points by body at ``time``; those of the last time are kept, which are asked for twice a step."""
+        """Return the points by body at ``time``; the points of the last time are kept for further calls in a step."""
         if self._kept[0] != time:
             pairs = zip(self.bodies, self.outlines, strict=True)
             self._kept = time, [body.placed(outline, time) for body, outline in pairs]
@@ -218,7 +219,7 @@ class WallPoints:
         return np.stack([2.0 * d_dx[0], d_dy[0] + d_dx[1], 2.0 * d_dy[1]])
 
     def support_factor(self, distances, support):
-        """Return by what factor a ``support``, in spacings, is wider at such distances."""
+        """Return the factor (n,) by which a ``support``, in spacings, is wider at ``distances`` (n, walls)."""
         near = np.clip(1.0 - distances / (WALL_DISTANCE * self.spacing), 0.0, 1.0).sum(axis=1)
         return 1.0 + WALL_SUPPORT / support * near
 
@@ -272,14 +273,14 @@ class WallsOfRevolution(WallPoints):
         return np.stack([2.0 * d_dx[0], shear, across, radius * d_dx[2], radius**2 * d_dy[2]])
 
     def gradient_around(self, gradient):
-        """Return derivatives (2, count) of w/r, by x and y, with what is known at the points: all turns with a wall."""
+        """Return derivatives (2, count) of w/r by x and y that agree with walls on which w/r is constant."""
         normal = np.concatenate([boundary.normal for boundary in self._kept[1]]).T
         return normal * (normal * gradient).sum(axis=0)
 
     def sums(self, tractions, time):
         """Return force along the axis, 0, torque around it, and 0, on whole bodies (n, bodies, 4).
 
-        ``tractions`` (n, count, 2 or 3): those of a pressure have no part around the axis.
+        ``tractions`` (n, count, 2 or 3): a pressure has no traction around the axis.
         """
         radius = self.radii(time)
         force = (2.0 * np.pi * radius * self.length)[:, None] * tractions
@@ -295,12 +296,12 @@ class WallsOfRevolution(WallPoints):
         return np.array([np.average(values[part], weights=area[part]) for part in self.parts])
 
     def polar_map(self, place, planes, distances, curvatures):
-        """Return what ``WallPoints`` gives; near the axis, where operators are those of even functions, nothing."""
+        """Return the ``polar_map`` of ``WallPoints``; 0 near the axis, where operators are of even functions."""
         away = place[:, 1] + self.origin[1] > self.near_axis
         return away[:, None] * super().polar_map(place, planes, distances, curvatures)
 
     def mirrors(self, place, planes, distances):
-        """Return the planes of ``WallPoints`` with that of the axis instead of the last where it is nearer."""
+        """Return the planes of ``WallPoints``, with the axis in place of the last wall where it is nearer."""
         nearer, planes = place[:, 1] + self.origin[1] < distances[:, -1], planes.copy()
         planes[nearer, -1] = 0.0, 1.0, -self.origin[1]
         return planes

@@ -1,10 +1,12 @@
 """The common part of both implicit schemes: steps of a ``StepControl``, and output at any time within a step."""
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 from tisph.errors import DivergedError
 from tisph.runtime import view
-from tisph.schemes._step_control import Kept
+from tisph.schemes._step_control import Kept, StepControl
 
 
 class ControlledScheme(Kept):
@@ -13,7 +15,10 @@ class ControlledScheme(Kept):
     ``control``: the ``StepControl``; ``operators``: the least-squares operators of its points.
     """
 
-    kept = ("time", "steps", "shortest", "longest", "order_reduced", "singular")
+    control: StepControl
+    operators: Any
+    points: Any
+    kept: tuple[str, ...] = ("time", "steps", "shortest", "longest", "order_reduced", "singular")
 
     def reset_steps(self, time: float) -> None:
         """Go back to before the first step, at ``time``."""
@@ -46,19 +51,19 @@ class ControlledScheme(Kept):
             raise DivergedError(text)
 
     @property
-    def finished(self):
+    def finished(self) -> bool:
         """Whether the last target is reached."""
         return self.control.finished
 
-    def set_targets(self, targets):
+    def set_targets(self, targets: Sequence[float]) -> bool:
         """Go on to other targets; return whether a run that had them from the start would have the same steps."""
         return self.control.set_targets(targets, self.time)
 
-    def output_times(self, due):
+    def output_times(self, due: Sequence[float]) -> Sequence[float]:
         """Return all times that are ``due``, since snapshots are interpolated within a step."""
         return due
 
-    def numbers(self):
+    def numbers(self) -> dict[str, Any]:
         """Return the common numbers of both schemes for ``summary.json``."""
         return {
             "mach": 0.0,
@@ -69,11 +74,11 @@ class ControlledScheme(Kept):
             "neighbourhoods_dropped": self.singular,
         }
 
-    def host_state(self):
+    def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
         return {**super().host_state(), **self.control.host_state()}
 
-    def restore_host_state(self, state):
+    def restore_host_state(self, state: Any) -> None:
         """Restore the numbers of ``host_state``."""
         super().restore_host_state(state)
         self.control.restore_host_state(state)

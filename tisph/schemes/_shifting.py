@@ -12,6 +12,7 @@ contributions cancel: particles that start on a lattice are displaced a little a
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -70,8 +71,9 @@ class Shifting:
     """
 
     ends = False
+    displacement: Any
 
-    def __init__(self, points, largest, unit=1.0):
+    def __init__(self, points: Any, largest: float, unit: float = 1.0) -> None:
         self.points = points
         vector = ti.types.vector(2, real())
         self.move, self.moved = ti.field(vector, points.capacity), ti.field(vector, points.capacity)
@@ -101,11 +103,11 @@ class OverlapShifting(Shifting):
 
     ends = True
 
-    def __init__(self, points, ghosts, spacing):
+    def __init__(self, points: Any, ghosts: Any, spacing: float) -> None:
         super().__init__(points, LARGEST, spacing)
         self.ghosts = ghosts
 
-    def shift(self):
+    def shift(self) -> bool:
         """Push points apart; return whether any moved."""
         view(self.moved)[: self.points.fluid] = 0.0
         farthest = view(self.farthest)
@@ -137,7 +139,9 @@ class FickianShifting(Shifting):
     ``across_axis``: flow along the walls goes to the axis, or from it.
     """
 
-    def __init__(self, points, spacing, walls=0, off_walls=False, across_axis=False):
+    def __init__(
+        self, points: Any, spacing: float, walls: int = 0, off_walls: bool = False, across_axis: bool = False
+    ) -> None:
         super().__init__(points, LARGEST * spacing)
         self.scatter, self.walls, self.off_walls = SCATTER * spacing, walls, off_walls
         self.sweeps = SWEEPS_ACROSS_AXIS if across_axis else SWEEPS
@@ -154,7 +158,7 @@ class FickianShifting(Shifting):
         self.full = RATE * spacing**2 * 140.0 / math.pi / (SUPPORT * spacing) ** 3 * spacing**2
         self.strength = scalar(self.full)
 
-    def shift(self, first, part):
+    def shift(self, first: Any, part: float) -> None:
         """Move all particles to a more even arrangement, at the fraction ``part`` of ``RATE``.
 
         ``first``: after scattering them, the same way in every run.

@@ -8,7 +8,7 @@ Steps without an error estimate are equal, and end exactly on the wanted times.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 SAFETY = 0.9
@@ -62,22 +62,33 @@ class StepControl(Kept):
 
     kept = "dt_next", "targets", "cut_by", "last_rejected", "rejected"
 
-    def __init__(self, tolerance, limit, *, fixed=False, multistep=False, jump_times=()):
-        self.tolerance, self.limit, self.fixed, self.jump_times = tolerance, limit, fixed, sorted(jump_times)
-        self.multistep = multistep
+    def __init__(
+        self,
+        tolerance: float | None,
+        limit: Callable[[float], float],
+        *,
+        fixed: bool = False,
+        multistep: bool = False,
+        jump_times: Iterable[float] = (),
+    ) -> None:
+        self.tolerance = math.inf if tolerance is None else tolerance
+        self.limit, self.fixed, self.jump_times, self.multistep = limit, fixed, sorted(jump_times), multistep
         self.largest_factor = LARGEST_MULTISTEP_FACTOR if multistep else LARGEST_FACTOR
         self.last_steps = LAST_MULTISTEPS if multistep else LAST_STEPS
         self.dt_next = math.inf
-        self.targets, self.cut_by, self.last_rejected, self.rejected = [], None, None, 0
+        self.targets: list[float] = []
+        self.cut_by: float | None = None
+        self.last_rejected: tuple[float, float] | None = None
+        self.rejected = 0
 
-    def set_targets(self, targets, time):
+    def set_targets(self, targets: Sequence[float], time: float) -> bool:
         """Go on from ``time`` to these targets; return whether no others have cut steps so far."""
         jump_times = [time for time in self.jump_times if time < max(targets)]
         self.targets = sorted(target for target in {*targets, *jump_times} if target > time)
         return self.cut_by is None or self.cut_by in {*targets, *self.jump_times}
 
     @property
-    def finished(self):
+    def finished(self) -> bool:
         """Whether all targets are met."""
         return not self.targets
 
@@ -99,7 +110,7 @@ class StepControl(Kept):
             self.rejected += 1
         return None, error
 
-    def choose_dt(self, time):
+    def choose_dt(self, time: float) -> float:
         """Return the step to take from ``time``: ``dt_next``, or an even share of the time left to a near target."""
         left = self.targets[0] - time
         count = math.ceil(0.999 * left / self.dt_next)
@@ -108,12 +119,12 @@ class StepControl(Kept):
         self.cut_by = self.targets[0]
         return left / count
 
-    def end(self, time, dt):
+    def end(self, time: float, dt: float) -> float:
         """Return the time at the end of a step: exactly the target where it meets that."""
         target = self.targets[0]
         return target if dt == target - time else time + dt
 
-    def accepts(self, error, order, dt, unresolved=None):
+    def accepts(self, error: float, order: int, dt: float, unresolved: float | None = None) -> bool:
         """Return whether a step of a method of ``order`` is accepted; if not, ``dt_next`` is the step to try instead.
 
         ``unresolved``: error of the spacing in the velocities; the error of a step need not be a smaller part of it
@@ -136,7 +147,7 @@ class StepControl(Kept):
             self.dt_next = dt * factor
         return True
 
-    def step_taken(self, time, measured):
+    def step_taken(self, time: float, measured: float) -> None:
         """Count a step that ended at ``time``; the limit of the next one depends on the ``measured`` number."""
         if time == self.targets[0]:
             self.targets.pop(0)
@@ -150,14 +161,13 @@ class StepPlan:
     the time at the end of the last planned step.
     """
 
-    def __init__(self, start, targets):
-        self.time = start
-        self.targets = [target for target in targets if target > start]
+    def __init__(self, start: float, targets: Sequence[float]) -> None:
+        self.time: float = start
+        self.targets: list[float] = [target for target in targets if target > start]
         self.limit = math.inf
-        self.step = 0.0
-        self.left = 0
+        self.step, self.left = 0.0, 0
 
-    def next(self, limit):
+    def next(self, limit: float) -> float:
         """Plan one more step and return its length: 0 when the last target is reached."""
         if not self.targets:
             return 0.0
@@ -170,7 +180,7 @@ class StepPlan:
         self.time = self.time + self.step if self.left else self.targets.pop(0)
         return self.step
 
-    def aim(self, targets):
+    def aim(self, targets: Sequence[float]) -> bool:
         """Go on to other targets; return whether all steps so far led to one of them."""
         cut_by = self.targets[0] if self.left else self.time
         ahead = [target for target in targets if target > self.time]
@@ -180,7 +190,7 @@ class StepPlan:
         return cut_by in targets
 
 
-def steps_between(start, target, limit):
+def steps_between(start: float, target: float, limit: float) -> int:
     """Return the number of equal steps no longer than ``limit`` from ``start`` to ``target``, at least 1.
 
     A remainder of rounding size does not cost a step of its own.

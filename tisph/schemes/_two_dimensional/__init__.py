@@ -4,15 +4,17 @@ The problem that the scheme solves is a box, a fluid, scales, and the walls in i
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
+from tisph.geometry.body import Body
 from tisph.geometry.region import Box, box_around
 from tisph.measures.fits import section_weights
-from tisph.schemes._protocol import SampleEstimate
+from tisph.schemes._protocol import SampleEstimate, Scheme
 from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR, StepControl
 from tisph.schemes._two_dimensional.wall_points import WallPoints, WallsOfRevolution
 
@@ -90,9 +92,9 @@ MARGIN = 0.2
 LEAST_MARGIN, LEAST_BOX = 3.0, 18.0
 """The same, and sides of the box with it, in spacings: half the largest support, and three times that."""
 
-OF_SCENE = ("density", "kinematic_viscosity", "reference_velocity", "start_time", "rheology", "jump_times")
-OF_SCENE += ("initial_conformation_excess", "axisymmetric", "swirls")
-OF_SCENE += ("body_force", "conformation_source", "initial_velocity", "has_own_start", "kept_mean_velocity")
+OF_SCENE: tuple[str, ...] = ("density", "kinematic_viscosity", "reference_velocity", "start_time", "rheology")
+OF_SCENE += ("jump_times", "initial_conformation_excess", "axisymmetric", "swirls", "body_force", "conformation_source")
+OF_SCENE += ("initial_velocity", "has_own_start", "kept_mean_velocity")
 """Attributes that a problem takes from its scene."""
 
 
@@ -120,15 +122,15 @@ class _Problem(Box):
     kinematic_viscosity: float
     reference_velocity: float
     start_time: float = 0.0
-    walls: object = None
+    walls: Any = None
     acceleration: tuple[float, float] = (0.0, 0.0)
     corners: tuple = ()
-    rheology: object = None
-    initial_conformation_excess: object = None
-    initial_velocity: object = None
+    rheology: Any = None
+    initial_conformation_excess: Callable[..., Any] | None = None
+    initial_velocity: Callable[..., Any] | None = None
     has_own_start: bool = False
-    body_force: object = None
-    conformation_source: object = None
+    body_force: Callable[..., Any] | None = None
+    conformation_source: Callable[..., Any] | None = None
     swirls: bool = False
     contact: tuple[float, float] | None = None
     jump_times: tuple[float, ...] = ()
@@ -138,36 +140,36 @@ class _Problem(Box):
     section_weights: Callable[..., np.ndarray] | None = None
 
     @property
-    def bodies(self):
+    def bodies(self) -> Sequence[Body]:
         """The bodies whose walls there are."""
         return self.walls.bodies if self.walls else ()
 
     @property
-    def solvent_viscosity(self):
+    def solvent_viscosity(self) -> float:
         """Constant kinematic viscosity: of the solvent, or of the whole fluid if it is Newtonian; 0 if it varies."""
         if self.rheology is None:
             return self.kinematic_viscosity
         return self.kinematic_viscosity * self.rheology.solvent_fraction if self.carries_stress else 0.0
 
     @property
-    def carries_stress(self):
+    def carries_stress(self) -> bool:
         """Whether the fluid has a polymer."""
         return self.rheology is not None and self.rheology.carries_stress
 
-    def unknowns(self, velocity, y):
+    def unknowns(self, velocity: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Return the unknowns of the scheme for ``velocity`` (n, components) at y (n,), see ``coordinates.py``."""
         return velocity / _factors(y) if self.axisymmetric else velocity
 
-    def velocities(self, unknowns, y):
+    def velocities(self, unknowns: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Return the velocities (n, components) for the ``unknowns`` of the scheme at y (n,)."""
         return unknowns * _factors(y) if self.axisymmetric else unknowns
 
-    def unknowns_given(self, function, x, y, *time):
+    def unknowns_given(self, function: Callable[..., Any], x: np.ndarray, y: np.ndarray, *time: float) -> np.ndarray:
         """Return the unknowns (n, components) for the values of a ``function`` of places and time at x, y (n,)."""
         return self.unknowns(np.stack(function(x, y, *time), axis=1), y)
 
 
-def _factors(radius):
+def _factors(radius: np.ndarray) -> np.ndarray:
     return np.stack([np.ones_like(radius), radius, radius], axis=1)
 
 
@@ -176,7 +178,7 @@ class PeriodicProblem(_Problem):
     """A particle in each cell of a box without walls."""
 
     @property
-    def n_fluid(self):
+    def n_fluid(self) -> int:
         """Number of fluid particles."""
         return self.columns * self.rows
 
@@ -190,24 +192,24 @@ class BoundedProblem(_Problem):
     n_fluid: int
 
     @property
-    def crowding(self):
+    def crowding(self) -> float:
         """Factor of the largest number of neighbours."""
         return CROWDING if self.contact else 1.0
 
     @property
-    def particles(self):
+    def particles(self) -> int:
         """Number of points that have operators: fluid particles and points on walls."""
         return self.n_fluid + self.walls.count
 
 
-def scheme(config, scene, targets, serial):
+def scheme(config: Any, scene: Any, targets: Sequence[float], serial: bool) -> Scheme:
     """Return the ``SplittingScheme`` of a scene."""
     from tisph.schemes._two_dimensional.scheme import SplittingScheme  # imports Taichi
 
     return SplittingScheme(_problem(scene), targets, serial, *_steps(config))
 
 
-def _problem(scene):
+def _problem(scene: Any) -> _Problem:
     """Return the box and the fluid of a scene, and its walls."""
     fluid = {name: getattr(scene, name) for name in OF_SCENE}
     fluid["section_weights"] = partial(section_weights, scene)
@@ -224,7 +226,7 @@ def _problem(scene):
     return BoundedProblem(n_fluid=scene.particles, walls=walls, **driven, **vars(box), **fluid)
 
 
-def _steps(config):
+def _steps(config: Any) -> tuple[float | None, float]:
     """Tolerance of a step, None where the Courant number alone sets it, and the largest Courant number."""
     if config.time.cfl != "auto":
         return None, config.time.cfl
@@ -234,28 +236,28 @@ def _steps(config):
     return tolerance, config.scheme.largest_courant
 
 
-def courant_speed(fastest, case):
+def courant_speed(fastest: float, case: Any) -> float:
     """Return the velocity that the Courant number refers to where the ``fastest`` one of a flow or scene is that."""
     part = SMALLEST_SCALE if case.axisymmetric else SMALLEST_SPEED  # a velocity around the axis moves no particle
     return max(fastest, part * case.reference_velocity)
 
 
-def error_speed(fastest, case):
+def error_speed(fastest: float, case: Any) -> float:
     """Return the velocity that errors of steps are divided by."""
     return max(fastest, SMALLEST_SCALE * case.reference_velocity)
 
 
-def decay_rate(viscosity, speed, spacing):
+def decay_rate(viscosity: float, speed: float, spacing: float) -> float:
     """Return the rate r at which divergence decays, equation (4) of docs/theory/two-dimensional.md."""
     return DECAY[0] * viscosity / spacing**2 + DECAY[1] * speed / spacing
 
 
-def residuals(tolerance, least):
+def residuals(tolerance: float, least: float) -> list[float]:
     """Return the residuals of pressure and velocities for the ``tolerance`` of a step."""
     return [max(part * tolerance, lowest, least) for part, lowest in (PRESSURE_RESIDUAL, VELOCITY_RESIDUAL)]
 
 
-def step_control(case, targets, tolerance, courant):
+def step_control(case: Any, targets: Sequence[float], tolerance: float | None, courant: float) -> StepControl:
     """Return the ``StepControl`` of a run of a flow or scene, the ``case``, to the last of the ``targets``.
 
     ``tolerance``: error of a step over the velocity, None where the Courant number alone decides. The limit depends on
@@ -268,7 +270,7 @@ def step_control(case, targets, tolerance, courant):
     return control
 
 
-def viscous_step(case):
+def viscous_step(case: Any) -> float:
     """Return the step at which ``MOST_VISCOUS`` is reached, infinite in a box without walls of a Newtonian fluid.
 
     Of a polymer's viscosity the part counts that responds within the step h: h times the moduli per unit density, over
@@ -284,11 +286,11 @@ def viscous_step(case):
     return 2.0 * most / (solvent + math.sqrt(solvent**2 + 4.0 * stiffness * most))
 
 
-def estimates(config, scene):
+def estimates(config: Any, scene: Any) -> dict[str, Any]:
     """Return the estimates of a run for ``tisph check``: steps from its scales; none of errors."""
     tolerance, courant = _steps(config)
     limits = {"cfl": courant * scene.spacing / courant_speed(0.0, scene), "viscous": viscous_step(scene)}
-    binding = min(limits, key=limits.get)
+    binding = min(limits, key=lambda name: limits[name])
     counts = _guessed_steps(scene, [*config.time.samples, config.time.end], tolerance, courant)
     known = "u" in scene.fields
     cost = COST * (BETWEEN_WALLS if scene.bodies else 1.0) * (NOT_NEWTONIAN if scene.rheology else 1.0)
@@ -308,7 +310,7 @@ def estimates(config, scene):
     }
 
 
-def _guessed_steps(scene, ends, tolerance, courant):
+def _guessed_steps(scene: Any, ends: Sequence[float], tolerance: float | None, courant: float) -> list[int]:
     """Return the steps up to each of the times ``ends``, of the length that the reference velocity allows.
 
     Velocities around the axis move no particle. The errors of the steps of a start are of fourth order in their length.

@@ -8,13 +8,14 @@ along the paths of the particles, and are small and smooth near the corners, whe
 The particles carry w; along their paths U is evaluated everywhere, and w is interpolated in time.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
 from tisph.exact.sliding_corner import DEGREE
 from tisph.runtime import holding, integer, real, ti, view
-from tisph.schemes._two_dimensional.time_levels import VELOCITIES, TimeWeights
+from tisph.schemes._two_dimensional.time_levels import VELOCITIES, TimeLevels, TimeWeights
 
 PARTS = 2
 """Parts of a step: in each the path of a particle is integrated by the classical Runge-Kutta method. Far from corners
@@ -42,7 +43,7 @@ class SingularPaths:
     ``positions`` (particles): at some time after, or before, the end of the last step. ``found``: F of the points.
     """
 
-    def __init__(self, corners, origin, levels):
+    def __init__(self, corners: Sequence[Any], origin: Any, levels: TimeLevels) -> None:
         self.levels, self.points, self.number = levels, levels.points, integer(len(corners))
         vector, matrix = ti.types.vector(2, real()), ti.types.matrix(2, 2, real())
         field = lambda kind, values: holding(ti.field(kind, len(values)), values)  # noqa: E731
@@ -60,7 +61,7 @@ class SingularPaths:
         self.positions, self.found = self.points.field(vector), self.points.field(vector)
         self.found.used = None
 
-    def find(self, weights, dt):
+    def find(self, weights: Callable[[Any], np.ndarray], dt: float) -> np.ndarray:
         """Return the positions (n, 2) of the particles after a time ``dt``, maybe negative, as they lie in memory.
 
         ``weights(theta)`` (levels, n) give w at the fractions theta (n,) of that time.
@@ -209,10 +210,11 @@ class CornerSingularities:
     The walls beside such corners slide along themselves, so that the points on them stay where they are.
     """
 
-    def __init__(self, problem, levels):
+    def __init__(self, problem: Any, levels: TimeLevels) -> None:
         self.corners, self.origin, self.problem = problem.corners, np.array(problem.origin), problem
         self.points, self.paths = levels.points, SingularPaths(problem.corners, problem.origin, levels)
-        self.wall_velocity = self.wall_traction = None
+        self.wall_velocity: np.ndarray | None = None
+        self.wall_traction: np.ndarray | None = None
 
     def velocity(self, position: np.ndarray) -> np.ndarray:
         """Return U (n, 2) at positions (n, 2) in the box."""
@@ -231,12 +233,12 @@ class CornerSingularities:
         position %= [self.problem.length, self.problem.height]
         view(self.points.position)[: self.problem.n_fluid] = position
 
-    def force(self, dt: float, weights: Sequence[float]) -> np.ndarray:
+    def force(self, dt: float, weights: Any) -> np.ndarray:
         """Return F (points, 2) for a step ``dt``, with w by ``weights`` (2,) of its newest levels."""
         self.paths.find_force(dt, *weights)
         return view(self.paths.found)[: self.problem.particles]
 
-    def add_force(self, forcing, weights: TimeWeights, dt: float) -> None:
+    def add_force(self, forcing: Any, weights: TimeWeights, dt: float) -> None:
         """Add -dt F to the ``forcing`` of a step ``dt``."""
         force = self.force(dt, weights.extrapolation(2))
         view(forcing)[: self.problem.particles] -= dt * force
@@ -271,7 +273,15 @@ class CornerSingularities:
         """Set the fastest velocity of the levels to the largest u = w + U."""
         self.paths.find_fastest()
 
-    def whole_flow(self, weights, offset, position, velocity, pressure, created):
+    def whole_flow(
+        self,
+        weights: TimeWeights,
+        offset: float,
+        position: np.ndarray,
+        velocity: np.ndarray,
+        pressure: np.ndarray,
+        created: np.ndarray,
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return position, u and p (n, ...) for w and q at an ``offset`` before the end of the last step.
 
         ``created`` (n,): indices that bring the particles, as they lie in memory, into the order of ``position``.
@@ -286,17 +296,17 @@ class CornerSingularities:
 class NoCorners:
     """Walls without singular corners: u = w. It has the methods of ``CornerSingularities``."""
 
-    def predict(self, weights, dt) -> None:
+    def predict(self, weights: TimeWeights, dt: float) -> None:
         """Leave the points at their predicted positions."""
 
-    def add_force(self, forcing, weights, dt) -> None:
+    def add_force(self, forcing: Any, weights: TimeWeights, dt: float) -> None:
         """Add no force."""
 
     def add_start_force(self, acceleration: np.ndarray, slots: slice) -> np.ndarray:
         """Return the ``acceleration`` as it is."""
         return acceleration
 
-    def remove_from(self, velocity, position) -> None:
+    def remove_from(self, velocity: np.ndarray, position: np.ndarray) -> None:
         """Subtract nothing."""
 
     def at_walls_without(self, velocity: np.ndarray) -> np.ndarray:
@@ -310,6 +320,14 @@ class NoCorners:
     def find_fastest(self) -> None:
         """Leave the fastest velocity as it is."""
 
-    def whole_flow(self, weights, offset, position, velocity, pressure, created):
+    def whole_flow(
+        self,
+        weights: TimeWeights,
+        offset: float,
+        position: np.ndarray,
+        velocity: np.ndarray,
+        pressure: np.ndarray,
+        created: np.ndarray,
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return position, velocity and pressure as they are."""
         return position, velocity, pressure

@@ -11,11 +11,13 @@ k: divergence decays at a rate of its own instead.
 """
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from tisph.runtime import holding, real, scalar, ti, view
-from tisph.schemes._two_dimensional.parts import MOST_ITERATIONS, Boundary, ExtraStress
+from tisph.schemes._two_dimensional.parts import MOST_ITERATIONS, Boundary, Coupling, ExtraStress
 from tisph.schemes._two_dimensional.time_levels import PRESSURES, VELOCITIES, TimeLevels, TimeWeights, gradients
 from tisph.solvers.bicgstab import BiCGStab
 from tisph.solvers.two_level import TwoLevel
@@ -33,7 +35,9 @@ class Equations:
     which the error is estimated. ``iterations``: of both solvers in the present step.
     """
 
-    def __init__(self, problem, levels: TimeLevels, grid, boundary: Boundary, extra_stress: ExtraStress):
+    def __init__(
+        self, problem: Any, levels: TimeLevels, grid: Any, boundary: Boundary, extra_stress: ExtraStress
+    ) -> None:
         self.levels, self.operators, self.points = levels, levels.operators, levels.points
         self.coordinates, self.boundary, self.extra_stress = levels.coordinates, boundary, extra_stress
         self.spacing, components = problem.spacing, levels.components
@@ -86,7 +90,7 @@ class Equations:
         self.sum_difference()
         return math.sqrt(float(view(self.difference_squared)) / int(view(self.points.n_fluid)))
 
-    def begin(self, viscosity: float, tolerance: float, forced: bool, couplings) -> bool:
+    def begin(self, viscosity: float, tolerance: float, forced: bool, couplings: Sequence[Coupling]) -> bool:
         """Solve L p = div f - grad u : grad u for the pressure of the first velocities; return whether it was solved.
 
         ``forced``: whether the ``forcing`` holds a body force f. ``couplings`` find accelerations by this pressure.

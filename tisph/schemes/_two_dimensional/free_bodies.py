@@ -29,15 +29,20 @@ acts on both alike. It is a model, and no lubrication: how often, how long and h
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from tisph.runtime import real, scalar, ti, view
-from tisph.schemes._two_dimensional.parts import MOST_ITERATIONS
+from tisph.schemes._two_dimensional.equations import Equations
+from tisph.schemes._two_dimensional.parts import MOST_ITERATIONS, ExtraStress
+from tisph.schemes._two_dimensional.time_levels import TimeLevels, TimeWeights
 from tisph.schemes._two_dimensional.wall_boundary import WallBoundary
 from tisph.snapshot import Bodies
+
+Pair = tuple[int, int]
+"""Numbers of two bodies."""
 
 FINER = 4
 """Points of contact within a particle spacing."""
@@ -70,7 +75,7 @@ class Contact:
     ``largest`` force per length across the plane.
     """
 
-    def __init__(self, bodies, distance, pressure, spacing):
+    def __init__(self, bodies: Sequence[Any], distance: float, pressure: float, spacing: float) -> None:
         self.bodies, self.distance, self.pressure = bodies, distance, pressure
         self.outlines = [body.shape.boundary_points(spacing / FINER) if body.shape.area else None for body in bodies]
         # points of the first of two free bodies push against the second, and points of a free body against a wall
@@ -86,11 +91,12 @@ class Contact:
         )
         self.reset()
 
-    def reset(self):
+    def reset(self) -> None:
         """Forget all contacts."""
-        self.touching, self.count, self.duration, self.largest = set(), 0, 0.0, 0.0
+        self.touching: set[Pair] = set()
+        self.count, self.duration, self.largest = 0, 0.0, 0.0
 
-    def loads(self, time):
+    def loads(self, time: float) -> tuple[np.ndarray, dict[Pair, float], dict[Pair, float]]:
         """Return force, torque and stresslet (bodies, 4) at ``time``, and by pair the force and the smallest gap.
 
         Stresslets are taken from the centre of each body, as in ``WallPoints.sums``: both of a pair add up to the
@@ -111,7 +117,7 @@ class Contact:
                 loads[number, 2:] += sign * np.array([along - across, 0.5 * (along + across)])
         return loads, forces, gaps
 
-    def _near_pairs(self, time):
+    def _near_pairs(self, time: float) -> list[Pair]:
         """Return the pairs whose bounding circles are within the distance."""
         if not self.pairs:
             return []
@@ -124,7 +130,7 @@ class Contact:
         near = away <= self.radii[first] + self.radii[second] + self.distance
         return [pair for pair, may_touch in zip(self.pairs, near, strict=True) if may_touch]
 
-    def _between(self, first, second, time):
+    def _between(self, first: Any, second: Any, time: float) -> tuple[float, np.ndarray, np.ndarray] | None:
         """Return the smallest gap, points and forces on them (n, 2) of the ``first`` body; None where it is far."""
         one, other = self.bodies[first], self.bodies[second]
         boundary = one.placed(self.outlines[first], time)
@@ -136,18 +142,18 @@ class Contact:
         push = self.pressure * (self.distance / gaps - 1.0) ** 2 * boundary.length[near]
         return float(foot.distance.min()), boundary.point[near], push[:, None] * foot.normal[near]
 
-    def accept(self, forces, dt):
+    def accept(self, forces: Any, dt: float) -> None:
         """Take note of a step ``dt`` in which pairs pushed with these ``forces``."""
         self.count += len(set(forces) - self.touching)
         self.touching = set(forces)
         self.duration += dt if forces else 0.0
         self.largest = max([self.largest, *forces.values()])
 
-    def state(self):
+    def state(self) -> Any:
         """Return the numbers that a resumed run needs."""
         return [sorted(map(list, self.touching)), self.count, self.duration, self.largest]
 
-    def restore(self, state):
+    def restore(self, state: Any) -> None:
         """Restore the numbers of ``state``."""
         touching, self.count, self.duration, self.largest = state
         self.touching = {tuple(pair) for pair in touching}
@@ -156,10 +162,11 @@ class Contact:
 class FreeBodies:
     """The free ones of the bodies of ``walls``, a ``WallPoints``: n of them, with velocities (n, 3)."""
 
-    def __init__(self, problem):
+    def __init__(self, problem: Any) -> None:
         walls, density = problem.walls, problem.density
         self.walls, self.density, self.viscosity = walls, density, problem.kinematic_viscosity
-        self.contact = Contact(walls.bodies, *problem.contact, walls.spacing)
+        distance, pressure = problem.contact
+        self.contact = Contact(walls.bodies, distance, pressure, walls.spacing)
         self.index = [number for number, body in enumerate(walls.bodies) if body.free]
         self.motions = [walls.bodies[number].motion for number in self.index]
         inertias = [motion.inertia for motion in self.motions]
@@ -172,23 +179,23 @@ class FreeBodies:
         self.arm = np.stack([np.ones_like(self.radius)] * 2 + [self.radius], axis=1)
         self.converged, self.axisymmetric = 0.0, problem.axisymmetric
 
-    def accelerate(self, acceleration):
+    def accelerate(self, acceleration: float) -> None:
         """Let the fluid around be under an ``acceleration`` along x, whose pressure acts on the bodies, too."""
         for index, motion in enumerate(self.motions):
             self.load[index, 0] = motion.inertia.load[0] / self.density + motion.inertia.displaced * acceleration
 
-    def reset(self, time):
+    def reset(self, time: float) -> None:
         """Go back to before the start, at ``time``."""
         for motion in self.motions:
             motion.start(time, motion.inertia.velocity)
         self.contact.reset()
 
-    def restart(self):
+    def restart(self) -> None:
         """Forget earlier levels."""
         for motion in self.motions:
             motion.restart()
 
-    def accept(self, time):
+    def accept(self, time: float) -> None:
         """Let the velocities of a step that ends at ``time`` be the newest."""
         self.contact.accept(self.touching, self.dt)
         self.attempt()
@@ -196,11 +203,11 @@ class FreeBodies:
             motion.accept(time)
 
     @property
-    def newest(self):
+    def newest(self) -> np.ndarray:
         """Velocities (n, 3) at the end of the last step."""
         return np.array([motion.velocities[0] for motion in self.motions])
 
-    def added_mass(self, duration):
+    def added_mass(self, duration: float) -> np.ndarray:
         """Return M_a (n, 3) per unit density for a step with dt/gamma_0 = ``duration``."""
         displaced, depth = math.pi * self.radius**2, math.sqrt(self.viscosity * duration)
         if self.axisymmetric:
@@ -216,7 +223,7 @@ class FreeBodies:
             around = 4.0 * displaced * depth**2 * (1.0 + 0.5 * z * k0e(z) / k1e(z))
         return np.stack([along, along, around], axis=1)
 
-    def prepare(self, times, dt, time):
+    def prepare(self, times: TimeWeights, dt: float, time: float) -> None:
         """Begin a step ``dt`` that ends at ``time`` with velocities extrapolated from the last steps."""
         self.gamma0, alpha = times.bdf()
         self.dt = dt
@@ -229,28 +236,31 @@ class FreeBodies:
         self.attempt()
 
     @property
-    def depth(self):
+    def depth(self) -> int:
         """Number of levels."""
         return len(self.motions[0].velocities)
 
-    def begin(self, velocities, jacobian):
+    def begin(self, velocities: np.ndarray, jacobian: np.ndarray) -> None:
         """Begin to iterate, from these ``velocities`` (n, 3) or accelerations."""
         self.velocities, self.jacobian = velocities, jacobian
-        self.steps, self.places = [], []
+        self.steps: list[np.ndarray] = []
+        self.places: list[np.ndarray] = []
 
-    def begin_start(self, acceleration):
+    def begin_start(self, acceleration: Sequence[float]) -> None:
         """Begin with the accelerations (n, 3) of bodies in a fluid without bounds, which has one of (2,) itself."""
         added = self.added_mass(0.0)
         jacobian = self.mass + added
         alone = (self.load + added * [*acceleration, 0.0]) / jacobian
         self.begin(np.where(self.moves, alone, 0.0), jacobian)
 
-    def step_residual(self, loads):
+    def step_residual(self, loads: np.ndarray) -> np.ndarray:
         """Return the residual (n, 3) of a step in which the fluid's force and torque per unit density are ``loads``."""
         change = self.gamma0 * self.velocities - self.known
         return self.mass * change - self.dt * (loads + self.load + self.pushes)
 
-    def correct(self, residual, least, curls=None, found=None):
+    def correct(
+        self, residual: np.ndarray, least: float, curls: np.ndarray | None = None, found: np.ndarray | None = None
+    ) -> bool:
         """Change the velocities by their ``residual``; return whether they need not be, by ``least`` of a speed.
 
         ``curls`` (count,): curls at walls with which the fluid was solved for, and ``found`` (count,): curls of that
@@ -278,25 +288,25 @@ class FreeBodies:
             curls[...] = new[self.arm.size :]
         return False
 
-    def attempt(self):
+    def attempt(self) -> None:
         """Let the bodies have the present velocities at the end of the step."""
         for motion, velocity in zip(self.motions, self.velocities, strict=True):
             motion.attempt(velocity)
 
     @property
-    def overlap(self):
+    def overlap(self) -> bool:
         """Whether bodies overlap at the end of the present step."""
         return min(self.gaps.values(), default=1.0) <= 0.0
 
-    def difference(self):
+    def difference(self) -> float:
         """Return the largest difference of a body's velocities from those extrapolated."""
         return float(np.abs(self.arm * (self.velocities - self.extrapolated)).max())
 
-    def state(self):
+    def state(self) -> dict[str, Any]:
         """Return the numbers that a resumed run needs."""
         return {"motions": [motion.state() for motion in self.motions], "contact": self.contact.state()}
 
-    def restore(self, state):
+    def restore(self, state: Any) -> None:
         """Restore the numbers of ``state``."""
         for motion, its in zip(self.motions, state["motions"], strict=True):
             motion.restore(its)
@@ -313,7 +323,9 @@ class FreeWallBoundary(WallBoundary):
     a gap in which divergence is left as it is.
     """
 
-    def __init__(self, problem, levels, shift, grid, extra_stress, support):
+    def __init__(
+        self, problem: Any, levels: TimeLevels, shift: Any, grid: Any, extra_stress: ExtraStress, support: float
+    ) -> None:
         super().__init__(problem, levels, shift, grid, extra_stress, support)
         self.free = FreeBodies(problem)
         self.grid_bodies: Any = None
@@ -326,7 +338,7 @@ class FreeWallBoundary(WallBoundary):
         super().reset()
         self.free.reset(self.problem.start_time)
 
-    def predict(self, weights, dt: float, time: float) -> bool:
+    def predict(self, weights: TimeWeights, dt: float, time: float) -> bool:
         """Begin the step of the bodies with extrapolated velocities; return whether none of them overlap."""
         self.free.prepare(weights, dt, time)
         return not self.free.overlap
@@ -343,7 +355,7 @@ class FreeWallBoundary(WallBoundary):
         super().set_grid(time)
         self.grid_bodies = self.free.state()
 
-    def apply_impulse(self, equations, tolerance: float) -> bool:
+    def apply_impulse(self, equations: "Equations", tolerance: float) -> bool:
         """Leave the impulse to the ``FreeBodyCoupling``."""
         self.measure_own_start()
         return True
@@ -361,7 +373,7 @@ class FreeWallBoundary(WallBoundary):
         """Give the points the present velocities of the bodies at ``time``."""
         self.velocity = self.walls.velocities(time)
 
-    def bodies(self, time: float, weights, offset: float) -> Bodies:
+    def bodies(self, time: float, weights: TimeWeights, offset: float) -> Bodies:
         """Return the bodies at ``time``, with contact forces, which depend on places alone and need no levels."""
         return self.loads.at(time, weights, offset, self.free.contact.loads(time)[0])
 
@@ -412,11 +424,11 @@ class FreeBodyCoupling:
 
     sets_curls = True
 
-    def __init__(self, boundary: FreeWallBoundary, precision: float):
+    def __init__(self, boundary: FreeWallBoundary, precision: float) -> None:
         self.boundary, self.bodies, self.precision = boundary, boundary.free, precision
         self.rounding = self.allowed = self.curl_scale = self.time = 0.0
 
-    def prepare(self, equations, dt: float, gamma0: float, time: float, allowed: float) -> None:
+    def prepare(self, equations: "Equations", dt: float, gamma0: float, time: float, allowed: float) -> None:
         """Begin a step ``dt`` that ends at ``time``, whose velocities may have an error ``allowed``."""
         bodies, walls = self.bodies, self.boundary.walls
         self.time, self.allowed = time, RESIDUAL * allowed
@@ -424,7 +436,7 @@ class FreeBodyCoupling:
         self.rounding = self.precision * fastest * math.sqrt(walls.count) / (dt * walls.spacing)
         self.curl_scale = bodies.viscosity * dt / gamma0 / math.sqrt(walls.count)
 
-    def correct(self, equations) -> bool:
+    def correct(self, equations: "Equations") -> bool:
         """Change the velocities of the bodies by the loads of the fluid; return whether they had converged."""
         boundary, scale = self.boundary, self.curl_scale
         boundary.levels.measure_at_walls(equations.velocity.x)
@@ -449,14 +461,14 @@ class FreeBodyCoupling:
         """Store the velocities of the bodies at the ``time`` at the end of a step."""
         self.bodies.accept(time)
 
-    def _loads(self, equations, strain: np.ndarray, extra: Any) -> np.ndarray:
+    def _loads(self, equations: "Equations", strain: np.ndarray, extra: Any) -> np.ndarray:
         """Return force and torque (n, 3), per unit density, of pressure, ``strain`` and ``extra`` stress at walls."""
         boundary = self.boundary
         pressure = view(equations.pressure.x)[boundary.slots].astype(float)
         tractions = boundary.loads.tractions(pressure, boundary.normals, strain, extra)
         return boundary.walls.sums(tractions, self.time)[0, self.bodies.index, :3]
 
-    def start(self, equations, tolerance: float) -> bool:
+    def start(self, equations: "Equations", tolerance: float) -> bool:
         """Find the velocities after the start of bodies and fluid that move against each other before.
 
         A pressure acts on both at once; its impulse on the one is opposite to that on the other. Return whether the
@@ -502,7 +514,7 @@ class FreeBodyCoupling:
         for motion, acceleration in zip(self.bodies.motions, self.bodies.velocities, strict=True):
             motion.change = acceleration
 
-    def correct_start(self, equations, tolerance: float) -> bool:
+    def correct_start(self, equations: "Equations", tolerance: float) -> bool:
         """Change the first accelerations of the bodies by the first pressure; return whether they had converged.
 
         Loads of a pressure that was solved to a ``tolerance`` are no more exact: where they change no longer,

@@ -31,12 +31,14 @@ A stress T with such components exerts the force, the last two over r,
 """
 
 import copy
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from tisph.runtime import real, ti, view
 from tisph.schemes._local_newton import SMALL
-from tisph.schemes._two_dimensional.time_levels import gradients
+from tisph.schemes._two_dimensional.time_levels import TimeLevels, TimeWeights, gradients
 
 XX, XR, RR, TT, XT, RT = range(6)
 """Components of revolution."""
@@ -54,12 +56,13 @@ class GeneralisedNewtonianStress:
 
     nonlinear, resolution_name = True, "added_power"
 
-    def __init__(self, levels, problem):
+    def __init__(self, levels: TimeLevels, problem: Any) -> None:
         self.axisymmetric, self.lowest_radius = problem.axisymmetric, problem.origin[1]
         self.strain = 6 if self.axisymmetric else 3
         self.numbers = 2 * self.strain + 2
         self.levels, self.points, self.n_fluid = levels, levels.points, problem.n_fluid
-        self.fields, self.parts = (), {}
+        self.fields: tuple[Any, ...] = ()
+        self.parts: dict[str, Any] = {}
         self.viscosity = problem.kinematic_viscosity
         self.law = problem.rheology.law(self.viscosity, problem.density)
         self.unweighted, self.operators = levels.operators, copy.copy(levels.operators)
@@ -72,27 +75,27 @@ class GeneralisedNewtonianStress:
             self.operators.d_dy = ti.field(real(), levels.operators.d_dy.shape)
 
     @property
-    def radius(self):
+    def radius(self) -> Any:
         """Distances (points,) from the axis; 1 in planar flow."""
         if not self.axisymmetric:
             return 1.0
         return view(self.points.position)[: self.points.fluid, 1].astype(float) + self.lowest_radius
 
-    def begin(self):
+    def begin(self) -> None:
         """Find the stress of the newest velocities, whose gradients are measured."""
         self.find(self.levels.fields, self.levels.d_dx, self.levels.d_dy)
 
-    def prepare(self, times, dt: float, time: float) -> None:
+    def prepare(self, weights: TimeWeights, dt: float, time: float) -> None:
         """Begin a step with no force of the extra stress."""
         view(self.force)[...] = 0.0
 
-    def add_stress(self, velocity, known, dt):
-        """Add dt times the divergence of the stress of a ``velocity`` to the forcing ``known``; weigh the operators."""
+    def add_stress(self, velocity: Any, forcing: Any, dt: float) -> None:
+        """Add dt times the divergence of the stress of a ``velocity`` to the ``forcing``; weigh the operators."""
         self.measure(velocity)
         self.find(velocity, self.d_dx, self.d_dy)
-        self.add_force(known, dt, self.viscosity)
+        self.add_force(forcing, dt, self.viscosity)
 
-    def find(self, velocity, d_dx, d_dy):
+    def find(self, velocity: Any, d_dx: Any, d_dy: Any) -> None:
         """Find stress and viscosities for a velocity: it and its gradients are the first numbers of these fields.
 
         In axisymmetric flow 2 D has nothing of the divergence, which is an error.
@@ -111,7 +114,7 @@ class GeneralisedNewtonianStress:
         shear = square * (strain[:, XR] ** 2 + strain[:, XT] ** 2 + square * strain[:, RT] ** 2)
         self.derive(strain, diagonal + shear, v_x - u_s)
 
-    def derive(self, strain, squared, vorticity):
+    def derive(self, strain: np.ndarray, squared: np.ndarray, vorticity: np.ndarray) -> None:
         """Take up 2 D (points, numbers), q and the vorticity (points,), and find the viscosities."""
         with np.errstate(all="ignore"):  # numbers that are not finite have no velocities, and stop the run
             viscosity = self.law.viscosity(squared + 1j * SMALL)
@@ -123,11 +126,11 @@ class GeneralisedNewtonianStress:
     def remap(self) -> None:
         """Transfer nothing: the stress follows from the velocities."""
 
-    def at(self, weights, offset, levels, radius) -> tuple[()]:
+    def at(self, weights: TimeWeights, offset: float, levels: Sequence[np.ndarray], radius: np.ndarray) -> tuple[()]:
         """Return no polymer stress."""
         return ()
 
-    def store(self, velocity, step: int) -> float | None:
+    def store(self, velocity: Any, step: int) -> float | None:
         """Find the stress at the end of a ``step``; return the power of ``added_force`` over the dissipation nu q.
 
         The sums are over the fluid, and the velocity u along x is relative to the mean one of the walls, or without
@@ -143,16 +146,16 @@ class GeneralisedNewtonianStress:
         dissipation = radius @ self.dissipation[fluid]
         return abs(float((radius @ power).sum() / dissipation)) if dissipation > 0.0 else None
 
-    def wall_stress(self):
+    def wall_stress(self) -> np.ndarray:
         """Return the stress (numbers, count) at the points on walls: xx, xy, yy, in axisymmetric flow xt and yt."""
         return self._at_walls(0)
 
-    def implicit_wall_stress(self, strain):
+    def implicit_wall_stress(self, strain: np.ndarray) -> np.ndarray:
         """Return the stress at the points on walls in a step in which 2 D is ``strain`` (numbers, count) there."""
         implicit = view(self.derived)[self.n_fluid : self.points.fluid, self.numbers - 1].astype(float)
         return self._at_walls(0) + implicit * (strain - self._at_walls(self.strain))
 
-    def _at_walls(self, first):
+    def _at_walls(self, first: Any) -> np.ndarray:
         points = slice(self.n_fluid, self.points.fluid)
         found = view(self.derived)[points, first : first + self.strain].T.astype(float)
         if not self.axisymmetric:
@@ -183,7 +186,7 @@ class GeneralisedNewtonianStress:
             self.d_dx[i], self.d_dy[i] = gradients(self.unweighted, velocity, i)
 
     @ti.kernel
-    def add_force(self, known: ti.template(), dt: float, viscosity: float):
+    def add_force(self, forcing: ti.template(), dt: float, viscosity: float):
         """Add dt [div (2 nu D) - nu* div (2 D)] in place of the term of the previous iteration; weigh the operators."""
         ti.loop_config(serialize=self.unweighted.serial_light)
         for i in range(self.points.particles[None]):
@@ -194,7 +197,7 @@ class GeneralisedNewtonianStress:
             last = ti.static(self.numbers - 1)
             vortex = self.levels.coordinates.hoop(self.derived[i][last - 1]) + square * d_dy[last - 1]
             self.implicit_divergence[i] = dt * (square * d_dy[last] * d_dx[last - 1] - d_dx[last] * vortex)
-            known[i] += dt * (force - self.force[i])
+            forcing[i] += dt * (force - self.force[i])
             self.force[i] = force
             self.weigh(i, implicit / viscosity)
 

@@ -15,20 +15,23 @@ are functions of s^2 and as smooth as A. Sources: R. Fattal and R. Kupferman, J.
 281-285; here without finding the axes.
 """
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
 SMALL = 1e-3
 """Value of s^2 below which series are used; their truncation error is below 1e-16."""
 
 
-def conformation_excess(state):
+def conformation_excess(state: Any) -> Sequence[np.ndarray]:
     """Return the components xx, xy, yy and, where there is one, zz of A - 1, of arrays (3 or 4, ...) of P."""
     half, shear = 0.5 * (state[0] - state[2]), state[1]
     grown, even, odd, _, _ = _functions(0.5 * (state[0] + state[2]), half, shear)
     return _excess(grown * even - 1.0, grown * odd, half, shear, state[3:])
 
 
-def logarithm(conformation_excess):
+def logarithm(conformation_excess: Any) -> np.ndarray:
     """Return P, arrays (3 or 4, n), of the components of A - 1."""
     xx, xy, yy, *others = conformation_excess
     mean, half = 1.0 + 0.5 * (xx + yy), 0.5 * (xx - yy)
@@ -38,12 +41,14 @@ def logarithm(conformation_excess):
     return np.stack([middle + stretch * half, stretch * xy, middle - stretch * half, *map(np.log1p, others)])
 
 
-def _excess(isotropic, odd, half, shear, others):
+def _excess(
+    isotropic: np.ndarray, odd: np.ndarray, half: np.ndarray, shear: np.ndarray, others: Any
+) -> Sequence[np.ndarray]:
     """``conformation_excess`` of A = (1 + isotropic) 1 + odd E."""
     return (isotropic + odd * half, odd * shear, isotropic - odd * half, *(np.exp(zz) - 1.0 for zz in others))
 
 
-def rate(law, state, gradient):
+def rate(law: Any, state: Any, gradient: np.ndarray) -> Sequence[np.ndarray]:
     """Return dP/dt of a mode with this ``law`` for the components xx, xy, yx, yy of the velocity ``gradient``.
 
     A fifth one, zz, is that across the plane, as of axisymmetric flow.
@@ -65,7 +70,7 @@ def rate(law, state, gradient):
     return (trace + first, second, trace - first, *beside)
 
 
-def _functions(mean, half, shear):
+def _functions(mean: np.ndarray, half: np.ndarray, shear: np.ndarray) -> tuple[np.ndarray, ...]:
     """Return exp(p), cosh s, sinh(s)/s, s coth s and (1 - s coth s)/s^2."""
     square = half * half + shear * shear
     small = np.abs(square) < SMALL

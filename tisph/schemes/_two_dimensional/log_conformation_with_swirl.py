@@ -11,6 +11,8 @@ needs its slopes.
 Sources: as of ``log_conformation``.
 """
 
+from typing import Any
+
 import numpy as np
 
 from tisph.schemes._local_newton import SMALL, Modes
@@ -28,9 +30,9 @@ NEAR = 1e-3
 class ModesWithSwirl(Modes):
     """Modes whose stress has six components: in every law the shear stress is linear in the shear component of C."""
 
-    def stress(self, state, components=6):
+    def stress(self, state: Any, components: int = 6) -> np.ndarray:
         """Return S_xx, S_xr, S_rr, S_tt, S_xt, S_rt per unit density, the sums over the modes."""
-        total = 0.0
+        total: Any = 0.0
         for law, part in self:
             xx, xr, rr, tt, *around = conformation_excess(state[part])
             shear = [law.stress((xx, each, rr, tt))[1] for each in around]
@@ -38,7 +40,7 @@ class ModesWithSwirl(Modes):
         return total
 
 
-def conformation_excess(state):
+def conformation_excess(state: Any) -> np.ndarray:
     """Return the components (6, n) of A - 1 for the components of P."""
     values, axes = _axes(state.real)
     excess = _components(axes * np.expm1(values)[:, None, :] @ _transposed(axes))
@@ -48,7 +50,7 @@ def conformation_excess(state):
     return excess + 1j * _components(axes @ (_slope(values) * change) @ _transposed(axes))
 
 
-def _slope(values):
+def _slope(values: np.ndarray) -> np.ndarray:
     """Return (exp p_i - exp p_j)/(p_i - p_j) (n, 3, 3) of the eigenvalues (n, 3) of P."""
     half = 0.5 * (values[:, :, None] - values[:, None, :])
     near = np.abs(half) < NEAR
@@ -56,7 +58,7 @@ def _slope(values):
     return slope * np.exp(0.5 * (values[:, :, None] + values[:, None, :]))
 
 
-def change_of_logarithm(state, change):
+def change_of_logarithm(state: Any, change: np.ndarray) -> np.ndarray:
     """Return the change of P that a ``change`` of A has, both in the components of ``state``, real, from xx on."""
     full, moved = np.zeros((2, 6, state.shape[1]))
     full[: len(state)], moved[: len(change)] = state, change
@@ -65,13 +67,13 @@ def change_of_logarithm(state, change):
     return _components(axes @ (moved / _slope(values)) @ _transposed(axes))[: len(state)]
 
 
-def logarithm(conformation_excess):
+def logarithm(conformation_excess: Any) -> np.ndarray:
     """Return P (6, n) of the components of A - 1."""
     values, axes = _axes(np.asarray(conformation_excess))
     return _components(axes * np.log1p(values)[:, None, :] @ _transposed(axes))
 
 
-def rate(law, state, gradient):
+def rate(law: Any, state: Any, gradient: np.ndarray) -> np.ndarray:
     """Return dP/dt (6, n) of a mode for the components xx, xr, rx, rr, tt, tx and tr of the velocity ``gradient``."""
     if np.iscomplexobj(state):
         way = DIFFERENCE / SMALL * state.imag
@@ -93,20 +95,20 @@ def rate(law, state, gradient):
     return _components(axes @ change @ _transposed(axes))
 
 
-def _axes(state):
+def _axes(state: Any) -> tuple[np.ndarray, np.ndarray]:
     """Return eigenvalues (n, 3) and axes (n, 3, 3), in columns, of components (6, n); NaN where one is not finite."""
     full, finite = _matrix(state), np.isfinite(state).all(axis=0)
     values, axes = np.linalg.eigh(np.where(finite[:, None, None], full, 0.0))
     return np.where(finite[:, None], values, np.nan), axes
 
 
-def _matrix(components):
+def _matrix(components: np.ndarray) -> np.ndarray:
     return components[PLACES].transpose(2, 0, 1)
 
 
-def _transposed(matrices):
+def _transposed(matrices: np.ndarray) -> np.ndarray:
     return matrices.transpose(0, 2, 1)
 
 
-def _components(matrices):
+def _components(matrices: np.ndarray) -> np.ndarray:
     return matrices[:, (0, 0, 1, 2, 0, 1), (0, 1, 1, 2, 2, 2)].T

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from tisph.runtime import view
+from tisph.schemes._two_dimensional.equations import Equations
+from tisph.schemes._two_dimensional.wall_boundary import WallBoundary
 
 SETTLED = 0.3
 """Part of the tolerance of a step, times the velocity, that m may be off by."""
@@ -24,14 +26,15 @@ class MeanVelocityControl:
 
     rounding, sets_curls = 0.0, False
 
-    def __init__(self, problem, boundary):
+    def __init__(self, problem: Any, boundary: WallBoundary) -> None:
         self.problem, self.boundary = problem, boundary
-        self.acceleration, self.response, self.levels = 0.0, 1.0, []
+        self.acceleration, self.response = 0.0, 1.0
+        self.levels: list[tuple[float, float]] = []
         self.time = self.scale = self.allowed = 0.0
         self.tried: tuple[float, float] | None = None
         self.weights = np.empty(0)
 
-    def start(self, equations, tolerance: float) -> bool:
+    def start(self, equations: "Equations", tolerance: float) -> bool:
         """Apply the impulse of a pressure that gives the fluid its mean velocity; return whether it was solved for.
 
         It is a part of the impulse of flow past bodies at rest.
@@ -55,7 +58,7 @@ class MeanVelocityControl:
         newest[fluid] += wanted / self.response * unit
         return solved
 
-    def correct_start(self, equations, tolerance: float) -> bool:
+    def correct_start(self, equations: "Equations", tolerance: float) -> bool:
         """Return True: the first pressure changes nothing."""
         return True
 
@@ -64,11 +67,11 @@ class MeanVelocityControl:
         self.time = time
         self.weights = self.problem.section_weights(self.boundary.positions + self.problem.origin, time)
 
-    def _mean(self, equations) -> float:
+    def _mean(self, equations: "Equations") -> float:
         """Return the mean velocity of the present solution."""
         return float(self.weights @ view(equations.velocity.x)[: len(self.weights), 0].astype(float))
 
-    def prepare(self, equations, dt: float, gamma0: float, time: float, allowed: float) -> None:
+    def prepare(self, equations: "Equations", dt: float, gamma0: float, time: float, allowed: float) -> None:
         """Begin a step ``dt`` that ends at ``time``, whose velocities may have an error ``allowed``."""
         self._measure_section(time)
         self.scale, self.tried, self.allowed = dt / gamma0, None, SETTLED * allowed
@@ -78,12 +81,12 @@ class MeanVelocityControl:
             guess += (g - other) * (time - newest) / (newest - before)
         self._accelerate(equations, guess)
 
-    def _accelerate(self, equations, acceleration: float) -> None:
+    def _accelerate(self, equations: "Equations", acceleration: float) -> None:
         self.acceleration = acceleration
         equations.accelerate(acceleration)
         self.boundary.accelerate(acceleration)
 
-    def correct(self, equations) -> bool:
+    def correct(self, equations: "Equations") -> bool:
         """Change the acceleration by the mean velocity of the solution; return whether it had converged."""
         mean, wanted = self._mean(equations), self.problem.kept_mean_velocity
         if self.tried and self.acceleration != self.tried[0]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from tisph.runtime import ti
+from tisph.schemes._two_dimensional.time_levels import TimeLevels
 
 MOST_ITERATIONS = 20
 """Outer iterations of a step with couplings."""
@@ -53,11 +54,18 @@ class ExtraStress(Protocol):
     resolution_name: str
     """Name in ``Snapshot`` of the number that ``store`` returns."""
 
-    fields: Sequence[Any]
-    """Fields (fluid,) that particles carry from step to step."""
+    @property
+    def fields(self) -> Sequence[Any]:
+        """Fields (fluid,) that particles carry from step to step."""
 
     parts: Mapping[str, Any]
     """Objects that a checkpoint keeps, by name."""
+
+    def local_viscosity(self, i: Any, viscosity: Any) -> Any:
+        """Return, in kernels, the viscosity at a point; ``viscosity`` is the constant one of the step."""
+
+    def with_viscous_divergence(self, i: Any, divergence: Any) -> Any:
+        """Return, in kernels, a ``divergence`` plus the divergence of an implicit viscous term that varies."""
 
     def begin(self) -> None:
         """Compute the stress of the first velocities."""
@@ -98,34 +106,36 @@ class NewtonianStress:
     """No extra stress: the viscosity of the fluid is constant."""
 
     nonlinear, viscosity, resolution_name = False, 0.0, "added_power"
+    parts: Mapping[str, Any] = {}
 
-    def __init__(self, levels):
-        self.operators, self.fields, self.parts = levels.operators, (), {}
+    def __init__(self, levels: "TimeLevels") -> None:
+        self.operators = levels.operators
+        self.fields: tuple[Any, ...] = ()
 
     def begin(self) -> None:
         """Compute nothing."""
 
-    def prepare(self, weights, dt, time) -> None:
+    def prepare(self, weights: TimeWeights, dt: float, time: float) -> None:
         """Prepare nothing."""
 
-    def add_stress(self, velocity, forcing, dt) -> None:
+    def add_stress(self, velocity: np.ndarray, forcing: Any, dt: float) -> None:
         """Add nothing."""
 
-    def store(self, velocity, step) -> None:
+    def store(self, velocity: Any, step: int) -> Any:
         """Store nothing."""
 
     def remap(self) -> None:
         """Transfer nothing."""
 
-    def wall_stress(self) -> float:
+    def wall_stress(self) -> Any:
         """Return no stress."""
         return 0.0
 
-    def implicit_wall_stress(self, strain: np.ndarray) -> float:
+    def implicit_wall_stress(self, strain: np.ndarray) -> Any:
         """Return no stress."""
         return 0.0
 
-    def at(self, weights, offset, levels, radius) -> tuple[()]:
+    def at(self, weights: TimeWeights, offset: float, levels: Sequence[np.ndarray], radius: np.ndarray) -> Any:
         """Return no polymer stress."""
         return ()
 
@@ -143,7 +153,7 @@ class NewtonianStress:
 class Boundary(Protocol):
     """The walls of the fluid. Points on them, ``slots`` of all points, are unknowns of the pressure.
 
-    Functions of kernels beside these: ``retained``, see ``walls.WallBoundary``.
+    Its rows in the linear systems are those of ``WallBoundary``.
     """
 
     slots: slice
@@ -154,6 +164,9 @@ class Boundary(Protocol):
 
     velocity: np.ndarray
     """Velocities (count, components) of the walls at the points."""
+
+    def retained(self, i: Any, retained: Any, gamma0: Any) -> Any:
+        """Return, in kernels, the part of the divergence that a step leaves at a particle: ``retained`` = k gamma_0."""
 
     def reset(self) -> None:
         """Return to the state before the first step."""
@@ -206,7 +219,15 @@ class Boundary(Protocol):
     def find_fastest(self) -> None:
         """Replace the fastest velocity of the levels by that with the known flow in singular corners."""
 
-    def whole_flow(self, weights, offset, position, velocity, pressure, created) -> tuple[Any, Any, Any]:
+    def whole_flow(
+        self,
+        weights: TimeWeights,
+        offset: float,
+        position: np.ndarray,
+        velocity: np.ndarray,
+        pressure: np.ndarray,
+        created: np.ndarray,
+    ) -> tuple[Any, Any, Any]:
         """Return position, velocity and pressure (n, ...) with the known flow in singular corners."""
 
     def bodies(self, time: float, weights: "TimeWeights", offset: float) -> "Bodies | None":
@@ -232,7 +253,7 @@ class NoBoundary:
 
     bounded, load_scatter = False, None
 
-    def __init__(self, problem, levels):
+    def __init__(self, problem: Any, levels: "TimeLevels") -> None:
         self.problem, self.levels = problem, levels
         self.slots = slice(problem.n_fluid, problem.n_fluid)
         self.velocity = np.zeros((0, levels.components))
@@ -240,39 +261,39 @@ class NoBoundary:
     def reset(self) -> None:
         """Reset nothing."""
 
-    def predict(self, weights, dt, time) -> bool:
+    def predict(self, weights: TimeWeights, dt: float, time: float) -> bool:
         """Return True: nothing overlaps."""
         return True
 
-    def move(self, time) -> None:
+    def move(self, time: float) -> None:
         """Move nothing."""
 
     def impose_neumann_rows(self) -> None:
         """Impose nothing."""
 
-    def begin_step(self, weights) -> None:
+    def begin_step(self, weights: TimeWeights) -> None:
         """Extrapolate nothing."""
 
     def solver_velocity(self) -> np.ndarray:
         """Return no velocities."""
         return self.velocity
 
-    def add_normal_momentum(self, equations, dt, gamma0, viscosity) -> None:
+    def add_normal_momentum(self, equations: "Equations", dt: float, gamma0: float, viscosity: float) -> None:
         """Add nothing."""
 
-    def update_normal_curls(self, velocity) -> None:
+    def update_normal_curls(self, velocity: np.ndarray) -> None:
         """Update nothing."""
 
-    def add_impulse_momentum(self, right, velocity) -> None:
+    def add_impulse_momentum(self, right: Any, velocity: np.ndarray) -> None:
         """Add nothing."""
 
-    def measure_loads(self, time) -> None:
+    def measure_loads(self, time: float) -> None:
         """Measure nothing."""
 
-    def add_force(self, forcing, weights, dt) -> None:
+    def add_force(self, forcing: Any, weights: TimeWeights, dt: float) -> None:
         """Add no force."""
 
-    def apply_impulse(self, equations, tolerance) -> bool:
+    def apply_impulse(self, equations: "Equations", tolerance: float) -> bool:
         """Remove the divergence of given initial velocities; return whether its system was solved."""
         solved = True
         if self.problem.has_own_start:
@@ -281,26 +302,34 @@ class NoBoundary:
             self.levels.subtract_gradient(equations.pressure.x)
         return solved
 
-    def begin(self, equations) -> None:
+    def begin(self, equations: "Equations") -> None:
         """Begin with nothing."""
 
-    def jump(self, time) -> None:
+    def jump(self, time: float) -> None:
         """Do nothing."""
 
-    def accelerate(self, acceleration) -> None:
+    def accelerate(self, acceleration: float) -> None:
         """Accelerate nothing."""
 
-    def store(self, time) -> None:
+    def store(self, time: float) -> None:
         """Store nothing."""
 
     def find_fastest(self) -> None:
         """Leave the fastest velocity as it is."""
 
-    def whole_flow(self, weights, offset, position, velocity, pressure, created):
+    def whole_flow(
+        self,
+        weights: TimeWeights,
+        offset: float,
+        position: np.ndarray,
+        velocity: np.ndarray,
+        pressure: np.ndarray,
+        created: np.ndarray,
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return position, velocity and pressure as they are."""
         return position, velocity, pressure
 
-    def bodies(self, time, weights, offset) -> None:
+    def bodies(self, time: float, weights: TimeWeights, offset: float) -> None:
         """Return no bodies."""
 
     def numbers(self) -> dict[str, Any]:
@@ -310,7 +339,7 @@ class NoBoundary:
     def host_state(self) -> None:
         """Return nothing: there is no state."""
 
-    def restore_host_state(self, state) -> None:
+    def restore_host_state(self, state: Any) -> None:
         """Restore nothing."""
 
     @ti.func

@@ -79,11 +79,17 @@ class SplittingScheme(ControlledScheme):
     kept = (*ControlledScheme.kept, "dts", "iterations", "initial_momentum", "stress_resolution")
 
     def __init__(
-        self, problem, targets: Sequence[float], serial: bool, tolerance=limits.TOLERANCE, courant: float = COURANT
-    ):
+        self,
+        problem: Any,
+        targets: Sequence[float],
+        serial: bool,
+        tolerance: float | None = limits.TOLERANCE,
+        courant: float = COURANT,
+    ) -> None:
         self.problem, self.initial_momentum, walls = problem, 0.0, problem.walls
         self.points = points_of(problem, serial)
         self.operators = operators_of(problem, self.points)
+        self.grid: WalledGrid | PeriodicGrid
         if walls:
             self.grid = WalledGrid(self.points, problem)
             self.points.n_fluid = integer(problem.n_fluid)
@@ -100,20 +106,22 @@ class SplittingScheme(ControlledScheme):
         self.couplings: list[Coupling] = []
         if isinstance(self.boundary, FreeWallBoundary):
             self.couplings.append(FreeBodyCoupling(self.boundary, rounding))
-        if problem.kept_mean_velocity is not None:
+        if isinstance(self.boundary, WallBoundary) and problem.kept_mean_velocity is not None:
             self.mean_velocity = MeanVelocityControl(problem, self.boundary)
             self.couplings.append(self.mean_velocity)
         self.equations = Equations(problem, self.levels, self.grid, self.boundary, self.extra_stress)
         self.control = limits.step_control(problem, targets, tolerance, courant)
-        self.tolerance = limits.TOLERANCE if tolerance is None else tolerance
+        self.tolerance: float = limits.TOLERANCE if tolerance is None else tolerance
         self.residuals = limits.residuals(self.tolerance, rounding)
         self.reset()
 
     def reset(self) -> None:
         """Return to the state before the first step."""
         self.reset_steps(self.problem.start_time)
-        self.dts, self.iterations = [], [0.0, 0.0]
-        self.output_cache = self.stress_resolution = None
+        self.dts: list[float] = []
+        self.iterations = [0.0, 0.0]
+        self.output_cache: Any = None
+        self.stress_resolution: Any = None
         self.boundary.reset()
 
     def start(self, position: np.ndarray, velocity: np.ndarray, stress: np.ndarray | None = None) -> None:
@@ -313,8 +321,7 @@ class SplittingScheme(ControlledScheme):
             fluid = self.problem.n_fluid
             created = np.argsort(active(self.levels.number)[:fluid])
             stored = [self.levels.fields, self.levels.position, *self.extra_stress.fields]
-            fields = (active(field)[:fluid][created].astype(float) for field in stored)
-            self.output_cache = self.time, created, *fields
+            self.output_cache = self.time, created, *(active(field)[:fluid][created].astype(float) for field in stored)
         problem, boundary, offset = self.problem, self.boundary, self.time - time
         _, created, fields, position, *stress_levels = self.output_cache
         dts = self.dts or [1.0]
@@ -384,14 +391,16 @@ class SplittingScheme(ControlledScheme):
             self.mean_velocity.restore(state["mean_velocity"])
 
 
-def extra_stress_of(problem, levels: TimeLevels) -> ExtraStress:
+def extra_stress_of(problem: Any, levels: TimeLevels) -> ExtraStress:
     """Return the extra stress of a fluid."""
     if problem.rheology is None:
         return NewtonianStress(levels)
-    return (ViscoelasticStress if problem.carries_stress else GeneralisedNewtonianStress)(levels, problem)
+    if problem.carries_stress:
+        return ViscoelasticStress(levels, problem)
+    return GeneralisedNewtonianStress(levels, problem)
 
 
-def boundary_of(problem, levels: TimeLevels, shift, grid, extra_stress: ExtraStress) -> Boundary:
+def boundary_of(problem: Any, levels: TimeLevels, shift: Any, grid: Any, extra_stress: ExtraStress) -> Boundary:
     """Return the boundary of a flow: none, walls of given motion, or walls of bodies that the flow carries."""
     if problem.walls is None:
         return NoBoundary(problem, levels)
@@ -399,7 +408,7 @@ def boundary_of(problem, levels: TimeLevels, shift, grid, extra_stress: ExtraStr
     return kind(problem, levels, shift, grid, extra_stress, SUPPORT)
 
 
-def points_of(problem, serial):
+def points_of(problem: Any, serial: bool) -> PointCloud:
     """Return the ``PointCloud``, whose points near walls have wider supports; ``serial``: without threads."""
     cutoff = (SUPPORT + SKIN) * problem.spacing
     if problem.walls is not None:
@@ -407,7 +416,7 @@ def points_of(problem, serial):
     return PointCloud(problem, PeriodicDomain(problem.length, problem.height), cutoff, 0, serial)
 
 
-def operators_of(problem, points):
+def operators_of(problem: Any, points: PointCloud) -> LeastSquaresOperators:
     """Return the operators of ``points`` (``PointCloud``), planar or axisymmetric."""
     bounded = problem.walls is not None
     # in polar coordinates points lie in layers: near walls operators then have 70 times the rounding errors

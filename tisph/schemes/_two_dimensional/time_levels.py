@@ -5,6 +5,8 @@
 """
 
 import math
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -26,39 +28,38 @@ class TimeWeights:
     before now in it. Weights come for as many values as are stored; of those that are not known yet they are 0.
     """
 
-    def __init__(self, steps, unit):
+    def __init__(self, steps: Sequence[float], unit: float) -> None:
         self.steps, self.unit = steps, unit
         self.offsets = np.cumsum(steps) / unit
 
-    def _weights(self, count, functional, offsets=None):
+    def _weights(self, count: int, functional: Callable[[Any], Any], offsets: np.ndarray | None = None) -> np.ndarray:
         """Return the weights of the newest values that give a functional, known by its values for 1, t, t^2 ..."""
         offsets = self.offsets[:count] if offsets is None else offsets
         powers = np.arange(len(offsets))
         found = np.linalg.solve((-offsets) ** powers[:, None], np.array([functional(power) for power in powers]))
         return np.concatenate([found, np.zeros((count - len(offsets), *found.shape[1:]))])
 
-    def interpolation(self, offset, count):
+    def interpolation(self, offset: Any, count: int) -> np.ndarray:
         """Return the weights of ``count`` values that give the value at the time ``offset`` before now.
 
         For offsets (n,) weights are (count, n).
-
         """
         return self._weights(count, lambda power: (-offset / self.unit) ** power)
 
-    def extrapolation(self, count):
+    def extrapolation(self, count: int) -> np.ndarray:
         """Return the weights of ``count`` values that extrapolate them to now."""
         return self.interpolation(0.0, count)
 
-    def integral(self, offset):
+    def integral(self, offset: float) -> np.ndarray:
         """Return the weights of the velocities in the displacement since the time ``offset`` before now."""
         begin = -offset / self.unit
         return self.unit * self._weights(VELOCITIES, lambda power: -(begin ** (power + 1)) / (power + 1))
 
-    def step_integral(self):
+    def step_integral(self) -> np.ndarray:
         """Return the weights of the velocities in the displacement of the step from the newest of them to now."""
         return self.integral(self.steps[0])
 
-    def bdf(self):
+    def bdf(self) -> tuple[float, np.ndarray]:
         """Return gamma_0 and the alpha_q of unit du/dt = gamma_0 u(now) - sum alpha_q u_q, by backward differences."""
         offsets = np.concatenate([[0.0], self.offsets[:ORDER]])
         gamma0, *alpha = self._weights(ORDER + 1, lambda power: float(power == 1), offsets)
@@ -66,7 +67,7 @@ class TimeWeights:
         weights[: len(alpha)] = np.negative(alpha)
         return float(gamma0), weights
 
-    def step_error(self, difference, gamma0, speed):
+    def step_error(self, difference: float, gamma0: float, speed: float) -> tuple[float, int]:
         """Return the error of a step and its order from the ``difference`` to extrapolated velocities, equation (5).
 
         The difference is u^(m) prod offsets / m! for m values, and the error of backward differences of order m - 1 is
@@ -113,10 +114,10 @@ class PlanarCoordinates:
 
     axisymmetric, components = False, 2
 
-    def __init__(self, operators):
+    def __init__(self, operators: Any) -> None:
         self.operators = operators
 
-    def add_centripetal(self, velocity, forcing, dt: float, repeated: bool) -> None:
+    def add_centripetal(self, velocity: np.ndarray, forcing: Any, dt: float, repeated: bool) -> None:
         """Add nothing: planar flow has no centripetal term."""
 
     @ti.func
@@ -201,7 +202,7 @@ class AxisymmetricCoordinates:
 
     axisymmetric, components = True, 3
 
-    def __init__(self, operators):
+    def __init__(self, operators: Any) -> None:
         self.operators = operators
         self.centripetal = ti.field(real(), operators.points.capacity)
 
@@ -315,7 +316,7 @@ class TimeLevels:
 
     """
 
-    def __init__(self, operators, shift):
+    def __init__(self, operators: Any, shift: Any) -> None:
         self.operators, self.points, self.shift = operators, operators.points, shift
         self.coordinates = (AxisymmetricCoordinates if operators.axisymmetric else PlanarCoordinates)(operators)
         self.components = self.coordinates.components
@@ -456,7 +457,7 @@ class TimeLevels:
             self.fields[i] += transfer(self.operators, self.d_dx, self.d_dy, i, moved)
             self.position[i] = self.points.domain.wrap(self.coordinates.above_axis(self.points.position[i]))
 
-    def reorder(self, others):
+    def reorder(self, others: Any) -> None:
         """Put the particles, and ``others`` of their fields, in the order of the cells of the last search."""
         fluid, order = int(view(self.points.n_fluid)), view(self.points.order)[: self.points.fluid]
         order = order[order < fluid]
@@ -464,11 +465,11 @@ class TimeLevels:
             active(field)[:fluid] = active(field)[order]
 
     @property
-    def divergence_scale(self):
+    def divergence_scale(self) -> float:
         """Root mean square of the divergence of the newest velocities."""
         return math.sqrt(float(view(self.divergence_squared)) / int(view(self.points.n_fluid)))
 
-    def residual(self, least):
+    def residual(self, least: float) -> float:
         """Divergence over the gradient of the newest velocities, or over the ``least`` one, as root mean squares."""
         gradient = math.sqrt(float(view(self.gradient_squared)) / int(view(self.points.n_fluid)))
         return self.divergence_scale / max(gradient, least)

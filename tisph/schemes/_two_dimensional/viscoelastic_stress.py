@@ -35,6 +35,7 @@ Sources: R. Guenette and M. Fortin, J. Non-Newtonian Fluid Mech. 60 (1995) 27-52
 """
 
 import math
+from collections.abc import Sequence
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -46,7 +47,7 @@ from tisph.schemes._local_newton import SMALL, Modes, matrix, solve
 from tisph.schemes._two_dimensional import log_conformation, log_conformation_with_swirl
 from tisph.schemes._two_dimensional.log_conformation_with_swirl import ModesWithSwirl, change_of_logarithm
 from tisph.schemes._two_dimensional.parts import NewtonianStress
-from tisph.schemes._two_dimensional.time_levels import ORDER, gradients, transfer
+from tisph.schemes._two_dimensional.time_levels import ORDER, TimeLevels, TimeWeights, gradients, transfer
 
 MAX_LOG_JUMP = 5.0
 """Change of P within a spacing above which a run stops: A changes 150-fold from one particle to the next."""
@@ -87,7 +88,7 @@ class ViscoelasticStress(NewtonianStress):
 
     nonlinear, resolution_name = True, "steepest"
 
-    def __init__(self, levels, problem):
+    def __init__(self, levels: TimeLevels, problem: Any) -> None:
         self.levels, self.operators, self.points = levels, levels.operators, levels.points
         self.walls, self.n_fluid = problem.walls, problem.n_fluid
         self.origin, self.spacing = problem.origin, problem.spacing
@@ -111,25 +112,20 @@ class ViscoelasticStress(NewtonianStress):
         self.force, self.stress_divergence = (
             ti.field(ti.types.vector(levels.components, real()), self.points.capacity) for _ in range(2)
         )
-        self.fields, self.viscosity = (self.tensors,), 0.0
+        self.fields, self.viscosity, self.parts = (self.tensors,), 0.0, {"polymer": self}
         scratch = self.gradient, self.implicit_stress, self.force, self.stress_divergence
         for field in (*scratch, self.current, self.current_d_dx, self.current_d_dy):
             field.used = None
 
     @property
-    def parts(self) -> dict[str, Any]:
-        """The stress itself: a checkpoint keeps its ``tensors``."""
-        return {"polymer": self}
-
-    @property
-    def radius(self):
+    def radius(self) -> Any:
         """Distances (points,) from the axis at the end of the step; 1 in planar flow."""
         if not self.axisymmetric:
             return 1.0
         return view(self.points.position)[: self.points.fluid, 1].astype(float) + self.origin[1]
 
     @property
-    def ratio(self):
+    def ratio(self) -> Any:
         """Distances from the axis before the step over those after it, 1 of points on walls and in planar flow."""
         if not self.axisymmetric:
             return 1.0
@@ -137,25 +133,25 @@ class ViscoelasticStress(NewtonianStress):
         ratio[fluid] = (view(self.levels.position)[fluid, 1] + self.origin[1]) / self.radius[fluid]
         return ratio
 
-    def times_radius(self, values, radius):
+    def times_radius(self, values: np.ndarray, radius: np.ndarray) -> np.ndarray:
         """Return ``values`` (..., numbers of all modes, n) times the ``powers`` of a ``radius`` (n,)."""
         result = np.array(values) if self.powers else values
         for component, power in self.powers:
             result[..., component :: self.stress_numbers, :] *= radius**power
         return result
 
-    def _three(self, numbers):
+    def _three(self, numbers: int) -> list[Any]:
         """A field with these ``numbers`` of each point, and two for its gradients."""
         kind = ti.types.vector(numbers, real())
         return [ti.field(kind, self.points.slots + 1) for _ in range(3)]
 
     @property
-    def states(self):
+    def states(self) -> np.ndarray:
         """P (levels, numbers of all modes, particles) in place."""
         values = view(self.tensors)[: self.points.fluid]
         return values.reshape(len(values), ORDER, self.size).transpose(1, 2, 0)
 
-    def begin(self):
+    def begin(self) -> None:
         """Start from rest, without stress, or from the initial state of the problem."""
         view(self.tensors)[...] = 0.0
         if self.initial_conformation_excess:
@@ -163,13 +159,13 @@ class ViscoelasticStress(NewtonianStress):
             modes = self.initial_conformation_excess(*positions.T)
             self.states[0] = self.logarithms(modes)
 
-    def logarithms(self, modes):
+    def logarithms(self, modes: Sequence[Any]) -> np.ndarray:
         """Return the P that a start with these C of the modes has, as ``tensors`` have it."""
         if self.axisymmetric:
             modes = [[*mode, *(self.stress_numbers - len(mode)) * [0.0 * mode[0]]] for mode in modes]
         return self.times_radius(np.concatenate([self.algebra.logarithm(mode) for mode in modes]), 1.0 / self.radius)
 
-    def implicit(self):
+    def implicit(self) -> np.ndarray:
         """Return 2 nu* D (numbers, points), its components over the ``powers`` of the radius."""
         (xx, xy, yx, yy, *rest), radius = self.gradients, self.radius
         rows = [2.0 * xx, (xy + yx) / radius, 2.0 * yy, *(2.0 * tt for tt in rest[:1])]
@@ -177,11 +173,11 @@ class ViscoelasticStress(NewtonianStress):
             rows += [rest[1] / radius, rest[2] / radius**2]
         return self.viscosity * np.stack(rows)
 
-    def differentiated(self):
+    def differentiated(self) -> np.ndarray:
         """Return P as it is differentiated."""
         return self.times_radius(self.state, 1.0 / self.radius)
 
-    def force_of_stress(self, d_dx, d_dy):
+    def force_of_stress(self, d_dx: np.ndarray, d_dy: np.ndarray) -> np.ndarray:
         """Return the force (components, points) of the stress for the derivatives (numbers, points) of P by x and y.
 
         In axisymmetric flow the second ones are by s, and forces but the first over r.
@@ -201,16 +197,16 @@ class ViscoelasticStress(NewtonianStress):
             around = (by_x[XT] + by_y[RT] + 2.0 * stress[RT] / radius) / radius
         return np.stack([first + stress[1] / radius, (second + (stress[2] - stress[3]) / radius) / radius, around])
 
-    def prepare(self, times, dt, time):
+    def prepare(self, weights: TimeWeights, dt: float, time: float) -> None:
         """Begin a step ``dt`` that ends at ``time``: history, guess and implicit viscosity."""
-        gamma0, alpha = times.bdf()
+        gamma0, alpha = weights.bdf()
         self.time, self.duration = time, dt / gamma0
         states = self.times_radius(self.states.astype(float), self.radius * self.ratio)
-        elapsed = (times.unit * times.offsets)[:ORDER]
+        elapsed = (weights.unit * weights.offsets)[:ORDER]
         if self.walls:
             states[..., self.n_fluid :] = self.walls.carried(states[..., self.n_fluid :], elapsed, self.time)
         self.explicit_part = np.einsum("a,acn->cn", alpha[:ORDER], states) / gamma0
-        self.state = np.einsum("a,acn->cn", times.extrapolation(ORDER), states)
+        self.state = np.einsum("a,acn->cn", weights.extrapolation(ORDER), states)
         self.jacobians = [None for _ in self.modes.laws]
         self.viscosity = sum(
             law.modulus * self.duration / (1.0 + self.duration / law.relaxation_time) for law in self.modes.laws
@@ -220,8 +216,8 @@ class ViscoelasticStress(NewtonianStress):
             self.produced = np.stack(self.source(*self.places(positions), time))[: len(self.state)]
         view(self.force)[...] = 0.0
 
-    def add_stress(self, velocity, known, dt):
-        """Add dt div (S - 2 nu* D) of a ``velocity`` field to the forcing ``known`` of a step ``dt``."""
+    def add_stress(self, velocity: Any, forcing: Any, dt: float) -> None:
+        """Add dt div (S - 2 nu* D) of a ``velocity`` field to the forcing ``forcing`` of a step ``dt``."""
         self.find(velocity)
         all_points = slice(self.points.fluid)
         view(self.implicit_stress)[all_points] = self.implicit().T
@@ -229,9 +225,9 @@ class ViscoelasticStress(NewtonianStress):
         self.current_gradients()
         derivatives = [view(field)[all_points].T.astype(float) for field in (self.current_d_dx, self.current_d_dy)]
         view(self.stress_divergence)[all_points] = self.force_of_stress(*derivatives).T
-        self.add_stress_force(known, dt)
+        self.add_stress_force(forcing, dt)
 
-    def find(self, velocity):
+    def find(self, velocity: Any) -> None:
         """Find P at the end of a step for a ``velocity`` there."""
         self.measure(velocity)
         gradient = self.gradients = view(self.gradient)[: self.points.fluid].T.astype(float)
@@ -248,21 +244,21 @@ class ViscoelasticStress(NewtonianStress):
                 jacobian = self.jacobians[mode] or matrix(change, guess, self.duration)
                 self.state[part], self.jacobians[mode] = solve(change, known, self.duration, guess, jacobian)
 
-    def _rate(self, law, state, gradient):
+    def _rate(self, law: Any, state: Any, gradient: np.ndarray) -> Any:
         """Return dP/dt with the ``conformation_source``; slopes by a complex ``state`` leave it out."""
         change = self.algebra.rate(law, state, gradient)
         if self.source:
             change = np.stack(change) + change_of_logarithm(state.real, self.produced)
         return change
 
-    def take_known(self, gradient):
+    def take_known(self, gradient: np.ndarray) -> None:
         """Replace a measured velocity gradient (numbers, count) at walls by a shear along the wall, in place."""
         plane = gradient[:4]
         plane[...] = self.walls.gradients(plane.reshape(2, 2, -1), self.time).reshape(4, -1)
         if self.swirls:
             gradient[5:] = self.walls.gradient_around(gradient[5:])
 
-    def store(self, velocity, step: int) -> tuple[float, float, float]:
+    def store(self, velocity: Any, step: int) -> tuple[float, float, float]:
         """Store the P of the ``velocity`` at the end of a ``step`` as the newest level.
 
         Returns the largest change of P within a spacing, and x and y where it is. Raises DivergedError where that is
@@ -279,7 +275,7 @@ class ViscoelasticStress(NewtonianStress):
             raise DivergedError(f"{text} ({x:.4g}, {y:.4g}), step {step}, t = {self.time:.6g}; {cure}")
         return change, x, y
 
-    def log_jump(self):
+    def log_jump(self) -> tuple[float, float, float]:
         """Return the largest change of a P within a spacing, its Frobenius norm, and x and y where it is.
 
         The ``powers`` of the radius are left out.
@@ -294,12 +290,12 @@ class ViscoelasticStress(NewtonianStress):
         where = view(self.points.position)[index] + self.origin
         return self.spacing * math.sqrt(worst[index]), *where.tolist()
 
-    def wall_stress(self):
+    def wall_stress(self) -> np.ndarray:
         """Return the stress (numbers of tractions, count) at the points on walls."""
         state = self.times_radius(self.states[0].astype(float), self.radius)[:, self.n_fluid :]
         return self.traction_rows(self.modes.stress(state, self.stress_numbers))
 
-    def implicit_wall_stress(self, strain):
+    def implicit_wall_stress(self, strain: np.ndarray) -> np.ndarray:
         """Return the same in a step in which 2 D is ``strain`` there.
 
         As the momentum equation has it: S, with the change of the strain since then times nu*.
@@ -309,17 +305,17 @@ class ViscoelasticStress(NewtonianStress):
         stress = self.modes.stress(self.state[:, walls], self.stress_numbers) - implicit[:, walls]
         return self.traction_rows(stress) + self.viscosity * strain
 
-    def traction_rows(self, stress):
+    def traction_rows(self, stress: np.ndarray) -> np.ndarray:
         """Return the components of a stress that tractions are made of: xx, xy, yy, in axisymmetric flow xt and yt."""
         if not self.axisymmetric:
             return stress
         return np.concatenate([stress[:3], stress[4:] if self.swirls else np.zeros((2, stress.shape[1]))])
 
-    def at(self, times, offset, levels, radius):
+    def at(self, weights: TimeWeights, offset: float, levels: Sequence[np.ndarray], radius: np.ndarray) -> np.ndarray:
         """Return the stresses (components, n) a time ``offset`` before the end of the last step, of ``tensors``."""
-        levels = levels[0].reshape(len(radius), ORDER, self.size)
-        weights = times.interpolation(offset, ORDER)
-        state = np.einsum("a,nac->cn", weights, levels) if offset else levels[:, 0].T
+        tensors = levels[0].reshape(len(radius), ORDER, self.size)
+        level_weights = weights.interpolation(offset, ORDER)
+        state = np.einsum("a,nac->cn", level_weights, tensors) if offset else tensors[:, 0].T
         return self.modes.stress(self.times_radius(state, radius), self.stress_numbers)
 
     @ti.kernel
@@ -348,14 +344,14 @@ class ViscoelasticStress(NewtonianStress):
             self.current_d_dx[i], self.current_d_dy[i] = gradients(self.operators, self.current, i)
 
     @ti.kernel
-    def add_stress_force(self, known: ti.template(), dt: float):
+    def add_stress_force(self, forcing: ti.template(), dt: float):
         """Add dt div (S - 2 nu* D) in place of the term of the previous iteration."""
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
             d_dx, d_dy = gradients(self.operators, self.implicit_stress, i)
             implicit = self.levels.coordinates.divergence(i, self.implicit_stress, 0, d_dx, d_dy)
             force = self.stress_divergence[i] - implicit
-            known[i] += dt * (force - self.force[i])
+            forcing[i] += dt * (force - self.force[i])
             self.force[i] = force
 
     @ti.kernel

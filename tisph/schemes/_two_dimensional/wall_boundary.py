@@ -23,7 +23,9 @@ from tisph.least_squares import SKIN
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import holding, real, ti, view
 from tisph.schemes._two_dimensional.corner_singularities import CornerSingularities, NoCorners
-from tisph.schemes._two_dimensional.time_levels import TimeWeights
+from tisph.schemes._two_dimensional.equations import Equations
+from tisph.schemes._two_dimensional.parts import ExtraStress
+from tisph.schemes._two_dimensional.time_levels import TimeLevels, TimeWeights
 from tisph.schemes._two_dimensional.wall_points import POINT_SUPPORT
 from tisph.snapshot import Bodies
 
@@ -43,7 +45,7 @@ LOAD_LEVELS = 3
 """Levels of forces, torques and normal stresses, for values within a step."""
 
 
-def scatter(times, forces):
+def scatter(times: np.ndarray, forces: np.ndarray) -> tuple[float, int] | None:
     """Return the largest scatter of a body's force, relative to its size, and the number of that body; None if unknown.
 
     ``times`` (steps,), newest first, ``forces`` (steps, bodies, 2). It is the root mean square over the steps of the
@@ -51,7 +53,7 @@ def scatter(times, forces):
     """
     if len(times) <= len(CUBIC_NEIGHBOURS):
         return None
-    middles, squares = np.arange(2, len(times) - 2), 0.0
+    middles, squares = np.arange(2, len(times) - 2), np.zeros(forces.shape[1])
     for middle in middles:
         others = times[[middle + offset for offset in CUBIC_NEIGHBOURS]] - times[middle]
         weights = np.array([math.prod(b / (b - a) for b in others if b != a) for a in others])
@@ -69,7 +71,7 @@ class WallLoads:
     pressure; ``times`` since walls jumped last; ``normal_stresses`` (bodies,), mean N1 of a polymer at each wall.
     """
 
-    def __init__(self, problem, levels, corners):
+    def __init__(self, problem: Any, levels: TimeLevels, corners: CornerSingularities | NoCorners) -> None:
         self.problem, self.walls, self.levels, self.corners = problem, problem.walls, levels, corners
         self.slots = slice(problem.n_fluid, problem.particles)
         self.loads: list[np.ndarray] = []
@@ -142,7 +144,9 @@ class WallBoundary:
 
     bounded = True
 
-    def __init__(self, problem, levels, shift, grid, extra_stress, support):
+    def __init__(
+        self, problem: Any, levels: TimeLevels, shift: Any, grid: Any, extra_stress: ExtraStress, support: float
+    ) -> None:
         self.problem, self.walls, self.support = problem, problem.walls, support
         self.levels, self.points, self.shift, self.grid = levels, levels.points, shift, grid
         self.operators, self.coordinates, self.extra_stress = levels.operators, levels.coordinates, extra_stress
@@ -150,7 +154,8 @@ class WallBoundary:
         self.corners = CornerSingularities(problem, levels) if problem.corners else NoCorners()
         self.loads = WallLoads(problem, levels, self.corners)
         self.normal_curls: list[np.ndarray] = []
-        self.normals, self.velocity, self.grid_time = np.empty((0, 2)), np.empty((0, 2)), None
+        self.normals, self.velocity = np.empty((0, 2)), np.empty((0, 2))
+        self.grid_time: float | None = None
         capacity, weight = self.points.capacity, np.zeros(self.points.capacity)
         self.normal = ti.field(ti.types.vector(2, real()), capacity)
         self.normal_curl, self.vorticity = (ti.field(real(), size) for size in (capacity, self.points.slots + 1))
@@ -221,7 +226,7 @@ class WallBoundary:
         """Positions (count, 2) of the points in the frame of the scene."""
         return self.positions[self.slots] + self.problem.origin
 
-    def apply_impulse(self, equations, tolerance: float) -> bool:
+    def apply_impulse(self, equations: "Equations", tolerance: float) -> bool:
         """Apply the impulse of walls that start to move into the fluid; return whether its system was solved."""
         self.measure_own_start()
         against = self.velocity - self.fluid_velocity
@@ -238,12 +243,12 @@ class WallBoundary:
             self.newest_velocities[self.slots] = self.fluid_velocity
             self.levels.measure()
 
-    def find_impulse(self, equations, tolerance: float) -> bool:
+    def find_impulse(self, equations: "Equations", tolerance: float) -> bool:
         """Solve for the impulse of the velocity of walls against the fluid; return whether it was solved."""
         view(equations.velocity.x)[self.slots] = self.velocity - self.fluid_velocity
         return equations.find_impulse(tolerance, self.problem.has_own_start)
 
-    def begin(self, equations) -> None:
+    def begin(self, equations: "Equations") -> None:
         """Give the points their velocities after the start, and the equations the accelerations of the walls."""
         newest = self.newest_velocities
         newest[self.slots] = self.velocity
@@ -253,7 +258,7 @@ class WallBoundary:
         self.update_normal_curls(equations.velocity.x)
         self.store_normal_curls()
 
-    def set_accelerations(self, equations) -> None:
+    def set_accelerations(self, equations: "Equations") -> None:
         """Set the forcing at the points to body force minus acceleration of the walls, at the start."""
         acceleration, start = -self.walls.acceleration(self.problem.start_time), self.problem.start_time
         if self.problem.body_force:
@@ -279,7 +284,7 @@ class WallBoundary:
         """Return the velocities (count, components) of the points without the known flow in corners."""
         return self.corners.at_walls_without(self.velocity)
 
-    def add_force(self, forcing, weights: TimeWeights, dt: float) -> None:
+    def add_force(self, forcing: Any, weights: TimeWeights, dt: float) -> None:
         """Add the force of the known flow in singular corners to the ``forcing`` of a step ``dt``."""
         self.corners.add_force(forcing, weights, dt)
 
@@ -288,7 +293,7 @@ class WallBoundary:
         """Values n . curl omega (count,) of the pressure's equation at the points, in place."""
         return view(self.normal_curl)[self.slots]
 
-    def add_normal_momentum(self, equations, dt: float, gamma0: float, viscosity: float) -> None:
+    def add_normal_momentum(self, equations: "Equations", dt: float, gamma0: float, viscosity: float) -> None:
         """Set the right-hand side of the pressure at the points, equation (8), for the present forcing and velocity."""
         fields = equations.pressure.b, equations.forcing, equations.velocity.x, equations.acceleration
         self.set_normal_momentum(*fields, dt, gamma0, viscosity)
@@ -311,7 +316,15 @@ class WallBoundary:
         """Replace the fastest velocity of the levels by that with the known flow in singular corners."""
         self.corners.find_fastest()
 
-    def whole_flow(self, weights, offset, position, velocity, pressure, created):
+    def whole_flow(
+        self,
+        weights: TimeWeights,
+        offset: float,
+        position: np.ndarray,
+        velocity: np.ndarray,
+        pressure: np.ndarray,
+        created: np.ndarray,
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return position, velocity and pressure (n, ...) with the known flow in singular corners."""
         return self.corners.whole_flow(weights, offset, position, velocity, pressure, created)
 

@@ -9,6 +9,9 @@ has no points: all have y > 0.
 """
 
 import itertools
+import math
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -58,7 +61,7 @@ class WallPoints:
 
     across_axis = False
 
-    def __init__(self, bodies, spacing, origin):
+    def __init__(self, bodies: Sequence[Any], spacing: float, origin: Any) -> None:
         self.bodies, self.spacing, self.origin = bodies, spacing, np.array(origin)
         self.outlines = [self._outline(body) for body in bodies]
         self.length = np.concatenate([outline.length for outline in self.outlines])
@@ -66,29 +69,30 @@ class WallPoints:
         self.parts = [slice(first, last) for first, last in itertools.pairwise(ends)]
         self.count = len(self.length)
         self.curved = any(0.0 < body.shape.smallest_radius < np.inf for body in bodies)
-        self._kept = None, None
+        self._kept_time = math.nan
+        self._kept: list[Boundary] = []
 
-    def _outline(self, body):
+    def _outline(self, body: Any) -> Boundary:
         """Return the points of a wall in the frame of its body, a ``Boundary``."""
         return body.shape.boundary_points(self.spacing)
 
-    def at(self, time):
+    def at(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return positions, normals into the fluid and velocities of the points at ``time``, (count, 2) each."""
         boundaries = self._placed(time)
         place = np.concatenate([boundary.point for boundary in boundaries])
         return place - self.origin, np.concatenate([part.normal for part in boundaries]), self.velocities(time)
 
-    def velocities(self, time):
+    def velocities(self, time: float) -> np.ndarray:
         """Return the velocities (count, 2) of the points at ``time``."""
         pairs = zip(self.bodies, self._placed(time), strict=True)
         return np.concatenate([body.velocity(boundary.point, time) for body, boundary in pairs])
 
-    def acceleration(self, time):
+    def acceleration(self, time: float) -> np.ndarray:
         """Return the accelerations (count, 2) of the points at ``time``."""
         pairs = zip(self.bodies, self._placed(time), strict=True)
         return np.concatenate([body.acceleration(boundary.point, time) for body, boundary in pairs])
 
-    def carried(self, values, elapsed, time):
+    def carried(self, values: np.ndarray, elapsed: np.ndarray, time: float) -> np.ndarray:
         """Return ``values`` (levels, numbers, count), each ``elapsed`` (levels,) ago, where the fluid came from.
 
         Walls that slide along themselves carry them past the points, which stay: between those by cubic splines.
@@ -104,11 +108,11 @@ class WallPoints:
                     result[age][:, part] = curve(body.departure_point(boundary.point, gone)[:, 0])
         return result
 
-    def inwards(self, normal, velocity):
+    def inwards(self, normal: np.ndarray, velocity: np.ndarray) -> np.ndarray:
         """Return the parts (count,) into the fluid of velocities (count, 2) at the points with this ``normal``."""
         return np.sum(normal * velocity, axis=1)
 
-    def gradients(self, gradients, time):
+    def gradients(self, gradients: np.ndarray, time: float) -> np.ndarray:
         """Return velocity gradients (2, 2, count), du_a/dx_b, that agree with the motion of the walls.
 
         Along a wall the fluid's velocity varies as the wall's, and its divergence is 0: of the measured ``gradients``
@@ -128,7 +132,7 @@ class WallPoints:
         across = shear * tangent - np.sum(strain * tangent, axis=0) * normal
         return across[:, None] * normal + strain[:, None] * tangent
 
-    def sums(self, tractions, time):
+    def sums(self, tractions: np.ndarray, time: float) -> np.ndarray:
         """Return force, torque and stresslet (n, bodies, 4) on bodies, of n ``tractions`` (n, count, 2) at the points.
 
         The stresslet is the sum of (x t_y + y t_x)/2, from its centre: the shear stress that a body adds in a cell,
@@ -143,7 +147,7 @@ class WallPoints:
             result[:, number, 3] = 0.5 * (along + across).sum(axis=1)
         return result
 
-    def moments(self, time):
+    def moments(self, time: float) -> np.ndarray:
         """Return the integrals (bodies,) of the squared distance from each body's centre along its surface."""
         return np.array(
             [
@@ -152,22 +156,22 @@ class WallPoints:
             ]
         )
 
-    def means(self, values):
+    def means(self, values: np.ndarray) -> np.ndarray:
         """Return the means (bodies,) along each wall of ``values`` (count,) at the points."""
         return np.array([np.average(values[part], weights=self.length[part]) for part in self.parts])
 
-    def _placed(self, time):
+    def _placed(self, time: float) -> list[Boundary]:
         """Return the points by body at ``time``; the points of the last time are kept for further calls in a step."""
-        if self._kept[0] != time:
+        if self._kept_time != time:
             pairs = zip(self.bodies, self.outlines, strict=True)
-            self._kept = time, [body.placed(outline, time) for body, outline in pairs]
-        return self._kept[1]
+            self._kept_time, self._kept = time, [body.placed(outline, time) for body, outline in pairs]
+        return self._kept
 
-    def distance(self, place, time):
+    def distance(self, place: np.ndarray, time: float) -> np.ndarray:
         """Return the distances (n,) of positions (n, 2) from the nearest wall, negative outside the fluid."""
         return np.min([body.nearest(place + self.origin, time).distance for body in self.bodies], axis=0)
 
-    def nearest_walls(self, place, time):
+    def nearest_walls(self, place: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the tangent planes of the nearest walls of each of the positions (n, 2), at the closest points.
 
         An array (n, MAX_WALLS, 3): normal, then offset, normal . x - offset being the distance, 1e30 where there is no
@@ -185,9 +189,9 @@ class WallPoints:
             curvatures[:, number] = self._mean_curvature(number, foot, time)
         nearest = np.argsort(distances, axis=1, kind="stable")[:, :MAX_WALLS]
         planes = np.take_along_axis(planes, nearest[..., None], 1)
-        return planes, *(np.take_along_axis(values, nearest, 1) for values in (distances, curvatures))
+        return planes, np.take_along_axis(distances, nearest, 1), np.take_along_axis(curvatures, nearest, 1)
 
-    def _mean_curvature(self, number, foot, time):
+    def _mean_curvature(self, number: int, foot: Any, time: float) -> np.ndarray:
         """Return the curvatures (n,) of a wall at closest points on it, averaged where it bulges into the fluid."""
         boundary, result = self._placed(time)[number], foot.curvature.copy()
         bulging = np.maximum(boundary.curvature, 0.0)
@@ -199,7 +203,9 @@ class WallPoints:
             result[near] = weight @ bulging / weight.sum(axis=1)
         return result
 
-    def polar_map(self, place, planes, distances, curvatures):
+    def polar_map(
+        self, place: np.ndarray, planes: np.ndarray, distances: np.ndarray, curvatures: np.ndarray
+    ) -> np.ndarray:
         """Return the ``polar_map`` of operators (n, 2) at positions (n, 2).
 
         It is the conjugate inverse of the vector from the centre of curvature.
@@ -210,15 +216,15 @@ class WallPoints:
         curved = (curvature != 0.0) & (distance < CURVED * self.spacing) & (radius * np.sign(curvature) > least)
         return np.where(curved, 1.0 / radius, 0.0)[:, None] * normal * [1.0, -1.0]
 
-    def mirrors(self, place, planes, distances):
+    def mirrors(self, place: np.ndarray, planes: np.ndarray, distances: np.ndarray) -> np.ndarray:
         """Return the planes (n, MAX_WALLS, 3) in which the arrangement of particles goes on as its mirror image."""
         return planes
 
-    def strain(self, velocity, d_dx, d_dy):
+    def strain(self, velocity: np.ndarray, d_dx: np.ndarray, d_dy: np.ndarray) -> np.ndarray:
         """Return 2 D (3, count), xx, xy and yy, of a ``velocity`` (2, count) with these derivatives."""
         return np.stack([2.0 * d_dx[0], d_dy[0] + d_dx[1], 2.0 * d_dy[1]])
 
-    def support_factor(self, distances, support):
+    def support_factor(self, distances: np.ndarray, support: float) -> np.ndarray:
         """Return the factor (n,) by which a ``support``, in spacings, is wider at ``distances`` (n, walls)."""
         near = np.clip(1.0 - distances / (WALL_DISTANCE * self.spacing), 0.0, 1.0).sum(axis=1)
         return 1.0 + WALL_SUPPORT / support * near
@@ -230,54 +236,54 @@ class WallsOfRevolution(WallPoints):
     ``across_axis`` says whether flow along one of them goes to the axis, or from it.
     """
 
-    def __init__(self, bodies, spacing, origin):
+    def __init__(self, bodies: Sequence[Any], spacing: float, origin: Any) -> None:
         super().__init__(bodies, spacing, origin)
         self.near_axis = NEAR_AXIS * spacing
         self.across_axis = any(np.abs(outline.normal[:, 0]).max() > 0.5 for outline in self.outlines)
 
-    def _outline(self, body):
+    def _outline(self, body: Any) -> Boundary:
         """Return points on the upper half of a wall that is symmetric about the axis, none of them on it."""
         length = body.shape.length
         outline = body.shape.boundary_points(length / (2 * round(0.5 * length / self.spacing)))
         above = body.placed(outline).point[:, 1] > 0.0
         return Boundary(*(getattr(outline, name)[above] for name in ("point", "normal", "curvature", "length")))
 
-    def velocities(self, time):
+    def velocities(self, time: float) -> np.ndarray:
         """Return u, v/r and w/r (count, 3) of the points at ``time``."""
         along, across = super().velocities(time).T
         return np.stack([along, across / self.radii(time), self._spins("velocity", time)], axis=1)
 
-    def acceleration(self, time):
+    def acceleration(self, time: float) -> np.ndarray:
         """Return the accelerations (count, 3) of the points, over r across and around the axis."""
         (along, across), radius = super().acceleration(time).T, self.radii(time)
         centripetal = self._spins("velocity", time) ** 2
         return np.stack([along, across / radius - centripetal, self._spins("acceleration", time)], axis=1)
 
-    def radii(self, time):
+    def radii(self, time: float) -> np.ndarray:
         """Return the distances (count,) of the points from the axis."""
         return np.concatenate([boundary.point[:, 1] for boundary in self._placed(time)])
 
-    def _spins(self, name, time):
+    def _spins(self, name: str, time: float) -> np.ndarray:
         parts = zip(self.bodies, self.parts, strict=True)
         return np.concatenate([np.full(part.stop - part.start, getattr(body.spin, name)(time)) for body, part in parts])
 
-    def inwards(self, normal, velocity):
+    def inwards(self, normal: np.ndarray, velocity: np.ndarray) -> np.ndarray:
         """Return the parts (count,) into the fluid of the unknowns (count, 3) of a velocity."""
-        return normal[:, 0] * velocity[:, 0] + normal[:, 1] * self.radii(self._kept[0]) * velocity[:, 1]
+        return normal[:, 0] * velocity[:, 0] + normal[:, 1] * self.radii(self._kept_time) * velocity[:, 1]
 
-    def strain(self, velocity, d_dx, d_dy):
+    def strain(self, velocity: np.ndarray, d_dx: np.ndarray, d_dy: np.ndarray) -> np.ndarray:
         """Return 2 D (5, count): xx, xy, yy, and of x and y with the direction around the axis."""
-        radius = self.radii(self._kept[0])
+        radius = self.radii(self._kept_time)
         shear = radius * (d_dy[0] + d_dx[1])
         across = 2.0 * (velocity[1] + radius**2 * d_dy[1])
         return np.stack([2.0 * d_dx[0], shear, across, radius * d_dx[2], radius**2 * d_dy[2]])
 
-    def gradient_around(self, gradient):
+    def gradient_around(self, gradient: np.ndarray) -> np.ndarray:
         """Return derivatives (2, count) of w/r by x and y that agree with walls on which w/r is constant."""
-        normal = np.concatenate([boundary.normal for boundary in self._kept[1]]).T
+        normal = np.concatenate([boundary.normal for boundary in self._kept]).T
         return normal * (normal * gradient).sum(axis=0)
 
-    def sums(self, tractions, time):
+    def sums(self, tractions: np.ndarray, time: float) -> np.ndarray:
         """Return force along the axis, 0, torque around it, and 0, on whole bodies (n, bodies, 4).
 
         ``tractions`` (n, count, 2 or 3): a pressure has no traction around the axis.
@@ -290,17 +296,19 @@ class WallsOfRevolution(WallPoints):
             result[:, number, 2] = (radius[part, None] * force[:, part, 2:]).sum(axis=(1, 2))
         return result
 
-    def means(self, values):
+    def means(self, values: np.ndarray) -> np.ndarray:
         """Return the means (bodies,) over each wall of ``values`` (count,) at the points."""
-        area = self.length * self.radii(self._kept[0])
+        area = self.length * self.radii(self._kept_time)
         return np.array([np.average(values[part], weights=area[part]) for part in self.parts])
 
-    def polar_map(self, place, planes, distances, curvatures):
+    def polar_map(
+        self, place: np.ndarray, planes: np.ndarray, distances: np.ndarray, curvatures: np.ndarray
+    ) -> np.ndarray:
         """Return the ``polar_map`` of ``WallPoints``; 0 near the axis, where operators are of even functions."""
         away = place[:, 1] + self.origin[1] > self.near_axis
         return away[:, None] * super().polar_map(place, planes, distances, curvatures)
 
-    def mirrors(self, place, planes, distances):
+    def mirrors(self, place: np.ndarray, planes: np.ndarray, distances: np.ndarray) -> np.ndarray:
         """Return the planes of ``WallPoints``, with the axis in place of the last wall where it is nearer."""
         nearer, planes = place[:, 1] + self.origin[1] < distances[:, -1], planes.copy()
         planes[nearer, -1] = 0.0, 1.0, -self.origin[1]

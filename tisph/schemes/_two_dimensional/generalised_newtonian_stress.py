@@ -31,7 +31,7 @@ A stress T with such components exerts the force, the last two over r,
 """
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -62,7 +62,7 @@ class GeneralisedNewtonianStress:
         self.numbers = 2 * self.strain + 2
         self.levels, self.points, self.n_fluid = levels, levels.points, problem.n_fluid
         self.fields: tuple[Any, ...] = ()
-        self.parts: dict[str, Any] = {}
+        self.parts: Mapping[str, Any] = {}
         self.viscosity = problem.kinematic_viscosity
         self.law = problem.rheology.law(self.viscosity, problem.density)
         self.unweighted, self.operators = levels.operators, copy.copy(levels.operators)

@@ -24,7 +24,7 @@ ERRORS = {
     "none": ("pipe", STEP, "", ""),
     "convection along paths": ("square", COORDINATES, "+= self.step_w", "+= 0.95 * self.step_w"),
     "pressure gradient": ("channel", STEP, "x -= dt * gradient", "x -= 0.95 * dt * gradient"),
-    "viscosity": ("square", SCHEME, "viscosity = self.problem.solvent_viscosity + ", "viscosity = 0.95 * self.problem.solvent_viscosity + "),
+    "viscosity": ("square", SCHEME, "viscosity = self.prob", "viscosity = 0.95 * self.prob"),
     "hoop term of the divergence": ("pipe", COORDINATES, "return 2.0 * value", "return 1.9 * value"),
     "hoop terms of viscosity": ("pipe", "../least_squares/axisymmetric.py", "2.0 * self.app", "1.9 * self.app"),
     "radius along paths": ("pipe", COORDINATES, "velocity.y * ratio", "velocity.y * (0.95 + 0.05 * ratio)"),

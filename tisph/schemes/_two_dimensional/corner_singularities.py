@@ -204,7 +204,47 @@ class SingularPaths:
         return velocity, gradient, acceleration
 
 
-class CornerSingularities:
+class Corners:
+    """The known flow in singular corners of the walls; here none, so that u = w."""
+
+    def predict(self, weights: TimeWeights, dt: float) -> None:
+        """Leave the points at their predicted positions."""
+
+    def add_force(self, forcing: Any, weights: TimeWeights, dt: float) -> None:
+        """Add no force."""
+
+    def add_start_force(self, acceleration: np.ndarray, slots: slice) -> np.ndarray:
+        """Return the ``acceleration`` as it is."""
+        return acceleration
+
+    def remove_from(self, velocity: np.ndarray, position: np.ndarray) -> None:
+        """Subtract nothing."""
+
+    def at_walls_without(self, velocity: np.ndarray) -> np.ndarray:
+        """Return the ``velocity`` as it is."""
+        return velocity
+
+    def add_traction(self, tractions: np.ndarray, normal: np.ndarray) -> np.ndarray:
+        """Return the ``tractions`` as they are."""
+        return tractions
+
+    def find_fastest(self) -> None:
+        """Leave the fastest velocity as it is."""
+
+    def whole_flow(
+        self,
+        weights: TimeWeights,
+        offset: float,
+        position: np.ndarray,
+        velocity: np.ndarray,
+        pressure: np.ndarray,
+        created: np.ndarray,
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return position, velocity and pressure as they are."""
+        return position, velocity, pressure
+
+
+class CornerSingularities(Corners):
     """The sum U, P of the steady flows in the corners of a ``problem``, and w = u - U of the particles of ``levels``.
 
     The walls beside such corners slide along themselves, so that the points on them stay where they are.
@@ -291,43 +331,3 @@ class CornerSingularities:
             position = self.paths.find(at, -offset)[created]
         whole = pressure + sum(corner.pressure(position + self.origin) for corner in self.corners)
         return position, velocity + self.velocity(position), whole
-
-
-class NoCorners:
-    """Walls without singular corners: u = w. It has the methods of ``CornerSingularities``."""
-
-    def predict(self, weights: TimeWeights, dt: float) -> None:
-        """Leave the points at their predicted positions."""
-
-    def add_force(self, forcing: Any, weights: TimeWeights, dt: float) -> None:
-        """Add no force."""
-
-    def add_start_force(self, acceleration: np.ndarray, slots: slice) -> np.ndarray:
-        """Return the ``acceleration`` as it is."""
-        return acceleration
-
-    def remove_from(self, velocity: np.ndarray, position: np.ndarray) -> None:
-        """Subtract nothing."""
-
-    def at_walls_without(self, velocity: np.ndarray) -> np.ndarray:
-        """Return the ``velocity`` as it is."""
-        return velocity
-
-    def add_traction(self, tractions: np.ndarray, normal: np.ndarray) -> np.ndarray:
-        """Return the ``tractions`` as they are."""
-        return tractions
-
-    def find_fastest(self) -> None:
-        """Leave the fastest velocity as it is."""
-
-    def whole_flow(
-        self,
-        weights: TimeWeights,
-        offset: float,
-        position: np.ndarray,
-        velocity: np.ndarray,
-        pressure: np.ndarray,
-        created: np.ndarray,
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return position, velocity and pressure as they are."""
-        return position, velocity, pressure

@@ -31,13 +31,14 @@ A stress T with such components exerts the force, the last two over r,
 """
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from tisph.runtime import real, ti, view
 from tisph.schemes._local_newton import SMALL
+from tisph.schemes._two_dimensional.parts import ExtraStress
 from tisph.schemes._two_dimensional.time_levels import TimeLevels, TimeWeights, gradients
 
 XX, XR, RR, TT, XT, RT = range(6)
@@ -45,7 +46,7 @@ XX, XR, RR, TT, XT, RT = range(6)
 
 
 @ti.data_oriented
-class GeneralisedNewtonianStress:
+class GeneralisedNewtonianStress(ExtraStress):
     """Of a fluid whose ``law`` gives a viscosity (``tisph/rheology``), per unit density as all else.
 
     ``operators`` are those that the velocities are solved with, the Laplacian of each particle times its nu* over the
@@ -122,13 +123,6 @@ class GeneralisedNewtonianStress:
         numbers = viscosity.real[:, None] * strain, strain, np.stack([vorticity, implicit], axis=1)
         view(self.derived)[: self.points.fluid] = np.concatenate(numbers, axis=1)
         self.dissipation = viscosity.real * squared
-
-    def remap(self) -> None:
-        """Transfer nothing: the stress follows from the velocities."""
-
-    def at(self, weights: TimeWeights, offset: float, levels: Sequence[np.ndarray], radius: np.ndarray) -> tuple[()]:
-        """Return no polymer stress."""
-        return ()
 
     def store(self, velocity: Any, step: int) -> float | None:
         """Find the stress at the end of a ``step``; return the power of ``added_force`` over the dissipation nu q.

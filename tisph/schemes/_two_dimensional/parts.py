@@ -1,8 +1,9 @@
-"""The parts of a step of two-dimensional flow, as protocols, and the implementations that stand for "none".
+"""The parts of a step of two-dimensional flow, each as the class that stands for "none" and has nothing to do.
 
-``TimeLevels`` (``time_levels.py``) holds the states of the particles, with their ``Coordinates``. The other parts are
-the ``Boundary``, the ``ExtraStress`` and the ``Coupling``s. Each part owns its fields: other parts read them, and give
-it theirs as arguments. Velocities are unknowns of the ``Coordinates``, pressures and stresses are per unit density.
+``TimeLevels`` (``time_levels.py``) holds the states of the particles, with their coordinates. The other parts are an
+``ExtraStress``, which itself is no stress, a ``Boundary``, which itself is no wall, and any number of ``Coupling``s.
+Each part owns its fields: other parts read them, and give it theirs as arguments. Velocities are the unknowns of the
+coordinates; pressures and stresses are per unit density.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,78 +12,60 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from tisph.runtime import ti
-from tisph.schemes._two_dimensional.time_levels import TimeLevels
+from tisph.schemes._two_dimensional.time_levels import TimeLevels, TimeWeights
 
 MOST_ITERATIONS = 20
 """Outer iterations of a step with couplings."""
 
 if TYPE_CHECKING:
     from tisph.schemes._two_dimensional.equations import Equations
-    from tisph.schemes._two_dimensional.time_levels import TimeWeights
     from tisph.snapshot import Bodies
 
 
-class Coordinates(Protocol):
-    """Planar or axisymmetric: the unknowns of a velocity, and factors of the radius in the equations for them.
+@ti.data_oriented
+class ExtraStress:
+    """The stress of a fluid in addition to the stress of its constant (solvent) viscosity; here none (Newtonian fluid).
 
-    Its other members are functions of kernels, see ``time_levels.AxisymmetricCoordinates``.
+    ``nonlinear``: whether it depends on the velocity at the end of the step, which needs a second outer iteration.
+    ``operators``: least-squares operators of the viscous term. ``viscosity``: kinematic viscosity of the implicit part
+    of the stress in the present step. ``resolution_name``: name in ``Snapshot`` of the number that ``store`` returns.
+    ``fields``: fields (fluid,) that particles carry from step to step. ``parts``: objects that a checkpoint keeps.
     """
 
-    axisymmetric: bool
-    components: int
-    """Number of unknowns of a velocity: 2 or 3."""
-
-    def add_centripetal(self, velocity: Any, forcing: Any, dt: float, repeated: bool) -> None:
-        """Add the centripetal term of a ``velocity`` to the ``forcing`` of a step ``dt``, two fields (points,).
-
-        In ``repeated`` outer iterations it replaces the term of the previous iterate.
-        """
-
-
-class ExtraStress(Protocol):
-    """The stress of a fluid in addition to the stress of its constant (solvent) viscosity."""
-
-    nonlinear: bool
-    """Whether it depends on the velocity at the end of the step, which needs a second outer iteration."""
-
+    nonlinear, viscosity, resolution_name = False, 0.0, "added_power"
     operators: Any
-    """Least-squares operators for the viscous term."""
 
-    viscosity: float
-    """Kinematic viscosity of its implicit part in the present step."""
+    def __init__(self, levels: TimeLevels) -> None:
+        self.operators = levels.operators
+        self.fields: tuple[Any, ...] = ()
+        self.parts: Mapping[str, Any] = {}
 
-    resolution_name: str
-    """Name in ``Snapshot`` of the number that ``store`` returns."""
+    @ti.func
+    def local_viscosity(self, i, viscosity):
+        """Return the viscosity at a point: the constant ``viscosity`` of the step."""
+        return viscosity
 
-    @property
-    def fields(self) -> Sequence[Any]:
-        """Fields (fluid,) that particles carry from step to step."""
-
-    parts: Mapping[str, Any]
-    """Objects that a checkpoint keeps, by name."""
-
-    def local_viscosity(self, i: Any, viscosity: Any) -> Any:
-        """Return, in kernels, the viscosity at a point; ``viscosity`` is the constant one of the step."""
-
-    def with_viscous_divergence(self, i: Any, divergence: Any) -> Any:
-        """Return, in kernels, a ``divergence`` plus the divergence of an implicit viscous term that varies."""
+    @ti.func
+    def with_viscous_divergence(self, i, divergence):
+        """Return a ``divergence`` plus the divergence of the viscous term, 0 for a constant viscosity."""
+        return divergence
 
     def begin(self) -> None:
         """Compute the stress of the first velocities."""
 
-    def prepare(self, weights: "TimeWeights", dt: float, time: float) -> None:
+    def prepare(self, weights: TimeWeights, dt: float, time: float) -> None:
         """Begin a step ``dt`` that ends at ``time``."""
 
     def add_stress(self, velocity: Any, forcing: Any, dt: float) -> None:
         """Add dt times the divergence of the stress of a ``velocity`` to the ``forcing``, two fields (points,).
 
-        The stress is that without its implicit part; it replaces the stress of the previous outer iteration.
+        The stress is without its implicit part; it replaces the stress of the previous outer iteration.
         """
 
     def store(self, velocity: Any, step: int) -> Any:
-        """Store the stress of the ``velocity`` at the end of a step; return a number that tells whether it is resolved.
+        """Store the stress of the ``velocity`` at the end of a ``step``; return a number that judges its resolution.
 
-        Raises ``DivergedError`` where it is not at all.
+        Raises ``DivergedError`` where it is not resolved at all.
         """
 
     def remap(self) -> None:
@@ -90,116 +73,84 @@ class ExtraStress(Protocol):
 
     def wall_stress(self) -> Any:
         """Return the newest stress (xx, xy, yy, ...; count) at the points on walls."""
+        return 0.0
 
     def implicit_wall_stress(self, strain: np.ndarray) -> Any:
-        """Return the stress (xx, xy, yy, ...; count) at the points on walls for a 2 D in the present step."""
+        """Return the stress (xx, xy, yy, ...; count) at the points on walls in a step with 2 D = ``strain``."""
+        return 0.0
 
-    def at(self, weights: "TimeWeights", offset: float, levels: Sequence[np.ndarray], radius: np.ndarray) -> Any:
+    def at(self, weights: TimeWeights, offset: float, levels: Sequence[np.ndarray], radius: np.ndarray) -> Any:
         """Return the polymer stresses (components, n) at a time ``offset`` before the end of the last step.
 
         ``levels``: values of ``fields``, each (n, ...); ``radius`` (n,).
         """
+        return ()
 
 
 @ti.data_oriented
-class NewtonianStress:
-    """No extra stress: the viscosity of the fluid is constant."""
+class Boundary:
+    """The walls of the fluid, whose points are ``slots`` of all points; here none (periodic box).
 
-    nonlinear, viscosity, resolution_name = False, 0.0, "added_power"
-    parts: Mapping[str, Any] = {}
-
-    def __init__(self, levels: "TimeLevels") -> None:
-        self.operators = levels.operators
-        self.fields: tuple[Any, ...] = ()
-
-    def begin(self) -> None:
-        """Compute nothing."""
-
-    def prepare(self, weights: TimeWeights, dt: float, time: float) -> None:
-        """Prepare nothing."""
-
-    def add_stress(self, velocity: np.ndarray, forcing: Any, dt: float) -> None:
-        """Add nothing."""
-
-    def store(self, velocity: Any, step: int) -> Any:
-        """Store nothing."""
-
-    def remap(self) -> None:
-        """Transfer nothing."""
-
-    def wall_stress(self) -> Any:
-        """Return no stress."""
-        return 0.0
-
-    def implicit_wall_stress(self, strain: np.ndarray) -> Any:
-        """Return no stress."""
-        return 0.0
-
-    def at(self, weights: TimeWeights, offset: float, levels: Sequence[np.ndarray], radius: np.ndarray) -> Any:
-        """Return no polymer stress."""
-        return ()
-
-    @ti.func
-    def local_viscosity(self, i, viscosity):
-        """Return the ``viscosity`` of the step."""
-        return viscosity
-
-    @ti.func
-    def with_viscous_divergence(self, i, divergence):
-        """Return a ``divergence`` as it is: a constant viscosity adds nothing."""
-        return divergence
-
-
-class Boundary(Protocol):
-    """The walls of the fluid. Points on them, ``slots`` of all points, are unknowns of the pressure.
-
-    Its rows in the linear systems are those of ``WallBoundary``.
+    ``velocity`` (count, components): velocities of the walls at the points.
     """
 
+    bounded = False
     slots: slice
-    """The points on walls among all points."""
-
-    bounded: bool
-    """Whether there are walls."""
-
     velocity: np.ndarray
-    """Velocities (count, components) of the walls at the points."""
 
-    def retained(self, i: Any, retained: Any, gamma0: Any) -> Any:
-        """Return, in kernels, the part of the divergence that a step leaves at a particle: ``retained`` = k gamma_0."""
+    def __init__(self, problem: Any, levels: TimeLevels) -> None:
+        self.problem, self.levels = problem, levels
+        self.slots = slice(problem.n_fluid, problem.particles)
+        self.velocity = np.zeros((0, levels.components))
+
+    @ti.func
+    def retained(self, i, retained, gamma0):
+        """Return the part of the divergence that a step leaves at a particle: ``retained`` = k gamma_0."""
+        return retained
 
     def reset(self) -> None:
         """Return to the state before the first step."""
 
-    def predict(self, weights: "TimeWeights", dt: float, time: float) -> bool:
+    def predict(self, weights: TimeWeights, dt: float, time: float) -> bool:
         """Predict particles and bodies at the end of a step ``dt``, at ``time``; return False where bodies overlap."""
+        return True
 
     def move(self, time: float) -> None:
-        """Set the points on walls at ``time``, and everything that depends on the distance of particles from walls."""
+        """Set the points on walls at ``time``, and all that depends on the distances of particles from walls."""
 
     def impose_neumann_rows(self) -> None:
         """Replace the Laplacian at the points on walls by the normal derivative."""
 
-    def begin_step(self, weights: "TimeWeights") -> None:
+    def begin_step(self, weights: TimeWeights) -> None:
         """Extrapolate the curl of the vorticity at walls to the end of a step."""
 
     def solver_velocity(self) -> np.ndarray:
         """Return the velocities (count, components) that the solver has at the points on walls."""
+        return self.velocity
 
-    def add_force(self, forcing: Any, weights: "TimeWeights", dt: float) -> None:
+    def add_force(self, forcing: Any, weights: TimeWeights, dt: float) -> None:
         """Add the force of the known flow in singular corners to the ``forcing`` field of a step ``dt``."""
 
     def add_normal_momentum(self, equations: "Equations", dt: float, gamma0: float, viscosity: float) -> None:
-        """Set the right-hand side of the pressure at walls, equation (8)."""
+        """Set the right-hand side of the pressure at walls, equation (8), for the present forcing and velocity."""
+
+    def add_impulse_momentum(self, right: Any, velocity: Any) -> None:
+        """Set the ``right``-hand side of the impulse at walls that start to move at ``velocity``, two fields."""
 
     def update_normal_curls(self, velocity: Any) -> None:
         """Compute the curl of the vorticity at walls from a ``velocity`` field (points,)."""
 
     def apply_impulse(self, equations: "Equations", tolerance: float) -> bool:
-        """Apply the impulse of walls that start to move; return whether its system was solved."""
+        """Apply the impulse that removes the divergence of given initial velocities; return whether it was solved."""
+        if not self.problem.has_own_start:
+            return True
+        self.levels.measure()
+        solved = equations.find_impulse(tolerance, diverges=True)
+        self.levels.subtract_gradient(equations.pressure.x)
+        return solved
 
     def begin(self, equations: "Equations") -> None:
-        """Give the points on walls their first velocities and accelerations."""
+        """Give the points on walls their velocities after the start, and the equations their accelerations."""
 
     def jump(self, time: float) -> None:
         """Give the points on walls the velocities after a jump at ``time``."""
@@ -207,11 +158,8 @@ class Boundary(Protocol):
     def accelerate(self, acceleration: float) -> None:
         """Change the body force along x, which acts on free bodies as well."""
 
-    def add_impulse_momentum(self, right: Any, velocity: Any) -> None:
-        """Set the ``right``-hand side of the impulse at walls that start to move at ``velocity``, two fields."""
-
     def store(self, time: float) -> None:
-        """Store the curls and loads at the ``time`` at the end of a step."""
+        """Store the curl of the vorticity and the loads of the newest fields, at ``time``."""
 
     def measure_loads(self, time: float) -> None:
         """Store the loads of the newest fields, at ``time``."""
@@ -227,135 +175,37 @@ class Boundary(Protocol):
         velocity: np.ndarray,
         pressure: np.ndarray,
         created: np.ndarray,
-    ) -> tuple[Any, Any, Any]:
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return position, velocity and pressure (n, ...) with the known flow in singular corners."""
+        return position, velocity, pressure
 
-    def bodies(self, time: float, weights: "TimeWeights", offset: float) -> "Bodies | None":
+    def bodies(self, time: float, weights: TimeWeights, offset: float) -> "Bodies | None":
         """Return the bodies at ``time``, an ``offset`` before the end of the last step."""
+        return None
 
     @property
-    def load_scatter(self) -> Any:
+    def load_scatter(self) -> tuple[float, int] | None:
         """Largest scatter of the force on a body from step to step, and the number of the body; None if unknown."""
+        return None
 
     def numbers(self) -> Mapping[str, Any]:
-        """Return numbers for ``summary.json``."""
+        """Return the numbers of the boundary for ``summary.json``."""
+        return {}
 
     def host_state(self) -> Any:
         """Return the numbers outside the fields that a resumed run needs."""
+        return None
 
     def restore_host_state(self, state: Any) -> None:
         """Restore the numbers of ``host_state``."""
 
 
-@ti.data_oriented
-class NoBoundary:
-    """A periodic box without walls."""
-
-    bounded, load_scatter = False, None
-
-    def __init__(self, problem: Any, levels: "TimeLevels") -> None:
-        self.problem, self.levels = problem, levels
-        self.slots = slice(problem.n_fluid, problem.n_fluid)
-        self.velocity = np.zeros((0, levels.components))
-
-    def reset(self) -> None:
-        """Reset nothing."""
-
-    def predict(self, weights: TimeWeights, dt: float, time: float) -> bool:
-        """Return True: nothing overlaps."""
-        return True
-
-    def move(self, time: float) -> None:
-        """Move nothing."""
-
-    def impose_neumann_rows(self) -> None:
-        """Impose nothing."""
-
-    def begin_step(self, weights: TimeWeights) -> None:
-        """Extrapolate nothing."""
-
-    def solver_velocity(self) -> np.ndarray:
-        """Return no velocities."""
-        return self.velocity
-
-    def add_normal_momentum(self, equations: "Equations", dt: float, gamma0: float, viscosity: float) -> None:
-        """Add nothing."""
-
-    def update_normal_curls(self, velocity: np.ndarray) -> None:
-        """Update nothing."""
-
-    def add_impulse_momentum(self, right: Any, velocity: np.ndarray) -> None:
-        """Add nothing."""
-
-    def measure_loads(self, time: float) -> None:
-        """Measure nothing."""
-
-    def add_force(self, forcing: Any, weights: TimeWeights, dt: float) -> None:
-        """Add no force."""
-
-    def apply_impulse(self, equations: "Equations", tolerance: float) -> bool:
-        """Remove the divergence of given initial velocities; return whether its system was solved."""
-        solved = True
-        if self.problem.has_own_start:
-            self.levels.measure()
-            solved = equations.find_impulse(tolerance, diverges=True)
-            self.levels.subtract_gradient(equations.pressure.x)
-        return solved
-
-    def begin(self, equations: "Equations") -> None:
-        """Begin with nothing."""
-
-    def jump(self, time: float) -> None:
-        """Do nothing."""
-
-    def accelerate(self, acceleration: float) -> None:
-        """Accelerate nothing."""
-
-    def store(self, time: float) -> None:
-        """Store nothing."""
-
-    def find_fastest(self) -> None:
-        """Leave the fastest velocity as it is."""
-
-    def whole_flow(
-        self,
-        weights: TimeWeights,
-        offset: float,
-        position: np.ndarray,
-        velocity: np.ndarray,
-        pressure: np.ndarray,
-        created: np.ndarray,
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return position, velocity and pressure as they are."""
-        return position, velocity, pressure
-
-    def bodies(self, time: float, weights: TimeWeights, offset: float) -> None:
-        """Return no bodies."""
-
-    def numbers(self) -> dict[str, Any]:
-        """Return no numbers."""
-        return {}
-
-    def host_state(self) -> None:
-        """Return nothing: there is no state."""
-
-    def restore_host_state(self, state: Any) -> None:
-        """Restore nothing."""
-
-    @ti.func
-    def retained(self, i, retained, gamma0):
-        """Return the part of the divergence that a step leaves at a particle."""
-        return retained
-
-
 class Coupling(Protocol):
-    """Unknowns that are found together with velocity and pressure in the outer iterations of a step.
-
-    A flow without any has an empty tuple of them. ``rounding``: residual of the pressure below which there is only
-    rounding.
-    """
+    """Unknowns that are found together with velocity and pressure in the outer iterations of a step."""
 
     rounding: float
+    """Residual of the pressure below which there is only rounding."""
+
     sets_curls: bool
     """Whether ``correct`` sets the curl of the vorticity at walls."""
 

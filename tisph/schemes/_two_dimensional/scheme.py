@@ -29,8 +29,6 @@ from tisph.schemes._two_dimensional.parts import (
     Boundary,
     Coupling,
     ExtraStress,
-    NewtonianStress,
-    NoBoundary,
 )
 from tisph.schemes._two_dimensional.time_levels import PRESSURES, VELOCITIES, TimeLevels, TimeWeights
 from tisph.schemes._two_dimensional.viscoelastic_stress import ViscoelasticStress
@@ -394,7 +392,7 @@ class SplittingScheme(ControlledScheme):
 def extra_stress_of(problem: Any, levels: TimeLevels) -> ExtraStress:
     """Return the extra stress of a fluid."""
     if problem.rheology is None:
-        return NewtonianStress(levels)
+        return ExtraStress(levels)
     if problem.carries_stress:
         return ViscoelasticStress(levels, problem)
     return GeneralisedNewtonianStress(levels, problem)
@@ -403,7 +401,7 @@ def extra_stress_of(problem: Any, levels: TimeLevels) -> ExtraStress:
 def boundary_of(problem: Any, levels: TimeLevels, shift: Any, grid: Any, extra_stress: ExtraStress) -> Boundary:
     """Return the boundary of a flow: none, walls of given motion, or walls of bodies that the flow carries."""
     if problem.walls is None:
-        return NoBoundary(problem, levels)
+        return Boundary(problem, levels)
     kind = FreeWallBoundary if problem.contact else WallBoundary
     return kind(problem, levels, shift, grid, extra_stress, SUPPORT)
 

@@ -46,7 +46,7 @@ from tisph.runtime import real, ti, view
 from tisph.schemes._local_newton import SMALL, Modes, matrix, solve
 from tisph.schemes._two_dimensional import log_conformation, log_conformation_with_swirl
 from tisph.schemes._two_dimensional.log_conformation_with_swirl import ModesWithSwirl, change_of_logarithm
-from tisph.schemes._two_dimensional.parts import NewtonianStress
+from tisph.schemes._two_dimensional.parts import ExtraStress
 from tisph.schemes._two_dimensional.time_levels import ORDER, TimeLevels, TimeWeights, gradients, transfer
 
 MAX_LOG_JUMP = 5.0
@@ -80,7 +80,7 @@ COMPONENTS = {
 
 
 @ti.data_oriented
-class ViscoelasticStress(NewtonianStress):
+class ViscoelasticStress(ExtraStress):
     """``tensors`` (fluid): P of all modes at the ends of the last steps, newest first.
 
     In axisymmetric flow components of P are divided by ``powers`` of the radius there, in pairs with their indices.

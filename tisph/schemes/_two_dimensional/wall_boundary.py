@@ -22,9 +22,9 @@ import numpy as np
 from tisph.least_squares import SKIN
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import holding, real, ti, view
-from tisph.schemes._two_dimensional.corner_singularities import CornerSingularities, NoCorners
+from tisph.schemes._two_dimensional.corner_singularities import Corners, CornerSingularities
 from tisph.schemes._two_dimensional.equations import Equations
-from tisph.schemes._two_dimensional.parts import ExtraStress
+from tisph.schemes._two_dimensional.parts import Boundary, ExtraStress
 from tisph.schemes._two_dimensional.time_levels import TimeLevels, TimeWeights
 from tisph.schemes._two_dimensional.wall_points import POINT_SUPPORT
 from tisph.snapshot import Bodies
@@ -71,7 +71,7 @@ class WallLoads:
     pressure; ``times`` since walls jumped last; ``normal_stresses`` (bodies,), mean N1 of a polymer at each wall.
     """
 
-    def __init__(self, problem: Any, levels: TimeLevels, corners: CornerSingularities | NoCorners) -> None:
+    def __init__(self, problem: Any, levels: TimeLevels, corners: Corners) -> None:
         self.problem, self.walls, self.levels, self.corners = problem, problem.walls, levels, corners
         self.slots = slice(problem.n_fluid, problem.particles)
         self.loads: list[np.ndarray] = []
@@ -134,7 +134,7 @@ class WallLoads:
 
 
 @ti.data_oriented
-class WallBoundary:
+class WallBoundary(Boundary):
     """The ``Boundary`` of a ``BoundedProblem``: walls of given motion.
 
     ``normal`` into the fluid and ``weight`` of a point, the length of its part of the wall over the area of a particle:
@@ -147,11 +147,11 @@ class WallBoundary:
     def __init__(
         self, problem: Any, levels: TimeLevels, shift: Any, grid: Any, extra_stress: ExtraStress, support: float
     ) -> None:
-        self.problem, self.walls, self.support = problem, problem.walls, support
-        self.levels, self.points, self.shift, self.grid = levels, levels.points, shift, grid
+        super().__init__(problem, levels)
+        self.walls, self.support, self.points = problem.walls, support, levels.points
+        self.shift, self.grid = shift, grid
         self.operators, self.coordinates, self.extra_stress = levels.operators, levels.coordinates, extra_stress
-        self.slots = slice(problem.n_fluid, problem.particles)
-        self.corners = CornerSingularities(problem, levels) if problem.corners else NoCorners()
+        self.corners = CornerSingularities(problem, levels) if problem.corners else Corners()
         self.loads = WallLoads(problem, levels, self.corners)
         self.normal_curls: list[np.ndarray] = []
         self.normals, self.velocity = np.empty((0, 2)), np.empty((0, 2))
@@ -271,9 +271,6 @@ class WallBoundary:
         self.velocity = self.walls.at(math.nextafter(time, math.inf))[2]  # at the very time they have the old ones
         self.newest_velocities[self.slots] = self.velocity
 
-    def accelerate(self, acceleration: float) -> None:
-        """Do nothing: a body force has no effect on walls of given motion."""
-
     def begin_step(self, weights: TimeWeights) -> None:
         """Extrapolate the curl of the vorticity to the end of a step."""
         level_weights = weights.extrapolation(min(CURL_LEVELS, max(1, len(self.normal_curls))))
@@ -337,10 +334,6 @@ class WallBoundary:
         """Largest scatter of the force on a body from step to step, and the number of the body; None if unknown."""
         return self.loads.scatter
 
-    def numbers(self) -> Mapping[str, Any]:
-        """Return no numbers for ``summary.json``."""
-        return {}
-
     def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
         loads = self.loads
@@ -379,11 +372,6 @@ class WallBoundary:
     def open_part(self, i, value):
         """Return the part of a right-hand ``value`` at a point that lies in no gap that closes: all of it."""
         return value
-
-    @ti.func
-    def retained(self, i, retained, gamma0):
-        """Return the part k gamma_0 of the divergence that a step leaves at a particle."""
-        return retained
 
     @ti.kernel
     def set_normal_momentum(

@@ -43,7 +43,7 @@ def test_a_wind_changes_nothing():
 def test_iterations_of_a_step_are_those_of_its_systems(monkeypatch):
     scheme, counted = make(24), {"pressure": [], "velocity": []}
     for name, counts in counted.items():
-        solver = getattr(scheme.splitting, name)
+        solver = getattr(scheme.equations, name)
 
         def solve(*numbers, solver=solver, whole=solver.solve, counts=counts, **more):
             sound = whole(*numbers, **more)

@@ -105,13 +105,14 @@ def test_paths_past_corners_follow_their_flow():
 
 def test_force_of_the_known_flow_is_that_of_its_formulas():
     scheme = started(cavity(12, 100.0), 0.5, 0.3)
-    walls, dt = scheme.wall_boundary, 0.01
+    walls, dt = scheme.boundary, 0.01
     points, weights = walls.positions + walls.corners.origin, np.array([2.0, -1.0])
     velocity, gradient, acceleration = (
         sum(getattr(corner, name)(points) for corner in walls.corners.corners)
         for name in ("velocity", "gradient", "acceleration")
     )
-    velocity += np.einsum("a,nac->nc", weights, walls.regular_velocities[:, :2])
+    levels = view(scheme.levels.fields)[: len(points), :4].reshape(-1, 2, 2)  # the newest two velocities
+    velocity += np.einsum("a,nac->nc", weights, levels)
     fading = 1.0 + (dt * np.linalg.norm(gradient, axis=(1, 2)) / STEEPEST) ** 4
     expected = (np.einsum("ni,nij->nj", velocity, gradient) - acceleration) / fading[:, None]
     found = walls.corners.force(dt, weights)[: scheme.problem.particles]

@@ -202,7 +202,7 @@ class BoundedProblem(_Problem):
         return self.n_fluid + self.walls.count
 
 
-def scheme(config: Any, scene: Any, targets: Sequence[float], serial: bool) -> Scheme:
+def build(config: Any, scene: Any, targets: Sequence[float], serial: bool) -> Scheme:
     """Return the ``SplittingScheme`` of a scene."""
     from tisph.schemes._two_dimensional.scheme import SplittingScheme  # imports Taichi
 

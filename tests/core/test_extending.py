@@ -20,9 +20,10 @@ FEW = ["--set", "discretisation.particles_across=20"]
 
 
 def examples():
-    """Files of the page by the path that stands before each block of code."""
+    """Files of the page by the path before each block of code, and the scene, to which the page links."""
     found = re.findall(r"`([\w/]+\.(?:py|yaml))`:\n\n```(?:python|yaml)\n(.*?)```\n", PAGE, re.DOTALL)
-    return dict(found)
+    scene = (ROOT / "docs" / "examples" / "shear_wave.py").read_text(encoding="utf-8")
+    return {**dict(found), "tisph/scenes/shear_wave.py": scene}
 
 
 @pytest.fixture(scope="module")

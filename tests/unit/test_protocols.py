@@ -2,6 +2,7 @@
 
 import ast
 import inspect
+import re
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,15 @@ EXAMPLES = {
     "taylor_green": "taylor_green",
 }
 CHOICES = ["auto"]
+
+
+def config_of_each_scene():
+    """Return the name of one config of each scene that has one."""
+    scenes = {path.stem: re.search(r"^scene: (\w+)", path.read_text(), re.MULTILINE) for path in CONFIGS.glob("*.yaml")}
+    return {scene[1]: name for name, scene in sorted(scenes.items(), reverse=True)}
+
+
+EXAMPLES = config_of_each_scene() | EXAMPLES
 
 
 def public(cls):

@@ -1,5 +1,6 @@
 """A config that says its reference velocity: numbers refer to it in every scene, references do not change."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,10 @@ SCENES = {
     "taylor_couette": "taylor_vortices",
     "taylor_green": "taylor_green",
 }
+SCENES = {
+    re.search(r"^scene: (\w+)", path.read_text(), re.MULTILINE)[1]: path.stem
+    for path in sorted(CONFIGS.glob("*.yaml"), reverse=True)
+} | SCENES
 REST = {
     "name": "still",
     "fluid": {"density": 1.0, "kinematic_viscosity": 0.1},

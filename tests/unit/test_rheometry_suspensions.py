@@ -180,7 +180,7 @@ def test_short_runs_are_called_unsure_and_old_ones_have_no_contacts(make):
     table = {name: values for name, values in noisy(0.4).items() if name in ("t", WALLS)}
     reading = read(config, scene, {**table, "t": table["t"] / 2.0})
     assert "contacts" not in reading.numbers
-    assert reading.lines[-1].startswith("unsure: errors are those of 10 batches of strain 0.75")
+    assert reading.lines[-1].startswith("unsure: each of the 10 batches has a strain of 0.75, and needs 1")
     assert [curve[1] for curve in reading.curves] == ["by the stress on the walls", "Einstein, 1 + 2φ"]
 
 

@@ -271,5 +271,8 @@ def _lines(numbers, found, dilute):
         lines.append(f"contacts in the whole run: {numbers['contacts']}")
     batch = 0.5 * strain / BATCHES
     if batch < LEAST_STRAIN:
-        lines.append(f"unsure: errors are those of {BATCHES} batches of strain {batch:.2g}; run for {BATCHES * 2:g}")
+        lines.append(
+            f"unsure: each of the {BATCHES} batches has a strain of {batch:.2g}, and needs {LEAST_STRAIN:g}; "
+            f"run to a strain of {BATCHES * 2:g}"
+        )
     return lines

@@ -1,7 +1,7 @@
 """Implicit incompressible particles: least-squares operators, long steps that follow the flow, no sound.
 
 The velocities obey u' = nu A u + what walls and drive give, A being least-squares rows of order 2 or 4 in the
-arrangement of the middle of a step (``tisph/least_squares``), closed by ghosts beyond the walls (``_ghosts.py``), and
+arrangement of the middle of a step (``tisph/least_squares``), closed by ghosts beyond the walls (``_channel/ghosts.py``), and
 are advanced by an implicit method of third order with an error estimate (``schemes/_channel``).
 
 Such a flow is parallel: the velocities across the channel are 0, and the pressure is constant. In two-dimensional flow

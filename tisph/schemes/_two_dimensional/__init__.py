@@ -157,7 +157,7 @@ class _Problem(Box):
         return self.rheology is not None and self.rheology.carries_stress
 
     def unknowns(self, velocity: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Return the unknowns of the scheme for ``velocity`` (n, components) at y (n,), see ``coordinates.py``."""
+        """Return the unknowns of the scheme for ``velocity`` (n, components) at y (n,)."""
         return velocity / _factors(y) if self.axisymmetric else velocity
 
     def velocities(self, unknowns: np.ndarray, y: np.ndarray) -> np.ndarray:

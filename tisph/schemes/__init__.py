@@ -1,4 +1,4 @@
-"""Schemes: how the particles are advanced in time. One file each; ``_protocol.py`` says what one must have.
+"""Schemes advance the particles in time. One file each; ``_protocol.py`` lists the members of a scheme.
 
 The constants say which rheologies, ways to drive a wall and wall treatments at bodies the schemes support.
 """

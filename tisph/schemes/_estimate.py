@@ -20,9 +20,16 @@ import numpy as np
 
 from tisph.least_squares import SUPPORT
 from tisph.measures.metrics import relative_error, rms_error
-from tisph.schemes._channel.step import EMBEDDED_ORDER, SOLVER_TOLERANCE, WORST, FlowState, ImplicitStep
+from tisph.schemes._channel.step import (
+    EMBEDDED_ORDER,
+    SOLVER_TOLERANCE,
+    WORST,
+    ClosedOperators,
+    FlowState,
+    ImplicitStep,
+)
 from tisph.schemes._channel.stress_controlled import wall_pair_of
-from tisph.schemes._channel.walls import Series, even_fit, polynomial_fit, stress_excess
+from tisph.schemes._channel.walls import Series, stress_excess
 from tisph.schemes._protocol import SampleEstimate, SchemeEstimates
 from tisph.schemes._step_control import StepControl, steps_between
 from tisph.schemes._time_step import limits_of, sound_speed_of
@@ -223,8 +230,8 @@ class ImplicitLayers:
         self.time, self.steps, self.longest, self.steepest = channel.start_time, 0, 0.0, 0.0
         self.half_way = self.time
         self.dt, self.last_dt, self.unknown, self.steady = 0.0, 0.0, False, False
-        velocity, extra = channel.initial_velocity(self.heights).astype(float), self.step.extra_stress
-        self.flow = FlowState(velocity, extra.initial(self.heights), np.zeros_like(velocity))
+        velocity, state = channel.initial_velocity(self.heights), self.walls.model.initial(channel, self.heights)
+        self.flow = FlowState(velocity.astype(float), state, np.zeros_like(self.heights))
         self.end: FlowState | None = None
         self.walls.start()
         if self.walls.obeys_momentum and self.walls.any_jump:
@@ -303,8 +310,8 @@ class ImplicitLayers:
         return error / self.channel.reference_velocity if stages else WORST, EMBEDDED_ORDER
 
 
-class LayerOperators:
-    """``ClosedOperators`` of ``schemes/_channel/step.py``, of an ``order``, on layers at ``heights``."""
+class LayerOperators(ClosedOperators):
+    """``ClosedOperators`` of an ``order`` on layers at ``heights``."""
 
     def __init__(self, channel: "Channel", order: int, even_reflection: tuple[bool, ...]) -> None:
         rows, spacing = channel.rows, channel.spacing
@@ -316,9 +323,10 @@ class LayerOperators:
         self.heights = (np.arange(rows) + 0.5) * spacing
         self.depths = (np.arange(self.images) + 0.5) * spacing
         self.radius = (self.images + 1) * spacing
-        self.parts = {"laplacian": self._parts(laplacian / spacing**2), "gradient": self._parts(gradient / spacing)}
-        self.odd_laplacian = self._closed("laplacian", -1.0)
-        self.gradients = {parity: self._closed("gradient", parity) for parity in (-1.0, 1.0)}
+        self.parts = {"laplacian": self._parts(laplacian / spacing**2), "d_dy": self._parts(gradient / spacing)}
+        self.closed = {
+            (operator, parity): self._closed(operator, parity) for operator in self.parts for parity in (-1.0, 1.0)
+        }
         self.inverted: float | None = None
 
     def _parts(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -339,25 +347,13 @@ class LayerOperators:
         lower, upper = product(below, mirrored), product(above, mirrored[:, ::-1])
         return inside + parity * (self.signs[0] * lower + self.signs[1] * upper)
 
-    def laplacian(self, values: np.ndarray) -> np.ndarray:
-        """Return A of velocities."""
-        return product(self.odd_laplacian, values)
+    def derivative(self, operator: str, values: np.ndarray, parity: float) -> np.ndarray:
+        """Return an operator of ``values``, see ``ClosedOperators.derivative``."""
+        return product(self.closed[operator, parity], values)
 
-    def gradient(self, values: np.ndarray, parity: float) -> np.ndarray:
-        """Return d/dy of ``values``."""
-        return product(self.gradients[parity], values)
-
-    def boundary_laplacian(self, series: Sequence[Series]) -> np.ndarray:
-        """Return the part of A from the ``series`` of the images beyond both walls (2, 3)."""
-        return self.boundary("laplacian", series)
-
-    def boundary_gradient(self, series: Sequence[Series]) -> np.ndarray:
-        """Return the part of d/dy from the ``series`` of the images."""
-        return self.boundary("gradient", series)
-
-    def boundary(self, name: str, series: Sequence[Series]) -> np.ndarray:
-        """Return the part of an operator from the ``series`` of the images."""
-        below, _, above = self.parts[name]
+    def boundary(self, operator: str, series: Sequence[Series]) -> np.ndarray:
+        """Return the part of an operator from the ``series`` of the images beyond both walls."""
+        below, _, above = self.parts[operator]
         values = np.asarray(series) @ self.depths ** np.array([[0], [2], [4]])
         bottom, top = (
             side * (self.depths if even else 1.0) for side, even in zip(values, self.even_reflection, strict=True)
@@ -366,7 +362,7 @@ class LayerOperators:
 
     def boundary_stress(self, side: int, slope: float, third: float) -> np.ndarray:
         """Return the part of d/dy of the stress from its derivatives at a wall."""
-        below, _, above = self.parts["gradient"]
+        below, _, above = self.parts["d_dy"]
         excess = stress_excess(self.depths, side, self.even_reflection[side], slope, third)
         return product(above if side else below, excess)
 
@@ -375,24 +371,18 @@ class LayerOperators:
     ) -> np.ndarray | None:
         """Solve (1 - g nu_s A - g D T D) x = ``right`` directly; None where numbers are not finite."""
         coefficient = gamma_dt * self.viscosity
-        matrix = np.eye(len(right)) - coefficient * self.odd_laplacian
+        matrix = np.eye(len(right)) - coefficient * self.closed["laplacian", -1.0]
         if tangent is None:
             if coefficient != self.inverted:  # all stages of a step have the same
                 self.inverse, self.inverted = np.linalg.inv(matrix), coefficient
             return product(self.inverse, right)
-        coupling = product(self.gradients[1.0], (gamma_dt * tangent)[:, None] * self.gradients[-1.0])
+        coupling = product(self.closed["d_dy", 1.0], (gamma_dt * tangent)[:, None] * self.closed["d_dy", -1.0])
         found = np.linalg.solve(matrix - coupling, right)
         return found if math.isfinite(found.sum()) else None
 
-    def even_fit(self, side: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return layers near a wall, their distances from it, and their weights of ``even_fit``."""
-        distance = self.gap - self.heights if side else self.heights
-        near, weights = even_fit(distance, self.radius)
-        return near, distance[near], weights
-
-    def wall_fits(self, values: np.ndarray) -> list[np.ndarray]:
-        """Return the polynomial fit at each wall to ``values`` (quantities, layers)."""
-        return [polynomial_fit(distance, values.T, self.radius) for distance in (self.heights, self.gap - self.heights)]
+    def near_wall(self, side: int) -> tuple[np.ndarray, np.ndarray, float]:
+        """Return all layers, their distances from the wall ``side``, and the radius of fits."""
+        return np.arange(self.heights.size), self.gap - self.heights if side else self.heights, self.radius
 
 
 def least_squares(order: int) -> tuple[np.ndarray, ...]:

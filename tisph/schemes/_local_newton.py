@@ -1,6 +1,6 @@
 """Viscoelastic stress point by point: the modes of a fluid, and implicit equations C = K + g F(C) of each particle.
 
-These equations have a few unknowns a particle. Newton's method solves those of all particles side by side.
+These equations have a few unknowns a particle. Newton's method solves the equations of all particles side by side.
 """
 
 import itertools

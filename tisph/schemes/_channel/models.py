@@ -101,13 +101,10 @@ class ViscoelasticModel(Modes):
         return np.flatnonzero(found)
 
 
-class InelasticModel:
-    """Response of a fluid whose viscosity depends on the shear rate: as ``ViscoelasticModel``, with states (0, n)."""
+class NewtonianModel:
+    """A Newtonian fluid: no extra stress, and states (0, n)."""
 
     components = 0
-
-    def __init__(self, law: Any, kinematic_viscosity: float) -> None:
-        self.law, self.constant = law, kinematic_viscosity
 
     def initial(self, channel: "Channel", heights: np.ndarray) -> np.ndarray:
         """Return the states at ``heights``, (0, n)."""
@@ -116,6 +113,17 @@ class InelasticModel:
     def stress(self, state: np.ndarray) -> Any:
         """Return no stress: it does not follow from states."""
         return ()
+
+    def indefinite(self, state: np.ndarray) -> np.ndarray:
+        """Return no particles: there is no conformation tensor."""
+        return np.zeros(0, dtype=int)
+
+
+class InelasticModel(NewtonianModel):
+    """Response of a fluid whose viscosity depends on the shear rate: as ``ViscoelasticModel``, without states."""
+
+    def __init__(self, law: Any, kinematic_viscosity: float) -> None:
+        self.law, self.constant = law, kinematic_viscosity
 
     def shear_stress(self, state: Any, shear_rate: Any) -> Any:
         """Return S_xy."""
@@ -143,26 +151,25 @@ class InelasticModel:
     def apply_shear(self, state: np.ndarray, strain: np.ndarray) -> None:
         """Change nothing: there are no states."""
 
-    def indefinite(self, state: np.ndarray) -> np.ndarray:
-        """Return no particles: there is no conformation tensor."""
-        return np.zeros(0, dtype=int)
-
     def _tangent(self, shear_rate: Any) -> Any:
         return np.imag(self.shear_stress(None, shear_rate + 1j * SMALL)) / SMALL
 
 
 StressModel = ViscoelasticModel | InelasticModel
+"""Response of an extra stress."""
+
+FluidModel = StressModel | NewtonianModel
 
 
-def model_of(rheology: Any, channel: "Channel") -> StressModel | None:
-    """Return the model of a fluid's extra stress; None for a Newtonian fluid between walls of given velocities.
+def model_of(rheology: Any, channel: "Channel") -> FluidModel:
+    """Return the model of a fluid's extra stress.
 
-    Beside a stress-controlled wall a Newtonian fluid has a model as well: the wall needs the shear stress of the fluid.
+    Beside a stress-controlled wall a Newtonian fluid counts as inelastic: the wall needs its shear stress.
     """
     if rheology.carries_stress:
         return ViscoelasticModel(rheology, channel.kinematic_viscosity)
     if rheology.type == "newtonian" and channel.driven_side is None:
-        return None
+        return NewtonianModel()
     return InelasticModel(rheology.law(channel.kinematic_viscosity, channel.density), channel.kinematic_viscosity)
 
 

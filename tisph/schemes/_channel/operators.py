@@ -32,7 +32,8 @@ import numpy as np
 from tisph.least_squares.operators import FEW, LeastSquaresOperators
 from tisph.neighbours.point_cloud import LANES, PointCloud
 from tisph.runtime import holding, real, scalar, ti, view
-from tisph.schemes._channel.walls import Series, even_fit, polynomial_fit, stress_excess
+from tisph.schemes._channel.step import ClosedOperators
+from tisph.schemes._channel.walls import Series, stress_excess
 from tisph.solvers.bicgstab import BiCGStab
 
 if TYPE_CHECKING:
@@ -77,11 +78,6 @@ class Ghosts:
         self.count, self.needed = points.ghosts, 0
         self.side, self.depth = np.empty(0, dtype=np.int64), np.empty(0)
         self.series = np.zeros((2, 3))
-
-    @staticmethod
-    def ghost_capacity(channel: "Channel", cutoff: float) -> int:
-        """Return the number of ghosts for which there must be space."""
-        raise NotImplementedError
 
     def find(self) -> None:
         """Place the ghosts for the present positions of the particles, before neighbours are listed."""
@@ -295,8 +291,8 @@ class FixedGhosts(Ghosts):
 
 
 @ti.data_oriented
-class ClosedParticleOperators:
-    """``ClosedOperators`` of ``step.py`` on the particles of a ``channel``; arrays are (fluid,).
+class ClosedParticleOperators(ClosedOperators):
+    """``ClosedOperators`` on the particles of a ``channel``; arrays are (fluid,).
 
     ``coupled``: whether there is an extra stress.
     """
@@ -314,18 +310,10 @@ class ClosedParticleOperators:
         if self.solver.coarse:
             self.solver.coarse.assemble()
 
-    def laplacian(self, values: np.ndarray) -> np.ndarray:
-        """Return A of velocities."""
-        return self.derivative(self.operators.laplacian, values, -1.0)
-
-    def gradient(self, values: np.ndarray, parity: float) -> np.ndarray:
-        """Return d/dy of ``values``, whose images have ``parity`` times their value."""
-        return self.derivative(self.operators.d_dy, values, parity)
-
-    def derivative(self, rows: Any, values: np.ndarray, parity: float) -> np.ndarray:
-        """Return the derivative of ``values`` by the ``rows`` of an operator."""
+    def derivative(self, operator: str, values: np.ndarray, parity: float) -> np.ndarray:
+        """Return an operator of ``values``, see ``ClosedOperators.derivative``."""
         self.close(values, parity * self.ghosts.sign())
-        self.apply(rows)
+        self.apply(getattr(self.operators, operator))
         return view(self.found)[self.fluid].astype(float)
 
     def full_gradient(self, values: np.ndarray, parity: np.ndarray, boundary: Any) -> np.ndarray:
@@ -364,28 +352,23 @@ class ClosedParticleOperators:
             across = self.operators.apply(self.operators.d_dy, self.values, i)
             self.both[i] = [along, across]
 
-    def boundary_laplacian(self, series: Sequence[Series]) -> np.ndarray:
-        """Return the part of the Laplacian from the ``series`` of the images beyond both walls (2, 3)."""
+    def boundary(self, operator: str, series: Sequence[Series]) -> np.ndarray:
+        """Return the part of an operator from the ``series`` of the images beyond both walls."""
         self.ghosts.prescribe(*series)
-        return self.from_images(self.operators.laplacian, self.ghosts.boundary_values())
-
-    def boundary_gradient(self, series: Sequence[Series]) -> np.ndarray:
-        """Return the part of d/dy from the ``series`` of the images."""
-        self.ghosts.prescribe(*series)
-        return self.from_images(self.operators.d_dy, self.ghosts.boundary_values())
+        return self.from_images(operator, self.ghosts.boundary_values())
 
     def boundary_stress(self, side: int, slope: float, third: float) -> np.ndarray:
         """Return the part of d/dy of the stress from its derivatives at a wall, see ``stress_excess``."""
-        return self.from_images(self.operators.d_dy, self.image_stress(side, slope, third))
+        return self.from_images("d_dy", self.image_stress(side, slope, third))
 
     def image_stress(self, side: int, slope: float, third: float) -> np.ndarray:
         """Return the ``stress_excess`` of each image beyond the wall ``side``, 0 beyond the other (ghosts,)."""
         excess = stress_excess(self.ghosts.depth, side, self.ghosts.even_reflection[side], slope, third)
         return np.where(self.ghosts.side == side, excess, 0.0)
 
-    def from_images(self, rows: Any, values: np.ndarray) -> np.ndarray:
-        """Return the sums of ``rows`` times ``values`` (ghosts,) over the images."""
-        sums = np.zeros(self.points.fluid)
+    def from_images(self, operator: str, values: np.ndarray) -> np.ndarray:
+        """Return the part of an operator from the ``values`` (ghosts,) of the images."""
+        sums, rows = np.zeros(self.points.fluid), getattr(self.operators, operator)
         sums[self.ghosts.near] = self.ghosts.sums(rows, values[self.ghosts.listed])[0]
         return sums
 
@@ -401,15 +384,9 @@ class ClosedParticleOperators:
             solved = solver.solve_coupled(coefficient, gamma_dt * tangent, tolerance)
         return view(solver.x)[self.fluid].astype(float) if solved else None
 
-    def even_fit(self, side: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return particles near a wall, their distances from it, and their weights of ``even_fit``."""
-        near, weights = even_fit(self.ghosts.offset[side], self.ghosts.cutoff)
-        return self.ghosts.near[near], self.ghosts.offset[side, near], weights
-
-    def wall_fits(self, values: np.ndarray) -> list[np.ndarray]:
-        """Return the coefficients of ``polynomial_fit`` at each wall to ``values`` (quantities, fluid)."""
-        near = np.asarray(values)[:, self.ghosts.near].T
-        return [polynomial_fit(offset, near, self.ghosts.cutoff) for offset in self.ghosts.offset]
+    def near_wall(self, side: int) -> tuple[np.ndarray, np.ndarray, float]:
+        """Return the particles near any wall, their distances from the wall ``side``, and the radius of fits."""
+        return self.ghosts.near, self.ghosts.offset[side], self.ghosts.cutoff
 
 
 @ti.data_oriented

@@ -60,13 +60,16 @@ TOGETHER = 2**20
 class ChannelScheme(ControlledScheme):
     """Particles in a channel, advanced step by step; see ``_protocol.Scheme``.
 
-    ``control``: the ``StepControl`` of the run. ``serial``: compile loops without threads.
+    ``control``: the ``StepControl`` of the run. ``serial``: compile loops without threads. ``velocity_sum``: sum of the
+    velocities over the particles at the start; ``wall_impulse``: velocity gained since from the (bottom, top) wall.
     """
+
+    kept = (*ControlledScheme.kept, "velocity_sum", "wall_impulse")
 
     def __init__(self, config: Any, channel: "Channel", control: StepControl, serial: bool) -> None:
         order = config.scheme.operators.order
         cutoff = (SUPPORT[order] + SKIN) * channel.spacing
-        kind: type[Ghosts] = FixedGhosts if config.walls.treatment.type == "virtual_image" else MirrorGhosts
+        kind = FixedGhosts if config.walls.treatment.type == "virtual_image" else MirrorGhosts
         self.channel, self.domain, self.control = channel, ChannelDomain(channel), control
         self.reference_velocity, self.viscosity = channel.reference_velocity, channel.solvent_viscosity
         self.walls = wall_pair_of(config, channel)
@@ -74,9 +77,9 @@ class ChannelScheme(ControlledScheme):
         self.points = PointCloud(channel, self.domain, cutoff, capacity, serial, kind.mirrors)
         self.ghosts = kind(self.points, channel, cutoff, self.walls.even_reflection)
         self.operators = LeastSquaresOperators(self.points, SUPPORT[order] * channel.spacing, order)
-        coupled, components = self.walls.model is not None, self.walls.model.components if self.walls.model else 0
-        self.closed = ClosedParticleOperators(self.operators, self.ghosts, channel, coupled)
-        self.particles = Particles(self.operators, self.ghosts, self.closed, channel, components)
+        self.model = self.walls.model
+        self.closed = ClosedParticleOperators(self.operators, self.ghosts, channel, self.walls.coupled)
+        self.particles = Particles(self.operators, self.ghosts, self.closed, channel, self.model.components)
         self.step = ImplicitStep(self.particles, self.closed, self.walls, channel)
         self.extra_stress = self.step.extra_stress
         self.wall_force = WallForce(self.closed, self.walls, self.extra_stress, channel)
@@ -86,13 +89,13 @@ class ChannelScheme(ControlledScheme):
     def reset(self) -> None:
         """Return to before the first step."""
         self.reset_steps(self.channel.start_time)
-        self.initial_velocity_sum, self.wall_force.total = 0.0, [0.0, 0.0]
+        self.velocity_sum, self.wall_impulse = 0.0, [0.0, 0.0]
         self.walls.enter(self.time)
 
     def start(self, position: np.ndarray, velocity: np.ndarray, _stress: np.ndarray | None = None) -> None:
         """Place the particles: ``position`` and ``velocity`` (particles, 2); the channel gives the states C."""
-        self.particles.start(position, velocity[:, 0], self.extra_stress.initial(position[:, 1]))
-        self.initial_velocity_sum = float(velocity[:, 0].sum())
+        self.particles.start(position, velocity[:, 0], self.model.initial(self.channel, position[:, 1]))
+        self.velocity_sum = float(velocity[:, 0].sum())
         self.walls.start()
         if self.walls.obeys_momentum and self.walls.any_jump:
             self.apply_impulse()
@@ -107,12 +110,15 @@ class ChannelScheme(ControlledScheme):
         self.accept(dt)
 
     def apply_impulse(self) -> None:
-        """Apply the impulses of walls that jump at the present time."""
+        """Apply the impulses of walls whose velocity, acceleration or stress jumps at the present time."""
         self.particles.arrange(0.0)
         flow = self.particles.flow()
-        gains = self.walls.apply_impulse(flow, self.time, self.closed, self.extra_stress.wall_values(flow))
+        self.add_impulse(self.walls.apply_impulse(flow, self.time, self.closed, self.extra_stress.wall_values(flow)))
         self.particles.set_flow(flow)
-        self.wall_force.add(gains)
+
+    def add_impulse(self, impulse: Sequence[float]) -> None:
+        """Add the ``impulse`` of the (bottom, top) wall to ``wall_impulse``."""
+        self.wall_impulse = [float(total + more) for total, more in zip(self.wall_impulse, impulse, strict=True)]
 
     def attempt(self, dt: float) -> tuple[float, int]:
         """Compute the stages of a step; return its error over the reference velocity, and the order of the error.
@@ -131,12 +137,12 @@ class ChannelScheme(ControlledScheme):
 
     def accept(self, dt: float) -> None:
         """Accept the step: add the impulse of the walls, and move walls and particles to its end."""
-        indefinite = self.extra_stress.indefinite(self.stages[-1].state)
+        indefinite = self.model.indefinite(self.stages[-1].state)
         if indefinite.size:
             text = f"stress: the conformation tensor of particle {indefinite[0]} is not positive definite any more,"
             raise DivergedError(f"{text} {self.present_step} ({indefinite.size} particles are wrong)")
         resolved = self.layer_thickness() >= RESOLVED
-        self.wall_force.add(self.wall_force.impulse(self.stages, self.time, dt, resolved))
+        self.add_impulse(self.wall_force.impulse(self.stages, self.time, dt, resolved))
         self.walls.conclude()
         self.particles.accept(self.stages, self.walls, self.time, dt, resolved)
         self.end_step(dt, self.particles.steepest)
@@ -159,7 +165,7 @@ class ChannelScheme(ControlledScheme):
             position, velocity, volume, state = particles.at(time)
         with np.errstate(over="ignore"):  # in a run that diverges, which is stopped afterwards
             density = self.channel.density * np.exp(-volume)
-        stresses = self.channel.density * np.array(self.extra_stress.carried_stress(state))
+        stresses = self.channel.density * np.array(self.model.stress(state))
         return Snapshot(
             t=time,
             step=self.steps,
@@ -179,7 +185,7 @@ class ChannelScheme(ControlledScheme):
     def momentum_balance(self) -> Mapping[str, Any]:
         """Return the balance of momentum along x up to ``time``, see ``momentum_terms``."""
         total = float(view(self.particles.velocity)[self.particles.fluid].sum(dtype=float))
-        return momentum_terms(self.channel, self.time, total - self.initial_velocity_sum, self.wall_force.total)
+        return momentum_terms(self.channel, self.time, total - self.velocity_sum, self.wall_impulse)
 
     def numbers(self) -> dict[str, Any]:
         """Return the numbers of this scheme for ``summary.json``."""
@@ -191,13 +197,11 @@ class ChannelScheme(ControlledScheme):
 
     def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
-        momentum = {"initial": self.initial_velocity_sum, "impulse": self.wall_force.total}
-        return {**super().host_state(), "momentum": momentum, "walls": self.walls.host_state()}
+        return {**super().host_state(), "walls": self.walls.host_state()}
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
         """Restore the numbers of ``host_state``."""
         super().restore_host_state(state)
-        self.initial_velocity_sum, self.wall_force.total = state["momentum"]["initial"], state["momentum"]["impulse"]
         self.walls.enter(self.time)
         self.walls.restore_host_state(state["walls"])
 
@@ -253,7 +257,7 @@ class Particles:
         return FlowState(view(self.velocity)[self.fluid].astype(float), self.state.copy(), self.shear_rate)
 
     def set_flow(self, flow: FlowState) -> None:
-        """Replace velocities and states by those of a ``flow``."""
+        """Set velocities and states to the values of a ``flow``."""
         view(self.velocity)[self.fluid] = flow.velocity
         self.state[...] = flow.state
 
@@ -427,10 +431,7 @@ def hermite(
 
 
 class WallForce:
-    """Forces of the ``walls`` on the particles, by the mean velocities and extra stresses of a step.
-
-    ``total``: velocity that the (bottom, top) wall has given since the start, summed over the particles.
-    """
+    """Forces of the ``walls`` on the particles, by the mean velocities and extra stresses of a step."""
 
     def __init__(
         self, closed: ClosedParticleOperators, walls: WallPair, extra: NoExtraStress, channel: "Channel"
@@ -438,11 +439,6 @@ class WallForce:
         self.closed, self.operators, self.ghosts = closed, closed.operators, closed.ghosts
         self.walls, self.extra, self.acceleration = walls, extra, channel.acceleration
         self.viscosity, self.area = channel.solvent_viscosity, channel.length / channel.spacing**2
-        self.total = [0.0, 0.0]
-
-    def add(self, impulse: Sequence[float]) -> None:
-        """Add the ``impulse`` of the (bottom, top) wall to ``total``."""
-        self.total = [float(total + more) for total, more in zip(self.total, impulse, strict=True)]
 
     def impulse(self, flows: list[FlowState], time: float, dt: float, resolved: bool) -> list[float]:
         """Return the velocity that the (bottom, top) wall gives in a step from ``time``, summed over the particles.
@@ -462,8 +458,7 @@ class WallForce:
         else:
             differences = beyond[ghosts.listed] - mean[ghosts.near[ghosts.row]]
             forces = self.from_images(differences, stress, stress_series)
-        wall = self.walls.stress_controlled
-        if wall:
+        for wall in self.walls.stress_controlled:
             forces[wall.side] = -wall.normal_sign * self.area * wall.mean_stress
         return [dt * float(force) for force in forces]
 

@@ -18,13 +18,13 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from tisph.schemes._channel.models import StressModel
 from tisph.schemes._step_control import StepControl
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from tisph.scenes._channel import Channel
-    from tisph.schemes._channel.models import StressModel
     from tisph.schemes._channel.walls import Series, WallPair
 
 GAMMA = 1767732205903 / 4055673282236
@@ -64,6 +64,12 @@ ROUND_OFF = 1e-11
 
 ERROR_RESIDUAL = 1e-2
 """Residual of the linear system (5) that filters the estimated error, over its right side."""
+
+FIT_TERMS = 3
+"""Terms of the polynomial in the wall distance that describes the fluid near a wall."""
+
+EVEN_POWERS = (0, 2, 4)
+"""Powers of the wall distance in the fit for a value at a stress-controlled wall."""
 
 TOLERANCE = 3e-7
 """Tolerance of a step where the config leaves it open."""
@@ -121,8 +127,8 @@ class Points(Protocol):
         """
 
 
-class ClosedOperators(Protocol):
-    """The operators A and D on n points between two walls, closed by images beyond the walls; arrays are (n,).
+class ClosedOperators:
+    """Base of the operators A and D on n points between two walls, closed by images beyond them; arrays are (n,).
 
     Images have a sign times the value of their source plus a boundary value. The latter is a power series in the
     distance from the wall, with three coefficients for each wall (``series``, (2, 3), see ``PrescribedWall``).
@@ -130,18 +136,58 @@ class ClosedOperators(Protocol):
 
     def laplacian(self, values: np.ndarray) -> np.ndarray:
         """Return A of velocities, without the boundary values of their images."""
+        return self.derivative("laplacian", values, -1.0)
 
     def gradient(self, values: np.ndarray, parity: float) -> np.ndarray:
         """Return D of ``values`` whose images have ``parity`` times the value of their source."""
+        return self.derivative("d_dy", values, parity)
 
     def boundary_laplacian(self, series: "Sequence[Series]") -> np.ndarray:
         """Return the part of A u that the boundary values of the images contribute."""
+        return self.boundary("laplacian", series)
 
     def boundary_gradient(self, series: "Sequence[Series]") -> np.ndarray:
         """Return the part of D u that the boundary values of the images contribute."""
+        return self.boundary("d_dy", series)
+
+    def even_fit(self, side: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the indices of points near the wall ``side``, their distances from it, and their weights.
+
+        The weighted sum of values is the value at the wall of the even polynomial that fits them best.
+        """
+        points, distance, radius = self.near_wall(side)
+        near = np.flatnonzero(distance < radius)
+        weights = np.linalg.pinv((distance[near, None] / radius) ** np.array(EVEN_POWERS))[0]
+        return points[near], distance[near], weights
+
+    def wall_values(self, values: np.ndarray) -> np.ndarray:
+        """Return ``values`` (quantities, n) extrapolated to each wall (2, quantities).
+
+        They follow from the least-squares fit of a polynomial in the wall distance to the points near a wall.
+        """
+        found = []
+        for side in range(2):
+            points, distance, radius = self.near_wall(side)
+            near = distance < radius
+            powers = (distance[near, None] / radius) ** np.arange(FIT_TERMS)
+            found.append(np.linalg.lstsq(powers, values[:, points].T[near], rcond=None)[0][0])
+        return np.array(found)
+
+    def near_wall(self, side: int) -> tuple[np.ndarray, np.ndarray, float]:
+        """Return the indices of points that may be near a wall, their distances from it, and the radius of fits."""
+        raise NotImplementedError
+
+    def derivative(self, operator: str, values: np.ndarray, parity: float) -> np.ndarray:
+        """Return an operator, ``laplacian`` or ``d_dy``, of ``values``; see ``gradient``."""
+        raise NotImplementedError
+
+    def boundary(self, operator: str, series: "Sequence[Series]") -> np.ndarray:
+        """Return the part of an operator that the boundary values of the images contribute."""
+        raise NotImplementedError
 
     def boundary_stress(self, side: int, slope: float, third: float) -> np.ndarray:
         """Return the part of D S that the images beyond the wall ``side`` contribute, see ``stress_excess``."""
+        raise NotImplementedError
 
     def solve(
         self, gamma_dt: float, tangent: np.ndarray | None, right: np.ndarray, guess: np.ndarray, tolerance: float
@@ -150,12 +196,7 @@ class ClosedOperators(Protocol):
 
         Return x, from ``guess`` on solved to a residual of ``tolerance`` over |right|; None where that fails.
         """
-
-    def even_fit(self, side: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the indices of points near a wall, their distances from it, and their weights of ``even_fit``."""
-
-    def wall_fits(self, values: np.ndarray) -> "Sequence[np.ndarray]":
-        """Return for each wall the coefficients of ``polynomial_fit`` to ``values`` (quantities, n)."""
+        raise NotImplementedError
 
 
 class ImplicitStep:
@@ -165,7 +206,7 @@ class ImplicitStep:
         self.points, self.operators, self.walls = points, operators, walls
         self.viscosity = channel.solvent_viscosity
         self.extra_stress: NoExtraStress = NoExtraStress(operators, walls, channel)
-        if walls.model is not None:
+        if isinstance(walls.model, StressModel):
             self.extra_stress = ExtraStress(operators, walls, channel, walls.model)
 
     def advance(
@@ -186,8 +227,9 @@ class ImplicitStep:
                 until S(C_i, D u_i) is the stress in (8)
                 k_i = (u_i - u_K) / g
             u^(n+1) = u_4, since b_j = a_4j                                                                         (4b)
-            (1 - g nu_s A - g D T D) e = dt sum_j (b_j - b^_j) k_j + g D S(e)                                        (5)
+            (1 - g nu_s A - g D T D) e = d + g D S_C (1 - g F_C)^-1 d_C,    d = dt sum_j (b_j - b^_j) k_j            (5)
 
+        d_C is the same sum of the rates of C; S_C and F_C are the derivatives of S and F by C at the end.
         ``tolerance``: residual of the linear systems over their right side, and of the stress in (8) over its scale.
         Returns None and NaN where a linear system cannot be solved, None and infinity where (8) does not converge.
         """
@@ -200,8 +242,8 @@ class ImplicitStep:
         for stage in range(1, len(C)):
             velocity_rates, state_rates = [flow.velocity_rate for flow in flows], [flow.state_rate for flow in flows]
             known = FlowState(
-                start.velocity + dt * weighted(A[stage], velocity_rates),
-                start.state + dt * weighted(A[stage], state_rates),
+                explicit_part(start.velocity, stage, dt, velocity_rates),
+                explicit_part(start.state, stage, dt, state_rates),
             )
             velocity = start.velocity + dt * weighted(PREDICTORS[stage], velocity_rates)
             shear_rate = extra.begin_stage(stage, time + C[stage] * dt, velocity)
@@ -209,7 +251,7 @@ class ImplicitStep:
             for _ in range(MOST_ITERATIONS):
                 stress, boundary = extra.linearise(flow, stage)
                 right = known.velocity + gamma_dt * extra.source(stress, stage)
-                velocity = operators.solve(gamma_dt, flow.tangent, right, flow.velocity, tolerance)
+                velocity = operators.solve(gamma_dt, flow.tangent, right, flow.velocity, tolerance)  # (8)
                 solution = extra.solution(velocity, flow, boundary, gamma_dt, tolerance)
                 if solution is None:
                     return None, math.nan
@@ -294,18 +336,6 @@ class NoExtraStress:
         error = self.operators.solve(gamma_dt, None, defect, np.zeros_like(defect), ERROR_RESIDUAL)
         return math.nan if error is None else norm(error)
 
-    def initial(self, heights: np.ndarray) -> np.ndarray:
-        """Return C (components, n) at ``heights`` (n,) when the run starts."""
-        return np.zeros((0, heights.size))
-
-    def carried_stress(self, state: np.ndarray) -> Any:
-        """Return the stresses S_xx, S_xy, S_yy (3, n) per unit density that follow from states C; empty without C."""
-        return ()
-
-    def indefinite(self, state: np.ndarray) -> np.ndarray:
-        """Return the indices of particles whose conformation tensor is not positive definite."""
-        return np.zeros(0, dtype=int)
-
     def mean_stress(self, flows: list[FlowState]) -> np.ndarray | None:
         """Return the mean of S_xy over a step (n,) with these stages; None without an extra stress."""
         return None
@@ -318,18 +348,18 @@ class ExtraStress(NoExtraStress):
     linear in D u, as for Oldroyd-B fluids, the first iteration solves a stage.
     """
 
-    def __init__(self, operators: ClosedOperators, walls: "WallPair", channel: "Channel", model: "StressModel") -> None:
+    def __init__(self, operators: ClosedOperators, walls: "WallPair", channel: "Channel", model: StressModel) -> None:
         super().__init__(operators, walls, channel)
         self.model = model
         self.speed, self.stress_of_speed = channel.reference_velocity, channel.kinematic_viscosity / channel.gap
 
     def wall_values(self, flow: FlowState) -> np.ndarray:
         """Return C and D u at each wall (2, components + 1), by polynomials in the wall distance."""
-        return np.array([fit[0] for fit in self.operators.wall_fits(np.vstack([flow.state, flow.shear_rate]))])
+        return self.operators.wall_values(np.vstack([flow.state, flow.shear_rate]))
 
     def begin(self, start: FlowState) -> None:
         """Set shear rate, stress and rate of the states at the ``start`` of a step."""
-        for wall in self.walls:
+        for wall in self.walls.stress_controlled:
             wall.prepare(self, start)
         start.shear_rate = self.shear_rate(start.velocity, 0)
         start.stress = self.model.shear_stress(start.state, start.shear_rate)
@@ -337,13 +367,13 @@ class ExtraStress(NoExtraStress):
 
     def begin_stage(self, stage: int, time: float, velocity: np.ndarray) -> np.ndarray:
         """Begin an implicit ``stage`` at ``time``, on the walls too; return D u of the predicted ``velocity`` (n,)."""
-        for wall in self.walls:
+        for wall in self.walls.stress_controlled:
             wall.open(stage, time)
         return self.shear_rate(velocity, stage)
 
     def end_stage(self, flow: FlowState) -> None:
         """End an implicit stage with this ``flow``, on the walls too."""
-        for wall in self.walls:
+        for wall in self.walls.stress_controlled:
             wall.close(flow.velocity)
 
     def shear_rate(self, velocity: np.ndarray, stage: int) -> np.ndarray:
@@ -380,7 +410,7 @@ class ExtraStress(NoExtraStress):
         shear_rate = self.operators.gradient(velocity, -1.0) + boundary
         stress = flow.stress + flow.tangent * (shear_rate - flow.shear_rate)
         solution: Solution | None = (velocity, shear_rate, stress)
-        for wall in self.walls:
+        for wall in self.walls.stress_controlled:
             solution = solution and wall.match(self.operators, solution, gamma_dt, flow.tangent, tolerance)
         return solution
 
@@ -400,18 +430,6 @@ class ExtraStress(NoExtraStress):
         errors = norm(velocity), norm(stress) / self.stress_of_speed
         return math.hypot(*errors, *(wall.defect for wall in self.walls))
 
-    def initial(self, heights: np.ndarray) -> np.ndarray:
-        """Return C (components, n) at ``heights`` (n,) when the run starts."""
-        return self.model.initial(self.channel, heights)
-
-    def carried_stress(self, state: np.ndarray) -> Any:
-        """Return the stresses S_xx, S_xy, S_yy (3, n) per unit density that follow from states C; empty without C."""
-        return self.model.stress(state)
-
-    def indefinite(self, state: np.ndarray) -> np.ndarray:
-        """Return the indices of particles whose conformation tensor is not positive definite."""
-        return self.model.indefinite(state)
-
     def mean_stress(self, flows: list[FlowState]) -> np.ndarray:
         """Return the mean of S_xy over a step (n,) with these stages."""
         return weighted(B, [flow.stress for flow in flows])
@@ -428,6 +446,11 @@ def weighted(weights: "Sequence[float] | np.ndarray", values: "Sequence[Any]") -
     for weight, value in zip(weights[1:], values[1:], strict=False):
         total = total + weight * value
     return total
+
+
+def explicit_part(start: Any, stage: int, dt: float, rates: "Sequence[Any]") -> Any:
+    """Return the explicit part (4a) of a ``stage``, start + dt sum_{j<i} a_ij k_j, with the ``rates`` k_j so far."""
+    return start + dt * weighted(A[stage], rates) if stage else start
 
 
 def stage_predictors() -> np.ndarray:

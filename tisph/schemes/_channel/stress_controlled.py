@@ -1,6 +1,6 @@
 """Stress-controlled walls with and without a mass: walls whose velocity U follows from a given external stress.
 
-Notation and images are those of ``walls.py``; all quantities are per unit density. With a mass,
+``walls.py`` explains notation and images; all quantities are per unit density. With a mass,
 
     mass U' = stress - s sigma,    s = 1 on the upper wall, -1 on the lower one.
 
@@ -28,12 +28,21 @@ import numpy as np
 from tisph.errors import DivergedError
 from tisph.geometry.motion import StressControlledWall
 from tisph.schemes._channel.models import StressModel, model_of
-from tisph.schemes._channel.step import DEFECT, GAMMA, A, B, ClosedOperators, ExtraStress, FlowState, weighted
+from tisph.schemes._channel.step import (
+    DEFECT,
+    GAMMA,
+    B,
+    ClosedOperators,
+    ExtraStress,
+    FlowState,
+    Solution,
+    explicit_part,
+    weighted,
+)
 from tisph.schemes._channel.walls import OBEY_MOMENTUM, CoupledWall, PrescribedWall, WallPair, WallSystem, one_sided
 
 if TYPE_CHECKING:
     from tisph.scenes._channel import Channel
-    from tisph.schemes._channel.step import Solution
 
 MOST_ITERATIONS = 60
 ROUND_OFF = 1e-13
@@ -69,6 +78,16 @@ class WallOfGivenStress(CoupledWall):
     def acceleration(self, time: float) -> float:
         """Return 0: the stress on the fluid is known, and no fit to stresses uses the acceleration."""
         return 0.0
+
+    def prepare(self, extra: ExtraStress, start: FlowState) -> None:
+        """Adapt the wall to the flow at the ``start`` of a step."""
+
+    def match(self, operators: ClosedOperators, solution: Solution, *system: Any) -> Solution | None:
+        """Return the ``solution`` of a stage in which the wall obeys its own equation of motion; None on failure.
+
+        ``system``: gamma dt, the tangent and the tolerance of the linear systems of the stage.
+        """
+        return solution
 
     @property
     def mean_stress(self) -> float:
@@ -113,14 +132,12 @@ class InertialWall(WallOfGivenStress):
 
     def begin_stage(self, stage: int, time: float) -> None:
         """Begin a stage at ``time``: compute its explicit parts from the rates of earlier stages."""
-        gamma_dt, weights, dt = self.gamma_dt if stage else 0.0, A[stage], self.dt
         self.stress = float(self.stress_of(time))
+        gamma_dt = self.gamma_dt if stage else 0.0
         self.system = WallSystem(gamma_dt, self.model, self.viscosity, self.fluid[stage])
-        self.known, self.known_slope, self.known_third = self.velocity, self.slope, self.third
-        if stage:
-            self.known = self.known + dt * weighted(weights, self.rates)
-            self.known_slope = self.known_slope + dt * weighted(weights, self.slope_rates)
-            self.known_third = self.known_third + dt * weighted(weights, self.third_rates)
+        self.known = explicit_part(self.velocity, stage, self.dt, self.rates)
+        self.known_slope = explicit_part(self.slope, stage, self.dt, self.slope_rates)
+        self.known_third = explicit_part(self.third, stage, self.dt, self.third_rates)
         self.series.append(None)
         self.stress_series.append(None)
 
@@ -156,7 +173,7 @@ class InertialWall(WallOfGivenStress):
         self.begin_stage(stage, time)
         self.set_velocity(self.known + self.gamma_dt * self.rates[-1])
 
-    def match(self, operators: ClosedOperators, solution: "Solution", *system: Any) -> "Solution | None":
+    def match(self, operators: ClosedOperators, solution: Solution, *system: Any) -> Solution | None:
         """Return the ``solution`` with the wall velocity at which its momentum balances; None on failure."""
         gamma_dt, tangent, tolerance = system
         velocity, shear_rate, stress = solution
@@ -199,11 +216,7 @@ class InertialWall(WallOfGivenStress):
         self.third_rates.append(self.state_rates[1])
         self.velocities.append(self.stage_velocity)
         self.stresses.append(self.total)
-
-    @property
-    def defect(self) -> float:
-        """Difference of third and second order in the velocity of the wall over the step."""
-        return self.dt * weighted(DEFECT, self.rates)
+        self.defect = self.dt * weighted(DEFECT, self.rates)
 
     def conclude(self) -> None:
         """Accept the step: its end is the start of the next."""
@@ -277,11 +290,10 @@ class MasslessWall(WallOfGivenStress):
 
     def open(self, stage: int, time: float) -> None:
         """Begin an implicit stage at ``time``: solve for its shear rate."""
-        weights, dt = A[stage], self.dt
         self.stress = float(self.stress_of(time))
-        self.known = self.state + dt * weighted(weights, self.state_rates)
-        known_second = self.second + dt * weighted(weights, self.second_rates)
-        known_rate = self.rate + dt * weighted(weights, self.rates)
+        self.known = explicit_part(self.state, stage, self.dt, self.state_rates)
+        known_second = explicit_part(self.second, stage, self.dt, self.second_rates)
+        known_rate = explicit_part(self.rate, stage, self.dt, self.rates)
         self.balance(known_rate + self.gamma_dt * self.rates[-1])
         system = self.system()
         rate = (self.shear_rate - known_rate) / self.gamma_dt
@@ -357,7 +369,7 @@ def wall_pair_of(config: Any, channel: "Channel") -> WallPair:
     model, obeys_momentum = model_of(config.fluid.rheology, channel), OBEY_MOMENTUM[config.walls.treatment.type]
     walls: list[PrescribedWall] = []
     for side, schedule in enumerate((channel.bottom, channel.top)):
-        if model is None:
+        if not isinstance(model, StressModel):
             walls.append(PrescribedWall(channel, side, obeys_momentum))
         elif isinstance(schedule, StressControlledWall):
             kind = MasslessWall if schedule.mass_per_area == 0.0 else InertialWall

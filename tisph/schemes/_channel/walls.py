@@ -38,21 +38,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tisph.schemes._channel.step import GAMMA, A, B, C, ClosedOperators, ExtraStress, FlowState, weighted
+from tisph.schemes._channel.models import FluidModel, StressModel
+from tisph.schemes._channel.step import GAMMA, B, C, ClosedOperators, FlowState, explicit_part
 
 if TYPE_CHECKING:
     from tisph.scenes._channel import Channel
-    from tisph.schemes._channel.models import StressModel
-    from tisph.schemes._channel.step import Solution
 
 OBEY_MOMENTUM = {"comoving_image": False, "consistent_image": True, "virtual_image": False}
 """Wall treatments of the implicit scheme, and whether their series follow from the momentum equation."""
-
-FIT_TERMS = 3
-"""Terms of the polynomial in the wall distance that describes the fluid near a wall."""
-
-EVEN_POWERS = (0, 2, 4)
-"""Powers of the wall distance in the fit for a value at a stress-controlled wall."""
 
 NEAR, TERMS = 0.1, 8
 """The derivatives of C at a wall when a run starts: width of the layer over the gap, terms of the polynomial in it."""
@@ -62,21 +55,22 @@ Series = Sequence[float]
 
 
 class WallPair:
-    """The (bottom, top) wall of a ``channel``; ``model``: of the extra stress of the fluid, or None.
+    """The (bottom, top) wall of a ``channel``; ``model``: response of the extra stress of the fluid.
 
     ``obeys_momentum``: whether the series of the images follow from the momentum equation. ``any_jump``: whether a
     velocity, an acceleration or a stress jumps, at the start or later. ``even_reflection``: whether images of
-    velocities beyond the (bottom, top) wall have the sign of their sources. ``steady``: whether the series never change
-    between jumps. ``stress_controlled``: the stress-controlled wall, or None.
+    velocities beyond the (bottom, top) wall have the sign of their sources. ``coupled``: whether there is an extra
+    stress. ``steady``: whether the series never change between jumps. ``stress_controlled``: such walls, at most one.
     """
 
-    def __init__(self, channel: "Channel", walls: "Sequence[PrescribedWall]", model: "StressModel | None") -> None:
+    def __init__(self, channel: "Channel", walls: "Sequence[PrescribedWall]", model: FluidModel) -> None:
         self.channel, self.walls, self.model = channel, walls, model
         self.obeys_momentum = walls[0].obeys_momentum
-        self.steady = model is None and not any(wall.oscillates for wall in walls)
+        self.coupled = isinstance(model, StressModel)
+        self.steady = not self.coupled and not any(wall.oscillates for wall in walls)
         self.any_jump = any(any(wall.jumps) or wall.schedule.jump_times or wall.even_reflection for wall in walls)
         self.even_reflection = tuple(wall.even_reflection for wall in walls)
-        self.stress_controlled: Any = next((wall for wall in walls if wall.schedule.stress_controlled), None)
+        self.stress_controlled: list[Any] = [wall for wall in walls if wall.schedule.stress_controlled]
         self.past: Any = None
         self.present: Any = None
 
@@ -174,10 +168,11 @@ class PrescribedWall:
     of velocities have the sign of their sources. ``series`` and ``stress_series``: for each stage of the step its
     ``Series``, and the derivatives of S_xy for ``stress_excess``. ``jumps``: jump of the velocity, and jump of the
     acceleration relative to the body acceleration, when the run starts. ``defect``: difference of third and second
-    order in the velocity of the wall. ``kept``: names of the numbers that a resumed run needs.
+    order in the velocity of the wall over the step. ``kept``: names of the numbers that a resumed run needs.
     """
 
     even_reflection = False
+    defect = 0.0
     kept: tuple[str, ...] = ()
 
     def __init__(self, channel: "Channel", side: int, obeys_momentum: bool) -> None:
@@ -190,11 +185,6 @@ class PrescribedWall:
         self.series: list[Any] = []
         self.stress_series: list[Any] = []
         self.enter(channel.start_time)
-
-    @property
-    def defect(self) -> float:
-        """Difference of third and second order in the velocity of the wall over the step."""
-        return 0.0
 
     def first_jumps(self) -> tuple[float, float]:
         """Return ``jumps``."""
@@ -239,22 +229,6 @@ class PrescribedWall:
     def acceleration(self, time: float) -> float:
         """Return the acceleration of the wall where the momentum equation at the wall contains it, else 0."""
         return self.motion.acceleration(time)
-
-    def prepare(self, extra: ExtraStress, start: FlowState) -> None:
-        """Adapt the wall to the flow at the ``start`` of a step."""
-
-    def open(self, stage: int, time: float) -> None:
-        """Begin an implicit stage at ``time``."""
-
-    def match(self, operators: ClosedOperators, solution: "Solution", *system: Any) -> "Solution | None":
-        """Return the ``solution`` of a stage in which the wall obeys its own equation of motion; None on failure.
-
-        ``system``: gamma dt, the tangent and the tolerance of the linear systems of the stage.
-        """
-        return solution
-
-    def close(self, velocity: np.ndarray) -> None:
-        """End an implicit stage with these velocities of the fluid (n,)."""
 
     def conclude(self) -> None:
         """Accept the step: its end is the start of the next."""
@@ -302,14 +276,14 @@ class PrescribedWall:
 
 
 class CoupledWall(PrescribedWall):
-    """A wall of given velocity beside a fluid with an extra stress, the response of which is ``model``.
+    """A wall of given velocity beside a fluid with an extra stress; ``model``: the response of the stress.
 
     ``slope`` and ``third`` (components,): C_y and C_yyy of the fluid at the wall.
     """
 
     kept: tuple[str, ...] = ("slope", "third")
 
-    def __init__(self, channel: "Channel", side: int, obeys_momentum: bool, model: "StressModel") -> None:
+    def __init__(self, channel: "Channel", side: int, obeys_momentum: bool, model: StressModel) -> None:
         super().__init__(channel, side, obeys_momentum)
         self.model = model
         self.forget()
@@ -339,15 +313,12 @@ class CoupledWall(PrescribedWall):
         third_rates: list[np.ndarray] = []
         for stage, (c, values) in enumerate(zip(C, fluid, strict=True)):
             system = WallSystem(GAMMA * dt if stage else 0.0, self.model, self.viscosity, values)
-            known, known_third = self.slope, self.third
-            if stage:
-                known = known + dt * weighted(A[stage], rates)
-                known_third = known_third + dt * weighted(A[stage], third_rates)
+            known = explicit_part(self.slope, stage, dt, rates), explicit_part(self.third, stage, dt, third_rates)
             motion, when = self.motion, time + c * dt
             driving = motion.acceleration(when) - self.channel.acceleration, motion.jerk(when)
-            derivatives, both_rates = system.derivatives(known, known_third, *driving)
-            rates.append(both_rates[0])
-            third_rates.append(both_rates[1])
+            derivatives, (rate, third_rate) = system.derivatives(*known, *driving)
+            rates.append(rate)
+            third_rates.append(third_rate)
             self.prescribe(motion.velocity(when), *derivatives)
         self.ends = derivatives[:2]
 
@@ -401,7 +372,7 @@ class WallSystem:
     ``fluid`` (components + 1): C and shear rate of the fluid at the wall.
     """
 
-    def __init__(self, gamma_dt: float, model: "StressModel", viscosity: float, fluid: np.ndarray) -> None:
+    def __init__(self, gamma_dt: float, model: StressModel, viscosity: float, fluid: np.ndarray) -> None:
         decay, self.stretching, self.stress, self.tangent = model.jacobian(fluid[:-1], fluid[-1])
         self.gamma_dt, self.viscosity = gamma_dt, viscosity + self.tangent
         self.matrix = decay - np.outer(self.stretching, self.stress) / self.viscosity
@@ -445,22 +416,3 @@ def stress_excess(depth: np.ndarray, side: int, even_reflection: bool, slope: fl
     if even_reflection:
         return 2.0 * slope + depth**2 * third
     return (1.0 if side == 0 else -1.0) * (depth * (-2.0 * slope - depth**2 / 3.0 * third))
-
-
-def polynomial_fit(distance: np.ndarray, values: np.ndarray, radius: float) -> np.ndarray:
-    """Return the coefficients (FIT_TERMS, quantities) of the polynomial in the wall ``distance`` (n,) near a wall.
-
-    The polynomial is the least-squares fit to the ``values`` (n, quantities) at points nearer than ``radius``.
-    """
-    near = distance < radius
-    powers = (distance[near, None] / radius) ** np.arange(FIT_TERMS)
-    return np.linalg.lstsq(powers, values[near], rcond=None)[0] / radius ** np.arange(FIT_TERMS)[:, None]
-
-
-def even_fit(distance: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the indices of points at a wall ``distance`` (n,) below ``radius``, and their weights.
-
-    The weighted sum of values is the value at the wall of the even polynomial that fits them best.
-    """
-    near = np.flatnonzero(distance < radius)
-    return near, np.linalg.pinv((distance[near, None] / radius) ** np.array(EVEN_POWERS))[0]

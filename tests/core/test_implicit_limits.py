@@ -28,7 +28,7 @@ def test_a_period_of_less_than_three_cells_is_refused(make):
 
 
 def test_a_vanishing_matrix_is_solved_at_once(make):
-    solver = make("scheme={type: implicit}").solver
+    solver = make("scheme={type: implicit}").closed.solver
     right = np.random.default_rng(1).normal(size=solver.points.fluid)
     view(solver.b)[: right.size] = right
     view(solver.x)[...] = 0.0

@@ -125,7 +125,7 @@ class ChannelScheme(ControlledScheme):
 
         Particles are shifted in the first attempt, not while the layer at an impulsively started wall is unresolved.
         """
-        shift = self.steps > 0 and self.layer_thickness() >= 1.0 and self.control.last_rejected is None
+        shift = self.steps > 0 and self.layer_thickness >= 1.0 and self.control.last_rejected is None
         try:
             stages, error = self.step.advance(self.time, dt, SOLVER_TOLERANCE * self.control.tolerance, shift)
         except DivergedError as failure:
@@ -141,14 +141,15 @@ class ChannelScheme(ControlledScheme):
         if indefinite.size:
             text = f"stress: the conformation tensor of particle {indefinite[0]} is not positive definite any more,"
             raise DivergedError(f"{text} {self.present_step} ({indefinite.size} particles are wrong)")
-        resolved = self.layer_thickness() >= RESOLVED
+        resolved = self.layer_thickness >= RESOLVED
         self.add_impulse(self.wall_force.impulse(self.stages, self.time, dt, resolved))
         self.walls.conclude()
         self.particles.accept(self.stages, self.walls, self.time, dt, resolved)
         self.end_step(dt, self.particles.steepest)
 
+    @property
     def layer_thickness(self) -> float:
-        """Return the thickness sqrt(nu t) of layers since the last jump, in spacings; infinite without jumps."""
+        """Thickness sqrt(nu t) of layers since the last jump, in spacings; infinite without jumps."""
         if not self.walls.any_jump:
             return math.inf
         since = self.time - max((change for change in self.control.jump_times if change <= self.time), default=0.0)

@@ -137,7 +137,7 @@ class ChannelScheme(ControlledScheme):
 
     def accept(self, dt: float) -> None:
         """Accept the step: add the impulse of the walls, and move walls and particles to its end."""
-        indefinite = self.model.indefinite(self.stages[-1].state)
+        indefinite = self.extra_stress.indefinite(self.stages[-1].state)
         if indefinite.size:
             text = f"stress: the conformation tensor of particle {indefinite[0]} is not positive definite any more,"
             raise DivergedError(f"{text} {self.present_step} ({indefinite.size} particles are wrong)")

@@ -336,6 +336,10 @@ class NoExtraStress:
         error = self.operators.solve(gamma_dt, None, defect, np.zeros_like(defect), ERROR_RESIDUAL)
         return math.nan if error is None else norm(error)
 
+    def indefinite(self, state: np.ndarray) -> np.ndarray:
+        """Return the indices of particles whose conformation tensor is not positive definite."""
+        return np.zeros(0, dtype=int)
+
     def mean_stress(self, flows: list[FlowState]) -> np.ndarray | None:
         """Return the mean of S_xy over a step (n,) with these stages; None without an extra stress."""
         return None
@@ -429,6 +433,10 @@ class ExtraStress(NoExtraStress):
         stress = relaxed + end.tangent * self.operators.gradient(velocity, -1.0)
         errors = norm(velocity), norm(stress) / self.stress_of_speed
         return math.hypot(*errors, *(wall.defect for wall in self.walls))
+
+    def indefinite(self, state: np.ndarray) -> np.ndarray:
+        """Return the indices of particles whose conformation tensor is not positive definite."""
+        return self.model.indefinite(state)
 
     def mean_stress(self, flows: list[FlowState]) -> np.ndarray:
         """Return the mean of S_xy over a step (n,) with these stages."""

@@ -4,8 +4,8 @@ import numpy as np
 
 from tisph import config, schemes
 from tisph.scenes.channel import Channel
+from tisph.schemes._channel.step import step_control
 from tisph.schemes._estimate import ImplicitLayers
-from tisph.schemes.implicit import control
 
 IMPLICIT = ("scheme={type: implicit}", "time.tolerance=1.0e-5")
 
@@ -43,7 +43,7 @@ def channel_of(folder, text, overrides):
 def start_of_layers(settings, channel):
     """The layers of the lattice at the start."""
     targets = sorted({*settings.time.samples, settings.time.end})
-    return ImplicitLayers(settings, channel, control(settings, channel, targets))
+    return ImplicitLayers(settings, channel, step_control(settings, channel, targets))
 
 
 def layers(settings, channel):

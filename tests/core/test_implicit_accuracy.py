@@ -72,7 +72,7 @@ FLOWS = {
 @pytest.mark.parametrize("flow", FLOWS)
 def test_steps_are_of_third_order(make, flow):
     scheme = slow(make, *FLOWS[flow])
-    start = active(scheme.motion.position).copy(), along(active(scheme.stepper.velocity))
+    start = active(scheme.particles.position).copy(), along(active(scheme.particles.velocity))
     results = {}
     for length in (8.0, 4.0, 0.5):
         in_steps_of(scheme, length, int(24.0 / length), *start)
@@ -105,7 +105,7 @@ def test_output_at_the_ends_of_a_step_is_the_state_there(make):
 def test_output_within_a_step_is_of_the_order_of_the_steps(make):
     # a mode that decays as exp(-s t); its s on the lattice follows from a short step
     scheme = slow(make, sine, f"walls.top.velocity={SLOW}")
-    start = active(scheme.motion.position).copy(), along(active(scheme.stepper.velocity))
+    start = active(scheme.particles.position).copy(), along(active(scheme.particles.velocity))
     linear = SLOW * start[0][:, 1]
     profile = start[1][:, 0] - linear
     in_steps_of(scheme, 0.1, 1, *start)

@@ -13,7 +13,7 @@ from tisph.schemes._channel.walls import OBEY_MOMENTUM
 @pytest.mark.parametrize("order", [2, 4])
 def test_clustered_particles_stop_the_run(make, order):
     scheme = make(f"scheme={{type: implicit, operators: {{order: {order}}}}}")
-    position = active(scheme.motion.position)
+    position = active(scheme.particles.position)
     angle = np.linspace(0, 2 * np.pi, 70, endpoint=False)
     # 70 particles within a fifth of a spacing: more than a row has room for at either order
     position[:70] = 0.5 + 0.1 * scheme.channel.spacing * np.stack([np.cos(angle), np.sin(angle)], 1)
@@ -28,7 +28,7 @@ def test_a_period_of_less_than_three_cells_is_refused(make):
 
 
 def test_a_vanishing_matrix_is_solved_at_once(make):
-    solver = make("scheme={type: implicit}").solver
+    solver = make("scheme={type: implicit}").closed.solver
     right = np.random.default_rng(1).normal(size=solver.points.fluid)
     view(solver.b)[: right.size] = right
     view(solver.x)[...] = 0.0

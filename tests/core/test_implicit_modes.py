@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import view
-from tisph.schemes._channel.stages import B_HAT, GAMMA, A, B
+from tisph.schemes._channel.step import B_HAT, GAMMA, A, B
 from tisph.schemes._step_control import SAFETY
 
 NU, ROWS = 0.01, 12
@@ -33,7 +33,7 @@ def make(make):
 def test_virtual_ghosts_take_the_weighted_fit_at_their_mirror_points(make):
     """Weights (1 - r^2)^2 of the distance r over the reach, and a parabola: what is left is orthogonal to its terms."""
     scheme = make("scheme.type=implicit", "walls.treatment.type=virtual_image", jitter=0.3)
-    scheme.assemble(0.0)
+    scheme.particles.arrange(0.0)
     ghosts, points = scheme.ghosts, scheme.points
     values = np.random.default_rng(0).uniform(size=points.slots + 1)
     place, reach = view(points.position), float(view(ghosts.radius))
@@ -52,7 +52,7 @@ def test_virtual_ghosts_take_the_weighted_fit_at_their_mirror_points(make):
 
 def test_virtual_ghosts_continue_the_lattice(make):
     scheme = make("walls.treatment.type=virtual_image")
-    places = np.concatenate([active(scheme.motion.position), scheme.ghosts.part(view(scheme.points.position))])
+    places = np.concatenate([active(scheme.particles.position), scheme.ghosts.part(view(scheme.points.position))])
     x, y = ROWS * places.T - 0.5
     layers = len(places) // ROWS
     assert layers > ROWS

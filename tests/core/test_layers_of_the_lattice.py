@@ -6,7 +6,7 @@ import pytest
 from tisph import config, runtime, schemes
 from tisph.scenes.channel import Channel
 from tisph.schemes import _estimate
-from tisph.schemes.implicit import control
+from tisph.schemes._channel.step import step_control
 from tisph.simulation.state import start_values
 
 CASE = """
@@ -61,7 +61,7 @@ def profiles(settings, channel, times):
 def test_layers_of_the_implicit_scheme(case, flow):
     settings, channel = case("scheme={type: implicit}", *flow, "time.tolerance=1e-5")
     times = [0.1, 0.3]
-    layers = _estimate.ImplicitLayers(settings, channel, control(settings, channel, times))
+    layers = _estimate.ImplicitLayers(settings, channel, step_control(settings, channel, times))
     for scheme, velocity in profiles(settings, channel, times):
         layers.run_to(scheme.time)
         assert layers.steps == scheme.steps
@@ -73,7 +73,7 @@ def test_of_a_run_without_end_steps_are_counted_alone(case, monkeypatch):
     # relaxation times far shorter than a layer needs to cross a spacing: steps follow the fastest
     monkeypatch.setattr(_estimate, "MOST_STEPS", 30)
     settings, channel = case(POLYMER, "walls.top.velocity=5e-5", "scheme={type: implicit}", "time.tolerance=1e-9")
-    layers = _estimate.ImplicitLayers(settings, channel, control(settings, channel, [settings.time.end]))
+    layers = _estimate.ImplicitLayers(settings, channel, step_control(settings, channel, [settings.time.end]))
     layers.run_to(settings.time.end)
     assert layers.unknown
     assert layers.time == settings.time.end

@@ -19,7 +19,7 @@ def assembled(shared):
         scheme = shared(*IMPLICIT, *overrides)
         position = np.stack(scheme.channel.jittered(0, jitter), 1)
         scheme.start(position, np.zeros_like(position))
-        scheme.assemble(0.0)
+        scheme.particles.arrange(0.0)
         return scheme
 
     return build
@@ -169,7 +169,7 @@ def test_singular_neighbourhoods_are_counted_anew_each_time(assembled):
     for i in (CENTRE, CENTRE + 2):
         give_neighbours(scheme, i, nearest(scheme, i, 4))
     assert scheme.operators.singular[None] == 2
-    scheme.assemble(0.0)
+    scheme.particles.arrange(0.0)
     assert (scheme.operators.order_reduced[None], scheme.operators.singular[None]) == (0, 0)
 
 
@@ -234,7 +234,7 @@ def test_the_solver_agrees_with_a_dense_one(assembled, order, coefficient, sigma
 
 def test_the_solver_takes_fewer_iterations_from_a_good_guess(assembled, counted):
     scheme = assembled(jitter=0.2)
-    solver, coefficient = scheme.solver, 10 * scheme.channel.spacing**2
+    solver, coefficient = scheme.closed.solver, 10 * scheme.channel.spacing**2
     b = np.random.default_rng(0).uniform(-1.0, 1.0, scheme.points.fluid)
     iterations = counted(solver)
     set_right_side(solver, b)
@@ -251,11 +251,11 @@ def test_the_solution_as_a_guess_takes_no_iteration(assembled, counted):
     coefficient = 10 * scheme.channel.spacing**2
     exact = np.random.default_rng(0).uniform(-1.0, 1.0, scheme.points.fluid)
     b = exact - coefficient * matrix_of(scheme, -1.0) @ exact
-    iterations = counted(scheme.solver)
-    set_right_side(scheme.solver, b, exact)
-    assert scheme.solver.solve(coefficient, RESIDUAL)
+    iterations = counted(scheme.closed.solver)
+    set_right_side(scheme.closed.solver, b, exact)
+    assert scheme.closed.solver.solve(coefficient, RESIDUAL)
     assert not iterations
-    assert np.array_equal(solution(scheme.solver), exact)
+    assert np.array_equal(solution(scheme.closed.solver), exact)
 
 
 @pytest.mark.parametrize("most", [0, 1])
@@ -272,16 +272,16 @@ def test_the_solver_tells_when_it_has_not_converged(assembled, counted, most):
 
 def test_the_solver_tells_when_the_right_side_is_not_a_number(assembled):
     scheme = assembled(jitter=0.2)
-    set_right_side(scheme.solver, np.full(scheme.points.fluid, np.nan))
-    assert not scheme.solver.solve(10 * scheme.channel.spacing**2, RESIDUAL)
+    set_right_side(scheme.closed.solver, np.full(scheme.points.fluid, np.nan))
+    assert not scheme.closed.solver.solve(10 * scheme.channel.spacing**2, RESIDUAL)
 
 
 def test_nothing_on_the_right_gives_nothing(assembled, counted):
     scheme = assembled(jitter=0.2)
-    iterations = counted(scheme.solver)
-    set_right_side(scheme.solver, np.zeros(scheme.points.fluid))
-    assert scheme.solver.solve(10 * scheme.channel.spacing**2, RESIDUAL)
-    assert np.all(solution(scheme.solver) == 0.0)
+    iterations = counted(scheme.closed.solver)
+    set_right_side(scheme.closed.solver, np.zeros(scheme.points.fluid))
+    assert scheme.closed.solver.solve(10 * scheme.channel.spacing**2, RESIDUAL)
+    assert np.all(solution(scheme.closed.solver) == 0.0)
     assert not iterations
 
 
@@ -294,6 +294,6 @@ def test_bitwise_the_same_on_one_thread_and_on_two(make):
         scheme = make(*IMPLICIT, "discretisation.particles_across=25", f"runtime.threads={threads}", jitter=0.2)
         for _ in range(6):
             scheme.advance()
-        states.append([active(scheme.motion.position).copy(), active(scheme.stepper.velocity).copy(), scheme.time])
+        states.append([active(scheme.particles.position).copy(), active(scheme.particles.velocity).copy(), scheme.time])
     for one, two in zip(*states, strict=True):
         assert np.array_equal(one, two)

@@ -19,8 +19,8 @@ def make(shared):
 
 def place(scheme, x, y):
     """Put the particles at (x, y) and list their neighbours."""
-    active(scheme.motion.position)[...] = np.stack([x, y], 1)
-    scheme.motion.predict(0.0)
+    active(scheme.particles.position)[...] = np.stack([x, y], 1)
+    scheme.particles.predict(0.0)
     scheme.ghosts.find()
     scheme.points.find_neighbours()
 

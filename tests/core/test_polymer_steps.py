@@ -91,7 +91,7 @@ def test_a_start_under_way_has_the_conformation_of_each_mode(make, law, start):
     scheme = make(
         law, *start.split("|"), "walls.top.velocity=1.0", "discretisation.particles_across=16", "time.end=0.6"
     )
-    channel, model = scheme.channel, scheme.stepper.model
+    channel, model = scheme.channel, scheme.walls.model
     heights = scheme.snapshot().y
     exact = channel.exact_polymer_stress(heights, channel.start_time)
     started = model.stress(model.initial(channel, heights))
@@ -101,8 +101,9 @@ def test_a_start_under_way_has_the_conformation_of_each_mode(make, law, start):
 
 def test_on_a_sheared_lattice_the_layers_solve_the_systems(make):
     scheme = make("walls.top.velocity=1.0", "time={end: 0.5, tolerance: 1.0e-4}")
-    solve, counts = scheme.solver.solve_coupled, []
-    scheme.solver.solve_coupled = lambda *numbers: (solve(*numbers), counts.append(scheme.solver.iterations))[0]
+    solver, counts = scheme.closed.solver, []
+    solve = solver.solve_coupled
+    solver.solve_coupled = lambda *numbers: (solve(*numbers), counts.append(solver.iterations))[0]
     run(scheme)
     # rounding of the operators over a tolerance of 1e-7 of the right side; without the rows it takes 5 to 10
     assert counts
@@ -141,17 +142,19 @@ def test_a_jump_is_the_limit_of_a_fast_ramp(tmp_path_factory):
     # the wall speeds up by a polynomial within 1e-3 of the time in which momentum crosses a spacing
     jumped = layers(tmp_path_factory, OLDROYD)
     ramped = layers(tmp_path_factory, OLDROYD)
-    channel, stages = ramped.channel, ramped.stages
+    channel = ramped.channel
     ramped.flow.velocity[...] = 0.0
     ramped.flow.state[...] = 0.0
     duration = 1e-3 * channel.spacing**2
     for wall in ramped.walls:
         wall.forget()
     ramped.walls.walls[1].motion = Ramp(duration)
-    flow, number = ramped.flow, 200
+    number = 200
     for step in range(number):
-        flow, _ = stages.advance(flow, step * duration / number, duration / number, 1e-12)
+        flows, _ = ramped.step.advance(step * duration / number, duration / number, 1e-12)
+        ramped.flow = flows[-1]
         ramped.walls.conclude()
+    flow = ramped.flow
     # a few times the 1e-3 of the rates that the limit leaves out
     for found, wanted in ((jumped.flow.velocity, flow.velocity), (jumped.flow.state[1], flow.state[1])):
         assert np.abs(found - wanted).max() < 3e-3 * np.abs(wanted).max()
@@ -236,7 +239,7 @@ def test_the_conformation_stays_positive_at_large_strain(make):
     law = LIQUID.format("{type: oldroyd_b, relaxation_time: 1000.0, solvent_fraction: 0.5}")
     scheme = make(law, "walls.top.velocity=40.0", "time={end: 1.0, tolerance: 1.0e-3}")
     run(scheme)
-    states = scheme.stepper.model.indefinite(scheme.stepper.flow().state)
+    states = scheme.walls.model.indefinite(scheme.particles.flow().state)
     assert states.size == 0
 
 

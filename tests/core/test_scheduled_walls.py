@@ -7,7 +7,7 @@ from oracles import oldroyd_b
 
 from tisph import registry, runtime
 from tisph.measures.channel import _slope
-from tisph.schemes._channel.stages import FlowState
+from tisph.schemes._channel.step import FlowState
 from tisph.schemes._channel.walls import PrescribedWall
 from tisph.simulation.state import start_values
 
@@ -67,7 +67,7 @@ def test_an_impulse_changes_the_stress_with_the_velocity(case):
     # linear in velocity and shear stress: a wall that stops is the difference of two that start
     fluid = oldroyd_b.Fluid(density=2.0, solvent_viscosity=0.2, polymer_viscosity=0.8, relaxation_time=1.0)
     numbers = {"fluid": fluid, "flow": oldroyd_b.Flow(1.0, 0.0, 1.0, 0.0), "before": None}
-    stress = channel.density * found.stages.model.shear_stress(found.flow.state, None)
+    stress = channel.density * found.walls.model.shear_stress(found.flow.state, None)
     for mine, profile in ((found.velocity, oldroyd_b.velocity), (stress, oldroyd_b.shear_stress)):
         since_start, since_stop = (profile(found.heights, t, **numbers) for t in (0.3, 0.1))
         wrong = np.linalg.norm(mine - (since_start - since_stop))
@@ -77,15 +77,20 @@ def test_an_impulse_changes_the_stress_with_the_velocity(case):
 def test_the_error_of_a_step_is_the_filtered_embedded_error(case):
     # Oldroyd-B: shear stress and velocity of a stage are linear in what it starts from
     found, channel = layers_of(case, OLDROYD_B)
-    stages, flow, gamma_dt, random = found.stages, found.flow, 0.02, np.random.default_rng(0)
+    extra, flow, gamma_dt, random = found.step.extra_stress, found.flow, 0.02, np.random.default_rng(0)
     defects = random.normal(size=12), np.zeros_like(flow.state)
     defects[1][1] = random.normal(size=12)
     ends = []
     for share in (0.0, 1.0):
         known = FlowState(flow.velocity + share * defects[0], flow.state + share * defects[1])
-        ends.append(stages.solve_stage(3, found.time, known, known, gamma_dt, 1e-12)[0])
+        end = extra.respond(known.velocity, extra.shear_rate(known.velocity, 3), known, known.state, gamma_dt)
+        stress, boundary = extra.linearise(end, 3)
+        right = known.velocity + gamma_dt * extra.source(stress, 3)
+        velocity = found.operators.solve(gamma_dt, end.tangent, right, end.velocity, 1e-12)
+        velocity, shear_rate, _ = extra.solution(velocity, end, boundary, gamma_dt, 1e-12)
+        ends.append(extra.respond(velocity, shear_rate, known, end.state, gamma_dt))
     one, other = ends
-    stated = stages.error(one, gamma_dt, *defects)
+    stated = extra.filtered_error(one, gamma_dt, *defects)
     stress = (other.stress - one.stress) * channel.gap / channel.kinematic_viscosity
     differences = np.stack([other.velocity - one.velocity, stress])
     assert stated == pytest.approx(np.sqrt(np.mean(differences**2, axis=1).sum()), rel=1e-6)
@@ -96,7 +101,7 @@ def test_a_small_step_strain_shows_the_relaxation_modulus(case):
     step = "walls.top={times: [0.0, 0.05, 0.05], velocities: [0.02, 0.02, 0.0]}"
     narrow = ["geometry={gap: 0.01, length: 0.01}", "time={end: 0.5, tolerance: 1e-5}"]
     found, channel = layers_of(case, OLDROYD_B, step, *narrow)
-    stress = channel.density * found.stages.model.shear_stress(found.flow.state, None)
+    stress = channel.density * found.walls.model.shear_stress(found.flow.state, None)
     stress += channel.density * channel.solvent_viscosity * found.flow.shear_rate
     middle, half = 0.025, 0.025  # of the ramp, over which exp(-t) has the mean exp(-middle) sinh(half)/half
     modulus = 0.8 * np.exp(middle - 0.5) * np.sinh(half) / half

@@ -23,7 +23,7 @@ def use(scheme):
         scheme.boundaries.wall_forces(scheme.now)
     else:
         scheme.advance()  # the first step does not shift
-        scheme.field.advance_volumes(1.0)
+        scheme.particles.advance_volumes(1.0)
         scheme.advance()
     scheme.snapshot()
     scheme.numbers()

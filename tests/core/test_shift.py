@@ -53,12 +53,12 @@ def test_no_small_displacement_of_the_lattice_relaxes_faster_than_the_stiffest_w
 def test_the_implicit_scheme_tells_that_points_moved_however_little(make):
     # discs of 0.9 spacings that overlap by 4e-4 spacings, on a lattice that has no overlap: one sweep is enough
     scheme = make("scheme={type: implicit}")
-    scheme.assemble(0.0)
-    assert not scheme.shift.shift()
+    scheme.particles.arrange(0.0)
+    assert not scheme.particles.shifting.shift()
     place = view(scheme.points.position)
     place[66, 0] += (0.1 + 4e-4) / 12
     before = place[:144].copy()
-    assert scheme.shift.shift()
+    assert scheme.particles.shifting.shift()
     moved = 12 * (view(scheme.points.position)[:144] - before)
     assert np.flatnonzero(np.abs(moved).max(axis=1) > 1e-12).tolist() == [66, 67]
     assert moved[66:68, 0] == pytest.approx([-2e-4, 2e-4], rel=1e-9)  # half of the overlap each
@@ -67,11 +67,11 @@ def test_the_implicit_scheme_tells_that_points_moved_however_little(make):
 @pytest.mark.parametrize(("move", "sweeps"), [(0.98e-3, 1), (1.02e-3, 2)])
 def test_sweeps_go_on_while_a_point_moves_a_thousandth_of_a_spacing(make, monkeypatch, move, sweeps):
     scheme, done = make("scheme={type: implicit}"), []
-    scheme.assemble(0.0)
+    scheme.particles.arrange(0.0)
     view(scheme.points.position)[66, 0] += (0.1 + 2 * move) / 12  # by half of what discs of 0.9 spacings overlap then
-    sweep = scheme.shift.sweep
-    monkeypatch.setattr(scheme.shift, "sweep", lambda: done.append(sweep()))
-    scheme.shift.shift()
+    sweep = scheme.particles.shifting.sweep
+    monkeypatch.setattr(scheme.particles.shifting, "sweep", lambda: done.append(sweep()))
+    scheme.particles.shifting.shift()
     assert len(done) == sweeps
 
 

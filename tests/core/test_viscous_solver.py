@@ -29,7 +29,7 @@ def assembled(shared):
     def build(*overrides):
         scheme = shared(*IMPLICIT, *overrides)
         scheme.start(*disorder(scheme.channel))
-        scheme.assemble(0.0)
+        scheme.particles.arrange(0.0)
         return scheme
 
     return build
@@ -42,7 +42,7 @@ def disorder(channel):
 
 def solved(scheme, known, viscous_number, residual=RESIDUAL):
     """Solve for ``known`` from nothing; return solution and iterations."""
-    solver, fluid = scheme.solver, scheme.points.fluid
+    solver, fluid = scheme.closed.solver, scheme.points.fluid
     view(solver.b)[:fluid], view(solver.x)[:fluid] = known, 0.0
     assert solver.solve(viscous_number * scheme.channel.spacing**2, residual)
     return view(solver.x)[:fluid].copy(), solver.iterations
@@ -135,8 +135,8 @@ def test_particles_get_from_the_nodes_by_the_weights_by_which_they_gave(lattice)
 
 def laplacian_of(scheme):
     """The rows of the Laplacian as a square matrix, ghosts having minus what they mirror: from products with units."""
-    operators = scheme.stepper.closed_operators
-    assert scheme.solver.parity == -1.0
+    operators = scheme.closed
+    assert scheme.closed.solver.parity == -1.0
     return np.stack([operators.laplacian(unit) for unit in np.eye(scheme.points.fluid)], 1)
 
 
@@ -145,9 +145,9 @@ def test_two_levels_solve_what_the_rows_say(two_levels, assembled, overrides):
     scheme = assembled(*overrides)
     matrix = np.eye(scheme.points.fluid) - LONG * scheme.channel.spacing**2 * laplacian_of(scheme)
     known = np.random.default_rng(0).uniform(-1.0, 1.0, scheme.points.fluid)
-    scheme.solver.roughest = 0.0  # it may have been built for another test
+    scheme.closed.solver.roughest = 0.0  # it may have been built for another test
     found, _ = solved(scheme, known, LONG)
-    assert scheme.solver.two_level is not None
+    assert scheme.closed.solver.two_level is not None
     # what a residual of this size can mean, and rounding of the residual that the recursion carries
     farthest = np.linalg.norm(np.linalg.inv(matrix), 2) * RESIDUAL * np.linalg.norm(known)
     assert np.linalg.norm(found - np.linalg.solve(matrix, known)) <= 1.01 * farthest
@@ -157,9 +157,9 @@ def test_two_levels_solve_what_the_rows_say(two_levels, assembled, overrides):
 def test_few_particles_and_short_steps_do_without(assembled, monkeypatch, few, viscous_number):
     monkeypatch.setattr(_operators, "FEW", few)
     scheme = assembled()
-    scheme.solver.two_level, scheme.solver.roughest = None, _operators.ROUGH * scheme.channel.spacing**2
+    scheme.closed.solver.two_level, scheme.closed.solver.roughest = None, _operators.ROUGH * scheme.channel.spacing**2
     solved(scheme, np.ones(scheme.points.fluid), viscous_number)
-    assert scheme.solver.two_level is None
+    assert scheme.closed.solver.two_level is None
 
 
 # --- runs: with Schemes of their own, whose fields take the place of those above
@@ -170,8 +170,8 @@ def test_iterations_depend_neither_on_particles_nor_on_the_time_step(two_levels,
     counts = []
     for across in (12, 48):
         scheme = make(*IMPLICIT, f"discretisation.particles_across={across}", jitter=0.2)
-        scheme.assemble(0.0)
-        x, y = active(scheme.motion.position).T
+        scheme.particles.arrange(0.0)
+        x, y = active(scheme.particles.position).T
         known = np.random.default_rng(0).normal(size=across**2) + np.sin(np.pi * y) + np.cos(2 * np.pi * x)
         counts.append(max(solved(scheme, known, number)[1] for number in (1.0, LONG, across**2)))
     assert counts[1] <= 1.5 * counts[0]
@@ -189,7 +189,7 @@ def test_a_run_has_the_velocities_of_one_with_the_diagonal_alone(make, monkeypat
     monkeypatch.setattr(_operators, "ROUGH", 0.0)
     scheme = flow(make, slow)
     after = run(scheme)
-    assert scheme.solver.two_level is not None
+    assert scheme.closed.solver.two_level is not None
     assert after.step == before.step
     # a residual of 1e-3 of a step's tolerance of 1e-5 in each of some 20 steps of three stages
     assert np.linalg.norm(after.u - before.u) < 60 * 1e-8 * np.linalg.norm(before.u)

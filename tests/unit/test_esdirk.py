@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from tisph.schemes._channel import stages
-from tisph.schemes._channel.stages import GAMMA
+from tisph.schemes._channel import step
+from tisph.schemes._channel.step import GAMMA
 
-A, B, C, B_HAT = (np.array(numbers) for numbers in (stages.A, stages.B, stages.C, stages.B_HAT))
+A, B, C, B_HAT = (np.array(numbers) for numbers in (step.A, step.B, step.C, step.B_HAT))
 
 ROUNDING = 1e-14  # fractions of 13 digits each carry about 25; what is left is the rounding of sums of four terms
 
@@ -80,7 +80,7 @@ def test_growth_follows_the_exponential_to_third_order():
 
 
 def test_a_stage_is_predicted_from_the_polynomial_of_the_rates_before_it():
-    weights = stages.stage_predictors()
+    weights = step.stage_predictors()
     assert not np.triu(weights).any()
     for stage in range(1, 4):
         for power in range(stage):

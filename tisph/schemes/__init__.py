@@ -1,4 +1,4 @@
-"""Schemes: how the particles are advanced in time. One file each; ``_protocol.py`` says what one must have.
+"""Schemes advance the particles in time. One file each; ``_protocol.py`` lists the members of a scheme.
 
 The constants say which rheologies, ways to drive a wall and wall treatments at bodies the schemes support.
 """
@@ -14,21 +14,21 @@ if TYPE_CHECKING:
     from tisph.schemes._protocol import Scheme, SchemeEstimates, SchemeMember
 
 EXPLICIT_RHEOLOGIES = ("newtonian", "oldroyd_b")
-"""Rheologies of the explicit scheme; the implicit one takes each that has a ``Law``, and ``multi_mode``."""
+"""Rheologies of the explicit scheme; the implicit scheme serves each that has a ``Law``, and ``multi_mode``."""
 
 AROUND_BODIES = ("adami", "virtual_image", "comoving_image")
 """Wall treatments of the explicit scheme at walls of bodies; the first one where a config names none."""
 
 STRESS_CONTROLLED = [(side, "stress_controlled") for side in ("bottom", "top")]
-"""Walls that may be stress-controlled, and the property that says so."""
+"""Walls that may be stress-controlled, and the property that is then true."""
 
 SCHEDULED = [(side, "velocities") for side in ("bottom", "top")]
 SCHEDULED += [(side, "angular_velocities") for side in ("inner", "outer")]
-"""Walls that may have velocities at times, and the key of these."""
+"""Walls that may have velocities at times, and the key of these velocities."""
 
 
 def resolve(config: Any) -> tuple[Any, str]:
-    """Return the config with the scheme that is to run, and in words which one and why."""
+    """Return the config with the scheme that will run, and the choice and its reason in words."""
     member = registry.load("schemes", config.scheme.type)
     return member.resolve(config) if hasattr(member, "resolve") else (config, config.scheme.type)
 
@@ -44,18 +44,18 @@ def build(config: Any, scene: "Scene", targets: Sequence[float], serial: bool) -
 def coarsen_steps(config: Any, factor: float) -> Any:
     """Return a ``resolve``-d config with steps ``factor`` times as long for a spacing ``factor`` times as wide.
 
-    Whatever limits them: so errors in time fall with the spacing, as those in space do.
+    Errors in time then fall with the spacing, as errors in space do.
     """
     return _member(config).coarsen_steps(config, factor)
 
 
 def orders(config: Any) -> tuple[float, float]:
-    """Return the least and the largest order in the spacing that is to be expected of a ``resolve``-d config."""
+    """Return the least and the largest order in the spacing that counts as observed for a ``resolve``-d config."""
     return _member(config).orders(config)
 
 
 def estimates(config: Any, scene: "Scene") -> "SchemeEstimates":
-    """Return what is known of a run of a ``resolve``-d config in a ``scene`` before it runs."""
+    """Return the estimates of a run of a ``resolve``-d config in a ``scene``."""
     return _member(config).estimates(config, scene)
 
 

@@ -1,39 +1,42 @@
-"""Estimates of a run before it runs: steps and time, and with the implicit scheme errors; for ``tisph check``.
+"""Estimates for ``tisph check`` before a run: its steps and time, and for the implicit scheme its errors.
 
-In a plane flow on the lattice all particles of a layer do the same. With one velocity for each layer, the operators,
-walls, start and step control of the implicit scheme are those of the run at a thousandth of its cost, and the exact
-solution is known: so the error and the number of steps of every sample are computed, not guessed. The stages are those
-of ``schemes/_channel``; the operators of the layers are matrices. Layers know nothing of disordered particles and of
-single precision. Of such runs, of the explicit scheme and of two-dimensional flows no error is stated before the run;
-``tisph run --estimate-error`` states one.
+In a plane flow on the lattice all particles of a layer have the same velocity. ``ImplicitLayers`` takes the steps of
+the run with one velocity for each layer, at a thousandth of its cost: the step, walls, start and step control are the
+same code, and the operators are matrices. The exact solution is known, so the error and the number of steps of every
+sample are computed. Layers do not represent disordered particles and single precision. For such runs, for the explicit
+scheme and for two-dimensional flows no error is stated before the run; ``tisph run --estimate-error`` states one.
 
-The limits of cell Reynolds numbers and stiffness are those that the stability matrix (``tisph stability``) found.
+The stability matrix (``tisph stability``) measured the limits of cell Reynolds numbers and stiffness.
 """
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tisph.least_squares import SUPPORT
 from tisph.measures.metrics import relative_error, rms_error
-from tisph.schemes._channel.models import model_of
-from tisph.schemes._channel.stages import (
+from tisph.schemes._channel.step import (
     EMBEDDED_ORDER,
     SOLVER_TOLERANCE,
     WORST,
+    ClosedOperators,
     FlowState,
-    even_fit,
-    polynomial_fit,
-    stages_of,
-    stress_excess,
+    ImplicitStep,
 )
-from tisph.schemes._channel.wall_pair import WallPair, apply_impulse
-from tisph.schemes._protocol import SampleEstimate
-from tisph.schemes._step_control import steps_between
+from tisph.schemes._channel.stress_controlled import wall_pair_of
+from tisph.schemes._channel.walls import Series, stress_excess
+from tisph.schemes._protocol import SampleEstimate, SchemeEstimates
+from tisph.schemes._step_control import StepControl, steps_between
 from tisph.schemes._time_step import limits_of, sound_speed_of
+
+if TYPE_CHECKING:
+    from tisph.scenes._channel import Channel
+    from tisph.scenes._scene import Scene
 
 EXPLICIT_COST = 150e-9
 """Rough cost of one particle and step of the explicit scheme on two threads [s]."""
@@ -56,13 +59,13 @@ DISORDERED_CELL_RE_OF_ORDER_2 = 1.0
 """Cell Reynolds number above which disordered runs of order 2 of the implicit scheme have any error, or stop."""
 
 DISORDERED_SOLVENT_CELL_RE = 10.0
-"""Cell Reynolds number by the viscosity of the solvent, where there is polymer, up to which disordered runs are stable:
-one failed at 20, and above it they take more steps and have larger errors than layers, or stop."""
+"""Cell Reynolds number by the viscosity of the solvent, with polymer, up to which disordered runs are stable. One
+failed at 20; above it they take more steps and have larger errors than layers, or stop."""
 
 STIFF_POLYMER = 4.0
 """Modulus of the polymer per unit density times (spacing over solvent viscosity) squared, up to which disordered
-particles of the implicit scheme have the error of a lattice at an impulsively started wall: at 3.5 they had, at 14 it
-was eight times as large."""
+particles of the implicit scheme have the error of a lattice at an impulsively started wall: they had it at 3.5; at 14
+it was eight times as large."""
 
 MOST_LAYERS = {"newtonian": 128, "coupled": 50}
 """Most layers of a computation. On a finer lattice the estimate is the error of the steps alone."""
@@ -71,30 +74,34 @@ RESTS = 100.0
 """Reference velocity over the root mean square of the fluid's, above which it counts as at rest."""
 
 LAYERS, DISORDERED, GUESSED = (0.97, 1.03), (0.9, 1.4), (0.3, 2.0)
-"""Steps of runs over the estimated ones, least and most: on a lattice, of disordered particles or in single precision,
-and where these break up or steps are only counted. In the stability matrix they are 0.99 to 1.01, 0.95 to 1.37 and 0.36
-to 1.75."""
+"""Least and largest ratio of the steps of a run to the estimate: on a lattice; for disordered particles or in single
+precision; where the arrangement may break up or steps are only counted. In the stability matrix the ratios are 0.99 to
+1.01, 0.95 to 1.37 and 0.36 to 1.75."""
 
 MOST_STEPS = 1000
-"""Most steps whose errors are computed, in some seconds. Later ones count as long as the steps of the second half."""
+"""Most steps that are computed, in some seconds. Later steps count as having the mean length of the second half."""
 
 LATER = (np.arange(20) + 0.5) / 20
-"""Parts of the time left at which the exact solution tells their length."""
+"""Parts of the remaining time at which the strain of the exact solution gives the length of steps."""
 
 EXACT = 1e-12
 """Tolerance of a stage, whose systems are solved directly."""
 
 STEADY = 1e-12
-"""Change of the velocities in a step, over the largest of them, that is none."""
+"""Change of the velocities in a step, over the largest velocity, below which the flow is steady."""
 
 
-def explicit(config, channel):
-    """Return the numbers of a run of scheme ``wcsph``."""
-    sound, flow = (
-        sound_speed_of(config, channel),
-        {"speed": channel.peak_velocity, "elastic_speed": channel.elastic_speed},
+def explicit(config: Any, channel: Any) -> SchemeEstimates:
+    """Return the estimates of a run of scheme ``wcsph`` in a scene ``channel``."""
+    sound = sound_speed_of(config, channel)
+    limits = limits_of(
+        config,
+        channel,
+        sound,
+        speed=channel.peak_velocity,
+        acceleration=abs(channel.acceleration),
+        elastic_speed=channel.elastic_speed,
     )
-    limits = limits_of(config, channel, sound, acceleration=abs(channel.acceleration), **flow)
     binding = min(limits, key=lambda name: limits[name])
     *counts, steps = step_counts(config.start_time, [*config.time.samples, config.time.end], limits[binding])
     samples = zip(config.time.samples, counts, strict=True)
@@ -110,8 +117,8 @@ def explicit(config, channel):
     }
 
 
-def implicit(config, channel, control):
-    """Return the numbers of a run of scheme ``implicit``, with the ``control`` of its steps."""
+def implicit(config: Any, channel: "Channel", control: StepControl) -> SchemeEstimates:
+    """Return the estimates of a run of scheme ``implicit``, with the ``control`` of its steps."""
     samples, layers = layer_estimates(config, channel, control)
     return {
         "mach": 0.0,
@@ -125,19 +132,19 @@ def implicit(config, channel, control):
     }
 
 
-def step_counts(start, targets, longest):
-    """Steps no longer than ``longest`` from ``start`` up to every target (ascending), each hit exactly."""
+def step_counts(start: float, targets: Sequence[float], longest: float) -> list[int]:
+    """Return the numbers of steps no longer than ``longest`` from ``start`` to each target (ascending), hit exactly."""
     pairs = itertools.pairwise([start, *targets])
     steps = (steps_between(before, after, longest) if after > before else 0 for before, after in pairs)
     return list(itertools.accumulate(steps))
 
 
-def cell_reynolds(channel):
-    """Reynolds number of a spacing, U spacing / nu."""
+def cell_reynolds(channel: "Scene") -> float:
+    """Return the Reynolds number of a spacing, U spacing / nu."""
     return channel.reference_velocity * channel.spacing / channel.kinematic_viscosity
 
 
-def profile_lost(config, channel):
+def profile_lost(config: Any, channel: Any) -> bool:
     """Tell whether the explicit scheme mixes all fluid that a wall has moved up to the last sample."""
     fastest = max(channel.bottom.angular_frequency, channel.top.angular_frequency)
     time = min(config.time.samples[-1], 1 / fastest if fastest else math.inf)
@@ -147,18 +154,20 @@ def profile_lost(config, channel):
     return starts and ratio > 1.0 and ratio >= LOST_LAYERS * thickness
 
 
-def polymer_stiffness(config, channel):
-    """Return the number of ``STIFF_POLYMER``: how fast polymer responds, the solvent's layer being a spacing thick."""
+def polymer_stiffness(config: Any, channel: "Scene") -> float:
+    """Return the number that ``STIFF_POLYMER`` limits: modulus times (spacing over solvent viscosity) squared."""
     if not channel.polymer:
         return 0.0
     modulus = sum(law.modulus for law in config.fluid.rheology.laws(channel.kinematic_viscosity))
     return modulus * (channel.spacing / channel.solvent_viscosity) ** 2
 
 
-def layer_estimates(config, channel, control):
+def layer_estimates(
+    config: Any, channel: "Channel", control: StepControl
+) -> tuple[list[SampleEstimate], "ImplicitLayers"]:
     """Return the ``SampleEstimate`` of every sample of scheme ``implicit``, and the layers at the end of the run.
 
-    ``control``: the step control of the run; its targets must be all times that steps meet.
+    ``control``: the step control of the run; its targets must be all times on which steps end.
     """
     channel = channel.in_flow_frame()
     coupled = config.fluid.rheology.type != "newtonian" or channel.driven_side is not None
@@ -185,13 +194,15 @@ def layer_estimates(config, channel, control):
     return samples, layers
 
 
-def off_layers(config):
-    """Tell whether particles do not stay on layers, or have fewer digits than these."""
+def off_layers(config: Any) -> bool:
+    """Tell whether particles leave their layers, or have a lower precision than layers."""
     return config.initial.jitter > 0 or config.discretisation.precision != "f64"
 
 
-def _sample_estimate(channel, heights, time, steps, velocity, least):
-    """Return the ``SampleEstimate`` from the velocities of layers.
+def _sample_estimate(
+    channel: "Channel", heights: np.ndarray, time: float, steps: int, velocity: np.ndarray, least: float
+) -> SampleEstimate:
+    """Return the ``SampleEstimate`` from the velocities (layers,) at ``heights``.
 
     ``least``: error that residuals may have, over the reference velocity.
     """
@@ -204,45 +215,43 @@ def _sample_estimate(channel, heights, time, steps, velocity, least):
 
 
 class ImplicitLayers:
-    """Velocities of the layers of a channel, step by step; ``control`` is the step control of the run.
+    """The flow of the layers of a channel, step by step; ``control`` is the step control of the run.
 
-    ``time``, ``steps`` up to it and the ``longest`` of them. ``unknown``: whether the velocities are not known any
-    more: after ``MOST_STEPS`` steps that changed them, or where no step is short enough.
+    ``time``, the number of ``steps`` up to it, and the length of the ``longest`` of them. ``unknown``: whether the
+    velocities are unknown: after ``MOST_STEPS`` steps that changed them, or where no step is short enough.
     """
 
-    def __init__(self, config, channel, control):
+    def __init__(self, config: Any, channel: "Channel", control: StepControl) -> None:
         self.channel, self.control = channel, control
-        self.walls = WallPair(channel, config.walls.treatment.type, model_of(config.fluid.rheology, channel))
+        self.walls = wall_pair_of(config, channel)
         self.operators = LayerOperators(channel, config.scheme.operators.order, self.walls.even_reflection)
         self.heights = self.operators.heights
-        self.stages = stages_of(self.operators, channel, self.walls)
+        self.step = ImplicitStep(self, self.operators, self.walls, channel)
         self.time, self.steps, self.longest, self.steepest = channel.start_time, 0, 0.0, 0.0
         self.half_way = self.time
         self.dt, self.last_dt, self.unknown, self.steady = 0.0, 0.0, False, False
-        self.flow = self._start()
-
-    def _start(self):
-        channel, heights, model = self.channel, self.heights, self.walls.model
-        velocity = channel.initial_velocity(heights).astype(float)
-        flow = FlowState(velocity, np.empty((0, heights.size)))
-        if model is not None:
-            flow = FlowState(velocity, model.initial(channel, heights), np.zeros_like(heights))
-            self.stages.initialise()
+        velocity, state = channel.initial_velocity(self.heights), self.walls.model.initial(channel, self.heights)
+        self.flow = FlowState(velocity.astype(float), state, np.zeros_like(self.heights))
+        self.end: FlowState | None = None
+        self.walls.start()
         if self.walls.obeys_momentum and self.walls.any_jump:
-            apply_impulse(self.stages, flow, self.time)
-        return flow
+            self._apply_impulse()
+
+    def assemble(self, dt: float, shift: bool) -> FlowState:
+        """Return the flow at the start of a step: the operators of layers are always the same."""
+        return self.flow
 
     @property
-    def velocity(self):
+    def velocity(self) -> np.ndarray:
         """Velocities of the layers."""
         return self.flow.velocity
 
     @property
-    def strained(self):
+    def strained(self) -> bool:
         """Whether the strain limits the steps."""
         return self.control.dt_next == self.control.limit(self.steepest)
 
-    def run_to(self, target):
+    def run_to(self, target: float) -> None:
         """Take steps to the time ``target``, one of those that the control meets; after many only count them."""
         while self.time < target and not (self.unknown or self.steady or self.steps >= MOST_STEPS):
             self._advance()
@@ -251,8 +260,8 @@ class ImplicitLayers:
             self.steps += self._steps_left(target)
             self.time = target
 
-    def _steps_left(self, target):
-        """Return how many steps there are to ``target``, which the exact solution may limit by its strain."""
+    def _steps_left(self, target: float) -> int:
+        """Return the number of steps to ``target``, which the strain of the exact solution may limit."""
         dt, left = self.dt, target - self.time
         if self.steps >= MOST_STEPS and not self.steady:
             dt = (self.time - self.half_way) / (MOST_STEPS - MOST_STEPS // 2)
@@ -262,10 +271,14 @@ class ImplicitLayers:
         steepest = [np.abs(np.diff(velocity)).max() / self.operators.spacing for velocity in velocities]
         return math.ceil(np.mean([left / min(dt, self.control.limit(gradient)) for gradient in steepest]))
 
-    def _advance(self):
+    def _apply_impulse(self) -> None:
+        near = self.step.extra_stress.wall_values(self.flow)
+        self.walls.apply_impulse(self.flow, self.time, self.operators, near)
+
+    def _advance(self) -> None:
         control = self.control
         if self.time in control.jump_times:
-            apply_impulse(self.stages, self.flow, self.time)
+            self._apply_impulse()
         dt, _ = control.take(self.time, self._attempt)
         end = self.end
         if dt is None or end is None:
@@ -283,43 +296,43 @@ class ImplicitLayers:
         if self.steps == MOST_STEPS // 2:
             self.half_way = self.time
         self.longest = max(self.longest, dt)
-        self.steepest = float(np.max(np.abs(self._shear_rate())))
+        shear_rate = end.shear_rate
+        if shear_rate is None:
+            boundary = self.operators.boundary_gradient(self.walls.series(-1))
+            shear_rate = self.operators.gradient(end.velocity, -1.0) + boundary
+        self.steepest = float(np.max(np.abs(shear_rate)))
         control.step_taken(self.time, self.steepest)
 
-    def _attempt(self, dt):
+    def _attempt(self, dt: float) -> tuple[float, int]:
         self.dt = dt
-        self.end, error = self.stages.advance(self.flow, self.time, dt, EXACT)
-        return WORST if self.end is None else error / self.channel.reference_velocity, EMBEDDED_ORDER
-
-    def _shear_rate(self):
-        if self.flow.shear_rate is not None:
-            return self.flow.shear_rate
-        boundary = self.operators.boundary_gradient(self.walls.series(-1))
-        return self.operators.gradient(self.flow.velocity, -1.0) + boundary
+        stages, error = self.step.advance(self.time, dt, EXACT)
+        self.end = stages[-1] if stages else None
+        return error / self.channel.reference_velocity if stages else WORST, EMBEDDED_ORDER
 
 
-class LayerOperators:
-    """``ClosedOperators`` of ``schemes/_channel/stages.py``, of an ``order``, on layers at ``heights``."""
+class LayerOperators(ClosedOperators):
+    """``ClosedOperators`` of an ``order`` on layers at ``heights``."""
 
-    def __init__(self, channel, order, even_reflection):
+    def __init__(self, channel: "Channel", order: int, even_reflection: tuple[bool, ...]) -> None:
         rows, spacing = channel.rows, channel.spacing
         laplacian, gradient = least_squares(order)
         self.even_reflection = even_reflection
         self.signs = [-1.0 if even else 1.0 for even in even_reflection]
         self.images = len(laplacian) // 2
-        self.gap, self.spacing = channel.gap, spacing
+        self.gap, self.spacing, self.viscosity = channel.gap, spacing, channel.solvent_viscosity
         self.heights = (np.arange(rows) + 0.5) * spacing
         self.depths = (np.arange(self.images) + 0.5) * spacing
         self.radius = (self.images + 1) * spacing
-        self.parts = {"laplacian": self._parts(laplacian / spacing**2), "gradient": self._parts(gradient / spacing)}
-        self.odd_laplacian = self._closed("laplacian", -1.0)
-        self.gradients = {parity: self._closed("gradient", parity) for parity in (-1.0, 1.0)}
-        self.inverted = None
+        self.parts = {"laplacian": self._parts(laplacian / spacing**2), "d_dy": self._parts(gradient / spacing)}
+        self.closed = {
+            (operator, parity): self._closed(operator, parity) for operator in self.parts for parity in (-1.0, 1.0)
+        }
+        self.inverted: float | None = None
 
-    def _parts(self, weights):
-        """Return an operator on the images below, from the wall on, on the layers, and on the images above.
+    def _parts(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the matrices of an operator on the images below, on the layers, and on the images above.
 
-        It takes differences from the row itself, each row with the same ``weights``.
+        Images are numbered from the wall. Each row has the same ``weights`` of differences from the row itself.
         """
         rows, images = len(self.heights), self.images
         matrix = np.zeros((rows, rows + 2 * images))
@@ -328,69 +341,52 @@ class LayerOperators:
             matrix[row, row + images] -= weights.sum()
         return matrix[:, :images][:, ::-1], matrix[:, images:-images], matrix[:, -images:]
 
-    def _closed(self, name, parity):
+    def _closed(self, name: str, parity: float) -> np.ndarray:
         below, inside, above = self.parts[name]
         mirrored = np.eye(self.images, len(self.heights))
         lower, upper = product(below, mirrored), product(above, mirrored[:, ::-1])
         return inside + parity * (self.signs[0] * lower + self.signs[1] * upper)
 
-    def laplacian(self, values):
-        """Return A of velocities."""
-        return product(self.odd_laplacian, values)
+    def derivative(self, operator: str, values: np.ndarray, parity: float) -> np.ndarray:
+        """Return an operator of ``values``, see ``ClosedOperators.derivative``."""
+        return product(self.closed[operator, parity], values)
 
-    def gradient(self, values, parity):
-        """Return d/dy of ``values``."""
-        return product(self.gradients[parity], values)
-
-    def boundary_laplacian(self, series):
-        """Return the part of A from the ``series`` of the images beyond both walls (2, 3)."""
-        return self.boundary("laplacian", series)
-
-    def boundary_gradient(self, series):
-        """Return the part of d/dy from the ``series`` of the images."""
-        return self.boundary("gradient", series)
-
-    def boundary(self, name, series):
-        """Return the part of an operator from the ``series`` of the images."""
-        below, _, above = self.parts[name]
+    def boundary(self, operator: str, series: Sequence[Series]) -> np.ndarray:
+        """Return the part of an operator from the ``series`` of the images beyond both walls."""
+        below, _, above = self.parts[operator]
+        values = np.asarray(series) @ self.depths ** np.array([[0], [2], [4]])
         bottom, top = (
-            values * (self.depths if even else 1.0)
-            for values, even in zip(
-                np.asarray(series) @ self.depths ** np.array([[0], [2], [4]]), self.even_reflection, strict=True
-            )
+            side * (self.depths if even else 1.0) for side, even in zip(values, self.even_reflection, strict=True)
         )
         return product(below, bottom) + product(above, top)
 
-    def boundary_stress(self, side, slope, third):
+    def boundary_stress(self, side: int, slope: float, third: float) -> np.ndarray:
         """Return the part of d/dy of the stress from its derivatives at a wall."""
-        below, _, above = self.parts["gradient"]
+        below, _, above = self.parts["d_dy"]
         excess = stress_excess(self.depths, side, self.even_reflection[side], slope, third)
         return product(above if side else below, excess)
 
-    def solve(self, coefficient, tangent, right, guess, tolerance):
-        """Solve (1 - ``coefficient`` A - D ``tangent`` D) x = ``right``; None where numbers are not finite."""
-        matrix = np.eye(len(right)) - coefficient * self.odd_laplacian
+    def solve(
+        self, gamma_dt: float, tangent: np.ndarray | None, right: np.ndarray, guess: np.ndarray, tolerance: float
+    ) -> np.ndarray | None:
+        """Solve (1 - g nu_s A - g D T D) x = ``right`` directly; None where numbers are not finite."""
+        coefficient = gamma_dt * self.viscosity
+        matrix = np.eye(len(right)) - coefficient * self.closed["laplacian", -1.0]
         if tangent is None:
             if coefficient != self.inverted:  # all stages of a step have the same
                 self.inverse, self.inverted = np.linalg.inv(matrix), coefficient
             return product(self.inverse, right)
-        coupling = product(self.gradients[1.0], tangent[:, None] * self.gradients[-1.0])
+        coupling = product(self.closed["d_dy", 1.0], (gamma_dt * tangent)[:, None] * self.closed["d_dy", -1.0])
         found = np.linalg.solve(matrix - coupling, right)
         return found if math.isfinite(found.sum()) else None
 
-    def even_fit(self, side):
-        """Return layers near a wall, their distance from it, and their weights in the even fit to the value there."""
-        distance = self.gap - self.heights if side else self.heights
-        near, weights = even_fit(distance, self.radius)
-        return near, distance[near], weights
-
-    def wall_fits(self, values):
-        """Return the polynomial fit at each wall to ``values`` (quantities, layers)."""
-        return [polynomial_fit(distance, values.T, self.radius) for distance in (self.heights, self.gap - self.heights)]
+    def near_wall(self, side: int) -> tuple[np.ndarray, np.ndarray, float]:
+        """Return all layers, their distances from the wall ``side``, and the radius of fits."""
+        return np.arange(self.heights.size), self.gap - self.heights if side else self.heights, self.radius
 
 
-def least_squares(order):
-    """Weights of the Laplacian and of the derivative across, of the least-squares rows of ``order``.
+def least_squares(order: int) -> tuple[np.ndarray, ...]:
+    """Return the weights of the Laplacian and of d/dy in the least-squares operators of ``order`` on the lattice.
 
     Each has one weight for every row of the lattice around a row, -reach .. reach; lengths are in spacings.
     """
@@ -409,6 +405,6 @@ def least_squares(order):
     return tuple(np.bincount(rows, weights=one, minlength=2 * reach + 1) for one in entries.T)
 
 
-def product(matrix, other):
-    """Matrix times matrix or vector, not by BLAS, which splits even small ones over threads: slow where it is busy."""
+def product(matrix: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Return matrix times matrix or vector. BLAS would split even small ones over threads, which is slow."""
     return np.einsum("ij,j...->i...", matrix, other)

@@ -1,37 +1,41 @@
-"""Automatic choice: the scheme, its order and its step control that are soonest at the wanted accuracy.
+"""Automatic choice of the scheme, its order and its step control that reach the requested accuracy fastest.
 
-The implicit scheme of order 4 is the faster one at every error that both schemes reach, wherever it can serve the
-config (``benchmarks``); the remaining choice is how accurate its steps are.
+The implicit scheme of order 4 is faster at every error that both schemes reach, wherever it can serve the config
+(``benchmarks``). The remaining choice is the accuracy of its steps.
 """
 
 import math
-from typing import Literal
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, Literal
 
 from tisph import registry
 from tisph.config.base import Model
 from tisph.schemes import unsupported
 
+if TYPE_CHECKING:
+    from tisph.config.base import Problem
+
 PERIODIC = [(True, False), (True, True), (False, False)]
-"""Boxes that it can have, by whether they are periodic in x and y: those of what it chooses from."""
+"""Boxes that the schemes can serve, by whether they are periodic in x and y."""
 
 STEPS = {"fast": (3e-4, 1.5), "balanced": (3e-5, 0.7), "high": (3e-7, 0.5)}
 """Tolerance of a step, and its largest strain, by accuracy."""
 
 ELASTIC_STEPS = {"fast": (1e-4, 1.5), "balanced": (1e-5, 0.7), "high": (3e-7, 0.5)}
-"""The same in a viscoelastic fluid, whose waves keep the errors of steps that viscosity would damp."""
+"""Tolerance and largest strain in a viscoelastic fluid: viscosity does not damp the errors of steps in its waves."""
 
 TWO_DIMENSIONAL_STEPS = {"fast": (2e-5, 60.0, 2.0), "balanced": (2e-6, 6.0, 1.0), "high": (3e-7, math.inf, 0.15)}
-"""Tolerance of a step in two-dimensional flow, the same times the fourth power of the particles across, and the largest
-Courant number. By the power errors of time and of the spacing fall alike: those of balanced steps in the Taylor-Green
-vortex at t = 2 are 4.7e-5 and 3.7e-6 with 50 and 100 across, where steps of a Courant number of 0.3 have 2.8e-5 and
-1.5e-6."""
+"""In two-dimensional flow: tolerance of a step, bound of tolerance times (particles across)^4, largest Courant number.
+
+With the fourth power the errors of steps and of the spacing fall alike. In the Taylor-Green vortex at t = 2 balanced
+steps have the errors 4.7e-5 and 3.7e-6 with 50 and 100 across; steps of Courant number 0.3 have 2.8e-5 and 1.5e-6."""
 
 UNESTIMATED_COURANT = {"fast": 0.6, "balanced": 0.3, "high": 0.15}
-"""Largest Courant number where the estimate lacks errors: of polymer stresses, or of paths near a singular corner."""
+"""Largest Courant number where the error estimate lacks polymer stresses, or paths near a singular corner."""
 
 
 class Parameters(Model):
-    """``accuracy``: of the steps.
+    """``accuracy`` of the steps.
 
     L2 errors in start-up Couette flow at Re 50, 50 particles across: 4e-4 (fast), 7e-5 (balanced) and 2e-6 (high) at
     t* = 0.018, and 1.6e-4, 3.6e-5 and 1.5e-6 at t* = 0.027.
@@ -41,10 +45,10 @@ class Parameters(Model):
     accuracy: Literal["fast", "balanced", "high"] = "balanced"
 
 
-def problems(config):
-    """Yield dotted key and text of what the scheme that is taken cannot serve."""
+def problems(config: Any) -> Iterator["Problem"]:
+    """Yield dotted key and text of everything in a config that the chosen scheme cannot serve."""
     implicit = registry.load("schemes", "implicit")
-    if not config.parallel:  # it serves all of them, with either step control
+    if not config.parallel:  # only the implicit scheme is chosen, with either step control
         yield from implicit.problems(config)
         return
     obstacle = _obstacle(config, implicit)
@@ -54,15 +58,15 @@ def problems(config):
         yield "time.tolerance", f"is for scheme implicit, which cannot be taken here: {obstacle}"
 
 
-def _obstacle(config, implicit):
-    """What speaks against the implicit scheme, in words; None for nothing."""
+def _obstacle(config: Any, implicit: Any) -> str | None:
+    """Return in words why the implicit scheme cannot be chosen; None where it can."""
     if config.time.cfl != "auto":
         return "time.cfl gives a Courant number"
     return next((text.partition(";")[0] for _, text in implicit.problems(config)), None)
 
 
-def resolve(config):
-    """Return the config with the scheme that this choice stands for, and the reason in words."""
+def resolve(config: Any) -> tuple[Any, str]:
+    """Return the config with the chosen scheme, and the reason in words."""
     implicit = registry.load("schemes", "implicit")
     two_dimensional = not config.parallel
     obstacle = None if two_dimensional else _obstacle(config, implicit)

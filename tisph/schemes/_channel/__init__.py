@@ -1,7 +1,6 @@
-"""The implicit step of a parallel flow, once for all fluids and walls, in NumPy: what particles and layers share.
+"""The implicit scheme of parallel flow.
 
-``stages.py`` is the step, ``walls.py`` and ``stress_controlled.py`` are the walls in it, ``wall_pair.py`` both of a
-channel and their impulse, ``models.py`` the response of the extra stress of a fluid that is not Newtonian. The
-derivatives and linear systems are those of a ``ClosedOperators`` object: of the particles
-(``schemes/_channel/operators.py``), or of layers of the start lattice (``schemes/_estimate.py``).
+``step.py`` is the step and ``walls.py`` the walls in it; ``stress_controlled.py`` has the walls on which a stress is
+given, and ``models.py`` the extra stress of fluids that are not Newtonian. All of these are NumPy: ``scheme.py`` and
+``operators.py`` take the step on particles, and ``schemes/_estimate.py`` on layers of the start lattice.
 """

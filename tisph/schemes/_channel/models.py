@@ -1,88 +1,99 @@
-"""How the extra stress of a fluid that is not Newtonian responds to a shear rate over an implicit stage.
+"""Response of the extra stress of a non-Newtonian fluid to the shear rate in an implicit stage.
 
 Of a conformation tensor A a particle carries w - 1, A_xy, A_yy - 1 and, where the law has it, A_zz - 1, with
 
-    w = A_xx - t^2 A_yy,    t = A_xy / A_yy,    w' = (1, -t) R (1, -t)^T,    R the relaxation's part of dA/dt:
+    w = A_xx - t^2 A_yy,    t = A_xy / A_yy,    w' = (1, -t) R (1, -t)^T,    R the relaxation part of dA/dt.         (9)
 
-a shear does not change w, and A is positive definite as long as w and A_yy are positive, however large A_xx is; carried
-as it stands A_xx would have to be right to 1 in A_xy^2 for that (the square root of A by Cholesky, N. Vaithianathan and
-L. R. Collins, J. Comput. Phys. 187 (2003) 1-21, without the root). In a parallel flow these states C follow
-dC/dt = F(C, u_y), point by point. A stage of the time integration asks for C = K + g F(C, u_y) with known K: Newton's
-method finds C for a given u_y, and with it the tangent dS_xy/du_y, by which the momentum equation sees the stress of a
-velocity that is still sought.
+A shear does not change w, and A is positive definite as long as w and A_yy are positive, however large A_xx is. An A_xx
+that is carried itself would have to be accurate to 1 in A_xy^2 for that. w is the square of a Cholesky factor of A
+(N. Vaithianathan and L. R. Collins, J. Comput. Phys. 187 (2003) 1-21). In a parallel flow these states C follow
+dC/dt = F(C, u_y), point by point. A stage of the time integration asks for C = K + g F(C, u_y) with known K. Newton's
+method solves this for C at a given u_y and also gives the tangent dS_xy/du_y, with which the momentum equation is
+linearised.
 
-The stress of an inelastic fluid beyond that of the constant viscosity nu in ``fluid`` takes the place of a polymer's,
-S_xy = (viscosity(u_y^2) - nu) u_y, without a state: so the systems are solvable where the viscosity varies by orders of
+An inelastic fluid has no states. Its stress beyond the constant viscosity nu in ``fluid`` takes the place of a
+polymer's, S_xy = (viscosity(u_y^2) - nu) u_y, so that the systems are solvable where the viscosity varies by orders of
 magnitude.
 """
+
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tisph.schemes._local_newton import SMALL, Modes, eliminate, matrix, solve
 
+if TYPE_CHECKING:
+    from tisph.scenes._channel import Channel
+
 
 class ViscoelasticModel(Modes):
-    """Laws of a fluid's modes; states C are arrays (numbers of all modes, ...); stresses are per unit density."""
+    """Response of a viscoelastic fluid; its states C (components, n) are the states of all modes, one after another.
 
-    def __init__(self, rheology, kinematic_viscosity):
+    Stresses are per unit density.
+    """
+
+    def __init__(self, rheology: Any, kinematic_viscosity: float) -> None:
         super().__init__(rheology, kinematic_viscosity, conformation_excess)
 
-    def initial(self, channel, heights):
+    def initial(self, channel: "Channel", heights: np.ndarray) -> np.ndarray:
         """Return C at ``heights`` of a channel when the run starts."""
         modes = channel.initial_conformation_excess(heights)
         states = [[xx - xy * xy / (1.0 + others[0]), xy, *others] for xx, xy, *others in modes]
         return np.concatenate([np.stack(state) for state in states])
 
-    def shear_stress(self, state, shear_rate):
+    def shear_stress(self, state: np.ndarray, shear_rate: Any) -> Any:
         """Return S_xy, which does not depend on the instantaneous ``shear_rate``."""
         return sum(_shear_stress(law, state[part]) for law, part in self)
 
-    def apply_shear(self, state, strain):
+    def apply_shear(self, state: np.ndarray, strain: np.ndarray) -> None:
         """Shear the states at once by ``strain``, A to F A F^T."""
         for part in self.parts:
             state[part][1] += strain * (1.0 + state[part][2])
 
-    def rate(self, state, shear_rate):
+    def rate(self, state: np.ndarray, shear_rate: np.ndarray) -> np.ndarray:
         """Return dC/dt of particles in simple shear."""
-        each = [_rate(law, state[part], shear_rate) for law, part in self]
+        each = [_rate(law, shear_rate, state[part]) for law, part in self]
         return np.concatenate([np.stack(rate) for rate in each])
 
-    def update(self, known, gamma_dt, shear_rate, guess):
+    def update(
+        self, known: np.ndarray, gamma_dt: float, shear_rate: np.ndarray, guess: np.ndarray
+    ) -> tuple[np.ndarray, Any]:
         """Solve C = ``known`` + ``gamma_dt`` F(C, ``shear_rate``) from a ``guess``; return C and dS_xy/d shear_rate."""
         state, tangent = np.empty_like(known), 0.0
         for law, part in self:
-            rate = lambda c, law=law: _rate(law, c, shear_rate)  # noqa: E731
+            rate = partial(_rate, law, shear_rate)
             state[part], jacobian = solve(rate, known[part], gamma_dt, guess[part])
             stretching = np.zeros_like(state[part])
             stretching[1] = 1.0 + state[part][2]
             tangent = tangent + _derivative(law, state[part], eliminate(jacobian, gamma_dt * stretching))
         return state, tangent
 
-    def linear(self, state, gamma_dt, shear_rate, defect):
-        """Return dS_xy/dC . (1 - gamma_dt F_C)^-1 ``defect``, linearised about ``state``."""
+    def linear(self, state: np.ndarray, gamma_dt: float, shear_rate: np.ndarray, defect: np.ndarray) -> Any:
+        """Return dS_xy/dC . (1 - gamma_dt F_C)^-1 ``defect`` (n,), linearised about ``state``."""
         total = 0.0
         for law, part in self:
-            jacobian = matrix(lambda c, law=law: _rate(law, c, shear_rate), state[part], gamma_dt)
+            jacobian = matrix(partial(_rate, law, shear_rate), state[part], gamma_dt)
             total = total + _derivative(law, state[part], eliminate(jacobian, defect[part]))
         return total
 
-    def jacobian(self, state, shear_rate):
-        """Return F_C (components, components), F_u' and dS_xy/dC (components) of the fluid at one point.
+    def jacobian(self, state: np.ndarray, shear_rate: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+        """Return F_C (components, components), F_u' and dS_xy/dC (components,) at one point with this ``state``.
 
-        And the derivative of S_xy by the instantaneous shear rate, 0.
+        The last number is the derivative of S_xy by the instantaneous shear rate, 0.
         """
         size = self.components
         decay, stretching, stress = np.zeros((size, size)), np.zeros(size), np.zeros(size)
         for law, part in self:
             unity = np.eye(part.stop - part.start)
             ahead = state[part][:, None] + 1j * SMALL * unity
-            decay[part, part] = np.imag(np.stack(_rate(law, ahead, shear_rate))) / SMALL
+            decay[part, part] = np.imag(np.stack(_rate(law, shear_rate, ahead))) / SMALL
             stress[part] = np.imag(_shear_stress(law, ahead)) / SMALL
             stretching[part][1] = 1.0 + state[part][2]
         return decay, stretching, stress, 0.0
 
-    def indefinite(self, state):
-        """Return which particles (n,) have a conformation tensor that is not positive definite."""
+    def indefinite(self, state: np.ndarray) -> np.ndarray:
+        """Return the indices of particles whose conformation tensor is not positive definite."""
         found = np.zeros(state.shape[1], dtype=bool)
         for part in self.parts:
             first, _, *others = state[part]
@@ -90,83 +101,95 @@ class ViscoelasticModel(Modes):
         return np.flatnonzero(found)
 
 
-class InelasticModel:
-    """A law whose viscosity depends on the shear rate, as ``ViscoelasticModel``; states are (0, ...)."""
+class NewtonianModel:
+    """A Newtonian fluid: no extra stress, and states (0, n)."""
 
     components = 0
 
-    def __init__(self, law, kinematic_viscosity):
-        self.law, self.constant = law, kinematic_viscosity
-
-    def initial(self, channel, heights):
-        """Return the states at ``heights``."""
+    def initial(self, channel: "Channel", heights: np.ndarray) -> np.ndarray:
+        """Return the states at ``heights``, (0, n)."""
         return np.zeros((0, np.size(heights)))
 
-    def stress(self, state):
-        """Return no stress that particles carry."""
+    def stress(self, state: np.ndarray) -> Any:
+        """Return no stress: it does not follow from states."""
         return ()
 
-    def shear_stress(self, state, shear_rate):
+    def indefinite(self, state: np.ndarray) -> np.ndarray:
+        """Return no particles: there is no conformation tensor."""
+        return np.zeros(0, dtype=int)
+
+
+class InelasticModel(NewtonianModel):
+    """Response of a fluid whose viscosity depends on the shear rate: as ``ViscoelasticModel``, without states."""
+
+    def __init__(self, law: Any, kinematic_viscosity: float) -> None:
+        self.law, self.constant = law, kinematic_viscosity
+
+    def shear_stress(self, state: Any, shear_rate: Any) -> Any:
         """Return S_xy."""
         return (self.law.viscosity(shear_rate * shear_rate) - self.constant) * shear_rate
 
-    def rate(self, state, shear_rate):
-        """Return the time derivatives of no states."""
+    def rate(self, state: np.ndarray, shear_rate: np.ndarray) -> np.ndarray:
+        """Return the time derivatives (0, n)."""
         return state
 
-    def update(self, known, gamma_dt, shear_rate, guess):
+    def update(
+        self, known: np.ndarray, gamma_dt: float, shear_rate: np.ndarray, guess: np.ndarray
+    ) -> tuple[np.ndarray, Any]:
         """Return no states, and dS_xy/d shear_rate."""
         return known, self._tangent(shear_rate)
 
-    def linear(self, state, gamma_dt, shear_rate, defect):
-        """Return the stress that no states leave."""
+    def linear(self, state: np.ndarray, gamma_dt: float, shear_rate: np.ndarray, defect: np.ndarray) -> Any:
+        """Return 0: without states they have no defect."""
         return np.zeros_like(shear_rate)
 
-    def jacobian(self, state, shear_rate):
-        """Return derivatives as ``ViscoelasticModel.jacobian``."""
+    def jacobian(self, state: np.ndarray, shear_rate: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+        """Return the derivatives at one point; see ``ViscoelasticModel.jacobian``."""
         nothing = np.zeros(0)
         return np.zeros((0, 0)), nothing, nothing, float(self._tangent(shear_rate))
 
-    def apply_shear(self, state, strain):
-        """Shear no states at once."""
+    def apply_shear(self, state: np.ndarray, strain: np.ndarray) -> None:
+        """Change nothing: there are no states."""
 
-    def indefinite(self, state):
-        """Return the particles with an indefinite conformation tensor: none."""
-        return np.zeros(0, dtype=int)
-
-    def _tangent(self, shear_rate):
+    def _tangent(self, shear_rate: Any) -> Any:
         return np.imag(self.shear_stress(None, shear_rate + 1j * SMALL)) / SMALL
 
 
-def model_of(rheology, channel):
-    """Return the model of a fluid's extra stress; None of a Newtonian fluid between walls of given velocities.
+StressModel = ViscoelasticModel | InelasticModel
+"""Response of an extra stress."""
 
-    At a stress-controlled wall a Newtonian fluid, too, has one: its stress there is what is given.
+FluidModel = StressModel | NewtonianModel
+
+
+def model_of(rheology: Any, channel: "Channel") -> FluidModel:
+    """Return the model of a fluid's extra stress.
+
+    Beside a stress-controlled wall a Newtonian fluid counts as inelastic: the wall needs its shear stress.
     """
     if rheology.carries_stress:
         return ViscoelasticModel(rheology, channel.kinematic_viscosity)
     if rheology.type == "newtonian" and channel.driven_side is None:
-        return None
+        return NewtonianModel()
     return InelasticModel(rheology.law(channel.kinematic_viscosity, channel.density), channel.kinematic_viscosity)
 
 
-def conformation_excess(state):
+def conformation_excess(state: Any) -> tuple[Any, ...]:
     """Return A - 1 of one mode: components xx, xy, yy and, where the law has it, zz."""
     first, xy, *others = state
     return (first + xy * xy / (1.0 + others[0]), xy, *others)
 
 
-def _rate(law, state, shear_rate):
+def _rate(law: Any, shear_rate: Any, state: Any) -> tuple[Any, ...]:
     """Return dC/dt of one mode in simple shear."""
     xx, xy, *others = law.relaxation(conformation_excess(state))
     tilt = state[1] / (1.0 + state[2])
     return (xx + tilt * (tilt * others[0] - 2.0 * xy), shear_rate * (1.0 + state[2]) + xy, *others)
 
 
-def _shear_stress(law, state):
+def _shear_stress(law: Any, state: Any) -> Any:
     return law.stress(conformation_excess(state))[1]
 
 
-def _derivative(law, state, direction):
-    """Return the derivative of S_xy in a direction."""
+def _derivative(law: Any, state: np.ndarray, direction: np.ndarray) -> Any:
+    """Return the derivative of S_xy by the states in a ``direction`` of them."""
     return np.imag(_shear_stress(law, state + 1j * SMALL * direction)) / SMALL

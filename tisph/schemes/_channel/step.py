@@ -1,304 +1,477 @@
-"""The implicit step on particles: its start and end, the motion and the state within it, and the force of the walls.
+"""The implicit step of a parallel flow, equations (4) to (8) of docs/theory/implicit.md, on particles and on layers.
 
-Within the last step the velocities are cubic in time, so that output does not shorten the steps.
+    u' = nu_s A u + D S_xy(C, D u) + s(t),    C' = F(C, D u),    D = d/dy                                            (7)
 
-The force of a wall, for the balance of momentum along the channel, follows from the shear stress there, once layers are
-resolved: with the distance d from a wall, per unit density, it is A + a d + B d^2, where a = U' - g follows from the
-momentum equation; A and B are fitted to the stresses of the particles near the wall, and the wall pulls with -A. In the
-first moments after a jump there is no such gradient yet: then the force follows from the ghosts' contribution to the
-rows of particles, which is exact on a lattice, and for disordered particles off by some per cent, since least-squares
-operators do not conserve momentum pair by pair. The force of a stress-controlled wall is known.
+u is the velocity along the channel, A the discrete Laplacian, nu_s the solvent viscosity, S the extra stress per unit
+density and C the states of the extra stress. s(t) holds the body acceleration and the boundary terms of the walls. A
+Newtonian fluid has neither S nor C (``NoExtraStress``).
+
+The method is the implicit part of ARK3(2)4L[2]SA: C. A. Kennedy and M. H. Carpenter, Appl. Numer. Math. 44 (2003)
+139-181. It has one explicit and three implicit stages with one matrix, is of third order and L-stable, and estimates
+its error. It damps the stiffest modes completely, so an impulsively started wall needs no other method for its first
+steps, as Crank-Nicolson does.
 """
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from tisph.neighbours.point_cloud import active
-from tisph.runtime import real, ti, view
-from tisph.schemes._channel.stages import B, C, FlowState, stages_of
-from tisph.schemes._channel.wall_pair import apply_impulse
+from tisph.schemes._channel.models import StressModel
+from tisph.schemes._step_control import StepControl
 
-TOGETHER = 2**20
-"""Positions of particles at various times that are looked at together."""
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from tisph.scenes._channel import Channel
+    from tisph.schemes._channel.walls import Series, WallPair
+
+GAMMA = 1767732205903 / 4055673282236
+
+A = (
+    (0.0, 0.0, 0.0, 0.0),
+    (GAMMA, GAMMA, 0.0, 0.0),
+    (2746238789719 / 10658868560708, -640167445237 / 6845629431997, GAMMA, 0.0),
+    (1471266399579 / 7840856788654, -4482444167858 / 7529755066697, 11266239266428 / 11593286722821, GAMMA),
+)
+B = A[3]
+C = (0.0, 2.0 * GAMMA, 0.6, 1.0)
+
+B_HAT = (
+    2756255671327 / 12835298489170,
+    -10771552573575 / 22201958757719,
+    9247589265047 / 10645013368117,
+    2193209047091 / 5459859503100,
+)
+"""Weights of the second-order result; the difference from ``B`` estimates the error."""
+
+EMBEDDED_ORDER = 2
+
+DEFECT = tuple(b - b_hat for b, b_hat in zip(B, B_HAT, strict=True))
+
+SOLVER_TOLERANCE = 1e-3
+"""Residual of a stage, over the tolerance of a step."""
+
+WORST = 1e6
+"""Error over the reference velocity in place of an infinite one: the step is rejected."""
+
+MOST_ITERATIONS = 12
+"""Largest number of outer iterations of a stage."""
+
+ROUND_OFF = 1e-11
+"""Residual of the stress, over the stress, at which a stage counts as solved."""
+
+ERROR_RESIDUAL = 1e-2
+"""Residual of the linear system (5) that filters the estimated error, over its right side."""
+
+FIT_TERMS = 3
+"""Terms of the polynomial in the wall distance that describes the fluid near a wall."""
+
+EVEN_POWERS = (0, 2, 4)
+"""Powers of the wall distance in the fit for a value at a stress-controlled wall."""
+
+TOLERANCE = 3e-7
+"""Tolerance of a step where the config leaves it open."""
+
+FIRST_STEP = 0.25
+"""First step in spacing^2 / nu, the time in which a wall that starts moves the layer next to it."""
 
 
-class PolymerState:
-    """States C (components, fluid) of an extra stress that particles carry; a checkpoint keeps them.
+def step_control(config: Any, channel: "Channel", targets: "Sequence[float]") -> StepControl:
+    """Return the ``StepControl`` of a run: it ends steps on the times ``targets`` and on jumps of the walls.
 
-    ``state`` at the start of a step, ``end`` after it, and before an earlier one: ``start``; ``start_rate``,
-    ``end_rate``: their time derivatives; ``slope``: dC/dy; ``shear_rate`` (fluid): du/dy at the start.
+    Each step is limited by the strain between neighbouring layers, or with ``time.cfl`` it has a fixed length.
+    """
+    tolerance = TOLERANCE if config.time.tolerance == "auto" else config.time.tolerance
+    jump_times = {time for wall in (channel.bottom, channel.top) for time in wall.jump_times}
+    limit: Callable[[float], float]
+    if config.time.cfl != "auto":
+        first = config.time.cfl * channel.spacing / channel.reference_velocity
+        limit = lambda _gradient: first  # noqa: E731
+    else:
+        first = FIRST_STEP * channel.spacing**2 / channel.kinematic_viscosity
+        strain = config.scheme.largest_strain
+        limit = lambda gradient: strain / gradient if gradient > 0.0 else math.inf  # noqa: E731
+    control = StepControl(tolerance, limit, fixed=config.time.cfl != "auto", jump_times=jump_times)
+    control.dt_next = first
+    control.set_targets(targets, channel.start_time)
+    return control
+
+
+@dataclass
+class FlowState:
+    """The flow in one stage, of n points.
+
+    ``velocity`` (n,) and ``state`` (components, n), the states C of the extra stress; ``velocity_rate`` and
+    ``state_rate``: their time derivatives. ``shear_rate`` (n,): D u; ``stress`` (n,): S_xy per unit density;
+    ``tangent`` (n,): dS_xy/d(D u). The last three are None without an extra stress, for which ``state`` is (0, n).
     """
 
-    def __init__(self, components, fluid):
-        self.state, self.end, self.start, self.start_rate, self.end_rate, self.slope = np.zeros((6, components, fluid))
-        self.shear_rate, self.end_shear_rate = np.zeros((2, fluid))
+    velocity: np.ndarray
+    state: np.ndarray
+    shear_rate: Any = None
+    stress: Any = None
+    velocity_rate: Any = None
+    state_rate: Any = None
+    tangent: Any = None
+
+
+class Points(Protocol):
+    """The points whose velocities a step advances: particles, or layers of the start lattice."""
+
+    def assemble(self, dt: float, shift: bool) -> FlowState:
+        """Assemble the operators in the middle of a step of length ``dt``; return the flow at its start.
+
+        ``shift``: first move points apart that are too close, and transfer the flow to their new positions.
+        """
+
+
+class ClosedOperators:
+    """Base of the operators A and D on n points between two walls, closed by images beyond them; arrays are (n,).
+
+    Images have a sign times the value of their source plus a boundary value. The latter is a power series in the
+    distance from the wall, with three coefficients for each wall (``series``, (2, 3), see ``PrescribedWall``).
+    """
+
+    def laplacian(self, values: np.ndarray) -> np.ndarray:
+        """Return A of velocities, without the boundary values of their images."""
+        return self.derivative("laplacian", values, -1.0)
+
+    def gradient(self, values: np.ndarray, parity: float) -> np.ndarray:
+        """Return D of ``values`` whose images have ``parity`` times the value of their source."""
+        return self.derivative("d_dy", values, parity)
+
+    def boundary_laplacian(self, series: "Sequence[Series]") -> np.ndarray:
+        """Return the part of A u that the boundary values of the images contribute."""
+        return self.boundary("laplacian", series)
+
+    def boundary_gradient(self, series: "Sequence[Series]") -> np.ndarray:
+        """Return the part of D u that the boundary values of the images contribute."""
+        return self.boundary("d_dy", series)
+
+    def even_fit(self, side: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the indices of points near the wall ``side``, their distances from it, and their weights.
+
+        The weighted sum of values is the value at the wall of the even polynomial that fits them best.
+        """
+        points, distance, radius = self.near_wall(side)
+        near = np.flatnonzero(distance < radius)
+        weights = np.linalg.pinv((distance[near, None] / radius) ** np.array(EVEN_POWERS))[0]
+        return points[near], distance[near], weights
+
+    def wall_values(self, values: np.ndarray) -> np.ndarray:
+        """Return ``values`` (quantities, n) extrapolated to each wall (2, quantities).
+
+        They follow from the least-squares fit of a polynomial in the wall distance to the points near a wall.
+        """
+        found = []
+        for side in range(2):
+            points, distance, radius = self.near_wall(side)
+            near = distance < radius
+            powers = (distance[near, None] / radius) ** np.arange(FIT_TERMS)
+            found.append(np.linalg.lstsq(powers, values[:, points].T[near], rcond=None)[0][0])
+        return np.array(found)
+
+    def near_wall(self, side: int) -> tuple[np.ndarray, np.ndarray, float]:
+        """Return the indices of points that may be near a wall, their distances from it, and the radius of fits."""
+        raise NotImplementedError
+
+    def derivative(self, operator: str, values: np.ndarray, parity: float) -> np.ndarray:
+        """Return an operator, ``laplacian`` or ``d_dy``, of ``values``; see ``gradient``."""
+        raise NotImplementedError
+
+    def boundary(self, operator: str, series: "Sequence[Series]") -> np.ndarray:
+        """Return the part of an operator that the boundary values of the images contribute."""
+        raise NotImplementedError
+
+    def boundary_stress(self, side: int, slope: float, third: float) -> np.ndarray:
+        """Return the part of D S that the images beyond the wall ``side`` contribute, see ``stress_excess``."""
+        raise NotImplementedError
+
+    def solve(
+        self, gamma_dt: float, tangent: np.ndarray | None, right: np.ndarray, guess: np.ndarray, tolerance: float
+    ) -> np.ndarray | None:
+        """Solve (1 - g nu_s A - g D T D) x = ``right`` with g = ``gamma_dt`` and T = ``tangent`` (None: 0).
+
+        Return x, from ``guess`` on solved to a residual of ``tolerance`` over |right|; None where that fails.
+        """
+        raise NotImplementedError
 
 
 class ImplicitStep:
-    """Advances the velocities, and with a ``model`` of an extra stress the states ``polymer`` that particles carry.
+    """Advances the flow of ``points`` between the ``walls`` of a channel, with the derivatives of ``operators``."""
 
-    ``velocity`` and ``end`` (fluid): velocities along the channel at the start and at the end of the step;
-    ``start_rate``, ``end_rate``: their time derivatives there. The velocities across the channel are 0.
+    def __init__(self, points: Points, operators: ClosedOperators, walls: "WallPair", channel: "Channel") -> None:
+        self.points, self.operators, self.walls = points, operators, walls
+        self.viscosity = channel.solvent_viscosity
+        self.extra_stress: NoExtraStress = NoExtraStress(operators, walls, channel)
+        if isinstance(walls.model, StressModel):
+            self.extra_stress = ExtraStress(operators, walls, channel, walls.model)
+
+    def advance(
+        self, time: float, dt: float, tolerance: float, shift: bool = False
+    ) -> tuple[list[FlowState] | None, float]:
+        """Take one step of length ``dt`` from ``time``; return the flow in the four stages, and the estimated error.
+
+        The first stage is the start of the step, the last one its end. With g = gamma dt and the rates k_j of stages:
+
+            assemble A, D at x^n + dt/2 u^n, with particles that are too close shifted apart
+            k_1 = nu_s A u^n + D S(C^n, D u^n) + s(t^n)                                                              (7)
+            for the stages i = 2, 3, 4:
+                u_K = u^n + dt sum_{j<i} a_ij k_j, and C_K likewise                                                 (4a)
+                u_i = u^n + the integral of the polynomial through k_1 .. k_{i-1}                          (first guess)
+                repeat: S* and T from C* = C_K + g F(C*, D u*), with the present iterate u* of u_i
+                        (1 - g nu_s A - g D T D) u_i = u_K + g (D (S* - T D u*) + s(t^n + c_i dt))                   (8)
+                        with the velocity of a stress-controlled wall by its own momentum balance
+                until S(C_i, D u_i) is the stress in (8)
+                k_i = (u_i - u_K) / g
+            u^(n+1) = u_4, since b_j = a_4j                                                                         (4b)
+            (1 - g nu_s A - g D T D) e = d + g D S_C (1 - g F_C)^-1 d_C,    d = dt sum_j (b_j - b^_j) k_j            (5)
+
+        d_C is the same sum of the rates of C; S_C and F_C are the derivatives of S and F by C at the end.
+        ``tolerance``: residual of the linear systems over their right side, and of the stress in (8) over its scale.
+        Returns None and NaN where a linear system cannot be solved, None and infinity where (8) does not converge.
+        """
+        operators, walls, extra, gamma_dt = self.operators, self.walls, self.extra_stress, GAMMA * dt
+        start = self.points.assemble(dt, shift)
+        walls.begin(time, dt, extra.wall_values(start), operators)
+        extra.begin(start)
+        start.velocity_rate = self.viscosity * operators.laplacian(start.velocity) + extra.source(start.stress, 0)
+        flows = [start]
+        for stage in range(1, len(C)):
+            velocity_rates, state_rates = [flow.velocity_rate for flow in flows], [flow.state_rate for flow in flows]
+            known = FlowState(
+                explicit_part(start.velocity, stage, dt, velocity_rates),
+                explicit_part(start.state, stage, dt, state_rates),
+            )
+            velocity = start.velocity + dt * weighted(PREDICTORS[stage], velocity_rates)
+            shear_rate = extra.begin_stage(stage, time + C[stage] * dt, velocity)
+            flow = extra.respond(velocity, shear_rate, known, flows[-1].state, gamma_dt)
+            for _ in range(MOST_ITERATIONS):
+                stress, boundary = extra.linearise(flow, stage)
+                right = known.velocity + gamma_dt * extra.source(stress, stage)
+                velocity = operators.solve(gamma_dt, flow.tangent, right, flow.velocity, tolerance)  # (8)
+                solution = extra.solution(velocity, flow, boundary, gamma_dt, tolerance)
+                if solution is None:
+                    return None, math.nan
+                velocity, shear_rate, stress = solution
+                flow = extra.respond(velocity, shear_rate, known, flow.state, gamma_dt)
+                if extra.converged(flow, stress, tolerance):
+                    break
+            else:
+                return None, math.inf
+            extra.end_stage(flow)
+            flow.velocity_rate = (flow.velocity - known.velocity) / gamma_dt
+            flow.state_rate = (flow.state - known.state) / gamma_dt
+            flows.append(flow)
+        defect = dt * weighted(DEFECT, [flow.velocity_rate for flow in flows])
+        state_defect = dt * weighted(DEFECT, [flow.state_rate for flow in flows])
+        return flows, extra.filtered_error(flows[-1], gamma_dt, defect, state_defect)
+
+
+Solution = tuple[np.ndarray, Any, Any]
+"""Velocity, shear rate and stress (n,) of a stage, linearised; the latter two None without an extra stress."""
+
+
+class NoExtraStress:
+    """The extra stress of a Newtonian fluid: none. ``ExtraStress`` has the same methods."""
+
+    def __init__(self, operators: ClosedOperators, walls: "WallPair", channel: "Channel") -> None:
+        self.operators, self.walls, self.channel = operators, walls, channel
+        self.viscosity, self.acceleration = channel.solvent_viscosity, channel.acceleration
+        self.steady_source: np.ndarray | None = None
+
+    def wall_values(self, flow: FlowState) -> np.ndarray | None:
+        """Return C and the shear rate of the fluid at each wall, (2, components + 1); None without C."""
+        return None
+
+    def begin(self, start: FlowState) -> None:
+        """Set shear rate, stress and rate of the states at the ``start`` of a step."""
+        self.steady_source, start.state_rate = None, start.state
+
+    def begin_stage(self, stage: int, time: float, velocity: np.ndarray) -> Any:
+        """Begin an implicit ``stage`` at ``time``; return D u of the predicted ``velocity`` (n,)."""
+
+    def end_stage(self, flow: FlowState) -> None:
+        """End an implicit stage with this ``flow``."""
+
+    def respond(
+        self, velocity: np.ndarray, shear_rate: Any, known: FlowState, state: np.ndarray, gamma_dt: float
+    ) -> FlowState:
+        """Return the flow of a stage with this velocity and shear rate, with C = C_K + g F(C, D u).
+
+        ``known``: the explicit part C_K; ``state``: first guess of C.
+        """
+        return FlowState(velocity, known.state)
+
+    def linearise(self, flow: FlowState, stage: int) -> tuple[Any, Any]:
+        """Return S* - T D u* about a ``flow`` without the boundary values of D u, and these boundary values."""
+        return None, None
+
+    def source(self, stress: Any, stage: int) -> np.ndarray:
+        """Return D ``stress`` + s(t) in a ``stage``: s is nu_s times the boundary part of A u + body acceleration."""
+        if self.steady_source is not None:
+            return self.steady_source
+        source = self.viscosity * self.operators.boundary_laplacian(self.walls.series(stage))
+        source += self.acceleration
+        self.steady_source = source if self.walls.steady else None
+        return source
+
+    def solution(
+        self, velocity: np.ndarray | None, flow: FlowState, boundary: Any, gamma_dt: float, tolerance: float
+    ) -> Solution | None:
+        """Return the solution of (8) by its ``velocity`` for walls as in the iterate ``flow``; None if that is None.
+
+        ``boundary``: boundary values of D u. Walls with their own equation of motion change the solution.
+        """
+        return None if velocity is None else (velocity, None, None)
+
+    def converged(self, flow: FlowState, stress: Any, tolerance: float) -> bool:
+        """Tell whether the stress of a ``flow`` is the ``stress`` in (8)."""
+        return True
+
+    def filtered_error(self, end: FlowState, gamma_dt: float, defect: np.ndarray, state_defect: np.ndarray) -> float:
+        """Return the norm of e in (5), in the unit of velocity; NaN where the system cannot be solved."""
+        error = self.operators.solve(gamma_dt, None, defect, np.zeros_like(defect), ERROR_RESIDUAL)
+        return math.nan if error is None else norm(error)
+
+    def indefinite(self, state: np.ndarray) -> np.ndarray:
+        """Return the indices of particles whose conformation tensor is not positive definite."""
+        return np.zeros(0, dtype=int)
+
+    def mean_stress(self, flows: list[FlowState]) -> np.ndarray | None:
+        """Return the mean of S_xy over a step (n,) with these stages; None without an extra stress."""
+        return None
+
+
+class ExtraStress(NoExtraStress):
+    """An extra stress S that depends on D u alone, point by point, as the ``model`` of the fluid says.
+
+    Linearised about u* it is S = S* + T D (u - u*): only the velocities are unknowns of the linear systems. Where S is
+    linear in D u, as for Oldroyd-B fluids, the first iteration solves a stage.
     """
 
-    def __init__(self, operators, channel, walls):
-        self.closed_operators, self.operators = operators, operators.operators
-        self.channel, self.walls, self.model = channel, walls, walls.model
-        self.points, self.ghosts = operators.points, operators.ghosts
-        self.stages = stages_of(operators, channel, walls)
-        self.velocity, self.end, self.start_rate, self.end_rate = (self.points.field(real()) for _ in range(4))
-        self.polymer = None if self.model is None else PolymerState(self.model.components, self.points.fluid)
+    def __init__(self, operators: ClosedOperators, walls: "WallPair", channel: "Channel", model: StressModel) -> None:
+        super().__init__(operators, walls, channel)
+        self.model = model
+        self.speed, self.stress_of_speed = channel.reference_velocity, channel.kinematic_viscosity / channel.gap
 
-    def begin_with(self, heights):
-        """Set the states of particles at ``heights`` (fluid,) when a run starts."""
-        self.walls.reset()
-        if self.polymer:
-            self.polymer.state[...] = self.model.initial(self.channel, heights)
-            self.polymer.shear_rate[...] = 0.0
-            self.stages.initialise()
+    def wall_values(self, flow: FlowState) -> np.ndarray:
+        """Return C and D u at each wall (2, components + 1), by polynomials in the wall distance."""
+        return self.operators.wall_values(np.vstack([flow.state, flow.shear_rate]))
 
-    def apply_impulse(self, time):
-        """Let walls that change at once at ``time`` do so.
+    def begin(self, start: FlowState) -> None:
+        """Set shear rate, stress and rate of the states at the ``start`` of a step."""
+        for wall in self.walls.stress_controlled:
+            wall.prepare(self, start)
+        start.shear_rate = self.shear_rate(start.velocity, 0)
+        start.stress = self.model.shear_stress(start.state, start.shear_rate)
+        start.state_rate = self.model.rate(start.state, start.shear_rate)
 
-        Returns the velocity gained from the (bottom, top) wall, summed over the particles.
-        """
-        flow = self.flow()
-        gains = apply_impulse(self.stages, flow, time)
-        active(self.velocity)[...] = flow.velocity
-        if self.polymer:
-            self.polymer.state[...] = flow.state
-        return gains
+    def begin_stage(self, stage: int, time: float, velocity: np.ndarray) -> np.ndarray:
+        """Begin an implicit ``stage`` at ``time``, on the walls too; return D u of the predicted ``velocity`` (n,)."""
+        for wall in self.walls.stress_controlled:
+            wall.open(stage, time)
+        return self.shear_rate(velocity, stage)
 
-    def flow(self):
-        """Return a copy of the velocities and of the state of the polymer, in double precision."""
-        velocity = active(self.velocity).astype(float)
-        if self.polymer:
-            return FlowState(velocity, self.polymer.state.copy(), self.polymer.shear_rate.copy())
-        return FlowState(velocity, np.empty((0, self.points.fluid)))
+    def end_stage(self, flow: FlowState) -> None:
+        """End an implicit stage with this ``flow``, on the walls too."""
+        for wall in self.walls.stress_controlled:
+            wall.close(flow.velocity)
 
-    def advance(self, time, dt, tolerance):
-        """Compute the end of a step; return its estimated error."""
-        self.closed_operators.assemble()
-        start = self.flow()
-        end, error = self.stages.advance(start, time, dt, tolerance)
-        if end is None:
-            return error
-        active(self.end)[...], active(self.end_rate)[...] = end.velocity, end.velocity_rate
-        active(self.start_rate)[...] = start.velocity_rate
-        if self.polymer:
-            polymer = self.polymer
-            polymer.end[...], polymer.end_rate[...] = end.state, end.state_rate
-            polymer.end_shear_rate[...], polymer.start_rate[...] = end.shear_rate, start.state_rate
-        return error
+    def shear_rate(self, velocity: np.ndarray, stage: int) -> np.ndarray:
+        """Return D u of a ``velocity`` (n,) in a ``stage``."""
+        boundary = self.operators.boundary_gradient(self.walls.series(stage))
+        return self.operators.gradient(velocity, -1.0) + boundary
 
-    def accept(self):
-        """Take up the end of the step as the start of the next, on the particles and at the walls."""
-        active(self.velocity)[...] = active(self.end)
-        self.walls.conclude()
-        if not self.polymer:
-            return
-        polymer, operators = self.polymer, self.closed_operators
-        polymer.start[...] = polymer.state
-        polymer.state[...], polymer.shear_rate[...] = polymer.end, polymer.end_shear_rate
-        for component, (slope, state) in enumerate(zip(polymer.slope, polymer.state, strict=True)):
-            images = [operators.boundary_stress(wall.side, *wall.state_excess(component)) for wall in self.walls]
-            slope[...] = operators.gradient(state, 1.0) + sum(images)
+    def respond(
+        self, velocity: np.ndarray, shear_rate: Any, known: FlowState, state: np.ndarray, gamma_dt: float
+    ) -> FlowState:
+        """Return the flow of a stage; see ``NoExtraStress.respond``."""
+        state, tangent = self.model.update(known.state, gamma_dt, shear_rate, state)
+        stress = self.model.shear_stress(state, shear_rate)
+        return FlowState(velocity, state, shear_rate, stress, tangent=tangent)
 
-    def shift_fields(self, moved, across):
-        """Transfer the states of the particles that were ``moved`` by ``across``."""
-        if self.polymer:
-            self.polymer.state[:, moved] += self.polymer.slope[:, moved] * across
+    def linearise(self, flow: FlowState, stage: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return S* - T D u* without the boundary values of D u, and these; see ``NoExtraStress.linearise``."""
+        boundary = self.operators.boundary_gradient(self.walls.series(stage))
+        return flow.stress + flow.tangent * (boundary - flow.shear_rate), boundary
 
-    def indefinite(self):
-        """Return the particles with an indefinite conformation tensor at the end of the step."""
-        return self.model.indefinite(self.polymer.end) if self.polymer else np.zeros(0, dtype=int)
+    def source(self, stress: Any, stage: int) -> np.ndarray:
+        """Return D ``stress`` + s(t) in a ``stage``, with the stress of the images."""
+        source = super().source(stress, stage) + self.operators.gradient(stress, 1.0)
+        for side, series in enumerate(self.walls.stress_series(stage)):
+            source += self.operators.boundary_stress(side, *series)
+        return source
 
-    def stress(self):
-        """Return the stresses S_xx, S_xy, S_yy per unit density that particles carry, (3, fluid), or none, ()."""
-        return self.model.stress(self.polymer.state) if self.polymer else ()
+    def solution(
+        self, velocity: np.ndarray | None, flow: FlowState, boundary: Any, gamma_dt: float, tolerance: float
+    ) -> Solution | None:
+        """Return velocity, D u and S* + T (D u - D u*); see ``NoExtraStress.solution``."""
+        if velocity is None:
+            return None
+        shear_rate = self.operators.gradient(velocity, -1.0) + boundary
+        stress = flow.stress + flow.tangent * (shear_rate - flow.shear_rate)
+        solution: Solution | None = (velocity, shear_rate, stress)
+        for wall in self.walls.stress_controlled:
+            solution = solution and wall.match(self.operators, solution, gamma_dt, flow.tangent, tolerance)
+        return solution
 
-    def stress_at(self, theta, dt):
-        """Return ``stress`` at the part ``theta`` of the last step, of ``dt``: cubic in the states."""
-        if not self.polymer:
-            return ()
-        polymer = self.polymer
-        ends = polymer.start, polymer.state, polymer.start_rate, polymer.end_rate
-        return self.model.stress(hermite(theta, dt, *ends))
+    def converged(self, flow: FlowState, stress: Any, tolerance: float) -> bool:
+        """Tell whether the stress of a ``flow`` is the ``stress`` in (8)."""
+        round_off = ROUND_OFF * norm(flow.stress)
+        return norm(flow.stress - stress) <= tolerance * self.speed * self.stress_of_speed + round_off
+
+    def filtered_error(self, end: FlowState, gamma_dt: float, defect: np.ndarray, state_defect: np.ndarray) -> float:
+        """Return the root sum of squares of the errors of u, of S_xy gap/nu and of the walls' velocities."""
+        relaxed = self.model.linear(end.state, gamma_dt, end.shear_rate, state_defect)
+        right = defect + gamma_dt * self.operators.gradient(relaxed, 1.0)
+        velocity = self.operators.solve(gamma_dt, end.tangent, right, np.zeros_like(right), ERROR_RESIDUAL)
+        if velocity is None:
+            return math.nan
+        stress = relaxed + end.tangent * self.operators.gradient(velocity, -1.0)
+        errors = norm(velocity), norm(stress) / self.stress_of_speed
+        return math.hypot(*errors, *(wall.defect for wall in self.walls))
+
+    def indefinite(self, state: np.ndarray) -> np.ndarray:
+        """Return the indices of particles whose conformation tensor is not positive definite."""
+        return self.model.indefinite(state)
+
+    def mean_stress(self, flows: list[FlowState]) -> np.ndarray:
+        """Return the mean of S_xy over a step (n,) with these stages."""
+        return weighted(B, [flow.stress for flow in flows])
 
 
-class DenseOutput:
-    """Positions and velocities at any time of the step that was taken last (Hermite interpolation).
+def norm(values: np.ndarray) -> float:
+    """Return the root mean square of ``values`` (n,)."""
+    return float(np.sqrt(np.mean(np.square(values))))
 
-    The values of the fields are read once a step: many outputs may fall into one.
+
+def weighted(weights: "Sequence[float] | np.ndarray", values: "Sequence[Any]") -> Any:
+    """Return the sum of ``values``, numbers or arrays, times as many of the ``weights``."""
+    total = weights[0] * values[0]
+    for weight, value in zip(weights[1:], values[1:], strict=False):
+        total = total + weight * value
+    return total
+
+
+def explicit_part(start: Any, stage: int, dt: float, rates: "Sequence[Any]") -> Any:
+    """Return the explicit part (4a) of a ``stage``, start + dt sum_{j<i} a_ij k_j, with the ``rates`` k_j so far."""
+    return start + dt * weighted(A[stage], rates) if stage else start
+
+
+def stage_predictors() -> np.ndarray:
+    """Return the weights (4, 4) that integrate the polynomial through the rates before a stage up to its time.
+
+    Row i predicts u_i = u^n + dt sum_{j<i} weights_ij k_j.
     """
-
-    def __init__(self, step, motion):
-        self.step, self.motion = step, motion
-        self.began = self.dt = 0.0
-        self.state = None
-
-    def keep(self, time, dt):
-        """Take note of a step that has been taken, from ``time`` on."""
-        self.began, self.dt, self.state = time, dt, None
-
-    def at(self, time):
-        """Return positions (fluid, 2), velocities (fluid) and the logarithms of volumes (fluid) at ``time``."""
-        if self.state is None:
-            self.state = self._read()
-        start, end, start_rate, end_rate, position, log_volume = self.state
-        position = position.copy()
-        theta = (time - self.began) / self.dt
-        position[:, 0] += self._displacement(theta, start, end)
-        return position, hermite(theta, self.dt, start, end, start_rate, end_rate), log_volume
-
-    def around(self, times, x, half_width, period):
-        """Return the particles within ``half_width`` of ``x`` (times,), of this ``period``, at each of the ``times``.
-
-        Flat arrays: which time (ascending), and x, y and velocity along the channel of a particle.
-        """
-        if self.state is None:
-            self.state = self._read()
-        start, end, start_rate, end_rate, position = self.state[:5]
-        thetas = (np.asarray(times) - self.began)[:, None] / self.dt
-        found = []
-        for some in np.split(np.arange(len(times)), range(0, len(times), max(1, TOGETHER // position.shape[0]))[1:]):
-            apart = position[:, 0] + self._displacement(thetas[some], start, end) - x[some, None]
-            apart -= period * np.round(apart / period)
-            when, particle = np.nonzero(np.abs(apart) < half_width)
-            theta, when = thetas[some[when], 0], some[when]
-            y = position[particle, 1]
-            u = hermite(theta, self.dt, *(values[particle] for values in (start, end, start_rate, end_rate)))
-            found.append((when, x[when] + apart[np.searchsorted(some, when), particle], y, u))
-        return [np.concatenate(column) for column in zip(*found, strict=True)]
-
-    def _displacement(self, theta, start, end):
-        return self.dt * (theta * start + 0.5 * theta**2 * (end - start))
-
-    def _read(self):
-        step, motion = self.step, self.motion
-        velocities = (motion.start_velocity, step.end, step.start_rate, step.end_rate)
-        fields = (*velocities, motion.start_position, motion.field.log_volume)
-        return [active(field).astype(float) for field in fields]
+    weights = np.zeros((4, 4))
+    for stage in range(1, 4):
+        powers = np.arange(stage)
+        nodes = np.array(C[:stage])[:, None] ** powers
+        weights[stage, :stage] = np.linalg.solve(nodes.T, C[stage] ** (powers + 1) / (powers + 1))
+    return weights
 
 
-def hermite(theta, dt, start, end, start_rate, end_rate):
-    """Return at the part ``theta`` of a step of ``dt`` the cubic with these values and time derivatives at its ends."""
-    late = theta * theta * (3.0 - 2.0 * theta)
-    change = dt * theta * (1.0 - theta) * ((1.0 - theta) * start_rate - theta * end_rate)
-    return (1.0 - late) * start + late * end + change
-
-
-class WallForce:
-    """Fits the mean velocities and extra stresses of the last step of an ``ImplicitStep``."""
-
-    def __init__(self, step, channel):
-        self.step, self.operators, self.ghosts, self.channel = step, step.operators, step.ghosts, channel
-        self.viscosity, self.area = channel.solvent_viscosity, channel.length / channel.spacing**2
-
-    def impulse(self, time, dt, resolved):
-        """Return the velocity that the (bottom, top) wall gives in a step, summed over the particles.
-
-        ``resolved``: whether there are gradients at the walls to go by.
-        """
-        walls, ghosts = self.step.walls, self.ghosts
-        ghosts.prescribe(*self.mean(walls.series))
-        mean = np.zeros(ghosts.points.slots + 1)
-        mean[: ghosts.points.fluid] = self.step.stages.mean_velocity
-        beyond = ghosts.part(mean)
-        beyond[...] = ghosts.boundary_values() - ghosts.source_values(mean)
-        if resolved:
-            fitted = zip(walls, self.fitted_stresses(mean, time, dt), strict=True)
-            forces = [-wall.normal_sign * self.area * stress for wall, stress in fitted]
-        else:
-            forces = self.from_images(beyond[ghosts.listed] - mean[ghosts.near[ghosts.row]])
-        wall = walls.stress_controlled
-        if wall:
-            forces[wall.side] = -wall.normal_sign * self.area * wall.mean_stress
-        return [dt * float(force) for force in forces]
-
-    def mean(self, of_stage):
-        """Return the mean over the step of the values ``of_stage`` at each stage."""
-        return sum(weight * np.array(of_stage(stage)) for stage, weight in enumerate(B))
-
-    def fitted_stresses(self, mean, time, dt):
-        """Return the shear stress at the (bottom, top) wall."""
-        ghosts = self.ghosts
-        stress = self.viscosity * self.operators.apply_to(ghosts.near, self.operators.d_dy, mean)
-        if self.step.stages.mean_stress is not None:
-            stress = stress + self.step.stages.mean_stress[ghosts.near]
-        found = []
-        for wall, distance in zip(self.step.walls, ghosts.offset, strict=True):
-            slope = sum(weight * wall.acceleration(time + c * dt) for c, weight in zip(C, B, strict=True))
-            rise = wall.normal_sign * (slope - self.channel.acceleration) * distance
-            found.append(_intercept(distance, stress - rise, ghosts.cutoff))
-        return found
-
-    def from_images(self, differences):
-        """Return the forces of images beyond the (bottom, top) wall by ``differences`` of the mean velocities."""
-        step, ghosts, stress = self.step, self.ghosts, self.step.stages.mean_stress
-        viscous = self.viscosity * ghosts.sums(self.operators.laplacian, differences)[1]
-        if stress is None:
-            return viscous
-        series = self.mean(step.walls.stress_series)
-        more = sum(step.closed_operators.image_stress(side, *series[side]) for side in range(2))
-        images = step.closed_operators.close(stress, 1.0) + more
-        # first derivatives are odd: what pairs of particles leave of each other is the sum over the images
-        both = images[ghosts.listed] + stress[ghosts.near[ghosts.row]]
-        return viscous + ghosts.sums(self.operators.d_dy, both)[1]
-
-
-def _intercept(distance, stress, radius):
-    """Return A of the least-squares fit A + B d^2 to values within a ``radius`` of a wall; without particles, 0."""
-    near = distance < radius
-    square, stress = distance[near] ** 2, stress[near]
-    second, fourth = square.sum(), (square * square).sum()
-    determinant = square.size * fourth - second * second
-    return float(stress.sum() * fourth - (square * stress).sum() * second) / determinant if determinant > 0.0 else 0.0
-
-
-class Motion:
-    """Positions (fluid) and their motion, and positions and velocities (fluid) before the last step."""
-
-    def __init__(self, field, shift, period):
-        step = field.step
-        self.field, self.step, self.points, self.shift = field, step, step.points, shift
-        self.period = period
-        self.position, self.start_position = (self.points.field(ti.types.vector(2, real())) for _ in range(2))
-        self.start_velocity = self.points.field(real())
-
-    def predict(self, half):
-        """Put the points where the particles are in the middle of a step twice as long as ``half``."""
-        place = active(self.position).copy()
-        place[:, 0] = self.wrapped(place[:, 0] + half * active(self.step.velocity))
-        view(self.points.position)[: self.points.fluid] = place
-
-    def shift_fields(self, half):
-        """Transfer positions and velocities to the shifted points: by the Taylor series of the velocities.
-
-        A shift D in the middle of the step is one by D_x - ``half`` u_y D_y along the channel at its start.
-        """
-        shift = view(self.shift.moved)[: self.points.fluid]
-        moved = np.flatnonzero(shift.any(axis=1))
-        x, y = shift[moved].T
-        slope, curvature = active(self.field.slope)[moved], active(self.field.curvature)[moved]
-        x = x - half * slope[:, 1] * y
-        squares = np.stack([0.5 * x * x, x * y, 0.5 * y * y], axis=1)
-        change = slope[:, 0] * x + slope[:, 1] * y + np.einsum("nk,nk->n", curvature, squares)
-        self.step.shift_fields(moved, y)
-        velocity = active(self.step.velocity)
-        velocity[moved] += change
-        place = view(self.points.position)[moved]
-        place[:, 0] -= half * velocity[moved]
-        active(self.position)[moved] = place
-
-    def move(self, dt):
-        """Move the particles over the step and take up the velocities at its end."""
-        position, velocity, end = (active(field) for field in (self.position, self.step.velocity, self.step.end))
-        active(self.start_position)[...] = position
-        active(self.start_velocity)[...] = velocity
-        position[:, 0] = self.wrapped(position[:, 0] + (0.5 * dt) * (velocity + end))
-        self.step.accept()
-
-    def wrapped(self, x):
-        """Return ``x`` moved by whole periods into [0, period)."""
-        inside = x - np.floor(x / self.period) * self.period
-        return np.where(inside < self.period, inside, 0.0)
+PREDICTORS = stage_predictors()

@@ -9,6 +9,7 @@ import os
 import time
 from importlib import metadata
 from importlib.util import find_spec
+from typing import TYPE_CHECKING
 
 from tisph.runtime import _cache  # noqa: F401 (it finds a folder for Taichi, too, before that is imported)
 
@@ -29,7 +30,10 @@ os.environ.update(
 KNOWN = NAME == "taichi" and metadata.version(NAME) == "1.7.4"
 """Whether the package is the one whose inner parts this program knows (``_inner``)."""
 
-ti = importlib.import_module(NAME)  # it reads the environment
+if TYPE_CHECKING:
+    from tisph.runtime import taichi_types as ti
+else:
+    ti = importlib.import_module(NAME)  # it reads the environment
 
 
 def mark():

@@ -17,9 +17,8 @@ In a notebook ``results`` on a line of its own shows movie, plots and errors. Wh
 
 from typing import TYPE_CHECKING, Any
 
-from tisph import clock as _clock  # noqa: F401 (the process begins here)
+from tisph.version import __version__ as __version__  # isort: skip (it notes when the process began)
 from tisph import errors as errors
-from tisph.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from tisph.interface import check, run

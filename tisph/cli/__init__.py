@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from tisph.cli import check, compare, finished, menu, run, studies, terminal
+from tisph.cli import check, finished, menu, run, studies, terminal
 from tisph.cli.terminal import reported
 from tisph.version import __version__
 
@@ -59,7 +59,7 @@ for _name, _command in {
     "render": finished.render,
     "report": finished.report,
     "export": finished.export,
-    "compare": compare.compare,
+    "compare": finished.compare,
     "sweep": studies.sweep,
     "rheometry": finished.rheometry,
 }.items():

@@ -17,8 +17,7 @@ from typing import Annotated, Any, TextIO
 
 import typer
 
-from tisph.errors import INTERRUPTED, TisphError
-from tisph.signals import ending_signals
+from tisph.errors import INTERRUPTED, TisphError, ending_signals
 
 
 def reported(command: Callable[..., None]) -> Callable[..., None]:

@@ -13,8 +13,7 @@ one in which solutions are simple:
 With the derivatives D by that coordinate d/ds = b D, and the Laplacian's part across the axis is a D^2 + c D.
 """
 
-from tisph.least_squares.elimination import even_powers
-from tisph.least_squares.operators import BLOCK, D_DY, LAPLACIAN, LeastSquaresOperators
+from tisph.least_squares.operators import BLOCK, D_DY, LAPLACIAN, LeastSquaresOperators, even_powers
 from tisph.runtime import scalar, ti
 
 ACROSS = -3

@@ -146,7 +146,7 @@ class ViscousSolver(BiCGStab):
             return super().solve(coefficient, tolerance)
         if self.two_level is None:
             from tisph.solvers.auxiliary_grid import DirichletGrid  # of no use to most channels
-            from tisph.solvers.two_level import TwoLevel
+            from tisph.solvers.bicgstab import TwoLevel
 
             self.two_level = TwoLevel(self, DirichletGrid(self.points, self.channel, self.channel.gap))
         self.two_level.grid.sort()

@@ -11,9 +11,9 @@ from dataclasses import replace
 import numpy as np
 
 from tisph import registry
+from tisph.domain import PeriodicDomain
 from tisph.geometry.region import box_around
 from tisph.measures.fits import local_fits, parts, periodic_tree, with_walls
-from tisph.periodic import PeriodicDomain
 from tisph.runtime import view
 from tisph.schemes import AROUND_BODIES
 from tisph.schemes._two_dimensional.wall_points import WallPoints

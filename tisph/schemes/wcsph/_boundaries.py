@@ -1,7 +1,7 @@
 """Boundaries of the fluid of an explicit run: the plane walls of a channel, bodies, or copies of the fluid itself.
 
 ``box`` says how many ``columns`` and ``rows`` of ``spacing`` the cells have to cover, from ``origin`` on; ``slots`` how
-many wall particles of their own and how much room for images there has to be (``tisph/particles.py``);
+many wall particles of their own and how much room for images there has to be (``tisph/neighbours/cells.py``);
 ``displacement_factor`` how much farther wall particles go than the fluid that they are images of.
 
 Walls that start or stop at once give the fluid an impulse, by the images that obey the momentum equation. A wall whose
@@ -25,8 +25,7 @@ Without the slope the wall shear stress of start-up flow converges with the firs
 import numpy as np
 
 from tisph import registry
-from tisph.domain import ChannelDomain
-from tisph.periodic import PeriodicDomain
+from tisph.domain import ChannelDomain, PeriodicDomain
 from tisph.runtime import ti, view
 from tisph.schemes._momentum import MomentumBalance
 from tisph.schemes._step_control import Kept

@@ -1,6 +1,13 @@
-"""The channel as the kernels see it: sizes, wall velocities and drive, as numbers that are not compiled in."""
+"""The box and the fluid as kernels see them: numbers in fields, which are not compiled in."""
 
+from typing import TYPE_CHECKING, Any
+
+from tisph.equation_of_state import Tait, series
 from tisph.runtime import scalar, ti, view
+
+if TYPE_CHECKING:
+    from tisph.scenes._scene import Scene
+    from tisph.scenes.channel import Scene as Channel
 
 
 @ti.func
@@ -19,12 +26,12 @@ def wrapped(coordinate, period):
 
 @ti.data_oriented
 class PeriodicDomain:
-    """Box 0 <= x < length, 0 <= y < height, periodic in both directions; sizes are not compiled in."""
+    """Box 0 <= x < length, 0 <= y < height, periodic in both directions."""
 
     periodic_y = True
     has_body_force = False
 
-    def __init__(self, length, height):
+    def __init__(self, length: float, height: float):
         self.length, self.height = scalar(length), scalar(height)
 
     @ti.func
@@ -44,7 +51,7 @@ class PeriodicDomain:
 
     @ti.func
     def wrap_row(self, row, rows):
-        """Return which of the rows 1 .. ``rows`` of cells stands for ``row``, which is less than that beyond them."""
+        """Return the row of cells, of the rows 1 .. ``rows``, that ``row`` is a periodic copy of."""
         return ti.select(row < 1, row + rows, ti.select(row > rows, row - rows, row))
 
 
@@ -52,14 +59,14 @@ class PeriodicDomain:
 class ChannelDomain:
     """Plane channel 0 <= y <= height, periodic in x over ``length``, with walls moving along x.
 
-    ``has_body_force`` and ``oscillates`` tell whether a body acceleration and wall accelerations exist; without them
-    their fields do not. Wall velocities are those of the time last given to ``move_on``. ``columns`` is the number of
-    spacings in the length, which no kernel may read: it would be compiled in.
+    ``has_body_force`` and ``oscillates``: whether there are a body acceleration and wall accelerations; without them
+    there are no fields of them. ``move_on(time)`` sets the wall velocities. ``columns``: number of particle spacings
+    in the length; no kernel may read it, since it would be compiled in.
     """
 
     periodic_y = False
 
-    def __init__(self, channel):
+    def __init__(self, channel: "Channel"):
         self.has_body_force = channel.acceleration != 0.0
         self.oscillates = any(wall.oscillates and not wall.stress_controlled for wall in (channel.bottom, channel.top))
         self.motions = (channel.bottom, channel.top)
@@ -75,8 +82,8 @@ class ChannelDomain:
             self.bottom_acceleration = scalar(channel.bottom.acceleration(channel.start_time))
             self.top_acceleration = scalar(channel.top.acceleration(channel.start_time))
 
-    def move_on(self, time):
-        """Take up the wall velocities at ``time``."""
+    def move_on(self, time: float) -> None:
+        """Set the wall velocities and accelerations at ``time``."""
         if self.oscillates:
             bottom, top = self.motions
             view(self.bottom_velocity)[()] = bottom.velocity(time)
@@ -91,7 +98,7 @@ class ChannelDomain:
 
     @ti.func
     def relative_acceleration(self, top: ti.template()):
-        """Return the acceleration of a wall less that of the body force: what viscous forces have to give there."""
+        """Return dU_W/dt - g of a wall: the acceleration that viscous forces cause there."""
         relative = 0.0
         if ti.static(self.oscillates):
             relative += self.top_acceleration[None] if ti.static(top) else self.bottom_acceleration[None]
@@ -125,3 +132,40 @@ class ChannelDomain:
     def wrap_x(self, x):
         """Return ``x`` moved by whole lengths into [0, length)."""
         return wrapped(x, self.length[None])
+
+
+@ti.data_oriented
+class Fluid:
+    """Weakly compressible fluid; all pressures and stresses are over the reference density (length^2/time^2).
+
+    Tait equation of state p / rho0 = c^2/gamma ((1 + s)^gamma - 1), s = rho/rho0 - 1, as a polynomial in s.
+    ``pressure_cutoff`` (over density) or None limits tension. ``kinematic_viscosity``: solvent viscosity. ``stress``:
+    law of the stress that particles carry (``Stress`` of a rheology), None for a Newtonian fluid.
+    """
+
+    def __init__(self, scene: "Scene", equation_of_state: Tait, sound_speed: float, stress: Any):
+        self.stress = stress
+        self.carries_stress = stress is not None
+        self.gamma = equation_of_state.gamma
+        self.coefficients = series(self.gamma)
+        self.limits_tension = equation_of_state.pressure_cutoff is not None
+        self.kinematic_viscosity = scalar(scene.solvent_viscosity)
+        self.sound_speed = scalar(sound_speed)
+        if equation_of_state.pressure_cutoff is not None:
+            self.pressure_cutoff = scalar(equation_of_state.pressure_cutoff / scene.density)
+
+    @ti.func
+    def pressure(self, compression):
+        """Return the pressure over the reference density."""
+        series = 0.0
+        for coefficient in ti.static(self.coefficients):
+            series = series * compression + coefficient
+        pressure = self.sound_speed[None] ** 2 * series * compression
+        if ti.static(self.limits_tension):
+            pressure = ti.max(pressure, self.pressure_cutoff[None])
+        return pressure
+
+    @ti.func
+    def stiffness(self, compression):
+        """Return the slope of pressure over compression, c^2 (1 + s)^(gamma - 1)."""
+        return self.sound_speed[None] ** 2 * (1.0 + compression) ** (self.gamma - 1)

@@ -12,7 +12,7 @@ from tisph.measures.metrics import field_error, relative_error, sample_metrics
 from tisph.runtime import view
 from tisph.simulation.state import start_values
 from tisph.walls._dummies import layers_in
-from tisph.walls._virtual_image import RADIUS
+from tisph.walls.virtual_image import RADIUS
 
 ANNULUS = """
 scene: annulus

@@ -40,7 +40,7 @@ class SolidBodies(PeriodicBoundaries):
         super().__init__(config, scene)
         self.scene, self.parameters = scene, config.walls.treatment
         name = self.parameters.type if self.parameters else AROUND_BODIES[0]
-        self.treatment = registry.compiled("walls", name).BodyTreatment
+        self.treatment = registry.load("walls", name).treatments().bodies
         self.layers = self.treatment.arrange(scene.bodies, scene.spacing, radius)
         self.slots = self.layers.slots
         corners = scene.origin, np.add(scene.origin, scene.extent)

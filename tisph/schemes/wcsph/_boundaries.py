@@ -15,7 +15,7 @@ as if xi were a velocity: in the row next to the wall by about J/4, the momentum
 the particles cannot resolve yet. It halves the error of start-up Couette flow.
 
 The displacement also strains the polymer by gamma = xi_y, with no time to relax. The stress of the particles and its
-slope at the wall (``walls/_consistent_image.py``), where u_yy = J/nu_s delta(t), become
+slope at the wall (``walls/_wall_stress.py``), where u_yy = J/nu_s delta(t), become
 
     S -> F (S + G) F^T - G,  F = 1 + gamma e_x e_y,        S_xx,y += 2 S_xy J/nu_s,  S_xy,y += (S_yy + G) J/nu_s
 
@@ -72,7 +72,7 @@ class PlaneWalls(Kept):
     def __init__(self, config, channel, radius):
         self.channel, self.parameters = channel, config.walls.treatment
         self.box = channel
-        self.treatment = registry.compiled("walls", self.parameters.type).Treatment
+        self.treatment = registry.load("walls", self.parameters.type).treatments().channel
         self.slots = self.treatment.wall_slots(channel, radius)
         self.domain = ChannelDomain(channel)
         self.balance = MomentumBalance(channel.start_time)

@@ -11,7 +11,8 @@ import math
 import numpy as np
 
 from tisph import registry
-from tisph.equation_of_state import compression, pressure, series
+from tisph.domain import Fluid
+from tisph.equation_of_state import compression, pressure
 from tisph.errors import ConfigError, DivergedError
 from tisph.neighbours import list_radius
 from tisph.neighbours.cells import Cells, Particles
@@ -21,45 +22,6 @@ from tisph.schemes._step_control import Kept, StepPlan
 from tisph.schemes._time_step import limits_of, shift_speed, sound_speed_of
 from tisph.schemes.wcsph._boundaries import PeriodicBoundaries, PlaneWalls
 from tisph.snapshot import Snapshot
-
-
-@ti.data_oriented
-class Fluid:
-    """Weakly compressible fluid; all pressures and stresses are over the reference density (length^2/time^2).
-
-    Tait equation of state p / rho0 = c^2/gamma ((1 + s)^gamma - 1) of the compression s = rho/rho0 - 1, as a
-    polynomial in s. ``pressure_cutoff`` (over density) or None limits tension. ``kinematic_viscosity`` is that of the
-    solvent; ``stress`` is the law of the stress that particles carry (``Stress`` of a rheology), None for a Newtonian
-    fluid.
-    """
-
-    def __init__(self, scene, equation_of_state, sound_speed, stress):
-        self.stress = stress
-        self.carries_stress = stress is not None
-        self.gamma = equation_of_state.gamma
-        self.coefficients = series(self.gamma)
-        self.limits_tension = equation_of_state.pressure_cutoff is not None
-        self.kinematic_viscosity = scalar(scene.solvent_viscosity)
-        self.sound_speed = scalar(sound_speed)
-        if self.limits_tension:
-            self.pressure_cutoff = scalar(equation_of_state.pressure_cutoff / scene.density)
-
-    @ti.func
-    def pressure(self, compression):
-        """Return the pressure over the reference density."""
-        series = 0.0
-        for coefficient in ti.static(self.coefficients):
-            series = series * compression + coefficient
-        pressure = self.sound_speed[None] ** 2 * series * compression
-        if ti.static(self.limits_tension):
-            pressure = ti.max(pressure, self.pressure_cutoff[None])
-        return pressure
-
-    @ti.func
-    def stiffness(self, compression):
-        """Return the slope of pressure over compression, c^2 (1 + s)^(gamma - 1)."""
-        return self.sound_speed[None] ** 2 * (1.0 + compression) ** (self.gamma - 1)
-
 
 AT_WALLS = 1e-9
 """Acceleration on walls, over the largest in the fluid, that counts as none."""

@@ -26,7 +26,7 @@ ERRORS = {
     "pressure gradient": ("channel", STEP, "x -= dt * gradient", "x -= 0.95 * dt * gradient"),
     "viscosity": ("square", SCHEME, "nu = self.problem", "nu = 0.95 * self.problem"),
     "hoop term of the divergence": ("pipe", COORDINATES, "result = 2.0 * value", "result = 1.9 * value"),
-    "hoop terms of viscosity": ("pipe", "../least_squares/axisymmetric.py", "2.0 * self.app", "1.9 * self.app"),
+    "hoop terms of viscosity": ("pipe", "../least_squares/operators.py", "2.0 * self.app", "1.9 * self.app"),
     "radius along paths": ("pipe", COORDINATES, "result.y *= ratio\n", "result.y *= 0.95 + 0.05 * ratio\n"),
     "circulation along paths": ("taylor_couette", COORDINATES, "ratio * ratio", "ratio ** 1.9"),
     "centripetal term": ("taylor_couette", STEP, "self.velocity.x[i].z ** 2", "0.95 * self.velocity.x[i].z ** 2"),

@@ -7,7 +7,7 @@ from tisph.runtime import scalar, ti, view
 
 if TYPE_CHECKING:
     from tisph.scenes._scene import Scene
-    from tisph.scenes.channel import Scene as Channel
+    from tisph.scenes._channel import Channel
 
 
 @ti.func

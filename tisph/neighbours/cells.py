@@ -1,13 +1,16 @@
-"""Particles of the explicit scheme, sorted into cells.
+"""Particles of the explicit scheme, in cells.
 
-The cells of the fluid fill the channel in rows 1 .. rows; row 0 lies below the bottom wall and row rows + 1
-above the top wall. Rows follow one another in memory as 1 .. rows, then rows + 1, then 0: the fluid comes
-first. In a box that is periodic both ways those two are empty, and stand for their copies inside; wall particles
-of bodies in it are in rows rows + 1 .. 2 rows, which cover the box once more.
+The cells of the fluid fill the box in rows 1 .. rows. In a channel row 0 lies below the bottom wall and row rows + 1
+above the top wall; rows follow one another in memory as 1 .. rows, then rows + 1, then 0, so that the fluid comes
+first. In a box that is periodic in x and y rows 0 and rows + 1 are empty, and stand for their periodic copies; wall
+particles of bodies are in rows rows + 1 .. 2 rows, which cover the box once more.
 """
+
+from typing import Any
 
 import numpy as np
 
+from tisph.domain import ChannelDomain, PeriodicDomain
 from tisph.neighbours.counting_sort import counting_sort
 from tisph.runtime import integer, real, ti, view
 from tisph.size_class import size_class
@@ -17,20 +20,19 @@ from tisph.size_class import size_class
 class Particles:
     """Fluid particles in slots 0 .. fluid-1, wall particles from slot ``first_wall`` on.
 
-    Each field has shape (2, ...): buffer ``now`` holds the present, buffer ``1 - now`` is written next.
-    ``position``, ``velocity``, ``compression`` (density / reference density - 1, which keeps its digits in
-    single precision) are the state at the end of a step, of fluid particles only. The ``mid_`` fields are
-    the state in the middle of the coming step, which the neighbours read: fluid and walls.
-    ``identity`` (fluid) is the number that a particle was created with; sorting permutes it along.
-
-    With ``carries_stress`` there are also ``stress`` and ``mid_stress``: xx, xy, yy over the reference density.
+    Each field has two buffers, shape (2, slots): a step, and a sort, reads buffer ``now`` and writes buffer
+    ``1 - now``. ``position``, ``velocity``, ``compression`` (density / reference density - 1, which keeps its digits in
+    single precision) are the state of the fluid at the end of a step. The ``mid_`` fields are the state in the middle
+    of the coming step, of fluid and walls, which the neighbours read. ``identity`` (fluid) is the number that a
+    particle was created with; sorting permutes it. With ``carries_stress`` there are also ``stress`` and
+    ``mid_stress``: xx, xy, yy over the reference density.
 
     Wall slots hold either ``dummies``, particles of their own that are sorted too, or images of fluid particles, for
-    which there is room up to ``slots``. Fields are larger than that, and where their parts begin is compiled in; how
-    many particles there are is not: kernels read it from ``fluid_number`` and ``mobile_number`` (fluid and dummies).
+    which there is room up to ``slots``. Fields are larger, and the beginnings of their parts are compiled in. The
+    numbers of particles are not: kernels read them from ``fluid_number`` and ``mobile_number`` (fluid and dummies).
     """
 
-    def __init__(self, fluid, dummies, images, carries_stress):
+    def __init__(self, fluid: int, dummies: int, images: int, carries_stress: bool):
         self.fluid, self.dummies = fluid, dummies
         self.has_dummies, self.has_walls = dummies > 0, dummies + images > 0
         self.fluid_number, self.mobile_number = integer(fluid), integer(fluid + dummies)
@@ -53,20 +55,20 @@ class Particles:
             self.stress = self._state(tensor)
             self.mid_stress = self._middle(tensor, beyond)
 
-    def _state(self, kind):
+    def _state(self, kind: Any) -> Any:
         field = ti.field(kind, shape=(2, self.first_wall))
         field.used = np.s_[:, : self.fluid]
         return field
 
-    def _middle(self, kind, used):
+    def _middle(self, kind: Any, used: int) -> Any:
         field = ti.field(kind, shape=(2, self.slots))
         field.used = np.s_[:, :used]
         return field
 
-    def load(self, position, velocity, stress):
-        """Fill new fields: uncompressed fluid at ``position`` with ``velocity``, arrays of shape (fluid, 2).
+    def load(self, position: np.ndarray, velocity: np.ndarray, stress: np.ndarray | None) -> None:
+        """Fill new fields: uncompressed fluid at ``position`` (fluid, 2) with ``velocity`` (fluid, 2).
 
-        ``stress`` (fluid, 3) is over the reference density, None where particles carry none.
+        ``stress`` (fluid, 3): polymer stress over the reference density, None where particles carry none.
         """
         view(self.position)[:, : self.fluid] = position
         view(self.mid_position)[0, : self.fluid] = position
@@ -76,13 +78,13 @@ class Particles:
         view(self.identity)[:, : self.fluid] = np.arange(self.fluid)
         self.set_middle(0)
 
-    def set_middle(self, now):
-        """Let the middle of a step have the velocities and stresses of the state in buffer ``now``."""
+    def set_middle(self, now: int) -> None:
+        """Set velocities and stresses in the middle of the step to the state in buffer ``now``."""
         view(self.mid_velocity)[now, : self.fluid] = view(self.velocity)[now, : self.fluid]
         if self.carries_stress:
             view(self.mid_stress)[now, : self.fluid] = view(self.stress)[now, : self.fluid]
 
-    def state(self, now):
+    def state(self, now: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray | None]:
         """Return position, velocity (fluid, 2), compression (fluid,), stress (fluid, 3) in the order of creation.
 
         The stress is None where particles carry none.
@@ -95,8 +97,8 @@ class Particles:
             view(self.stress)[now][order] if self.carries_stress else None,
         )
 
-    def momentum(self, now):
-        """Return the sum of the velocities along x, of the fluid."""
+    def momentum(self, now: int) -> float:
+        """Return the sum of the velocities of the fluid along x."""
         return float(view(self.velocity)[now, : self.fluid, 0].astype(float).sum())
 
     @ti.func
@@ -110,7 +112,7 @@ class Particles:
 
     @ti.kernel
     def reorder(self, now: ti.i32, order: ti.template(), serial: ti.template()):
-        """Copy buffer ``now`` into the other one so that the n-th particle is that in slot ``order[n]``."""
+        """Copy buffer ``now`` into the other one, the particle in slot ``order[n]`` to the n-th slot."""
         ti.loop_config(serialize=serial)
         for number in range(self.mobile_number[None]):
             k = self.slot(number)
@@ -134,18 +136,18 @@ class Particles:
 class Cells:
     """Cells no smaller than ``cutoff`` (the radius of the neighbour lists), fitted to the box.
 
-    ``rows`` and ``columns`` are not compiled in; ``levels`` are these rows and those of wall particles.
-    ``order[n]`` is the slot of the n-th particle, cell by cell;
-    ``start[place(row, column)]`` is the first slot of a cell and ``start[place(row, columns)]`` the end of its row, so
-    that neighbouring cells of one row are one range of slots.
+    ``rows`` and ``columns`` are not compiled in; ``levels``: number of rows with the rows of wall particles.
+    ``order[n]`` is the slot of the n-th particle, cell by cell; ``start[place(row, column)]`` is the first slot of a
+    cell and ``start[place(row, columns)]`` the end of its row, so that neighbouring cells of one row are one range of
+    slots. ``box``: has ``columns`` and ``rows`` of ``spacing`` to be covered.
     """
 
-    def __init__(self, particles, domain, channel, cutoff):
+    def __init__(self, particles: Particles, domain: PeriodicDomain | ChannelDomain, box: Any, cutoff: float):
         self.particles = particles
         self.domain = domain
-        # counted in spacings, of which length and gap are whole numbers: no cell is lost to round-off
-        columns = int(channel.columns / (cutoff / channel.spacing))
-        rows = cell_rows(channel, cutoff)
+        # counted in spacings: length and height are whole numbers of spacings, and no cell is lost to round-off
+        columns = int(box.columns / (cutoff / box.spacing))
+        rows = cell_rows(box, cutoff)
         if columns < 3 or (domain.periodic_y and rows < 3):
             axis = f"{columns} cells along x" if columns < 3 else f"{rows} cells along y"
             raise ValueError(f"{axis}: a pair and its periodic copy would both be listed")
@@ -157,7 +159,7 @@ class Cells:
         self.begin = ti.field(ti.i32, shape=size_class(levels * columns + 2))
         self.cell = ti.field(ti.i32, shape=particles.mobile_slots)
         self.order = ti.field(ti.i32, shape=particles.mobile_slots)
-        self.begin.used = self.cell.used = self.order.used = None  # after a sort of no use
+        self.begin.used = self.cell.used = self.order.used = None  # of no use after a sort
 
     @ti.func
     def place(self, row, column):
@@ -166,7 +168,7 @@ class Cells:
 
     @ti.func
     def column_of(self, x):
-        """Return the column of ``x``, kept inside even where ``x`` is not a number."""
+        """Return the column of ``x``, a valid one even where ``x`` is not a number."""
         column = ti.cast(x / self.domain.length[None] * self.columns[None], ti.i32)
         return ti.max(0, ti.min(self.columns[None] - 1, column))
 
@@ -212,6 +214,6 @@ class Cells:
             self.particles.position[now, k] += inside - place
 
 
-def cell_rows(channel, cutoff):
-    """Return the number of rows of cells, each at least ``cutoff`` high, between the walls."""
-    return max(1, int(channel.rows / (cutoff / channel.spacing)))
+def cell_rows(box: Any, cutoff: float) -> int:
+    """Return the number of rows of cells, each at least ``cutoff`` high, in the height of a ``box``."""
+    return max(1, int(box.rows / (cutoff / box.spacing)))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tisph.domain import Fluid
+from tisph.domain import ChannelDomain, Fluid
 from tisph.neighbours.verlet import VerletLists
 from tisph.runtime import real, ti, view
 from tisph.size_class import size_class
@@ -20,7 +20,7 @@ from tisph.walls._treatment import SolidWalls, WallTreatment
 if TYPE_CHECKING:
     from tisph.geometry.body import Body
     from tisph.geometry.shape import Boundary, Shape
-    from tisph.scenes.channel import Scene as Channel
+    from tisph.scenes._channel import Channel
 
 
 @ti.data_oriented
@@ -59,6 +59,8 @@ class Dummies(WallTreatment):
 @ti.data_oriented
 class DummyWalls(Dummies):
     """Dummy particles on the continued lattice, beyond the walls of a channel."""
+
+    domain: ChannelDomain
 
     @staticmethod
     def wall_slots(channel: "Channel", cutoff: float) -> tuple[int, int]:

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tisph.domain import Fluid
+from tisph.domain import ChannelDomain, Fluid
 from tisph.neighbours.cells import cell_rows
 from tisph.neighbours.counting_sort import counting_sort
 from tisph.neighbours.verlet import VerletLists
@@ -37,7 +37,7 @@ from tisph.walls._treatment import SolidWalls, WallTreatment
 
 if TYPE_CHECKING:
     from tisph.geometry.body import Body
-    from tisph.scenes.channel import Scene as Channel
+    from tisph.scenes._channel import Channel
 
 ROOM = 1.5
 """Room for images over the number of particles of the lattice that have images."""
@@ -46,6 +46,8 @@ ROOM = 1.5
 @ti.data_oriented
 class ImageWalls(WallTreatment):
     """Mirror images in plane walls; a treatment may override ``image_velocity`` and ``image_stress``."""
+
+    domain: ChannelDomain
 
     def __init__(self, lists: VerletLists, kernel: Any, fluid: Fluid, parameters: WallParameters | None):
         super().__init__(lists, kernel, fluid, parameters)
@@ -158,8 +160,9 @@ class CircleImages(SolidWalls):
     ):
         super().__init__(lists, kernel, fluid, parameters, bodies, origin)
         self.radius, self.side = (ti.field(real(), shape=len(bodies)) for _ in range(2))
-        view(self.radius)[:] = [body.shape.radius for body in bodies]
-        view(self.side)[:] = [1.0 if body.shape.fluid_side == "outside" else -1.0 for body in bodies]
+        circles: list[Any] = [body.shape for body in bodies]
+        view(self.radius)[:] = [circle.radius for circle in circles]
+        view(self.side)[:] = [1.0 if circle.fluid_side == "outside" else -1.0 for circle in circles]
         self.image = ti.field(ti.i32, shape=(self.particles.first_wall, len(bodies)))
         capacity = self.particles.slots - self.particles.first_wall
         self.image_cell, self.image_order, self.image_slot = (ti.field(ti.i32, shape=capacity) for _ in range(3))

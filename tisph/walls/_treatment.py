@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from tisph.domain import Fluid
+from tisph.domain import ChannelDomain, Fluid, PeriodicDomain
 from tisph.neighbours.verlet import VerletLists
 from tisph.runtime import real, ti, view
 from tisph.walls import WallParameters
 
 if TYPE_CHECKING:
     from tisph.geometry.body import Body
-    from tisph.scenes.channel import Scene as Channel
+    from tisph.scenes._channel import Channel
 
 
 @ti.data_oriented
@@ -30,6 +30,7 @@ class WallTreatment:
     tracks_walls = False
     uses_mirror_points = False
 
+    domain: PeriodicDomain | ChannelDomain
     track: Any
     """Points of the walls (``_wall_stress.WallStress``), where ``tracks_walls``."""
 

@@ -28,7 +28,7 @@ from tisph.runtime import integer, real, scalar, ti, view
 from tisph.size_class import size_class
 
 if TYPE_CHECKING:
-    from tisph.scenes.channel import Scene as Channel
+    from tisph.scenes._channel import Channel
 
 STEP = 1e-4
 """Step of the one-sided difference that gives the slope of the initial stress at the walls, over the gap."""

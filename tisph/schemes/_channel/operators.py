@@ -13,7 +13,8 @@ from tisph.least_squares.operators import FEW
 from tisph.neighbours.point_cloud import LANES
 from tisph.runtime import holding, real, scalar, ti, view
 from tisph.schemes._channel.stages import even_fit, polynomial_fit, stress_excess
-from tisph.solvers.bicgstab import BiCGStab
+from tisph.solvers.auxiliary_grid import DirichletGrid
+from tisph.solvers.bicgstab import BiCGStab, TwoLevel
 
 ROUGH = 3.0
 """Viscous number up to which Jacobi suffices: both took as long from 2 to 4."""
@@ -131,7 +132,7 @@ class ViscousSolver(BiCGStab):
     """
 
     def __init__(self, operators, ghosts, channel):
-        super().__init__(operators, ghosts, -1.0)
+        super().__init__(operators, ghosts)
         self.channel, self.two_level = channel, None
         self.coarse = None if ghosts.mirrors else LayerCoarseSpace(operators, ghosts, channel, coupled=False)
         self.roughest = ROUGH * channel.spacing**2
@@ -145,9 +146,6 @@ class ViscousSolver(BiCGStab):
         if coefficient <= self.roughest or self.points.fluid <= FEW:
             return super().solve(coefficient, tolerance)
         if self.two_level is None:
-            from tisph.solvers.auxiliary_grid import DirichletGrid  # of no use to most channels
-            from tisph.solvers.bicgstab import TwoLevel
-
             self.two_level = TwoLevel(self, DirichletGrid(self.points, self.channel, self.channel.gap))
         self.two_level.grid.sort()
         return super().solve(coefficient, tolerance, preconditioner=self.two_level)
@@ -164,7 +162,7 @@ class CoupledSolver(BiCGStab):
     """
 
     def __init__(self, operators, ghosts, channel):
-        super().__init__(operators, ghosts, -1.0)
+        super().__init__(operators, ghosts)
         self.coarse = None if ghosts.mirrors else LayerCoarseSpace(operators, ghosts, channel, coupled=True)
         self.tangent, self.tangent_stress = self.points.field(real()), ti.field(real(), self.points.slots + 1)
         self.fluid = slice(self.points.fluid)
@@ -184,7 +182,7 @@ class CoupledSolver(BiCGStab):
     @ti.func
     def reflect(self, values, k):
         """Give ghost ``k`` its value."""
-        values[self.points.capacity + k] = self.parity * self.sign(k) * self.ghosts.value(values, k)
+        values[self.points.capacity + k] = -self.sign(k) * self.ghosts.value(values, k)
 
     @ti.func
     def update_ghosts(self, values: ti.template(), particles):

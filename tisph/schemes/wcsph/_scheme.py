@@ -178,7 +178,7 @@ class ExplicitScheme(Kept):
         speeds = self.sound_speed, config.time.cfl, scene.solvent_viscosity / length
         shift = shift_speed(kernel, config.discretisation.smoothing_ratio, *speeds)
         artificial = config.scheme.artificial_viscosity
-        self.operators = operators(self.particles, self.lists, self.fluid, kernel, artificial, shift)
+        self.operators = operators(self.lists, self.fluid, kernel, artificial, shift)
         self.walls = self.boundaries.surround(self.operators, kernel)
         self.stepper = Stepper(self.operators, self.walls, serial)
         self.body_force = BodyForce(scene, self.particles, self.boundaries.origin) if scene.body_force else None

@@ -6,8 +6,8 @@ from tisph.equation_of_state import Tait, series
 from tisph.runtime import scalar, ti, view
 
 if TYPE_CHECKING:
-    from tisph.scenes._scene import Scene
     from tisph.scenes._channel import Channel
+    from tisph.scenes._scene import Scene
 
 
 @ti.func
@@ -68,8 +68,10 @@ class ChannelDomain:
 
     def __init__(self, channel: "Channel"):
         self.has_body_force = channel.acceleration != 0.0
-        self.oscillates = any(wall.oscillates and not wall.stress_controlled for wall in (channel.bottom, channel.top))
-        self.motions = (channel.bottom, channel.top)
+        bottom: Any = channel.bottom
+        top: Any = channel.top
+        self.motions = bottom, top
+        self.oscillates = any(wall.oscillates and not wall.stress_controlled for wall in self.motions)
         self.columns = channel.columns
         self.height = scalar(channel.gap)
         self.length = scalar(channel.length)
@@ -79,8 +81,8 @@ class ChannelDomain:
         if self.has_body_force:
             self.acceleration = scalar(channel.acceleration)
         if self.oscillates:
-            self.bottom_acceleration = scalar(channel.bottom.acceleration(channel.start_time))
-            self.top_acceleration = scalar(channel.top.acceleration(channel.start_time))
+            self.bottom_acceleration = scalar(bottom.acceleration(channel.start_time))
+            self.top_acceleration = scalar(top.acceleration(channel.start_time))
 
     def move_on(self, time: float) -> None:
         """Set the wall velocities and accelerations at ``time``."""

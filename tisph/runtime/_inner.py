@@ -51,7 +51,7 @@ _depth = 0
 _serial = False
 
 _waiting: list[tuple[Any, Any]] = []
-"""Fields without memory so far, and their first values."""
+"""Fields that have no memory so far, and their first values."""
 
 _bases: dict[int, int] = {}
 """Number of a tree of fields in Taichi's layout -> its address."""

@@ -1,30 +1,37 @@
 """The balance of momentum along the channel: the impulses of walls and drive against the momentum of the fluid."""
 
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from tisph.scenes._channel import Channel
+
 EVERY_STEP_UNTIL = 64
 STRIDE = 16
-"""Wall forces are summed at every step first, when impulsive walls pull hardest, then at every STRIDE-th: the
-trapezoidal rule over 16 steps of a force ~ t^-1/2 has an error of 0.4 % right after step 64, and less and less."""
+"""Wall forces are summed at every step at first, when impulsively started walls exert the largest forces, then at every
+STRIDE-th step: the trapezoidal rule over 16 steps of a force ~ t^-1/2 has an error of 0.4 % after step 64, and less
+later."""
 
 
 class MomentumBalance:
-    """Adds up the impulses of the walls over the run; all per unit of density and of a particle's area.
+    """Sums the impulses of the walls over the run, per unit density and per area of a particle.
 
-    ``impulse``: of the bottom and the top wall by the trapezoidal rule over the middles of steps; ``initial`` is
-    the sum of velocities along x at the start. Kept in plain numbers so that a checkpoint holds them.
+    ``impulse``: of the bottom and the top wall, by the trapezoidal rule over the middles of steps; ``initial``: sum of
+    the velocities along x at the start. All are plain numbers, for a checkpoint.
     """
 
-    def __init__(self, start_time):
+    def __init__(self, start_time: float):
         self.start_time = self.time = start_time
         self.initial = 0.0
         self.impulse = [0.0, 0.0]
-        self.force = None
+        self.force: list[float] | None = None
 
-    def due(self, steps):
-        """Tell whether the forces of step number ``steps`` are to be added."""
+    def due(self, steps: int) -> bool:
+        """Return whether the forces of step number ``steps`` are to be added."""
         return steps < EVERY_STEP_UNTIL or steps % STRIDE == 0
 
-    def add(self, time, force):
-        """Take the wall forces at ``time``; the first count from the start on."""
+    def add(self, time: float, force: Iterable[float]) -> None:
+        """Add the impulse of the wall ``force`` (bottom, top) up to ``time``; the first one acts from the start on."""
         before = self.force if self.force is not None else force
         self.impulse = [
             float(total + 0.5 * (time - self.time) * (old + new))
@@ -32,14 +39,14 @@ class MomentumBalance:
         ]
         self.time, self.force = time, [float(one) for one in force]
 
-    def add_impulse(self, impulse):
-        """Take the impulses of the walls in a step as they are."""
+    def add_impulse(self, impulse: Iterable[float]) -> None:
+        """Add the impulses of both walls in a step."""
         self.impulse = [float(total + more) for total, more in zip(self.impulse, impulse, strict=True)]
 
-    def report(self, channel, time, velocity_sum):
+    def report(self, channel: "Channel", time: float, velocity_sum: float) -> dict[str, float | None]:
         """Return the balance at ``time`` in the units of the config, per unit length out of the plane.
 
-        ``closure`` is the relative imbalance, a fraction of the largest of the terms; None where nothing happened.
+        ``closure`` is the imbalance over the largest of the terms; None where all terms are 0.
         """
         particle_mass = channel.density * channel.spacing**2
         rest = time - self.time

@@ -36,7 +36,7 @@ def verify(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print all checks as JSON, and nothing else.")] = False,
 ) -> None:
-    """Compare runs with exact solutions, and with what they have to be.
+    """Compare runs with exact solutions, and with required values.
 
     Prints a table of case, error, bound, pass or FAIL; exit status 1 on a FAIL. A SUITE is one of ours or a YAML file
     (docs/how-to/acceptance-tests.md); with --out DIR its finished runs are kept, and an interrupted suite goes on with
@@ -88,7 +88,7 @@ def stability(
     ] = None,
     out: Annotated[Path | None, out_folder(f"Results [default: {STABILITY_FOLDER}].")] = None,
 ) -> None:
-    """Run the stability matrix and say what becomes of every cell.
+    """Run the stability matrix and print the outcome of every cell.
 
     A cell is stable, inaccurate, stopped (with a clear error), refused, or a silent failure: finished, and neither
     right nor warned of. Exit status 1 where one misses its requirement. Leaves maps, a picture and all numbers in DIR,
@@ -133,7 +133,7 @@ def sweep(
     """Run a config with all values of some of its keys.
 
     Leaves a table (CSV and HDF5), costs and a picture in DIR, and names the cheapest run within the bound. Runs that
-    have ended are kept: the same command goes on after Ctrl-C, and a larger study runs only what is new. A run that
+    have ended are kept: the same command goes on after Ctrl-C, and a larger study runs only new values. A run that
     fails is a row with its message; exit status 1 only where none succeeds.
 
     \b

@@ -221,7 +221,7 @@ def least_in_period(config: Any) -> int:
 
 
 def is_whole(number: float) -> bool:
-    """Return whether ``number`` is a whole number, up to rounding, and not 0."""
+    """Return whether ``number`` is a whole number, within round-off, and not 0."""
     return round(number) >= 1 and abs(number - round(number)) <= DIVISION_TOLERANCE * number
 
 

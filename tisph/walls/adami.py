@@ -23,7 +23,6 @@ class Parameters(WallParameters):
 @cache
 def treatments() -> Treatments:
     """Return the classes that Taichi compiles."""
-    from tisph.domain import Fluid
     from tisph.neighbours.verlet import VerletLists
     from tisph.runtime import real, scalar, ti
     from tisph.walls._dummies import Dummies, DummyWalls, LayerWalls
@@ -32,10 +31,8 @@ def treatments() -> Treatments:
     class ShepardDummies(Dummies):
         """Kernel averages (Shepard) of the fluid at every dummy particle."""
 
-        def __init__(
-            self, lists: VerletLists, kernel: Any, fluid: Fluid, parameters: WallParameters | None, *layers: Any
-        ):
-            super().__init__(lists, kernel, fluid, parameters, *layers)
+        def __init__(self, lists: VerletLists, kernel: Any, *others: Any):
+            super().__init__(lists, kernel, *others)
             self.value = ti.func(kernel.value)
             self.smoothing_length = scalar(lists.cutoff / kernel.SUPPORT)
             self.tensor = ti.types.vector(3, real())

@@ -31,7 +31,6 @@ class Parameters(WallParameters):
 @cache
 def treatments() -> Treatments:
     """Return the classes that Taichi compiles."""
-    from tisph.domain import Fluid
     from tisph.neighbours.verlet import VerletLists
     from tisph.runtime import real, scalar, ti
     from tisph.walls._dummies import Dummies, DummyWalls, LayerWalls
@@ -42,10 +41,8 @@ def treatments() -> Treatments:
 
         uses_mirror_points = True
 
-        def __init__(
-            self, lists: VerletLists, kernel: Any, fluid: Fluid, parameters: WallParameters | None, *layers: Any
-        ):
-            super().__init__(lists, kernel, fluid, parameters, *layers)
+        def __init__(self, lists: VerletLists, kernel: Any, *others: Any):
+            super().__init__(lists, kernel, *others)
             self.value = ti.func(kernel.value)
             self.support = kernel.SUPPORT
             self.radius = scalar(RADIUS * lists.cutoff)

@@ -8,43 +8,34 @@ import typer
 from tisph.cli.terminal import Overrides, out_folder
 from tisph.errors import ConfigError
 
-Data = Annotated[list[Path], typer.Argument(metavar="DATA...", help="Results: CSV, npz, HDF5, JSON, LAMMPS dump, VTK.")]
-SameFlow = Annotated[str, typer.Option("--config", metavar="CONFIG", help="YAML file of the same flow.")]
-Times = Annotated[
-    list[float] | None,
-    typer.Option("--time", help="Time of the data [default: what the file says]; repeat for several."),
-]
-Columns = Annotated[
-    list[str] | None,
-    typer.Option("--columns", metavar="x=1,y=2,u=3", help="Names or numbers of columns, where they are unusual."),
-]
-Units = Annotated[
-    list[str] | None,
-    typer.Option("--unit", metavar="QUANTITY=UNIT", help="Unit of the data, a name or a factor; repeat."),
-]
-Origin = Annotated[
-    str | None, typer.Option("--origin", metavar="X,Y", help="Place in the data of the config's point (0, 0).")
-]
-Orientation = Annotated[
-    str | None,
-    typer.Option("--orientation", metavar="x,y", help="Axes of the data along x and y of the config, as y,-x."),
-]
-Select = Annotated[str | None, typer.Option("--select", help="The group of particles that is the fluid.")]
-Bound = Annotated[float | None, typer.Option("--bound", help="Exit status 1 if an error is larger.")]
-Out = Annotated[Path | None, out_folder("Numbers and picture [default: runs/compare-NAME].")]
 
-
-def compare(  # an argument an option
-    data: Data,
-    config: SameFlow,
-    time: Times = None,
-    columns: Columns = None,
-    unit: Units = None,
-    origin: Origin = None,
-    orientation: Orientation = None,
-    select: Select = None,
-    bound: Bound = None,
-    out: Out = None,
+def compare(
+    data: Annotated[
+        list[Path], typer.Argument(metavar="DATA...", help="Results: CSV, npz, HDF5, JSON, LAMMPS dump, VTK.")
+    ],
+    config: Annotated[str, typer.Option("--config", metavar="CONFIG", help="YAML file of the same flow.")],
+    time: Annotated[
+        list[float] | None,
+        typer.Option("--time", help="Time of the data [default: what the file says]; repeat for several."),
+    ] = None,
+    columns: Annotated[
+        list[str] | None,
+        typer.Option("--columns", metavar="x=1,y=2,u=3", help="Names or numbers of columns, where they are unusual."),
+    ] = None,
+    unit: Annotated[
+        list[str] | None,
+        typer.Option("--unit", metavar="QUANTITY=UNIT", help="Unit of the data, a name or a factor; repeat."),
+    ] = None,
+    origin: Annotated[
+        str | None, typer.Option("--origin", metavar="X,Y", help="Place in the data of the config's point (0, 0).")
+    ] = None,
+    orientation: Annotated[
+        str | None,
+        typer.Option("--orientation", metavar="x,y", help="Axes of the data along x and y of the config, as y,-x."),
+    ] = None,
+    select: Annotated[str | None, typer.Option("--select", help="The group of particles that is the fluid.")] = None,
+    bound: Annotated[float | None, typer.Option("--bound", help="Exit status 1 if an error is larger.")] = None,
+    out: Annotated[Path | None, out_folder("Numbers and picture [default: runs/compare-NAME].")] = None,
     overrides: Overrides = None,
 ) -> None:
     """Judge the result of any code against the exact solution.
@@ -64,7 +55,14 @@ def compare(  # an argument an option
     from tisph.config import load
 
     loaded = load(config, overrides or ())
-    question = judge.Question(time or (), columns or (), unit or (), orientation, _place(origin), select)
+    place = None
+    if origin is not None:
+        try:
+            x, y = map(float, origin.split(","))
+        except ValueError:
+            raise ConfigError(f"--origin {origin}: must be two numbers, such as 0,0.5") from None
+        place = x, y
+    question = judge.Question(time or (), columns or (), unit or (), orientation, place, select)
     found = judge.judge(loaded, data, question)
     print(report.text(found, loaded.name))
     for path in report.write(found, out or Path("runs") / f"compare-{data[0].stem or data[0].name}"):
@@ -74,16 +72,6 @@ def compare(  # an argument an option
         print(f"{len(over)} of {len(found.samples)} errors above {bound:g}: {'FAIL' if over else 'pass'}")
         if over:
             raise typer.Exit(1)
-
-
-def _place(text: str | None) -> tuple[float, float] | None:
-    if text is None:
-        return None
-    try:
-        x, y = map(float, text.split(","))
-    except ValueError:
-        raise ConfigError(f"--origin {text}: must be two numbers, such as 0,0.5") from None
-    return x, y
 
 
 def render(

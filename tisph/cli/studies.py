@@ -159,42 +159,28 @@ MOVED = {
     "features": "step.py --parts",
     "startup": "startup.py",
 }
-"""Script in ``benchmarks/`` of each benchmark that is no command any more, by its name."""
-
-Name = Annotated[
-    Literal["frontier", "throughput", "features", "startup", "scaling"],
-    typer.Argument(help="Which benchmark; all but frontier are scripts in benchmarks/ of the repository."),
-]
-
-Quick = Annotated[bool, typer.Option("--quick", help="A small one, in two minutes.")]
-
-Peers = Annotated[
-    Path | None,
-    typer.Option("--peers", metavar="DIR", help="Run the peers in DIR (benchmarks/peers) in the same call."),
-]
-
-Flow = Annotated[
-    Literal["channel", "oldroyd_b", "taylor_green", "circular_couette", "cavity", "cylinder", "pipe"],
-    typer.Option("--flow", help="Whose flows."),
-]
-
-Configs = Annotated[Path | None, typer.Option("--configs", hidden=True, help="Of the script startup.py.")]
-
-Out = Annotated[
-    Path | None,
-    out_folder(
-        f"Results [default: {BENCH_FOLDER}/frontier, and {BENCH_FOLDER}/frontier_FLOW of another flow than channel]."
-    ),
-]
+"""Former benchmark of the command -> script in ``benchmarks/``."""
 
 
 def bench(
-    name: Name = "frontier",
-    quick: Quick = False,
-    peers: Peers = None,
-    flow: Flow = "channel",
-    configs: Configs = None,
-    out: Out = None,
+    name: Annotated[
+        Literal["frontier", "throughput", "features", "startup", "scaling"],
+        typer.Argument(help="Which benchmark; all but frontier are scripts in benchmarks/ of the repository."),
+    ] = "frontier",
+    quick: Annotated[bool, typer.Option("--quick", help="A small one, in two minutes.")] = False,
+    peers: Annotated[
+        Path | None,
+        typer.Option("--peers", metavar="DIR", help="Run the peers in DIR (benchmarks/peers) in the same call."),
+    ] = None,
+    flow: Annotated[
+        Literal["channel", "oldroyd_b", "taylor_green", "circular_couette", "cavity", "cylinder", "pipe"],
+        typer.Option("--flow", help="Whose flows."),
+    ] = "channel",
+    configs: Annotated[Path | None, typer.Option("--configs", hidden=True, help="Of the script startup.py.")] = None,
+    out: Annotated[
+        Path | None,
+        out_folder(f"Results [default: {BENCH_FOLDER}/frontier, of another flow than channel frontier_FLOW there]."),
+    ] = None,
 ) -> None:
     """Measure run time against error, of this program and of others.
 

@@ -20,14 +20,25 @@ import typer
 from tisph.errors import INTERRUPTED, TisphError, ending_signals
 
 
+@contextmanager
+def _handled(handler: Callable[[int, Any], Any]) -> Iterator[None]:
+    """Set the ``handler`` of all signals that end a run, and restore the previous handlers afterwards."""
+    previous = {number: signal.signal(number, handler) for number in ending_signals()}
+    try:
+        yield
+    finally:
+        for number, old in previous.items():
+            signal.signal(number, old)
+
+
 def reported(command: Callable[..., None]) -> Callable[..., None]:
     """Return a command that ends with an error's status and message, without traceback; a signal interrupts it."""
 
     @functools.wraps(command)
     def wrapped(*arguments: Any, **options: Any) -> None:
-        previous = {number: signal.signal(number, signal.default_int_handler) for number in ending_signals()}
         try:
-            command(*arguments, **options)
+            with _handled(signal.default_int_handler):
+                command(*arguments, **options)
         except TisphError as error:
             print(f"error: {error}", file=sys.stderr)
             raise typer.Exit(error.exit_status) from None
@@ -35,8 +46,6 @@ def reported(command: Callable[..., None]) -> Callable[..., None]:
             print("interrupted", file=sys.stderr)
             raise typer.Exit(INTERRUPTED) from None
         finally:
-            for number, handler in previous.items():
-                signal.signal(number, handler)
             # while Python exits, an interrupt could only change the status and show a traceback
             atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
 
@@ -47,12 +56,8 @@ def reported(command: Callable[..., None]) -> Callable[..., None]:
 def held_back() -> Iterator[None]:
     """Delay an interrupt to the end of the context: imports may lose it or turn it into another error."""
     heard: list[int] = []
-    previous = {number: signal.signal(number, lambda number, _: heard.append(number)) for number in ending_signals()}
-    try:
+    with _handled(lambda number, _: heard.append(number)):
         yield
-    finally:
-        for number, handler in previous.items():
-            signal.signal(number, handler)
     if heard:
         raise KeyboardInterrupt
 

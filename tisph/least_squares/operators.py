@@ -8,7 +8,7 @@ With M = sum_j w phi phi^T, an operator e . c (the Laplacian: 2 (c_xx + c_yy)) i
 a_ij = w z . phi(r_ij) and M z = e: generalised moving least squares (as in S. J. Lind, P. K. Stansby, J. Comput. Phys.
 326 (2016) 290-311, and J. R. C. King, S. J. Lind, A. M. A. Nasar, J. Comput. Phys. 415 (2020) 109549, with a basis of
 Taylor monomials). The entries of M are the sums of w x^a y^b of degree 2 .. 2 order: 42 for order 4 instead of 105.
-Near a curved wall the vectors r are mapped to polar coordinates (``to_polar``); weights remain those of the distances.
+Near a curved wall the vectors r are mapped to polar coordinates (``to_polar``); weights depend on distances in x, y.
 
 Three loops, each in the form that compiles to the fastest code:
 
@@ -378,8 +378,8 @@ class LeastSquaresOperators:
     def apply_to(self, chosen: np.ndarray, operator: Any, values: np.ndarray) -> np.ndarray:
         """Return sum_j operator[i, j] (values[j] - values[i]) at the particles ``chosen`` (k,), as an array (k,).
 
-        ``values``: array over the slots. The result is bitwise that of ``apply``, since the order of the sum is the
-        same: terms that cancel there cancel here.
+        ``values``: array over the slots. The result is bitwise the result of ``apply``, since the sum has the same
+        order: terms that cancel there cancel here.
         """
         table, listed = self.points.listed_neighbours(chosen)
         entries = np.where(listed, view(operator)[chosen], 0.0)

@@ -129,7 +129,7 @@ class ImageWalls(WallTreatment):
 
     @ti.func
     def image_stress(self, top: ti.template(), position, stress):
-        """Return the polymer stress of the image: that of the particle, which follows from reflected velocities."""
+        """Return the polymer stress of the image, S_I = S_F, as follows from the reflected velocities."""
         return stress
 
 
@@ -168,7 +168,7 @@ class CircleImages(SolidWalls):
         self.image_cell, self.image_order, self.image_slot = (ti.field(ti.i32, shape=capacity) for _ in range(3))
         self.image_cell.used = self.image_order.used = self.image_slot.used = None  # of no use after a sort
         self.images = integer(0)
-        farthest, cutoff = 1.0, lists.radius  # largest displacement of an image over that of its source
+        farthest, cutoff = 1.0, lists.radius  # largest displacement of an image over its source's
         for radius, side in zip(view(self.radius), view(self.side), strict=True):
             if side < 0.0:
                 source = math.sqrt(max(2.0 * radius**2 - (radius + cutoff) ** 2, lists.spacing**2))
@@ -177,7 +177,7 @@ class CircleImages(SolidWalls):
 
     @staticmethod
     def arrange(bodies: Sequence["Body"], spacing: float, cutoff: float) -> Images:
-        """Return the ``Images`` in bodies, all of which are circles, for lists of the radius ``cutoff``."""
+        """Return the ``Images`` in ``bodies``, which are circles, for lists of the radius ``cutoff``."""
         rings = sum(body.shape.length + 2 * math.pi * cutoff for body in bodies) * cutoff
         return Images((0, math.ceil(ROOM * rings / spacing**2)))
 

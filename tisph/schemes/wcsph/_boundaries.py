@@ -89,7 +89,7 @@ class Boundary(Kept):
 
 
 class PeriodicBoundaries(Boundary):
-    """A box that is periodic in x and y: the momentum of the fluid stays what it is at the start, ``initial``."""
+    """A box that is periodic in x and y: nothing changes the momentum of the fluid, ``initial`` at the start."""
 
     kept: tuple[str, ...] = ("initial",)
 

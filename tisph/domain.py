@@ -1,6 +1,6 @@
 """The box and the fluid as kernels see them: numbers in fields, which are not compiled in."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from tisph.equation_of_state import Tait, series
 from tisph.runtime import scalar, ti, view
@@ -8,6 +8,22 @@ from tisph.runtime import scalar, ti, view
 if TYPE_CHECKING:
     from tisph.scenes._channel import Channel
     from tisph.scenes._scene import Scene
+
+
+class Lattice(Protocol):
+    """Size of a box in particle spacings: of a scene, or of a ``geometry.region.Box``."""
+
+    @property
+    def columns(self) -> int:
+        """Number of spacings along x."""
+
+    @property
+    def rows(self) -> int:
+        """Number of spacings along y."""
+
+    @property
+    def spacing(self) -> float:
+        """Particle spacing [length]."""
 
 
 @ti.func

@@ -58,11 +58,11 @@ def result_text(config: Any, scene: Any, summary: Mapping[str, Any]) -> str:
         texts += [f"sample {index} is not resolved: {each['reason']}" for index, each in shown if not each["resolved"]]
         if samples[-1].get("steady_reason"):
             texts.append(f"sample {len(samples) - 1} is not steady: {samples[-1]['steady_reason']}")
-    numbers, cost = summary.get("numbers", {}), summary["cost"]
-    if numbers.get("contacts"):
-        times = "once" if numbers["contacts"] == 1 else f"{numbers['contacts']} times"
+    met, cost = summary.get("numbers", {}), summary["cost"]
+    if met.get("contacts"):
+        times = "once" if met["contacts"] == 1 else f"{met['contacts']} times"
         texts.append(
-            f"bodies touched {times}, for {numbers['contact_time']:.3g} {config.units.time} in all: a model keeps them "
+            f"bodies touched {times}, for {met['contact_time']:.3g} {config.units.time} in all: a model keeps them "
             "apart then, and later motion depends on it"
         )
     parts = ", ".join(f"{cost[f'wall_{part}_s']:.2g} s {words}" for part, words in PARTS.items())

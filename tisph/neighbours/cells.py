@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from tisph.domain import ChannelDomain, PeriodicDomain
+from tisph.domain import ChannelDomain, Lattice, PeriodicDomain
 from tisph.neighbours.counting_sort import counting_sort
 from tisph.runtime import integer, real, ti, view
 from tisph.size_class import size_class
@@ -139,10 +139,10 @@ class Cells:
     ``rows`` and ``columns`` are not compiled in; ``levels``: number of rows with the rows of wall particles.
     ``order[n]`` is the slot of the n-th particle, cell by cell; ``start[place(row, column)]`` is the first slot of a
     cell and ``start[place(row, columns)]`` the end of its row, so that neighbouring cells of one row are one range of
-    slots. ``box``: has ``columns`` and ``rows`` of ``spacing`` to be covered.
+    slots.
     """
 
-    def __init__(self, particles: Particles, domain: PeriodicDomain | ChannelDomain, box: Any, cutoff: float):
+    def __init__(self, particles: Particles, domain: PeriodicDomain | ChannelDomain, box: Lattice, cutoff: float):
         self.particles = particles
         self.domain = domain
         # counted in spacings: length and height are whole numbers of spacings, and no cell is lost to round-off
@@ -214,6 +214,6 @@ class Cells:
             self.particles.position[now, k] += inside - place
 
 
-def cell_rows(box: Any, cutoff: float) -> int:
+def cell_rows(box: Lattice, cutoff: float) -> int:
     """Return the number of rows of cells, each at least ``cutoff`` high, in the height of a ``box``."""
     return max(1, int(box.rows / (cutoff / box.spacing)))

@@ -50,8 +50,8 @@ class SolidBodies(PeriodicBoundaries):
         self.layers = self.treatment.arrange(scene.bodies, scene.spacing, radius)
         self.slots = self.layers.slots
         corners = scene.origin, np.add(scene.origin, scene.extent)
-        self.box = box_around(corners, scene.spacing, scene.periodic, 2.0 * radius)
-        self.origin, self.domain = self.box.origin, PeriodicDomain(self.box.length, self.box.height)
+        self.box = box = box_around(corners, scene.spacing, scene.periodic, 2.0 * radius)
+        self.origin, self.domain = box.origin, PeriodicDomain(box.length, box.height)
         self.radii = [
             self.layers.radius(number, self.treatment.uses_mirror_points) for number in range(len(scene.bodies))
         ]

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tisph import registry
-from tisph.domain import ChannelDomain, PeriodicDomain
+from tisph.domain import ChannelDomain, Lattice, PeriodicDomain
 from tisph.neighbours.verlet import VerletLists
 from tisph.operators._pairs import PairOperators
 from tisph.runtime import ti, view
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 class Boundary(Kept):
     """Boundary of the fluid, which here has no particles, does not move and exerts no force.
 
-    ``box``: has ``columns`` and ``rows`` of ``spacing``, to be covered by the cells, from ``origin`` [length] on.
+    ``box``: is covered by the cells, from ``origin`` [length] on.
     ``slots``: number of dummy particles, and room for images. ``treatment``: class of the ``walls``.
     ``displacement_factor``: largest displacement of a wall particle over the displacement of the fluid particle that
     it is the image of. ``now`` is a buffer of the particles; ``middle`` the time in the middle of a step [time].
@@ -51,7 +51,7 @@ class Boundary(Kept):
     slots = (0, 0)
     displacement_factor = 1.0
     treatment: type[Any] = WallTreatment
-    box: Any
+    box: Lattice
     domain: PeriodicDomain | ChannelDomain
     walls: Any
 

@@ -111,7 +111,7 @@ TESTS = {
     "rheology": [UNIT + "laws", UNIT + "config_rheologies", CORE + "laws_in_kernels", CORE + "stress"],
     "operators": [CORE + "weights", *EXPLICIT],
     "walls": [CORE + "walls", CORE + "wall_t*", CORE + "impulse", CORE + "stress", CORE + "implicit_symmetry"],
-    "walls/_circles": [CORE + "explicit_bodies", CORE + "wall_t*"],
+    "walls/_images": [CORE + "walls", CORE + "explicit_bodies", CORE + "wall_t*"],
     "walls/_dummies": [CORE + "explicit_bodies", CORE + "explicit_box", CORE + "wall_t*"],
     "walls/consistent": [CORE + "wall_t*", CORE + "stress", CORE + "implicit_symmetry", CORE + "implicit_accuracy"],
 }

@@ -26,7 +26,7 @@ ERRORS = {
     "pressure gradient": ("channel", STEP, "x -= dt * gradient", "x -= 0.95 * dt * gradient"),
     "viscosity": ("square", SCHEME, "viscosity = self.prob", "viscosity = 0.95 * self.prob"),
     "hoop term of the divergence": ("pipe", COORDINATES, "return 2.0 * value", "return 1.9 * value"),
-    "hoop terms of viscosity": ("pipe", "../least_squares/axisymmetric.py", "2.0 * self.app", "1.9 * self.app"),
+    "hoop terms of viscosity": ("pipe", "../least_squares/operators.py", "2.0 * self.app", "1.9 * self.app"),
     "radius along paths": ("pipe", COORDINATES, "velocity.y * ratio", "velocity.y * (0.95 + 0.05 * ratio)"),
     "circulation along paths": ("taylor_couette", COORDINATES, "ratio * ratio", "ratio ** 1.9"),
     "centripetal term": ("taylor_couette", COORDINATES, "velocity[i].z ** 2", "0.95 * velocity[i].z ** 2"),

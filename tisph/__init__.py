@@ -2,7 +2,7 @@
 
     import tisph
 
-    print(tisph.check("couette.yaml"))                      # what the run will be
+    print(tisph.check("couette.yaml"))                      # size, steps and errors of the run
     results = tisph.run("couette.yaml", **{"time.end": 2.7})    # into runs/couette
     results = tisph.open("runs/couette")                    # again, without running
     results.summary.samples[-1].l2                          # error against the exact solution
@@ -11,15 +11,14 @@
         for state in simulation.every(0.5):
             state.t, state.x, state.u, state.error
 
-In a notebook ``results`` on a line of its own shows movie, plots and errors. What goes wrong is an exception of
-``tisph.errors``. docs/tutorials/ are the tour, docs/reference/files.md says what each number is.
+In a notebook ``results`` on a line of its own shows movie, plots and errors. Failures raise an exception of
+``tisph.errors``. docs/tutorials/ are the tour, docs/reference/files.md defines each number.
 """
 
 from typing import TYPE_CHECKING, Any
 
-from tisph import clock as _clock  # noqa: F401 (the process begins here)
+from tisph.version import __version__ as __version__  # isort: skip (it notes when the process began)
 from tisph import errors as errors
-from tisph.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from tisph.interface import check, run
@@ -38,7 +37,7 @@ _PLACES = {
     "Simulation": ("tisph.simulation.simulation", "Simulation"),
     "every": ("tisph.observers.schedule", "every"),
 }
-"""Where the public names are, which are imported when they are first used: a command line pays for what it uses."""
+"""Public name -> module and name in it. It is imported at its first use, so that commands start quickly."""
 
 
 def __getattr__(name: str) -> Any:

@@ -14,8 +14,8 @@ def main() -> None:
         signal.signal(signal.SIGINT, _leave)
     except KeyboardInterrupt:
         _leave()
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # not to look for them in all that is installed
-    # matrices are small: threads of NumPy's double the processor time, and wait for one another where others compute
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # the search in all installed packages takes time
+    # matrices are small: NumPy's threads double the processor time, and wait for one another on a busy machine
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from tisph.cli import main as command
 
@@ -23,7 +23,7 @@ def main() -> None:
 
 
 def _leave(*_: object) -> None:
-    # an exception would be lost, or end in a traceback, in some of what Python calls while it imports
+    # in some calls of Python during an import an exception would be lost, or end in a traceback
     with contextlib.suppress(OSError):
         os.write(2, b"interrupted\n")
     os._exit(INTERRUPTED)

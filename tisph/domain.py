@@ -1,24 +1,93 @@
-"""The channel as the kernels see it: sizes, wall velocities and drive, as numbers that are not compiled in."""
+"""The box and the fluid as kernels see them: numbers in fields, which are not compiled in."""
 
-from tisph.periodic import minimum_image, wrapped
+from typing import TYPE_CHECKING, Any, Protocol
+
+from tisph.equation_of_state import Tait, series
 from tisph.runtime import scalar, ti, view
+
+if TYPE_CHECKING:
+    from tisph.scenes._channel import Channel
+    from tisph.scenes._scene import Scene
+
+
+class Lattice(Protocol):
+    """Size of a box in particle spacings: of a scene, or of a ``geometry.region.Box``."""
+
+    @property
+    def columns(self) -> int:
+        """Number of spacings along x."""
+
+    @property
+    def rows(self) -> int:
+        """Number of spacings along y."""
+
+    @property
+    def spacing(self) -> float:
+        """Particle spacing [length]."""
+
+
+@ti.func
+def minimum_image(difference, period):
+    """Return the ``difference`` of two coordinates to the nearest periodic copy."""
+    forth = ti.select(difference > 0.5 * period, difference - period, difference)
+    return ti.select(forth < -0.5 * period, forth + period, forth)
+
+
+@ti.func
+def wrapped(coordinate, period):
+    """Return a coordinate moved by whole periods into [0, period)."""
+    inside = coordinate - ti.floor(coordinate / period) * period
+    return ti.select(inside < period, inside, 0.0)
+
+
+@ti.data_oriented
+class PeriodicDomain:
+    """Box 0 <= x < length, 0 <= y < height, periodic in both directions."""
+
+    periodic_y = True
+    has_body_force = False
+
+    def __init__(self, length: float, height: float):
+        self.length, self.height = scalar(length), scalar(height)
+
+    @ti.func
+    def wrap_x(self, x):
+        """Return ``x`` moved by whole lengths into [0, length)."""
+        return wrapped(x, self.length[None])
+
+    @ti.func
+    def wrap(self, position):
+        """Return a position moved by whole periods into the box."""
+        return ti.Vector([wrapped(position.x, self.length[None]), wrapped(position.y, self.height[None])])
+
+    @ti.func
+    def minimum_image(self, apart):
+        """Return the vector ``apart`` between two positions to the nearest periodic copy."""
+        return ti.Vector([minimum_image(apart.x, self.length[None]), minimum_image(apart.y, self.height[None])])
+
+    @ti.func
+    def wrap_row(self, row, rows):
+        """Return the row of cells, of the rows 1 .. ``rows``, that ``row`` is a periodic copy of."""
+        return ti.select(row < 1, row + rows, ti.select(row > rows, row - rows, row))
 
 
 @ti.data_oriented
 class ChannelDomain:
     """Plane channel 0 <= y <= height, periodic in x over ``length``, with walls moving along x.
 
-    ``has_body_force`` and ``oscillates`` tell whether a body acceleration and wall accelerations exist; without them
-    their fields do not. Wall velocities are those of the time last given to ``move_on``. ``columns`` is the number of
-    spacings in the length, which no kernel may read: it would be compiled in.
+    ``has_body_force`` and ``oscillates``: whether there are a body acceleration and wall accelerations; without them
+    there are no fields of them. ``move_on(time)`` sets the wall velocities. ``columns``: number of particle spacings
+    in the length; no kernel may read it, since it would be compiled in.
     """
 
     periodic_y = False
 
-    def __init__(self, channel):
+    def __init__(self, channel: "Channel"):
         self.has_body_force = channel.acceleration != 0.0
-        self.oscillates = any(wall.oscillates and not wall.stress_controlled for wall in (channel.bottom, channel.top))
-        self.motions = (channel.bottom, channel.top)
+        bottom: Any = channel.bottom
+        top: Any = channel.top
+        self.motions = bottom, top
+        self.oscillates = any(wall.oscillates and not wall.stress_controlled for wall in self.motions)
         self.columns = channel.columns
         self.height = scalar(channel.gap)
         self.length = scalar(channel.length)
@@ -28,11 +97,11 @@ class ChannelDomain:
         if self.has_body_force:
             self.acceleration = scalar(channel.acceleration)
         if self.oscillates:
-            self.bottom_acceleration = scalar(channel.bottom.acceleration(channel.start_time))
-            self.top_acceleration = scalar(channel.top.acceleration(channel.start_time))
+            self.bottom_acceleration = scalar(bottom.acceleration(channel.start_time))
+            self.top_acceleration = scalar(top.acceleration(channel.start_time))
 
-    def move_on(self, time):
-        """Take up the wall velocities at ``time``."""
+    def move_on(self, time: float) -> None:
+        """Set the wall velocities and accelerations at ``time``."""
         if self.oscillates:
             bottom, top = self.motions
             view(self.bottom_velocity)[()] = bottom.velocity(time)
@@ -47,7 +116,7 @@ class ChannelDomain:
 
     @ti.func
     def relative_acceleration(self, top: ti.template()):
-        """Return the acceleration of a wall less that of the body force: what viscous forces have to give there."""
+        """Return dU_W/dt - g of a wall: the acceleration that viscous forces cause there."""
         relative = 0.0
         if ti.static(self.oscillates):
             relative += self.top_acceleration[None] if ti.static(top) else self.bottom_acceleration[None]
@@ -81,3 +150,40 @@ class ChannelDomain:
     def wrap_x(self, x):
         """Return ``x`` moved by whole lengths into [0, length)."""
         return wrapped(x, self.length[None])
+
+
+@ti.data_oriented
+class Fluid:
+    """Weakly compressible fluid; all pressures and stresses are over the reference density (length^2/time^2).
+
+    Tait equation of state p / rho0 = c^2/gamma ((1 + s)^gamma - 1), s = rho/rho0 - 1, as a polynomial in s.
+    ``pressure_cutoff`` (over density) or None limits tension. ``kinematic_viscosity``: solvent viscosity. ``stress``:
+    law of the stress that particles carry (``Stress`` of a rheology), None for a Newtonian fluid.
+    """
+
+    def __init__(self, scene: "Scene", equation_of_state: Tait, sound_speed: float, stress: Any):
+        self.stress = stress
+        self.carries_stress = stress is not None
+        self.gamma = equation_of_state.gamma
+        self.coefficients = series(self.gamma)
+        self.limits_tension = equation_of_state.pressure_cutoff is not None
+        self.kinematic_viscosity = scalar(scene.solvent_viscosity)
+        self.sound_speed = scalar(sound_speed)
+        if equation_of_state.pressure_cutoff is not None:
+            self.pressure_cutoff = scalar(equation_of_state.pressure_cutoff / scene.density)
+
+    @ti.func
+    def pressure(self, compression):
+        """Return the pressure over the reference density."""
+        series = 0.0
+        for coefficient in ti.static(self.coefficients):
+            series = series * compression + coefficient
+        pressure = self.sound_speed[None] ** 2 * series * compression
+        if ti.static(self.limits_tension):
+            pressure = ti.max(pressure, self.pressure_cutoff[None])
+        return pressure
+
+    @ti.func
+    def stiffness(self, compression):
+        """Return the slope of pressure over compression, c^2 (1 + s)^(gamma - 1)."""
+        return self.sound_speed[None] ** 2 * (1.0 + compression) ** (self.gamma - 1)

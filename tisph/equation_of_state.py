@@ -46,41 +46,42 @@ def sound_speed(
     density: float,
     elastic_speed: float = 0.0,
 ) -> float:
-    """Sound speed [length/time] that the parameters mean in a flow.
+    """Return the sound speed [length/time] for the parameters in a flow.
 
     ``auto`` is ten times the largest of the ``reference_velocity`` U, the fastest speed to expect (the
     ``peak_velocity`` of a scene); of the viscous scale sqrt(nu U / H), nu in total and H the reference ``length``; and
     of the ``elastic_speed`` sqrt(nu_p / relaxation time) of shear waves in a polymer. The first two keep inertial and
     viscous pressure differences small against density * c^2 (J. P. Morris, P. J. Fox and Y. Zhu, J. Comput. Phys. 136
-    (1997) 214-226); the third does so for polymer stresses, of which it is the modulus per unit density.
+    (1997) 214-226); the third does so for polymer stresses: its square is the polymer's modulus per unit density.
 
-    Morris' scale of a body force, sqrt(g H), is no scale of its own here: it is for a force that pressure
-    balances. Along the periodic x no pressure can build up, friction balances the force, and with the peak speed
-    U = g H^2 / (8 nu) of that flow the viscous scale already is sqrt(g H / 8).
+    Morris' scale of a body force, sqrt(g H), is for a force that pressure balances, and is not used. Along the periodic
+    x there is no pressure difference and friction balances the force; with the peak speed U = g H^2 / (8 nu) of that
+    flow the viscous scale already is sqrt(g H / 8).
     """
     if parameters.bulk_modulus is not None:
         return math.sqrt(parameters.bulk_modulus / density)
-    if parameters.sound_speed != "auto":
-        return parameters.sound_speed
+    given: Any = parameters.sound_speed
+    if given != "auto":
+        return given
     viscous_velocity = math.sqrt(kinematic_viscosity * reference_velocity / length)
     return SCALE_RATIO * max(reference_velocity, viscous_velocity, elastic_speed)
 
 
 def series(gamma: int) -> tuple[float, ...]:
-    """Coefficients of ((1 + s)^gamma - 1) / gamma in s, highest power first, without the last one, which is 0.
+    """Return the coefficients of ((1 + s)^gamma - 1) / gamma in s, highest power first, without the constant, 0.
 
-    As a polynomial it keeps its digits where s is small.
+    The polynomial loses no digits where s is small.
     """
     return tuple(math.comb(gamma, power) / gamma for power in range(gamma, 0, -1))
 
 
 def compression(parameters: Tait, pressure: np.ndarray, *, density: float, sound_speed: float) -> np.ndarray:
-    """Compression rho/rho0 - 1 at which there is a ``pressure`` (any shape), the cutoff left aside."""
+    """Return the compression rho/rho0 - 1 for a ``pressure`` (any shape), without the cutoff."""
     stiffness = density * sound_speed**2
     return np.expm1(np.log1p(parameters.gamma * pressure / stiffness) / parameters.gamma)
 
 
 def pressure(parameters: Tait, compression: np.ndarray, *, density: float, sound_speed: float) -> np.ndarray:
-    """Pressure at ``compression`` = rho/rho0 - 1 (any shape), never below the cutoff."""
+    """Return the pressure for ``compression`` = rho/rho0 - 1 (any shape), never below the cutoff."""
     values = density * sound_speed**2 * np.polyval([*series(parameters.gamma), 0.0], compression)
     return values if parameters.pressure_cutoff is None else np.maximum(values, parameters.pressure_cutoff)

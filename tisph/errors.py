@@ -1,4 +1,9 @@
-"""Errors that a user sees as one message, with the exit status that each stands for."""
+"""Errors that a user sees as one message, each with an exit status, and the signals that end a run."""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from signal import Signals
 
 INTERRUPTED = 130
 """Exit status of a process that Ctrl-C ends, as shells report it."""
@@ -11,16 +16,30 @@ class TisphError(Exception):
 
 
 class ConfigError(TisphError):
-    """Bad input: the message names file, line, key, value and what is allowed. Nothing was written."""
+    """Bad input; nothing was written. The message names file, line, key, value and the allowed values."""
 
     exit_status = 2
 
 
 class UnsolvedError(TisphError, ArithmeticError):
-    """A reference could not be solved for: the message says how far it came."""
+    """The solution for a reference failed; the message names the time up to which there is one."""
 
 
 class DivergedError(TisphError):
-    """The run went wrong: the message names field, particle, step and time. Partial results are kept."""
+    """The run failed; partial results are kept. The message names field, particle, step and time."""
 
     exit_status = 3
+
+
+def ending_signals() -> "list[Signals]":
+    """Return the signals that end a run with all its results: Ctrl-C, a termination, and the hang-up of a terminal.
+
+    A hang-up is left out where this process was started to ignore it (nohup).
+    """
+    import signal  # it takes milliseconds, during which an interrupt would end in a traceback
+
+    signals = [signal.SIGINT, signal.SIGTERM]
+    hang_up = getattr(signal, "SIGHUP", None)  # Windows has none
+    if hang_up is not None and signal.getsignal(hang_up) is not signal.SIG_IGN:
+        signals.append(hang_up)
+    return signals

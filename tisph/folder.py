@@ -1,32 +1,34 @@
-"""The results folder: the one list of the files that a run may leave, and when it may be used."""
+"""The results folder: the list of the files that a run may leave, and its lock against other processes."""
 
 import json
 import os
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from tisph.errors import ConfigError
 
 LOCK = ".lock"
 
 MADE = ("report.html", "samples.csv", "samples.npz", "samples.extxyz", "frames.vtkhdf", "frames_bodies.vtkhdf")
-"""What other commands make of a run, in its folder: out of date with the next one."""
+"""Files that other commands make from a run, in its folder: out of date after the next run."""
 
 
-def partial(path):
-    """Return where the file that is to take the place of ``path`` is written."""
+def partial(path: Path) -> Path:
+    """Return the path of the file that is written to replace ``path``."""
     return path.with_name(f"{path.name}.partial")
 
 
-def spare(path):
-    """Return where the file before ``path`` is for a moment."""
+def spare(path: Path) -> Path:
+    """Return the path of a copy of the file ``path`` while that is being replaced."""
     return path.with_name(f"{path.name}.spare")
 
 
 class Folder:
     """Paths of a run's files in ``root``."""
 
-    def __init__(self, root):
+    def __init__(self, root: str | Path):
         self.root = Path(root)
         self.config = self.root / "config.resolved.yaml"
         self.summary = self.root / "summary.json"
@@ -46,25 +48,25 @@ class Folder:
         self.last_good = self.root / "last_good.h5"
         self.last_good_picture = self.root / "last_good.png"
 
-    def read_summary(self):
-        """Contents of ``summary.json``; of status ``failed``, without samples, where there is none."""
+    def read_summary(self) -> dict[str, Any]:
+        """Return the contents of ``summary.json``; status ``failed`` and no samples where there is no such file."""
         if not self.summary.is_file():
             return {"status": "failed", "samples": []}
         return json.loads(self.summary.read_text(encoding="utf-8"))
 
-    def files(self):
-        """Return the paths of all of them, and of what a killed run was writing."""
+    def files(self) -> list[Path]:
+        """Return the paths of all files, also of the partial files of a killed run."""
         paths = [path for name, path in vars(self).items() if name != "root"]
         spares = map(spare, (self.samples, self.vtk, self.vtk_bodies, self.frames))
         return [*paths, *map(partial, paths), *spares, *map(self.root.joinpath, MADE)]
 
 
 @contextmanager
-def held(root):
-    """Make the folder ``root`` if there is none and hold it against other processes; filelock's Timeout if one has it.
+def held(root: Path) -> Iterator[None]:
+    """Create the folder ``root`` if needed, and lock it against other processes; filelock's Timeout if it is locked.
 
-    Afterwards, or with the end of the process, it is free. The lock's file is removed while it is still held: a process
-    that has opened it by then notices that it is gone (``filelock`` from 3.24 on).
+    The lock ends with the context or the process. The lock's file is removed while it is still locked: a process that
+    has opened it by then notices that it is gone (``filelock`` from 3.24 on).
     """
     from filelock import FileLock
 
@@ -75,14 +77,14 @@ def held(root):
         try:
             yield
         finally:
-            with suppress(OSError):  # the folder may be gone, or be another one by now; Windows keeps what is open
+            with suppress(OSError):  # the folder may be deleted or replaced by now; Windows keeps open files
                 if os.path.samestat(own, os.stat(root / LOCK)):
                     os.unlink(root / LOCK)
 
 
 @contextmanager
-def _interrupts_alone():
-    """Raise KeyboardInterrupt where a group of errors has one: a second interrupt, while the lock is taken or given."""
+def _interrupts_alone() -> Iterator[None]:
+    """Raise KeyboardInterrupt for a group of errors with one: after a second interrupt, while the folder is locked."""
     try:
         yield
     except BaseException as error:
@@ -91,17 +93,17 @@ def _interrupts_alone():
         raise
 
 
-def _has_interrupt(error):
+def _has_interrupt(error: BaseException) -> bool:
     return isinstance(error, KeyboardInterrupt) or any(map(_has_interrupt, getattr(error, "exceptions", ())))
 
 
 RESULTS = tuple(path.name for path in Folder(".").files())
-"""What a run may leave, and all that ``--overwrite`` removes: other files in the folder are not touched."""
+"""Names of all files that a run may leave. ``--overwrite`` removes them, and no other file."""
 
 
 @contextmanager
-def claimed(folder, *, overwrite, resume):
-    """Make ``folder`` ready for results and keep other runs out of it; ConfigError where that cannot be.
+def claimed(folder: Path, *, overwrite: bool, resume: bool) -> Iterator[None]:
+    """Prepare ``folder`` for results and lock it against other runs; ConfigError where that is not possible.
 
     Without ``overwrite`` or ``resume`` it must be new or empty; ``resume`` needs a checkpoint in it.
     """
@@ -128,13 +130,9 @@ def claimed(folder, *, overwrite, resume):
                 f"--out {folder}: the folder is not empty; choose another one, or add --overwrite or --resume"
             )
         if overwrite:
-            _remove_results(folder)
+            for name in RESULTS:
+                try:
+                    (folder / name).unlink(missing_ok=True)
+                except OSError as error:
+                    raise ConfigError(f"--overwrite: {folder / name} cannot be removed: {error.strerror}") from None
         yield
-
-
-def _remove_results(folder):
-    for name in RESULTS:
-        try:
-            (folder / name).unlink(missing_ok=True)
-        except OSError as error:
-            raise ConfigError(f"--overwrite: {folder / name} cannot be removed: {error.strerror}") from None

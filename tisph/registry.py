@@ -1,7 +1,7 @@
 """The menu of choices: one package a family, one module a member, listed from the folders.
 
-A module whose name starts with an underscore is a helper, not a member. Members are imported on demand only,
-so that a run loads (and compiles) nothing but what its config names.
+A module whose name starts with an underscore is a helper, not a member. A member is imported, and compiled, only for
+a config that names it.
 """
 
 import ast
@@ -28,13 +28,13 @@ FAMILIES = {
 
 
 def names(family: str) -> list[str]:
-    """Sorted member names of ``family``; KeyError for an unknown family. Imports no member."""
+    """Return the sorted member names of ``family``; KeyError for an unknown family. Imports no member."""
     folders = [str(folder) for folder in _folders(family)]
     return sorted(item.name for item in pkgutil.iter_modules(folders) if not item.name.startswith("_"))
 
 
 def modules(family: str) -> list[str]:
-    """Dotted names of the modules of all members of ``family``; KeyError for an unknown family. Imports no member."""
+    """Return the dotted names of the modules of all members of ``family``; KeyError for an unknown family."""
     return [f"{FAMILIES[family]}.{name}" for name in names(family)]
 
 
@@ -47,19 +47,19 @@ def load(family: str, name: str) -> ModuleType:
 
 
 def compiled(family: str, name: str) -> ModuleType:
-    """Import what Taichi compiles for a member: the module ``_NAME`` beside it. The member itself needs no Taichi."""
+    """Import the kernels of a member, the module ``_NAME`` beside it. The member itself needs no Taichi."""
     _member_file(family, name)
     return importlib.import_module(f"{FAMILIES[family]}._{name}")
 
 
 def summary(family: str, name: str) -> str:
-    """First line of the member's docstring, empty without one; read without importing it."""
+    """Return the first line of the member's docstring, empty without one; read without importing it."""
     docstring = ast.get_docstring(_syntax_tree(family, name)) or ""
     return docstring.partition("\n")[0]
 
 
 def constant(family: str, name: str, attribute: str) -> Any:
-    """Value of a module-level literal ``attribute = ...`` of a member, read without importing it.
+    """Return the value of a module-level literal ``attribute = ...`` of a member, read without importing it.
 
     KeyError where the member has no such literal.
     """
@@ -73,13 +73,11 @@ def _syntax_tree(family: str, name: str) -> ast.Module:
     return _parsed(_member_file(family, name).read_text(encoding="utf-8"))
 
 
-@functools.cache
-def _parsed(text: str) -> ast.Module:
-    return ast.parse(text)
+_parsed = functools.cache(ast.parse)
 
 
 def _member_file(family: str, name: str) -> Path:
-    """Source file of a member: a module, or the ``__init__`` of a package."""
+    """Return the source file of a member: a module, or the ``__init__`` of a package."""
     if name not in names(family):
         raise KeyError(f"{family} has no member {name!r}; it has {', '.join(names(family))}")
     candidates = [
@@ -90,4 +88,5 @@ def _member_file(family: str, name: str) -> Path:
 
 def _folders(family: str) -> list[Path]:
     specification = importlib.util.find_spec(FAMILIES[family])
-    return [Path(folder) for folder in specification.submodule_search_locations]
+    places = specification.submodule_search_locations if specification else None
+    return [Path(folder) for folder in places or ()]

@@ -1,14 +1,16 @@
-"""The state of the fluid at one time, as NumPy arrays: what observers, plots and metrics read."""
+"""The state of the fluid at one time, as NumPy arrays, for observers, plots and metrics."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 STRESSES = ("stress_xx", "stress_xy", "stress_yy")
-"""What a snapshot has of a polymer's stress."""
+"""Components of the polymer stress in a snapshot."""
 
 STRESSES_AROUND = ("stress_tt", "stress_xt", "stress_yt")
-"""The components around the axis of axisymmetric flow, the last two where walls turn around it."""
+"""Further components in axisymmetric flow, the last two where walls rotate around the axis."""
 
 OPTIONAL = ("w", *STRESSES, *STRESSES_AROUND)
 """Fields that only some flows have."""
@@ -16,16 +18,16 @@ OPTIONAL = ("w", *STRESSES, *STRESSES_AROUND)
 
 @dataclass(frozen=True)
 class Bodies:
-    """What the n bodies of a scene do at one time, and what the fluid does to them; per length across the plane.
+    """Positions and motions of the n bodies of a scene at one time, and the loads of the fluid, per length.
 
-    ``centre`` and ``velocity`` (n, 2), ``angle`` [radians] and ``angular_velocity`` (n,), counterclockwise; ``force``
-    (n, 2) and ``torque`` (n,) around the centre, of which ``pressure_force`` and ``pressure_torque`` are the
-    pressure's: NaN before the first step, and of a scheme that does not know them. ``stresslet`` (n,): integral of
-    (x t_y + y t_x)/2 around the centre, of the traction t: over the area of a cell it is what a body in it adds to the
-    mean shear stress. ``normal_stress`` (n,): first normal
-    stress difference of a polymer, along the wall less across it, mean over the wall; None without one.
-    ``contact_force`` (n, 2), ``contact_torque`` and ``contact_stresslet`` (n,): what near contact does to each, which
-    is no part of ``force``, 0 without contact and NaN before the first step; None where the flow carries no body.
+    ``centre`` and ``velocity`` (n, 2), ``angle`` [radians] and ``angular_velocity`` (n,), counterclockwise. ``force``
+    (n, 2) and ``torque`` (n,) around the centre, in total; ``pressure_force`` and ``pressure_torque``, the part of the
+    pressure: NaN before the first step, and for a scheme that does not compute them. ``stresslet`` (n,): integral of
+    (x t_y + y t_x)/2 around the centre, t being the traction; over the area of a cell it is the contribution of the
+    body to the mean shear stress. ``normal_stress`` (n,): first normal stress difference of a polymer, along the wall
+    less across it, mean over the wall; None without polymer. ``contact_force`` (n, 2), ``contact_torque`` and
+    ``contact_stresslet`` (n,): loads of near contact, which are not part of ``force``: 0 without contact, NaN before
+    the first step; None without free bodies.
     """
 
     centre: np.ndarray
@@ -43,11 +45,18 @@ class Bodies:
     contact_stresslet: np.ndarray | None = None
 
     @classmethod
-    def at(cls, time, bodies, loads=None, normal_stress=None, contact=None):
-        """Of ``bodies``, ``geometry.body.Body`` each, which move as they say; ``loads`` (2, n, 4) are on them.
+    def at(
+        cls,
+        time: float,
+        bodies: Sequence[Any],
+        loads: np.ndarray | None = None,
+        normal_stress: np.ndarray | None = None,
+        contact: np.ndarray | None = None,
+    ) -> "Bodies":
+        """Return positions and motions of ``bodies`` (``geometry.body.Body``) at ``time``, with their loads.
 
-        Those are force along x, along y, torque and stresslet, of all and of the pressure; ``contact`` (n, 4) has the
-        same of near contact. None where they are not known.
+        ``loads`` (2, n, 4): force along x and y, torque and stresslet, in total and by the pressure. ``contact``
+        (n, 4): the same four loads by near contact. None where they are not known.
         """
         if contact is None and any(body.free for body in bodies):
             contact = np.full((len(bodies), 4), np.nan)
@@ -81,14 +90,15 @@ class Snapshot:
     All arrays have shape (particles_fluid,) and the units of the config: positions ``x`` and ``y`` in the box of the
     scene, velocities ``u`` and ``v`` along them and, in axisymmetric flow, ``w`` around the axis y = 0, else None;
     density, pressure; polymer stresses [mass/(length time^2)] where the fluid has them, else None, with ``stress_tt``
-    around the axis in axisymmetric flow, and where walls turn ``stress_xt`` and ``stress_yt``. ``reference``: arrays of
-    the exact solution by the name of the field, where somebody has asked for them; ``bodies``, where there are any.
-    ``steepest``: the largest change of the logarithm of a conformation tensor within a particle spacing, with x and y
-    of where it is; ``added_power``: in a fluid of varying viscosity, the power of the viscous force that only errors
-    of the operators add, over the dissipation; ``load_scatter``: the largest scatter of the force on a body from step
-    to step, over that force, and the body's number; ``divergence``: of the velocities, root mean square over that of
-    their gradient, by the operators of the scheme; ``acceleration``: the one along x that keeps a mean velocity. None
-    where they are not known.
+    around the axis in axisymmetric flow, and where walls rotate ``stress_xt`` and ``stress_yt``. ``reference``: arrays
+    of the exact solution by the name of the field, where they were requested; ``bodies``, where there are any.
+
+    None where it is not known: ``steepest``: largest change of the logarithm of a conformation tensor within a particle
+    spacing, and x and y of its position. ``added_power``: in a fluid of varying viscosity, power of the viscous force
+    due to errors of the operators, over the dissipation. ``load_scatter``: largest scatter of the force on a body from
+    step to step, over that force, and the body's number. ``divergence``: rms of the divergence of the velocities over
+    the rms of their gradient, by the operators of the scheme. ``acceleration``: body acceleration along x that keeps a
+    mean velocity.
     """
 
     t: float

@@ -1,3 +1,8 @@
-"""The version of the package, as in ``pyproject.toml``; in its own file, so that every room can have it."""
+"""The version of the package, as in ``pyproject.toml``, and the time at which this process has imported it."""
+
+import time
 
 __version__ = "0.1.0"
+
+PROCESS_START = time.perf_counter()
+"""Time at which the package was imported, by ``time.perf_counter`` [s]: the cost of start-up counts from here."""

@@ -12,7 +12,7 @@ from tisph.measures.metrics import field_error, relative_error, sample_metrics
 from tisph.runtime import view
 from tisph.simulation.state import start_values
 from tisph.walls._dummies import layers_in
-from tisph.walls._virtual_image import RADIUS
+from tisph.walls.virtual_image import RADIUS
 
 ANNULUS = """
 scene: annulus
@@ -99,7 +99,7 @@ def test_no_pair_is_missing_while_cylinders_turn(make, name):
     for _ in range(8):
         scheme.advance()
         fluid, walls = slots(scheme)
-        drifts = (drift**2 for drift in scheme.boundaries.drift)
+        drifts = (drift**2 for drift in scheme.boundaries.drifts())
         of_liquid = view(scheme.stepper.drift_squared) * scheme.boundaries.displacement_factor**2
         if scheme.lists.outdated(max(of_liquid, *drifts), 0.0):
             scheme.rebuild()

@@ -212,19 +212,19 @@ def solution(solver):
 
 
 RESIDUAL = 1e-10
-# coefficient, sigma, parity: long and short viscous steps (times spacing^2), with either parity, and a pressure
-SYSTEMS = [(1.0, 1.0, -1.0), (30.0, 1.0, -1.0), (3.0, 1.0, 1.0), (-1.0, -1e-3, 1.0)]
+# coefficient, sigma: short and long viscous steps (times spacing^2), and hardly any sigma
+SYSTEMS = [(1.0, 1.0), (30.0, 1.0), (-1.0, -1e-3)]
 
 
 @pytest.mark.parametrize("order", [2, 4])
-@pytest.mark.parametrize(("coefficient", "sigma", "parity"), SYSTEMS)
-def test_the_solver_agrees_with_a_dense_one(assembled, order, coefficient, sigma, parity):
+@pytest.mark.parametrize(("coefficient", "sigma"), SYSTEMS)
+def test_the_solver_agrees_with_a_dense_one(assembled, order, coefficient, sigma):
     scheme = assembled(f"scheme.operators.order={order}", jitter=0.2)
     if sigma > 0:
         coefficient *= scheme.channel.spacing**2
-    matrix = sigma * np.eye(scheme.points.fluid) - coefficient * matrix_of(scheme, parity)
+    matrix = sigma * np.eye(scheme.points.fluid) - coefficient * matrix_of(scheme, -1.0)
     b = np.random.default_rng(0).uniform(-1.0, 1.0, scheme.points.fluid)
-    solver = BiCGStab(scheme.operators, scheme.ghosts, parity)
+    solver = BiCGStab(scheme.operators, scheme.ghosts)
     set_right_side(solver, b)
     assert solver.solve(coefficient, RESIDUAL, sigma=sigma, max_iterations=1000)
     # what a residual of this size can mean; the residual that the recursion carries is off by rounding of 1e-14 or so
@@ -262,7 +262,7 @@ def test_the_solution_as_a_guess_takes_no_iteration(assembled, counted):
 def test_the_solver_tells_when_it_has_not_converged(assembled, counted, most):
     scheme = assembled(jitter=0.2)
     b = np.random.default_rng(0).uniform(-1.0, 1.0, scheme.points.fluid)
-    solver = BiCGStab(scheme.operators, scheme.ghosts, -1.0)
+    solver = BiCGStab(scheme.operators, scheme.ghosts)
     iterations = counted(solver)
     set_right_side(solver, b)
     assert solver.solve(100 * scheme.channel.spacing**2, RESIDUAL, max_iterations=most) is False

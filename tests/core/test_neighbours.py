@@ -61,7 +61,7 @@ def test_no_pair_is_missing_while_a_wall_swings(make):
     scheme = make(*swing, "fluid.kinematic_viscosity=1e-4", "time.end=0.4")
     while not scheme.finished:
         scheme.advance()
-        drifts = scheme.stepper.drift_squared[None], *(drift**2 for drift in scheme.boundaries.drift)
+        drifts = scheme.stepper.drift_squared[None], *(drift**2 for drift in scheme.boundaries.drifts())
         if scheme.lists.outdated(max(drifts), scheme.middle - scheme.built):
             scheme.rebuild()
         assert missing_pairs(scheme) == 0

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tisph import runtime
+from tisph.domain import PeriodicDomain
 from tisph.neighbours.point_cloud import PointCloud
-from tisph.periodic import PeriodicDomain
 from tisph.runtime import view
 from tisph.schemes._two_dimensional import PeriodicProblem
 

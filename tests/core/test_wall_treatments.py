@@ -5,7 +5,7 @@ import pytest
 from rates import LINEAR_EOS, impose, slots_in_use
 
 from tisph import registry
-from tisph.walls._virtual_image import SMALLEST_DETERMINANT
+from tisph.walls.virtual_image import SMALLEST_DETERMINANT
 
 DRIVEN = "drive.acceleration=0.02"
 TREATMENTS = ("adami", "comoving_image", "consistent_image", "fixed_image", "virtual_image")

@@ -38,7 +38,7 @@ def test_every_particle_near_a_wall_has_its_mirror_image(make):
 def test_there_is_room_for_the_images_of_both_walls(rows):
     lattice = SimpleNamespace(rows=rows, columns=2 * rows, spacing=1 / rows)
     of_a_cell = rows / int(rows / 3.9)
-    _, images = registry.compiled("walls", "comoving_image").Treatment.wall_slots(lattice, 3.9 / rows)
+    _, images = registry.load("walls", "comoving_image").treatments().channel.wall_slots(lattice, 3.9 / rows)
     assert 2 * of_a_cell * lattice.columns <= images <= 2 * rows * lattice.columns
 
 

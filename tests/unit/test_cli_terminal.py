@@ -11,7 +11,7 @@ import pytest
 import tisph.__main__
 import tisph.cli
 from tisph.cli.terminal import held_back, lasting
-from tisph.signals import ending_signals
+from tisph.errors import ending_signals
 
 POSIX = pytest.mark.skipif(os.name == "nt", reason="sends signals, closes descriptors")
 

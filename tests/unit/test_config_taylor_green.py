@@ -95,7 +95,9 @@ def test_a_scheme_that_needs_walls_names_those_that_do_not(tmp_path, monkeypatch
     monkeypatch.setattr("tisph.config.checks._boxes", boxes.get)
     path = tmp_path / "case.yaml"
     path.write_text(GOOD)
-    with pytest.raises(ConfigError, match=r'"wcsph": has no box as that of taylor_green; take auto or implicit'):
+    with pytest.raises(
+        ConfigError, match=r'"wcsph": does not support the periodic axes of taylor_green; take auto or implicit'
+    ):
         load(path, ["scheme={type: wcsph}"])
 
 

@@ -15,7 +15,7 @@ PACKAGE = Path(tisph.__file__).parent
 
 # Each part may import the parts in the levels below its own, and itself. Parts of one level are independent.
 LEVELS = [
-    ["clock", "signals", "errors", "snapshot", "registry", "size_class", "text_table", "version"],
+    ["errors", "snapshot", "registry", "size_class", "text_table", "version"],
     ["folder"],
     ["config", "exact", "geometry"],
     ["equation_of_state", "measures"],
@@ -24,7 +24,6 @@ LEVELS = [
     ["scenes"],
     ["report"],
     ["runtime"],
-    ["fluid", "particles", "periodic"],
     ["domain"],
     ["neighbours"],
     ["operators", "kernels", "least_squares"],

@@ -1,12 +1,13 @@
-"""Command line: a function a command. What a command needs is imported when it runs, so that help is quick."""
+"""Command line: one function for each command, which imports the other rooms when it runs, so that help is quick."""
 
 import gc
 import sys
+from collections.abc import Callable
 from typing import Annotated
 
 import typer
 
-from tisph.cli import check, compare, finished, menu, run, studies, terminal
+from tisph.cli import check, finished, menu, run, studies, terminal
 from tisph.cli.terminal import reported
 from tisph.version import __version__
 
@@ -48,7 +49,7 @@ def _options(
     pass
 
 
-for _name, _command in {
+COMMANDS: dict[str, Callable[..., None]] = {
     "run": run.run,
     "check": check.check,
     "list": menu.list_families,
@@ -59,19 +60,20 @@ for _name, _command in {
     "render": finished.render,
     "report": finished.report,
     "export": finished.export,
-    "compare": compare.compare,
+    "compare": finished.compare,
     "sweep": studies.sweep,
     "rheometry": finished.rheometry,
-}.items():
+}
+for _name, _command in COMMANDS.items():
     app.command(_name)(reported(_command))
-app.command("stress", short_help="The old name of stability.")(reported(studies.stability))
+app.command("stress", short_help="The former name of stability.")(reported(studies.stability))
 
 
 def main() -> None:
     """Run the command line on the arguments of this process.
 
-    Kernels are read into millions of small objects, which Python's collector would go through again and again, and
-    once more at the end, for nothing: a fifth of the time of a short run.
+    Kernels are translated to millions of small objects. Python's collector would search them repeatedly, and once more
+    at the end, and free none: a fifth of the time of a short run.
     """
     gc.set_threshold(200_000, 20, 20)
     terminal.outlive_readers()

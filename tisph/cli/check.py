@@ -1,4 +1,4 @@
-"""``tisph check``: validate a config and say what its run would be, without running it."""
+"""``tisph check``: validate a config and print size, steps, errors and cost of its run, without running it."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -16,15 +16,15 @@ from tisph.schemes._estimate import (
 )
 
 HIGHEST_MACH = 0.1
-"""Density varies by about Mach^2: above this the fluid is no longer nearly incompressible."""
+"""Mach number above which there is a warning: density varies by about its square."""
 
 HIGHEST_CELL_REYNOLDS = {"wcsph": STABLE_CELL_RE, "implicit": 400.0}
-"""Cell Reynolds number U spacing / nu up to which disordered runs of the stability matrix are stable, by scheme. With
-the explicit one they vary in density at 125 and lose the start of the flow at 400; the implicit one is stopped at 1250.
-"""
+"""Cell Reynolds number U spacing / nu up to which disordered runs of the stability matrix are stable, by scheme. At 125
+explicit runs vary in density, at 400 their start-up flow is wrong; at 1250 implicit runs stop with an error."""
 
 HIGHEST_CELL_REYNOLDS_2D = 10.0
-"""The same of the explicit scheme in two-dimensional flow: at 40 vortices lose a fifth of U in twenty rotations."""
+"""Highest cell Reynolds number of the explicit scheme in two-dimensional flow: at 40 vortices lose a fifth of their
+velocity in twenty rotations."""
 
 LARGE_ERROR = 0.1
 """Estimated error at the last sample above which there is a warning."""
@@ -33,23 +33,21 @@ LONG = 86400.0
 """Seconds of an estimated run time above which there is a warning."""
 
 BESIDE_LOOP, FRAME = {True: (3.0, 20.0), False: (5.0, 40.0)}, 0.025
-"""Seconds of a run beside its loop and its movie, least and most, by whether the flow is parallel: kernels may have
-been compiled before, and pictures may have many bodies. Seconds of a frame of the movie, at most. Of all configs a run
-took 3 to 13, and 5 to 29, seconds of processor time."""
+"""Least and largest time [s] of a run beside its loop and its movie, by whether the flow is parallel: kernels may have
+been compiled before, and pictures may have many bodies. Then the largest time [s] of a frame of the movie. The runs of
+all configs took 3 to 13 s of processor time in parallel flow, and 5 to 29 s in other flows."""
 
 ERROR_FACTORS = {True: 3.0, False: 10.0}
-"""Largest factor between a stated error and that of the run, by whether the sample is resolved."""
+"""Largest factor between the stated error and the error of the run, by whether the sample is resolved."""
 
 LOOP_FACTORS = 0.3, 2.5
 """Least and largest time of a step over its estimate: by threads, processor and iterations of the solvers."""
 
-ROUNDING = math.floor, math.ceil
-
 PROGRAM = "0.2 to 0.4 GB"
-"""Memory of a run with few particles; measured, of all configs."""
+"""Memory of a run with few particles, measured for all configs."""
 
 LEAST_SOLVENT_FRACTION = 0.1
-"""Below, little viscosity is left at the scale of the spacing, where the polymer stress does not resist."""
+"""Solvent fraction below which there is a warning: at the scale of the spacing only the solvent damps the velocity."""
 
 
 def check(config: ConfigFile, overrides: Overrides = None) -> None:
@@ -70,21 +68,20 @@ def check(config: ConfigFile, overrides: Overrides = None) -> None:
 
 
 def described(config: Any, numbers: dict[str, Any], warnings: Sequence[str]) -> Iterator[str]:
-    """Lines that say what the run of ``config`` is, from its ``forecast``."""
+    """Yield the lines that describe the run of ``config``, from its ``forecast``."""
     walls = [config.members["walls"].type] if "walls" in config.members else []
     yield f"{config.name}: valid ({', '.join([config.scene, config.scheme.type, *walls])})"
     scene = _scene(config)
-    samples = _sample_lines(scene, numbers["samples"])
-    for label, text in [*scene.parameters(), *_run_lines(config, numbers), *samples]:
+    for label, text in [*scene.parameters(), *_run_lines(config, numbers), *_sample_lines(scene, numbers["samples"])]:
         yield f"  {label:22} {text}"
     for text in warnings:
         yield f"  warning: {text}"
 
 
 def forecast(config: Any) -> tuple[dict[str, Any], list[str]]:
-    """``estimates`` and warnings of a run before it runs; raises ConfigError where its result would be worthless."""
+    """Return the ``estimates`` of a run and warnings; raises ConfigError where its result would be worthless."""
     numbers = estimates(config)
-    if numbers["lost"]:  # before the layer at its walls is resolved it is mixed away
+    if numbers["lost"]:  # the layer at the walls is mixed into the flow before it is resolved
         raise ConfigError(
             f"discretisation: the cell Reynolds number U spacing / nu is {numbers['cell_reynolds']:.3g}, and up to the "
             f"last sample at t = {config.time.samples[-1]:g} the layer at the walls is too thin for the explicit "
@@ -94,12 +91,11 @@ def forecast(config: Any) -> tuple[dict[str, Any], list[str]]:
 
 
 def estimates(config: Any) -> dict[str, Any]:
-    """Numbers of a run before it runs, in the config's units; memory in bytes, run time in seconds."""
+    """Return numbers of a run before it runs, in the config's units; memory in bytes, run time in seconds."""
     from tisph import schemes
     from tisph.config import checks
 
     scene = _scene(config)
-    particles = scene.particles
     resolved, reason = schemes.resolve(config)
     run = schemes.estimates(resolved, scene)
     fewest, most = run["samples"][-1].steps_range(run["steps"])
@@ -109,8 +105,8 @@ def estimates(config: Any) -> dict[str, Any]:
         "reynolds": scene.reynolds,
         "cell_reynolds": scene.reference_velocity * scene.spacing / scene.solvent_viscosity,
         "viscous_time": scene.viscous_time,
-        "particles": particles,
-        "memory": checks.estimated_bytes(particles, config, resolved.scheme.type == "implicit"),
+        "particles": scene.particles,
+        "memory": checks.estimated_bytes(scene.particles, config, resolved.scheme.type == "implicit"),
         "scheme": reason,
         "error": run["samples"][-1].l2,
         "steps_range": (fewest, most),
@@ -130,7 +126,7 @@ def _scene(config: Any) -> Any:
 
 
 def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
-    """What the run is: particles, steps, cost."""
+    """Return label and text of scheme, particles, steps and cost of the run."""
     from tisph.config.checks import format_bytes
 
     length, time = config.units.length, config.units.time
@@ -140,16 +136,16 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
     step = f"{largest}{numbers['time_step']:.{digits}g} {time}, set by the {numbers['binding_limit']} limit"
     steps = _range(numbers["steps_range"])
     guessed = "" if reliable else "; how the particles will flow is not known beforehand"
-    number = (
-        f"{config.rows} across, {config.columns} along" if any(config.periodic) else f"{config.particles_across} across"
-    )
-    spacing = f"{config.spacing:.6g} {length} ({number})"
+    number = f"{config.particles_across} across"
+    if any(config.periodic):
+        number = f"{config.rows} across, {config.columns} along"
     lines = [("scheme", numbers["scheme"])]
-    if numbers["sound_speed"]:
+    if explicit:
         lines.append(("Mach number", f"{numbers['mach']:.4g}  (peak speed / c)"))
         lines.append(("sound speed c", f"{numbers['sound_speed']:.6g} {length}/{time}"))
-    lines += [
-        ("particle spacing", spacing),
+    return [
+        *lines,
+        ("particle spacing", f"{config.spacing:.6g} {length} ({number})"),
         ("fluid particles", str(numbers["particles"])),
         ("time step", step),
         ("steps", f"{steps} from t = {config.start_time:g} to {config.time.end:g} {time}{guessed}"),
@@ -159,11 +155,10 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
             f"{_times(numbers['total_time_range'])} in all on an idle machine, with compiling, pictures and movie",
         ),
     ]
-    return lines
 
 
 def _sample_lines(scene: Any, samples: Sequence[Any]) -> Iterator[tuple[str, str]]:
-    """Of every ``SampleEstimate`` whether the sample is resolved, and steps and error as far as they are known."""
+    """Yield label and text of every ``SampleEstimate``: whether it is resolved, steps and error, as far as known."""
     for sample in samples:
         steps = _range(sample.steps_range(sample.steps))
         resolved, state = _resolved(scene, sample)
@@ -174,7 +169,7 @@ def _sample_lines(scene: Any, samples: Sequence[Any]) -> Iterator[tuple[str, str
 
 
 def _resolved(scene: Any, sample: Any) -> tuple[bool | None, str]:
-    """Tell whether a sample will be resolved, and say so; None where its run decides that."""
+    """Return whether a sample will be resolved, None where only its run decides, and the words for it."""
     resolved, reason = resolution(scene, sample.t)
     if not resolved and not scene.has_free_bodies:
         return False, f"not resolved: {reason}"
@@ -193,9 +188,15 @@ def _error_text(sample: Any, factor: float) -> Iterator[str]:
 
 
 def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
-    """Texts of what may go wrong with a valid config, whose ``estimates`` are given."""
+    """Yield the warnings for a valid config with these ``estimates``."""
     scene = _scene(config)
-    yield from _unresolved(config, scene)
+    # a sample at the start of the run has the initial state of the config
+    reasons = {t: resolution(scene, t)[1] for t in config.time.samples if t > config.start_time}
+    early = [t for t, reason in reasons.items() if reason]
+    if early:
+        likely = " (as bodies stand at the start)" if scene.has_free_bodies else ""
+        count = f"{len(early)} of {len(reasons)}"
+        yield f"samples not resolved{likely}: {count}; at t = {early[0]:g} {reasons[early[0]]}"
     if (numbers["error"] or 0.0) > LARGE_ERROR:
         last = config.time.samples[-1]
         yield f"the L2 error at the last sample, t = {last:g}, may be as large as {numbers['error']:.1g}"
@@ -218,46 +219,30 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
     if order_2 and config.initial.jitter and numbers["cell_reynolds"] > DISORDERED_CELL_RE_OF_ORDER_2:
         highest = DISORDERED_CELL_RE_OF_ORDER_2
         yield f"above a cell Reynolds number of {highest:g} order 2 may fail for disordered particles: take order 4"
-    if not numbers["sound_speed"]:
-        yield from _stiff(config, scene)
+    if not numbers["sound_speed"] and scene.parallel and scene.polymer and any(scene.wall_jumps):
+        number = polymer_stiffness(config, scene)
+        if number > STIFF_POLYMER:
+            enough = math.ceil(config.particles_across * math.sqrt(number / STIFF_POLYMER))
+            yield (
+                "the polymer stress grows at an impulsively started wall before the layer of the solvent is one "
+                "spacing thick; errors of disordered particles last until it is many spacings thick: "
+                f"give {enough} particles across or more, or wait"
+            )
     if numbers["sound_speed"] and scene.polymer and scene.polymer.solvent_fraction < LEAST_SOLVENT_FRACTION:
         yield (
-            f"fluid.rheology.solvent_fraction is below {LEAST_SOLVENT_FRACTION:g}; the solvent's viscosity is what "
-            "damps the shortest waves of the polymer stress"
+            f"fluid.rheology.solvent_fraction is below {LEAST_SOLVENT_FRACTION:g}; only the solvent's viscosity damps "
+            "the shortest waves of the polymer stress"
         )
-
-
-def _stiff(config: Any, scene: Any) -> Iterator[str]:
-    """Warning of an impulsive start where polymer relaxes before the layer of the solvent is a spacing thick."""
-    if not scene.parallel or not scene.polymer or not any(scene.wall_jumps):
-        return
-    number = polymer_stiffness(config, scene)
-    if number > STIFF_POLYMER:
-        enough = math.ceil(config.particles_across * math.sqrt(number / STIFF_POLYMER))
-        yield (
-            "the polymer stress grows at an impulsively started wall before the layer of the solvent is one spacing "
-            "thick; errors of disordered particles last until it is many spacings thick: "
-            f"give {enough} particles across or more, or wait"
-        )
-
-
-def _unresolved(config: Any, scene: Any) -> Iterator[str]:
-    """Samples that are not resolved, and why the first one after the start of the run, which is as the config says."""
-    reasons = {t: resolution(scene, t)[1] for t in config.time.samples if t > config.start_time}
-    early = [t for t, reason in reasons.items() if reason]
-    if early:
-        likely = " (as bodies stand at the start)" if scene.has_free_bodies else ""
-        yield f"samples not resolved{likely}: {len(early)} of {len(reasons)}; at t = {early[0]:g} {reasons[early[0]]}"
 
 
 def _range(numbers: tuple[float, float]) -> str:
-    """Two positive numbers as text, rounded away from one another to two digits, or three; one where they are equal."""
+    """Return two positive numbers as text, rounded outwards to two or three digits; one number if they are equal."""
     low, high = numbers
     if low == high:
         return f"{low:g}"
     digits = 2 if high > 1.2 * low else 3
     units = [10.0 ** (math.floor(math.log10(end)) + 1 - digits) for end in numbers]
-    low, high = (way(round(end / unit, 6)) * unit for way, end, unit in zip(ROUNDING, numbers, units, strict=True))
+    low, high = (math.floor(round(low / units[0], 6)) * units[0], math.ceil(round(high / units[1], 6)) * units[1])
     return f"{low:g} to {high:g}"
 
 

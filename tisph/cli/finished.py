@@ -1,12 +1,77 @@
-"""Commands for finished runs: ``tisph render``, ``report``, ``export`` and ``rheometry``."""
+"""Commands for results: ``tisph compare``, ``render``, ``report``, ``export`` and ``rheometry``."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from tisph.cli.terminal import Overrides
+from tisph.cli.terminal import Overrides, out_folder
 from tisph.errors import ConfigError
+
+
+def compare(
+    data: Annotated[
+        list[Path], typer.Argument(metavar="DATA...", help="Results: CSV, npz, HDF5, JSON, LAMMPS dump, VTK.")
+    ],
+    config: Annotated[str, typer.Option("--config", metavar="CONFIG", help="YAML file of the same flow.")],
+    time: Annotated[
+        list[float] | None,
+        typer.Option("--time", help="Time of the data [default: what the file says]; repeat for several."),
+    ] = None,
+    columns: Annotated[
+        list[str] | None,
+        typer.Option("--columns", metavar="x=1,y=2,u=3", help="Names or numbers of columns, where they are unusual."),
+    ] = None,
+    unit: Annotated[
+        list[str] | None,
+        typer.Option("--unit", metavar="QUANTITY=UNIT", help="Unit of the data, a name or a factor; repeat."),
+    ] = None,
+    origin: Annotated[
+        str | None, typer.Option("--origin", metavar="X,Y", help="Place in the data of the config's point (0, 0).")
+    ] = None,
+    orientation: Annotated[
+        str | None,
+        typer.Option("--orientation", metavar="x,y", help="Axes of the data along x and y of the config, as y,-x."),
+    ] = None,
+    select: Annotated[str | None, typer.Option("--select", help="The group of particles that is the fluid.")] = None,
+    bound: Annotated[float | None, typer.Option("--bound", help="Exit status 1 if an error is larger.")] = None,
+    out: Annotated[Path | None, out_folder("Numbers and picture [default: runs/compare-NAME].")] = None,
+    overrides: Overrides = None,
+) -> None:
+    """Judge the result of any code against the exact solution.
+
+    Prints and stores errors, lines through the probes, centreline, wall shear, the place of the largest error, the
+    order for several resolutions, and the fault, if a single one explains the errors. --bound is for the L2 error, or
+    for the rms error over U in flows that cross zero.
+
+    \b
+    Examples:
+      tisph compare profile.csv --config couette.yaml --time 2.7
+      tisph compare out.dat --config couette.yaml --time 2.7 --columns y=2,u=4 --unit length=cm --unit velocity=cm/s
+      tisph compare couette_100.hdf5 couette_200.hdf5 --config couette.yaml --bound 1e-3
+      tisph compare couette.dump --config couette.yaml --time 20 --origin 0,0.06
+    """
+    from tisph.assessment import judge, report
+    from tisph.config import load
+
+    loaded = load(config, overrides or ())
+    place = None
+    if origin is not None:
+        try:
+            x, y = map(float, origin.split(","))
+        except ValueError:
+            raise ConfigError(f"--origin {origin}: must be two numbers, such as 0,0.5") from None
+        place = x, y
+    question = judge.Question(time or (), columns or (), unit or (), orientation, place, select)
+    found = judge.judge(loaded, data, question)
+    print(report.text(found, loaded.name))
+    for path in report.write(found, out or Path("runs") / f"compare-{data[0].stem or data[0].name}"):
+        print(f"{path}")
+    if bound is not None:
+        over = [each for each in found.samples if each.error is None or each.error > bound]
+        print(f"{len(over)} of {len(found.samples)} errors above {bound:g}: {'FAIL' if over else 'pass'}")
+        if over:
+            raise typer.Exit(1)
 
 
 def render(
@@ -95,10 +160,10 @@ def rheometry(
 ) -> None:
     """Read runs in a channel, between cylinders, in a pipe or of a falling ball as a rheometer, beside theory.
 
-    Viscosity growth, N1, creep compliance, recovery, free oscillation, relaxation modulus, flow curve, moduli G'
-    and G'', harmonics: what the walls of the run do. Effective viscosity, with its statistical error, where the flow
-    carries bodies. Viscosity by a Couette viscometer, a falling ball or a capillary, of which three runs or more give
-    the flow curve. The picture goes into the folder of the run, rheometry.png.
+    By the motion of the walls: viscosity growth, N1, creep compliance, recovery, free oscillation, relaxation modulus,
+    flow curve, moduli G' and G'', harmonics. With free bodies: effective viscosity and its statistical error.
+    Viscosity by a Couette viscometer, a falling ball or a capillary; three capillary runs or more give the flow curve.
+    The picture is rheometry.png in the folder of the run.
 
     \b
     Examples:
@@ -112,7 +177,7 @@ def rheometry(
     from tisph.report.plots import plot_reading
     from tisph.results import open_run
 
-    capillaries = {}
+    capillaries: dict[str, list[Any]] = {}
     for run_dir in run_dirs:
         run = open_run(run_dir)
         config, history = run.config, run.history
@@ -127,7 +192,7 @@ def rheometry(
             )
         try:
             last = run.summary.samples[-1] if run.summary.samples else None
-            table = {name: history[name] for name in history.dtype.names}
+            table = {name: history[name] for name in history.dtype.names or ()}
             reading = read(config, scene, table, run.summary.numbers.get("contacts"), last)
         except ConfigError as error:
             raise ConfigError(f"{run_dir}: {error}") from None

@@ -1,7 +1,7 @@
-"""The menu: ``tisph list`` shows what a config can choose from, ``tisph new`` copies a commented config to the user."""
+"""The menu: ``tisph list`` shows the choices of a config, ``tisph new`` copies a commented config to the user."""
 
 import re
-from collections.abc import Iterator
+from itertools import takewhile
 from pathlib import Path
 from typing import Annotated
 
@@ -12,10 +12,10 @@ from tisph.errors import ConfigError, TisphError
 PACKAGE = Path(__file__).resolve().parents[1]
 
 FOLDERS = (PACKAGE / "configs", PACKAGE.parent / "configs")
-"""Where the menu is: in an installed package, and in a checkout."""
+"""Folders of the menu: in an installed package, and in a checkout."""
 
 SHORTEST = 20
-"""Characters that a line of the menu has at least, if there are as many: what comes before a colon may be no more."""
+"""Least number of characters of a line of the menu: a sentence ends at a dot or colon only after as many."""
 
 
 def new(
@@ -47,14 +47,15 @@ def menu() -> list[Path]:
 
 
 def first_words(path: Path) -> str:
-    """Return what the comment at the top of a config says first."""
-    text = " ".join(_comment(path))
+    """Return the first sentence of the comment at the top of a config."""
+    lines = path.read_text(encoding="utf-8").splitlines()
+    text = " ".join(line.removeprefix("# ").strip() for line in takewhile(lambda line: line.startswith("# "), lines))
     ends = (match.start() for match in re.finditer(r"[.:;](?= |$)", text))
     return text[: next((end for end in ends if end >= SHORTEST), len(text))]
 
 
 def copied(name: str) -> Path:
-    """Copy the config ``name`` into the current folder and return its path; ConfigError where that cannot be."""
+    """Copy the config ``name`` into the current folder and return its path; ConfigError where that fails."""
     from tisph.config.fields import nearest
 
     found = {path.stem: path for path in menu()}
@@ -62,7 +63,7 @@ def copied(name: str) -> Path:
     if stem not in found:
         raise ConfigError(f"NAME {name!r}: there is no such config{nearest(stem, found)}; tisph new --list shows them")
     path = Path(f"{stem}.yaml")
-    text = found[stem].read_text(encoding="utf-8").replace("configs/", "")  # it is here now
+    text = found[stem].read_text(encoding="utf-8").replace("configs/", "")  # the comments name the file in configs/
     try:
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
@@ -73,17 +74,10 @@ def copied(name: str) -> Path:
     return path
 
 
-def _comment(path: Path) -> Iterator[str]:
-    for line in path.read_text(encoding="utf-8").splitlines():
-        if not line.startswith("# "):
-            return
-        yield line.removeprefix("# ").strip()
-
-
 def list_families(
     family: Annotated[str | None, typer.Argument(metavar="[FAMILY]", help="One family; all without it.")] = None,
 ) -> None:
-    """List what a config can choose from.
+    """List the choices of a config.
 
     Scenes, wall treatments, schemes, rheologies, kernels and more, with one line each.
 

@@ -3,8 +3,8 @@
 import json
 import os
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext, redirect_stderr
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, redirect_stderr
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,7 +17,7 @@ from tisph.folder import Folder, claimed
 from tisph.text_table import format_table
 
 FORCES = ("drag", "lift", "torque", "wall_shear")
-"""How the names of those numbers begin that are shown first; a scene without any shows what else is of its flow."""
+"""Beginnings of the names of numbers in the table; a scene without any shows other numbers of its flow."""
 
 PARTS = {
     "loop": "in the steps",
@@ -25,17 +25,17 @@ PARTS = {
     "output": "for output",
     "import": "getting ready",
 }
-"""Parts of the cost in ``summary.json``, and what they are called."""
+"""Part of the cost in ``summary.json`` -> words for it."""
 
 MOST_NUMBERS = 4
 MOST_SAMPLES = 10
 
 
-def result_text(config, scene, summary):
+def result_text(config: Any, scene: Any, summary: Mapping[str, Any]) -> str:
     """Return a table of the last samples in ``summary`` (contents of ``summary.json``), and the time used, as text.
 
-    The error is that of the velocity, against the reference; without one it is the estimate of ``--estimate-error``,
-    where there is one. Numbers are in the units of the config.
+    The error is the error of the velocity against the reference; without a reference it is the estimate of
+    ``--estimate-error``, if there is one. Numbers are in the units of the config.
     """
     texts, samples = [], summary["samples"]
     if samples:
@@ -58,22 +58,18 @@ def result_text(config, scene, summary):
         texts += [f"sample {index} is not resolved: {each['reason']}" for index, each in shown if not each["resolved"]]
         if samples[-1].get("steady_reason"):
             texts.append(f"sample {len(samples) - 1} is not steady: {samples[-1]['steady_reason']}")
-    contacts = _contacts(summary.get("numbers", {}), config.units)
-    return "\n".join([*texts, *contacts, _time_used(summary["cost"])])
-
-
-def _contacts(numbers, units):
-    """Yield what there is to say of free bodies that have touched."""
-    if numbers.get("contacts"):
-        count, duration = numbers["contacts"], numbers["contact_time"]
-        times = "once" if count == 1 else f"{count} times"
-        yield (
-            f"bodies touched {times}, for {duration:.3g} {units.time} in all: a model keeps them apart then, "
-            "and what follows depends on it"
+    met, cost = summary.get("numbers", {}), summary["cost"]
+    if met.get("contacts"):
+        times = "once" if met["contacts"] == 1 else f"{met['contacts']} times"
+        texts.append(
+            f"bodies touched {times}, for {met['contact_time']:.3g} {config.units.time} in all: a model keeps them "
+            "apart then, and later motion depends on it"
         )
+    parts = ", ".join(f"{cost[f'wall_{part}_s']:.2g} s {words}" for part, words in PARTS.items())
+    return "\n".join([*texts, f"{cost['steps']} steps, {cost['wall_total_s']:.3g} s: {parts}"])
 
 
-def _error(scene, sample, estimate):
+def _error(scene: Any, sample: Mapping[str, Any], estimate: Any) -> str:
     value = sample["rms" if scene.vanishing_scale else "l2"]
     if value is not None:
         return f"{value:.2e}"
@@ -81,16 +77,11 @@ def _error(scene, sample, estimate):
     return "none" if value is None else f"{value:.1e} (estimate)"
 
 
-def _cells(sample, numbers, changes):
+def _cells(sample: Mapping[str, Any], numbers: Sequence[str], changes: Sequence[str]) -> Iterator[str]:
     yield from ("none" if sample[name] is None else f"{sample[name]:.5g}" for name in numbers)
     yield "yes" if sample["resolved"] else "no"
     for name in changes:
         yield from ("none" if sample[name] is None else f"{sample[name]:.1e}", "yes" if sample["steady"] else "no")
-
-
-def _time_used(cost):
-    parts = ", ".join(f"{cost[f'wall_{part}_s']:.2g} s {words}" for part, words in PARTS.items())
-    return f"{cost['steps']} steps, {cost['wall_total_s']:.3g} s: {parts}"
 
 
 SHOWN = {
@@ -101,7 +92,7 @@ SHOWN = {
 }
 
 PRINTED = ("name", "status", "samples", "cost", "error_estimate")
-"""What ``--json`` prints of ``summary.json``."""
+"""Keys of ``summary.json`` that ``--json`` prints."""
 
 
 def run(
@@ -140,12 +131,16 @@ def run(
         loaded = load(config, overrides or ())
         _, warnings = check.forecast(loaded)
     folder = out or Path("runs") / loaded.name
-    coarser = _coarser(loaded, folder) if estimate_error else None
-    with (
-        claimed(folder, overwrite=overwrite, resume=resume),
-        _partial_results_named(folder, coarser),
-        _silence() if quiet else nullcontext(),
-    ):
+    coarser = None
+    if estimate_error:
+        from tisph.studies.error_estimate import Coarser
+
+        coarser = Coarser(loaded, folder)
+    with ExitStack() as stack:
+        stack.enter_context(claimed(folder, overwrite=overwrite, resume=resume))
+        stack.enter_context(_partial_results_named(folder, coarser))
+        if quiet:  # drop progress and warnings; errors are raised, and printed later
+            stack.enter_context(redirect_stderr(stack.enter_context(open(os.devnull, "w", encoding="utf-8"))))
         for text in warnings:
             print(f"warning: {text}", file=sys.stderr)
         drawn = {"pictures": not no_pictures, "video": not (no_video or no_pictures)}
@@ -155,7 +150,13 @@ def run(
         summary = Folder(folder).read_summary()
         print(json.dumps({key: summary[key] for key in PRINTED if key in summary}, indent=2))
     elif not quiet:
-        _show_results(loaded, folder)
+        from tisph import scenes
+
+        print(result_text(loaded, scenes.of(loaded), Folder(folder).read_summary()))
+        print(f"results in {folder}")
+        for what, name in SHOWN.items():
+            if (folder / name).is_file():
+                print(f"  {what:9} {folder / name}")
         if estimate:
             print(f"\n{estimate}")
 
@@ -174,15 +175,8 @@ def _simulate(config: Any, folder: Path, coarser: Any, *, pictures: bool, video:
 
 
 @contextmanager
-def _silence() -> Iterator[None]:
-    """Drop progress and warnings; errors are raised, and printed when this is over."""
-    with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stderr(nowhere):
-        yield
-
-
-@contextmanager
 def _partial_results_named(folder: Path, coarser: Any) -> Iterator[None]:
-    """Say where the results are of what ends early, those of ``coarser`` runs among them, and how to go on."""
+    """Name the folder of the results of a run that ends early, or whose ``coarser`` runs do, and the way to resume."""
     try:
         yield
     except KeyboardInterrupt:
@@ -192,19 +186,3 @@ def _partial_results_named(folder: Path, coarser: Any) -> Iterator[None]:
         raise
     except DivergedError as error:
         raise DivergedError(f"{error}\npartial results are in {folder}") from None
-
-
-def _coarser(config: Any, folder: Path) -> Any:
-    from tisph.studies.error_estimate import Coarser
-
-    return Coarser(config, folder)
-
-
-def _show_results(config: Any, folder: Path) -> None:
-    from tisph import scenes
-
-    print(result_text(config, scenes.of(config), Folder(folder).read_summary()))
-    print(f"results in {folder}")
-    for what, name in SHOWN.items():
-        if (folder / name).is_file():
-            print(f"  {what:9} {folder / name}")

@@ -36,7 +36,7 @@ def verify(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print all checks as JSON, and nothing else.")] = False,
 ) -> None:
-    """Compare runs with exact solutions, and with what they have to be.
+    """Compare runs with exact solutions, and with required values.
 
     Prints a table of case, error, bound, pass or FAIL; exit status 1 on a FAIL. A SUITE is one of ours or a YAML file
     (docs/how-to/acceptance-tests.md); with --out DIR its finished runs are kept, and an interrupted suite goes on with
@@ -88,7 +88,7 @@ def stability(
     ] = None,
     out: Annotated[Path | None, out_folder(f"Results [default: {STABILITY_FOLDER}].")] = None,
 ) -> None:
-    """Run the stability matrix and say what becomes of every cell.
+    """Run the stability matrix and print the outcome of every cell.
 
     A cell is stable, inaccurate, stopped (with a clear error), refused, or a silent failure: finished, and neither
     right nor warned of. Exit status 1 where one misses its requirement. Leaves maps, a picture and all numbers in DIR,
@@ -133,7 +133,7 @@ def sweep(
     """Run a config with all values of some of its keys.
 
     Leaves a table (CSV and HDF5), costs and a picture in DIR, and names the cheapest run within the bound. Runs that
-    have ended are kept: the same command goes on after Ctrl-C, and a larger study runs only what is new. A run that
+    have ended are kept: the same command goes on after Ctrl-C, and a larger study runs only new values. A run that
     fails is a row with its message; exit status 1 only where none succeeds.
 
     \b
@@ -159,42 +159,28 @@ MOVED = {
     "features": "step.py --parts",
     "startup": "startup.py",
 }
-"""Script in ``benchmarks/`` of each benchmark that is no command any more, by its name."""
-
-Name = Annotated[
-    Literal["frontier", "throughput", "features", "startup", "scaling"],
-    typer.Argument(help="Which benchmark; all but frontier are scripts in benchmarks/ of the repository."),
-]
-
-Quick = Annotated[bool, typer.Option("--quick", help="A small one, in two minutes.")]
-
-Peers = Annotated[
-    Path | None,
-    typer.Option("--peers", metavar="DIR", help="Run the peers in DIR (benchmarks/peers) in the same call."),
-]
-
-Flow = Annotated[
-    Literal["channel", "oldroyd_b", "taylor_green", "circular_couette", "cavity", "cylinder", "pipe"],
-    typer.Option("--flow", help="Whose flows."),
-]
-
-Configs = Annotated[Path | None, typer.Option("--configs", hidden=True, help="Of the script startup.py.")]
-
-Out = Annotated[
-    Path | None,
-    out_folder(
-        f"Results [default: {BENCH_FOLDER}/frontier, and {BENCH_FOLDER}/frontier_FLOW of another flow than channel]."
-    ),
-]
+"""Former benchmark of the command -> script in ``benchmarks/``."""
 
 
 def bench(
-    name: Name = "frontier",
-    quick: Quick = False,
-    peers: Peers = None,
-    flow: Flow = "channel",
-    configs: Configs = None,
-    out: Out = None,
+    name: Annotated[
+        Literal["frontier", "throughput", "features", "startup", "scaling"],
+        typer.Argument(help="Which benchmark; all but frontier are scripts in benchmarks/ of the repository."),
+    ] = "frontier",
+    quick: Annotated[bool, typer.Option("--quick", help="A small one, in two minutes.")] = False,
+    peers: Annotated[
+        Path | None,
+        typer.Option("--peers", metavar="DIR", help="Run the peers in DIR (benchmarks/peers) in the same call."),
+    ] = None,
+    flow: Annotated[
+        Literal["channel", "oldroyd_b", "taylor_green", "circular_couette", "cavity", "cylinder", "pipe"],
+        typer.Option("--flow", help="Whose flows."),
+    ] = "channel",
+    configs: Annotated[Path | None, typer.Option("--configs", hidden=True, help="Of the script startup.py.")] = None,
+    out: Annotated[
+        Path | None,
+        out_folder(f"Results [default: {BENCH_FOLDER}/frontier, of another flow than channel frontier_FLOW there]."),
+    ] = None,
 ) -> None:
     """Measure run time against error, of this program and of others.
 

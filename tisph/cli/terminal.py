@@ -1,6 +1,6 @@
-"""What all commands share: lasting output, shared options, and one message with an exit status for an error.
+"""Shared parts of all commands: output that cannot fail, options, and one message with an exit status for an error.
 
-Standard output and error take all text, and outlive who reads them: a closed pipe ends no command.
+Standard output and error accept all text, also after their reader has ended: a closed pipe ends no command.
 """
 
 import atexit
@@ -17,18 +17,28 @@ from typing import Annotated, Any, TextIO
 
 import typer
 
-from tisph.errors import INTERRUPTED, TisphError
-from tisph.signals import ending_signals
+from tisph.errors import INTERRUPTED, TisphError, ending_signals
+
+
+@contextmanager
+def _handled(handler: Callable[[int, Any], Any]) -> Iterator[None]:
+    """Set the ``handler`` of all signals that end a run, and restore the previous handlers afterwards."""
+    previous = {number: signal.signal(number, handler) for number in ending_signals()}
+    try:
+        yield
+    finally:
+        for number, old in previous.items():
+            signal.signal(number, old)
 
 
 def reported(command: Callable[..., None]) -> Callable[..., None]:
-    """Make a command end with its error's status and message instead of a traceback; an ending signal interrupts it."""
+    """Return a command that ends with an error's status and message, without traceback; a signal interrupts it."""
 
     @functools.wraps(command)
     def wrapped(*arguments: Any, **options: Any) -> None:
-        previous = {number: signal.signal(number, signal.default_int_handler) for number in ending_signals()}
         try:
-            command(*arguments, **options)
+            with _handled(signal.default_int_handler):
+                command(*arguments, **options)
         except TisphError as error:
             print(f"error: {error}", file=sys.stderr)
             raise typer.Exit(error.exit_status) from None
@@ -36,9 +46,7 @@ def reported(command: Callable[..., None]) -> Callable[..., None]:
             print("interrupted", file=sys.stderr)
             raise typer.Exit(INTERRUPTED) from None
         finally:
-            for number, handler in previous.items():
-                signal.signal(number, handler)
-            # once Python clears up, an interrupt could only spoil the status and show a traceback
+            # while Python exits, an interrupt could only change the status and show a traceback
             atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
 
     return wrapped
@@ -46,14 +54,10 @@ def reported(command: Callable[..., None]) -> Callable[..., None]:
 
 @contextmanager
 def held_back() -> Iterator[None]:
-    """Let an interrupt wait for what is done inside: imports, which may lose it or turn it into another error."""
+    """Delay an interrupt to the end of the context: imports may lose it or turn it into another error."""
     heard: list[int] = []
-    previous = {number: signal.signal(number, lambda number, _: heard.append(number)) for number in ending_signals()}
-    try:
+    with _handled(lambda number, _: heard.append(number)):
         yield
-    finally:
-        for number, handler in previous.items():
-            signal.signal(number, handler)
     if heard:
         raise KeyboardInterrupt
 
@@ -67,39 +71,39 @@ Overrides = Annotated[
 
 
 def out_folder(words: str) -> Any:
-    """Return the option of the folder of results, whose help is ``words``."""
-    return typer.Option("--out", metavar="DIR", parser=folder_name, help=words)
+    """Return the option for the folder of results, whose help is ``words``."""
+    return typer.Option("--out", metavar="DIR", parser=_folder_name, help=words)
 
 
-def folder_name(text: str) -> Path:
-    """Parse the name of a folder; an empty one, as of an unset variable of a shell, is not the current folder."""
+def _folder_name(text: str) -> Path:
+    """Return the folder with this name; an empty name, as of an unset variable of a shell, is an error."""
     if not text.strip():
         raise typer.BadParameter("the name is empty; give a folder (. is the current one)")
     return Path(text)
 
 
 NOBODY_READS = (errno.EPIPE, errno.EIO)
-"""Errors of a closed pipe and of a terminal that is gone, as against a full disk: there somebody meant to keep it."""
+"""Errors of a closed pipe and of a closed terminal; after other errors, such as a full disk, the command has failed."""
 
 
 class Lasting(io.RawIOBase):
-    """Writes to what is below ``stream`` and drops what that does not take any more; ``lost`` is the first error."""
+    """Writes to the raw stream below ``stream`` and drops data that it does not accept; ``lost``: first error."""
 
     def __init__(self, stream: Any):
-        self._stream = stream  # without this it would be closed, and what is below with it
+        self._stream = stream  # otherwise the stream would be closed, and the raw stream with it
         self._raw = getattr(stream.buffer, "raw", stream.buffer)  # python -u has no buffer between
         self.lost: OSError | None = None
 
     def writable(self) -> bool:
-        """Say that it can be written."""
+        """Return that the stream can be written."""
         return True
 
     def fileno(self) -> int:
-        """Return the descriptor below."""
+        """Return the descriptor of the raw stream."""
         return self._raw.fileno()
 
     def isatty(self) -> bool:
-        """Tell whether it is a terminal."""
+        """Return whether the raw stream is a terminal."""
         return self._raw.isatty()
 
     def write(self, data: Any) -> int | None:
@@ -111,27 +115,34 @@ class Lasting(io.RawIOBase):
             return memoryview(data).nbytes
 
 
-def lasting(stream: TextIO | None) -> TextIO:
-    """Return a text stream that writes to where ``stream`` does, as long as somebody takes it.
+def lasting(stream: Any) -> TextIO:
+    """Return a text stream that writes to the file of the text ``stream`` (or None) as long as that accepts data.
 
     Letters that its encoding does not have are escaped, as in ``\\u0142``. Each line is written at once.
     """
     if stream is None:  # it was closed from the start
         return open(os.devnull, "w", encoding="utf-8")
     stream.flush()
-    shown = {"encoding": stream.encoding, "errors": "backslashreplace", "line_buffering": True}
-    return io.TextIOWrapper(io.BufferedWriter(Lasting(stream)), write_through=stream.write_through, **shown)
+    return io.TextIOWrapper(
+        io.BufferedWriter(Lasting(stream)),
+        encoding=stream.encoding,
+        errors="backslashreplace",
+        line_buffering=True,
+        write_through=stream.write_through,
+    )
 
 
 def outlive_readers() -> None:
-    """Make standard output and error lasting."""
-    # Taichi takes a stdout other than __stdout__ for that of a notebook
-    sys.stdout = sys.__stdout__ = lasting(sys.stdout)
-    sys.stderr = sys.__stderr__ = lasting(sys.stderr)
+    """Replace standard output and error by ``lasting`` streams."""
+    # with a stdout other than __stdout__ Taichi would assume a notebook
+    for name in ("stdout", "stderr"):
+        stream = lasting(getattr(sys, name))
+        setattr(sys, name, stream)
+        setattr(sys, f"__{name}__", stream)
 
 
 def output_lost() -> OSError | None:
-    """Return why standard output could not be written, None where it was, or where nobody was reading any more."""
+    """Return the error of writing standard output; None without one, or where its reader had ended."""
     sys.stdout.flush()
-    lost = getattr(getattr(sys.stdout.buffer, "raw", None), "lost", None)
+    lost: OSError | None = getattr(getattr(sys.stdout.buffer, "raw", None), "lost", None)
     return None if lost is None or lost.errno in NOBODY_READS else lost

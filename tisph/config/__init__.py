@@ -1,4 +1,4 @@
-"""Configs: what a YAML file may say, and the loader that reads it. Imports no Taichi."""
+"""Configs: the models of YAML files, and the loader that reads them. Imports no Taichi."""
 
 from tisph.config.loader import load
 from tisph.config.schema import Config

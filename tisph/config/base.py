@@ -19,21 +19,21 @@ Signed = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 """A physical quantity of either sign, such as a velocity."""
 
 Problem = tuple[str, str] | tuple[str, str, str]
-"""Dotted key and what is wrong with its value; a second key where it is as much the other one's fault."""
+"""Dotted key and text of an error; a second key where its value may be the wrong one instead."""
 
 REFUSED = "refused"
-"""Type of the errors whose text is complete: the loader shows it as it stands."""
+"""Type of the errors with a complete text, which the loader does not change."""
 
 
 def refusal(text: str) -> PydanticCustomError:
-    """An error to raise in a validator, saying in ``text`` what is allowed."""
+    """Return an error to raise in a validator; ``text`` says which values are allowed."""
     return PydanticCustomError(REFUSED, "{text}", {"text": text})
 
 
 def refusals(found: list[tuple[Any, ...]]) -> ValidationError:
-    """One error to raise in a model validator, from (place below the model, text, value) of each finding.
+    """Return one error to raise in a model validator, from (place below the model, text, value) of each error.
 
-    A fourth item is another place that may be to blame: of the two, the one that was written last.
+    A fourth item is another place that may be wrong: the error names the place that was written last.
     """
     details = []
     for place, text, value, *others in found:
@@ -43,21 +43,21 @@ def refusals(found: list[tuple[Any, ...]]) -> ValidationError:
 
 
 def refuse(found: list[tuple[Any, ...]]) -> None:
-    """Raise the ``refusals`` of what is ``found``, if there is any."""
+    """Raise the ``refusals`` of all errors ``found``, if there are any."""
     if found:
         raise refusals(found)
 
 
 def findings(model: Any, keys: Iterable[str], text: str) -> list[tuple[Any, ...]]:
-    """What ``refuse`` takes, with this ``text``, of those of the ``keys`` of a ``model`` that have a value."""
+    """Return errors for ``refuse`` with this ``text``, for those ``keys`` of a ``model`` that have a value."""
     return [((key,), text, getattr(model, key)) for key in keys if getattr(model, key) not in (None, ())]
 
 
 class Model(BaseModel):
-    """Parameters as they stand in a config: a string is no number, NaN and inf are refused.
+    """Parameters of a config: a string is no number, NaN and inf are refused.
 
-    Of the keys in ``exclusive_keys`` exactly one must have a value; ``null`` counts as not given. These and the
-    ``unset_keys`` are left out of the resolved config where they have no value.
+    Exactly one of ``exclusive_keys`` must have a value; ``null`` counts as not given. ``exclusive_keys`` and
+    ``unset_keys`` without a value are left out of the resolved config.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)

@@ -1,4 +1,4 @@
-"""Field types of a config that pydantic does not have: members of a family, and a number or one word."""
+"""Field types that pydantic does not have: members of a family, a number or one word, and the section ``bodies``."""
 
 from collections.abc import Callable, Iterable
 from contextlib import suppress
@@ -16,29 +16,28 @@ OTHER_TAG = "<other>"
 USUAL_TAG_START = "<or "
 
 MOST_BODIES = 100
-"""In the fluid of a config."""
 
 
 def nearest(word: object, choices: Iterable[str]) -> str:
-    """``"; nearest: NAME"`` for the choice that is most like ``word``, empty where none is alike."""
+    """Return ``"; nearest: NAME"`` for the choice most similar to ``word``, an empty text where none is similar."""
     matches = get_close_matches(str(word), list(choices), n=1, cutoff=0.6)
     return f"; nearest: {matches[0]}" if matches else ""
 
 
 def one_of(choices: list[str]) -> str:
-    """What a value with these choices must be, in words."""
+    """Return the words of a message for a value with these choices."""
     return "must be " + ("one of " if len(choices) > 1 else "") + ", ".join(choices)
 
 
 def number_or(number: Any, word: str) -> Any:
-    """The type of a value that is a number of type ``number``, or the one word ``word``."""
+    """Return the type of a value that is a number of type ``number``, or the one word ``word``."""
     return either(number, Literal[word], lambda value: value == word, word)
 
 
 def either(usual: Any, other: Any, is_other: Callable[[Any], bool], words: str) -> Any:
-    """The type of a value that is of type ``other`` where ``is_other(value)``, else of type ``usual``.
+    """Return the type of a value that is of type ``other`` where ``is_other(value)``, else of type ``usual``.
 
-    ``words``: what the other is, as messages say it.
+    ``words``: description of the other type in messages.
     """
     usual_tag = f"{USUAL_TAG_START}{words}>"
     return Annotated[
@@ -48,7 +47,7 @@ def either(usual: Any, other: Any, is_other: Callable[[Any], bool], words: str) 
 
 
 def member_name(family: str) -> Any:
-    """The type of a value that is the name of a member of ``family``."""
+    """Return the type of a value that is the name of a member of ``family``."""
 
     def check(name: str) -> str:
         members = registry.names(family)
@@ -63,8 +62,8 @@ def member_name(family: str) -> Any:
 class Member:
     """Marks a map ``{type: NAME, ...}`` whose other keys are the ``Parameters`` of a family's member.
 
-    ``usual`` is the member meant where the map, or its ``type``, is left out. With ``untyped`` a map without ``type``
-    means the member that its keys belong to: ``untyped`` where that has them all, else ``usual`` where that has.
+    ``usual``: name of the member where the map, or its ``type``, is left out. With ``untyped`` a map without ``type``
+    is of the member with its keys: of ``untyped`` if it has all keys, else of ``usual`` if that has them.
     """
 
     family: str
@@ -72,11 +71,11 @@ class Member:
     untyped: str | None = None
 
     def default(self) -> Model:
-        """The parameters of the usual member, all at their defaults."""
+        """Return the parameters of the usual member, all at their defaults."""
         return registry.load(self.family, self.usual).Parameters()
 
     def model(self, value: object) -> type[Model] | None:
-        """Parameter model that the raw map ``value`` names by its ``type``, None where it names none."""
+        """Return the parameter model for the raw map ``value``, by its ``type``; None where there is none."""
         if not isinstance(value, dict):
             return None
         name = value["type"] if "type" in value else self._meant(value)
@@ -85,7 +84,7 @@ class Member:
         return registry.load(self.family, name).Parameters
 
     def _meant(self, value: dict[str, Any]) -> str:
-        """Name of the member whose parameters ``value`` are; of the one with most of its keys where that is none."""
+        """Return the name of the member that accepts ``value``, else of the member that has most of its keys."""
         if self.untyped is None:
             return self.usual
         names = [self.untyped, self.usual, *registry.names(self.family)]
@@ -116,13 +115,13 @@ class Member:
 
 
 def bodies(required: bool = False) -> Any:
-    """The type of the section ``bodies`` of a scene: a list of shapes, one or more where ``required``, or a suspension.
+    """Return the type of the section ``bodies``: a list of shapes, not empty where ``required``, or a suspension.
 
-    No shape is loaded before one is given.
+    The modules of shapes are imported only when a config names them.
     """
     shapes = tuple[Annotated[Model, Member("bodies", usual="circle")], ...]
-    listed = Annotated[shapes, Field(strict=False, max_length=MOST_BODIES)]
-    if required:  # ``min_length`` would find a list empty whose only item is wrong
+    listed: Any = Annotated[shapes, Field(strict=False, max_length=MOST_BODIES)]
+    if required:  # ``min_length`` would call a list empty whose only item is wrong
         listed = Annotated[listed, AfterValidator(_not_empty)]
     suspension = Annotated[Model, Member("suspensions", usual="random_circles")]
     return either(listed, suspension, _is_suspension, "a map such as {type: random_circles}")
@@ -135,9 +134,9 @@ def _not_empty(value: tuple[Any, ...]) -> tuple[Any, ...]:
 
 
 def _is_suspension(value: Any) -> bool:
-    """Whether it is a map, but not that of one shape, for which a list is meant."""
+    """Return whether ``value`` is a map, but no map of one shape, which should be in a list."""
     return isinstance(value, Model) or (isinstance(value, dict) and value.get("type") not in registry.names("bodies"))
 
 
 Bodies = bodies()
-"""The same where it may be left out."""
+"""Type of a section ``bodies`` that may be left out."""

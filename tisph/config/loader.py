@@ -1,6 +1,6 @@
-"""From a YAML file, or a dict in its place, to a checked config, or to lines that say what is wrong with it.
+"""Read a YAML file, or a dict in its place: return a checked config, or raise an error with a line for each mistake.
 
-Each error is a line that a user reads: key, value, what is allowed, nearest valid key.
+Each line has the key, its value, the allowed values and the nearest valid key.
 """
 
 import json
@@ -41,13 +41,13 @@ TEXTS = {
     "too_long": "must have at most {max_length} items",
     "literal_error": "must be {expected}",
 }
-"""What is allowed, by pydantic's type of error; a type that is not here keeps pydantic's own words."""
+"""pydantic's type of an error -> text; other types have pydantic's own text."""
 
 
 def describe(error: ValidationError, data: Any, written: Callable[[KeyPath], int]) -> list[tuple[KeyPath, str]]:
-    """Place and message of every error of a failed validation of the raw ``data``.
+    """Return place and message of every error of a failed validation of the raw ``data``.
 
-    ``written(place)`` orders places by when they were written, of several that may be to blame.
+    ``written(place)``: order in which places were written; of several possible places of an error the last is named.
     """
     return [_describe(_blame_last(details, data, written), data) for details in error.errors(include_url=False)]
 
@@ -60,7 +60,7 @@ def _blame_last(details: Any, data: Any, written: Callable[[KeyPath], int]) -> A
 
 
 def show(value: object) -> str:
-    """A value as it could stand in a YAML file, cut where it is long."""
+    """Return a value as in a YAML file, cut where it is long."""
     return in_one_line(json.dumps(value, default=str, ensure_ascii=False))
 
 
@@ -70,7 +70,7 @@ def _describe(details: Any, data: Any) -> tuple[KeyPath, str]:
     place = (*(part for part in whole[:known] if not _is_tag(part)), *whole[known:])
     key = in_one_line(".".join(map(str, place)))
     text = _text(details, place, data)
-    last = whole[-1] if whole and known == len(whole) else None
+    last: Any = whole[-1] if whole and known == len(whole) else None
     if last != OTHER_TAG and _is_tag(last):
         text += f", or {last[len(USUAL_TAG_START) : -1]}"
     if details["type"] == "missing" or isinstance(details["input"], (dict, Model)):
@@ -98,11 +98,11 @@ def _text(details: Any, place: KeyPath, data: Any) -> str:
 
 def _unknown_key(place: KeyPath, data: Any) -> str:
     whole = model_of(data)
-    model: type[Model] = whole
-    field = None
+    model: Any = whole
+    field: Any = None
     for part in place[:-1]:
         data = data[part]
-        field = field if isinstance(part, int) else model.model_fields[part]  # the items of a list are of one kind
+        field = field if isinstance(part, int) else model.model_fields[part]  # all items of a list are of one kind
         model = _model_below(field, data, isinstance(part, int))
     allowed = model.keys() if issubclass(model, Config) else list(model.model_fields)
     elsewhere = (f"; nearest: {key}" for key in _dotted_keys(whole) if key.endswith(f".{place[-1]}"))
@@ -111,7 +111,7 @@ def _unknown_key(place: KeyPath, data: Any) -> str:
 
 
 def _dotted_keys(model: type[Model], before: str = "") -> Iterator[str]:
-    """Full names of all keys, but for those of family members."""
+    """Yield the dotted names of all keys, except the keys of family members."""
     for name, field in model.model_fields.items():
         yield before + name
         below = _static_model(field)
@@ -120,14 +120,14 @@ def _dotted_keys(model: type[Model], before: str = "") -> Iterator[str]:
 
 
 def _model_below(field: FieldInfo, data: Any, is_item: bool) -> type[Model] | None:
-    """Model of the map ``data`` that stands at ``field``, or is an item of a list there."""
+    """Return the model of the map ``data``, which is the value of ``field``, or an item of a list there."""
     marks = [*([] if is_item else field.metadata), *_marks(field.annotation, is_item)]
     members = [mark for mark in marks if isinstance(mark, Member)]
     return members[0].model(data) if members else _static_model(field)
 
 
 def _marks(annotation: Any, of_items: bool) -> Iterator[Any]:
-    """Marks of the choices in a type, those of the items of lists or the others."""
+    """Yield the marks of the choices in a type: only of items of lists, or only of others."""
     for each in get_args(annotation):
         if (get_origin(annotation) is tuple) == of_items:
             yield from getattr(each, "__metadata__", ())
@@ -141,12 +141,12 @@ def _static_model(field: FieldInfo) -> type[Model] | None:
 
 
 Asked: TypeAlias = "str | PathLike[str] | Mapping[str, Any] | Config"
-"""A YAML file, a dict of what such a file says, or a checked config."""
+"""A YAML file, a dict with the contents of such a file, or a checked config."""
 
 
 @contextmanager
 def config_file(config: Asked) -> Iterator[str]:
-    """Yield the path of a YAML file that says ``config``; an error that names such a file calls it ``config``."""
+    """Yield the path of a YAML file with ``config``; in errors a temporary file is called ``config``."""
     if isinstance(config, str | PathLike):
         yield fspath(config)
         return
@@ -161,7 +161,7 @@ def config_file(config: Asked) -> Iterator[str]:
 
 
 def loaded(config: Asked, overrides: Mapping[str, Any]) -> Config:
-    """Return what is asked for as a checked ``Config``; ConfigError where it is none."""
+    """Return ``config`` with ``overrides`` as a checked ``Config``; raises ConfigError."""
     if isinstance(config, Config) and not overrides:
         return config
     with config_file(config) as path:
@@ -174,7 +174,7 @@ def override_texts(overrides: Mapping[str, Any]) -> list[str]:
 
 
 def _plain(value: Any) -> Any:
-    """Return ``value`` with what NumPy and others have for numbers and lists as those of Python."""
+    """Return ``value`` as plain data: numbers and arrays of NumPy and others become Python's."""
     if isinstance(value, Mapping):
         return {str(key): _plain(each) for key, each in value.items()}
     if hasattr(value, "tolist"):
@@ -185,7 +185,7 @@ def _plain(value: Any) -> Any:
 
 
 LARGEST_FILE = 64 * 1024
-"""Bytes; a config is a few kilobytes, and a wrong file should not be parsed for minutes."""
+"""Largest file that is parsed [bytes]; a config has a few kilobytes, and another file could take minutes."""
 
 MOST_SHOWN = 5
 
@@ -200,7 +200,7 @@ class Source:
         self._former: dict[str, str] = {}
 
     def read(self) -> None:
-        """Fill in the file's data; raises ConfigError."""
+        """Read the data of the file; raises ConfigError."""
         try:
             document = parse(_read_text(self.path))
         except YamlTextError as error:
@@ -215,11 +215,12 @@ class Source:
                     f"{self.path}:{document.lines[new,]}: {new}: is the new name of {old}: give one of them"
                 )
         self.data = {self._present(key): value for key, value in document.data.items()}
-        lines = document.lines.items()
-        self._origins = {(self._present(key), *below): (line, f"{self.path}:{line}") for (key, *below), line in lines}
+        for (key, *below), line in document.lines.items():
+            place = (self._present(str(key)), *below)
+            self._origins[place] = line, f"{self.path}:{line}"
 
     def override(self, text: str, rank: int) -> None:
-        """Set one key from ``key.path=value``; ``rank`` orders its errors among those of the overrides."""
+        """Set one key from ``key.path=value``; ``rank``: order of the override, for its errors."""
         dotted, equals, value = text.partition("=")
         label = f"--set {in_one_line(text)}"
         first, *below = (part.strip() for part in dotted.split("."))
@@ -246,14 +247,14 @@ class Source:
         self._origins[place] = origin
 
     def _present(self, key: str) -> str:
-        """The present name of a section that is written with its former one."""
+        """Return the present name of a section, and store its former name if the config has that."""
         if key in FORMER_KEYS:
             self._former[FORMER_KEYS[key]] = key
         return FORMER_KEYS.get(key, key)
 
     def as_written(self, message: str) -> str:
-        """A message that begins with a key, with the name that the config has for its section."""
-        section = re.match("[^. ]*", message).group()
+        """Return a message that begins with a key, with the section's name in the config."""
+        section = re.split("[. ]", message)[0]
         return self._former.get(section, section) + message[len(section) :]
 
     def _refuse_to_go_below(self, key: str, value: Any, label: str) -> None:
@@ -262,20 +263,20 @@ class Source:
         raise ConfigError(f"{label}: {key} {kind}{example}")
 
     def written(self, place: KeyPath) -> int:
-        """Order of ``place`` itself, -1 where it was left out."""
+        """Return the order of ``place`` itself, -1 where it was left out."""
         return self._origins.get(place, (-1, ""))[0]
 
     def origin(self, place: KeyPath) -> tuple[int, str]:
-        """Order and name of where ``place``, or the nearest map around it, was written."""
+        """Return order and name of the line or override with ``place``, or with the nearest map around it."""
         while place and place not in self._origins:
             place = place[:-1]
         return self._origins.get(place, (0, self.path))
 
 
 def load(path: str | Path, overrides: Sequence[str] = ()) -> Config:
-    """Read a config file, apply ``key.path=value`` overrides in turn, and check everything.
+    """Return a config file with ``key.path=value`` overrides, applied in turn, as a checked config.
 
-    Raises ConfigError with one message that names file, line, key, value and what is allowed for each of the
+    Raises ConfigError with one message that names file, line, key, value and the allowed values for each of the
     first few mistakes. ``name`` defaults to the file's name without its ending.
     """
     source = Source(str(path))

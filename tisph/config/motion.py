@@ -1,6 +1,6 @@
-"""What a config says of a wall's motion: a constant velocity of some kind, or one that oscillates."""
+"""Keys of a wall's motion: a velocity or angular velocity that is constant, oscillates, or is given at times."""
 
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, Field, model_validator
 
@@ -14,25 +14,27 @@ def _not_zero(value: float) -> float:
 
 
 Amplitude = Annotated[Signed, AfterValidator(_not_zero)]
-"""The type of an amplitude."""
-
 
 MOST_TIMES = 1000
 Times = Annotated[tuple[NonNegative, ...], Field(strict=False, min_length=1, max_length=MOST_TIMES)]
 Values = Annotated[tuple[Signed, ...], Field(strict=False, min_length=1, max_length=MOST_TIMES)]
-"""The type of what a wall is given at each of the times."""
+"""Values of a wall, one for each of its times."""
 
 
 class WallMotion(Model):
-    """Base of models with the keys ``speed_key``, the same ``_before``, amplitude, angular_frequency and phase.
+    """Base of models with the keys ``speed_key``, ``speed_key`` + _before, amplitude, angular_frequency and phase.
 
-    Constant from t = 0 on, with another value before it or not; or amplitude * cos or sin (``phase``) of
-    ``angular_frequency`` [1/time] * t. Without any of them the wall is at rest.
+    The velocity is constant from t = 0 on, and may have another value before; or it is amplitude * cos or sin
+    (``phase``) of ``angular_frequency`` [1/time] * t. Without any of the keys the wall is at rest.
     """
 
     speed_key: ClassVar[str]
     other_keys: ClassVar[tuple[str, ...]] = ()
-    """Keys of what else may move a wall; with one of them a model checks its form itself."""
+    """Further keys that define a motion; with one of them a model checks its form itself."""
+
+    if TYPE_CHECKING:  # subclasses define these keys
+        amplitude: float | None
+        angular_frequency: float | None
 
     @model_validator(mode="before")
     @classmethod
@@ -65,25 +67,25 @@ class WallMotion(Model):
 
     @property
     def speed(self) -> float | None:
-        """The constant velocity, of whatever kind; None of a wall that oscillates."""
+        """The constant velocity or angular velocity; None of a wall that oscillates."""
         return getattr(self, self.speed_key)
 
     @property
     def speed_before(self) -> float | None:
-        """What it was before t = 0, if that was something else."""
+        """The value of ``speed`` before t = 0; None where it was the same."""
         return getattr(self, f"{self.speed_key}_before")
 
 
-def check_as_many(wall: WallMotion, key: str) -> None:
-    """Raise ValidationError where ``times`` are not as many as the values that the ``wall`` has under a ``key``."""
+def check_as_many(wall: Any, key: str) -> None:
+    """Raise ValidationError where a ``wall`` has not as many ``times`` as values under a ``key``."""
     values = getattr(wall, key)
     if values is not None and len(wall.times or ()) != len(values):
         text = f"must be as many times, ascending from 0 on, as there are {key}, {len(values)}"
         raise refusals([(("times",), text, wall.times)])
 
 
-def check_schedule(wall: WallMotion, key: str) -> None:
-    """Raise ValidationError where the velocities under a ``key`` at their times say nothing, or two things."""
+def check_schedule(wall: Any, key: str) -> None:
+    """Raise ValidationError where the ``times`` of a ``wall`` do not ascend, or all velocities under ``key`` are 0."""
     times, velocities = wall.times, getattr(wall, key)
     counts = [times.count(time) for time in times]
     if list(times) != sorted(times) or counts[0] > 1 or max(counts) > 2:

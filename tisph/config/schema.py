@@ -1,4 +1,4 @@
-"""What every config may say: keys, types, ranges and defaults. Units are any self-consistent system.
+"""Keys, types, ranges and defaults of every config. Units are any self-consistent system.
 
 The sections of a scene are in its file in ``tisph/scenes``. Conditions between keys are in ``checks.py``;
 parameters of wall treatments, rheologies and schemes are in the files of the members themselves.
@@ -21,11 +21,11 @@ FrameHeight = Annotated[int, Field(ge=320, le=4096, multiple_of=2)]
 
 
 class Video(Model):
-    """Movie: frames a second, number of frames, size in pixels (even, as H.264 wants it), and what is drawn how.
+    """Movie: frames per second, number of frames, size in pixels (even, for H.264), and contents.
 
-    ``color_by`` says what colours show, from ``limits`` [a, b] or from the values of the run. Coloured by dye, the
-    fluid keeps the colour of the pattern ``dye`` in the first frame. ``style`` auto: a continuous field in
-    two-dimensional flow, else particles. ``overlay``: velocities as arrows, lines of equal stream function, or the
+    ``color_by``: quantity that the colours show, between the ``limits`` [a, b], or the least and largest value of the
+    run. Coloured by dye, the fluid keeps the colour of the pattern ``dye`` in the first frame. ``style`` auto: a
+    continuous field in two-dimensional flow, else particles. ``overlay``: velocities as arrows, streamlines, or the
     paths of some particles.
     """
 
@@ -45,14 +45,14 @@ class Video(Model):
 Count = Annotated[int, Field(ge=LEAST_PARTICLES_ACROSS, le=10**12)]
 
 FORMER_KEYS = {"tracers": "probes"}
-"""Sections that had another name, which still serves: resolved configs have it, so that older versions read them."""
+"""Former name of a section -> present name. Both are accepted; resolved configs have the former, for older versions."""
 
 Rheology = Member("rheology", usual="newtonian")
 Scheme = Member("schemes", usual="auto", untyped="wcsph")
 
 
 def _text(pattern: str, allowed: str) -> Any:
-    """The type of a text that matches ``pattern`` from end to end; ``allowed`` says in words what that is."""
+    """Return the type of a text that matches ``pattern`` from end to end; ``allowed``: its description in a message."""
 
     def check(value: str) -> str:
         if not re.fullmatch(pattern, value):
@@ -88,9 +88,10 @@ class Fluid(Model):
     rheology: Annotated[Model, Rheology] = Field(default_factory=Rheology.default)
 
     @property
-    def polymer(self) -> Model | None:
-        """The rheology where it has a polymer."""
-        return self.rheology if self.rheology.carries_stress else None
+    def polymer(self) -> Any:
+        """The rheology where it has a polymer, else None."""
+        rheology: Any = self.rheology
+        return rheology if rheology.carries_stress else None
 
 
 class Discretisation(Model):
@@ -113,9 +114,9 @@ class Discretisation(Model):
 
 
 class Time(Model):
-    """End of the run, times at which samples are written [time], and what sets the steps.
+    """End of the run, times at which samples are written [time], and tolerance or Courant number of the steps.
 
-    ``tolerance``: of the error of a step over the reference velocity, for schemes that estimate it. ``cfl``: Courant
+    ``tolerance``: largest error of a step over the reference velocity, for schemes that estimate it. ``cfl``: Courant
     number of the explicit scheme; a number for the implicit one means steps of cfl * spacing / reference velocity.
     """
 
@@ -128,22 +129,21 @@ class Time(Model):
     @classmethod
     def _fill_in_samples(cls, data: Any) -> Any:
         end = data.get("end") if isinstance(data, dict) else None
-        is_number = isinstance(end, (int, float)) and not isinstance(end, bool)
-        # a bad end is reported once, at its own key
-        if is_number and SMALLEST <= end <= LARGEST and data.get("samples") is None:
-            return {**data, "samples": [end]}
-        return data
+        # an invalid end is reported once, at its own key
+        if not isinstance(end, int | float) or isinstance(end, bool) or not SMALLEST <= end <= LARGEST:
+            return data
+        return data if data.get("samples") is not None else {**data, "samples": [end]}
 
 
 class Reference(Model):
-    """Velocity [length/time] that numbers and errors refer to, in place of the one by walls, bodies and drive."""
+    """Velocity [length/time] of dimensionless numbers and errors, in place of the one from walls, bodies and drive."""
 
     velocity: Positive
 
 
 class Output(Model):
-    """Movie (null or false for none), simulated time between checkpoints [time] (null for none), and whether the
-    samples are also written for ParaView while the run goes on."""
+    """Movie (null or false for none), simulated time between checkpoints [time] (null for none), and ``vtk``: whether
+    samples are also written for ParaView during the run."""
 
     video: Annotated[Video | None, BeforeValidator(lambda value: None if value is False else value)] = Video()
     checkpoint_every: Positive | None = None
@@ -151,7 +151,7 @@ class Output(Model):
 
 
 class Runtime(Model):
-    """Where the loops run, and on how many threads."""
+    """Processor and number of threads of the loops."""
 
     arch: Literal["cpu"] = "cpu"
     threads: number_or(Annotated[int, Field(ge=1, le=256)], "auto") = "auto"
@@ -160,8 +160,8 @@ class Runtime(Model):
 class Config(Model):
     """A whole run, checked; every key as in the YAML file, every default filled in.
 
-    This is what all scenes have. The class ``Config`` of a scene's file adds its sections and says which of its numbers
-    a resolution, a lattice and a movie go by; validated as this class, a config comes out as that of its scene.
+    This is the part that all scenes share. The class ``Config`` of a scene's file adds its sections, and the
+    properties on which resolution, lattice and movie depend. Validation by this class returns an object of the scene's.
     """
 
     model_config = ConfigDict(defer_build=True)  # half of the time of reading a config, for the model of all scenes
@@ -185,7 +185,7 @@ class Config(Model):
     periodic: ClassVar[tuple[bool, bool]]
     """Whether the box is periodic in x and y."""
     across_name: ClassVar[str]
-    """What ``across`` is, in words."""
+    """Description of ``across`` in messages."""
     has_exact_velocity: ClassVar[bool] = False
     """Whether the exact velocity is known at all times and places."""
 
@@ -197,7 +197,7 @@ class Config(Model):
         if cls is not Config or not isinstance(data, dict):
             return handler(data)
         own = model_of(data)
-        if own is Config:  # there is no such scene: what its sections are nobody knows
+        if own is Config:  # there is no such scene: its sections are not checked
             return handler({key: value for key, value in data.items() if key in cls.model_fields})
         return own.model_validate(data)
 
@@ -211,18 +211,20 @@ class Config(Model):
 
     @classmethod
     def keys(cls) -> list[str]:
-        """All keys in the order of a resolved config, those of a scene alone in their usual places."""
+        """Return all keys in the order of a resolved config."""
         return sorted(cls.model_fields, key=lambda key: ORDER.index(key if key in ORDER else "geometry"))
 
     @property
     def kinematic_viscosity(self) -> float:
         """Kinematic viscosity [length^2/time], whichever of the two was given."""
-        return self.fluid.kinematic_viscosity or self.fluid.dynamic_viscosity / self.fluid.density
+        fluid: Any = self.fluid
+        return fluid.kinematic_viscosity or fluid.dynamic_viscosity / fluid.density
 
     @property
     def dynamic_viscosity(self) -> float:
         """Dynamic viscosity [mass/(length time)], whichever of the two was given."""
-        return self.fluid.dynamic_viscosity or self.fluid.kinematic_viscosity * self.fluid.density
+        fluid: Any = self.fluid
+        return fluid.dynamic_viscosity or fluid.kinematic_viscosity * fluid.density
 
     @property
     def across(self) -> float:
@@ -248,7 +250,8 @@ class Config(Model):
     @property
     def particles_across(self) -> int:
         """Particles in the length ``across``."""
-        return self.discretisation.particles_across or max(1, round(self.across / self.discretisation.spacing))
+        given: Any = self.discretisation
+        return given.particles_across or max(1, round(self.across / given.spacing))
 
     @property
     def spacing(self) -> float:
@@ -257,12 +260,12 @@ class Config(Model):
 
     @property
     def singular(self) -> bool:
-        """Whether the flow is singular somewhere: then a step has no error to speak of, and no tolerance sets it."""
+        """Whether the flow is singular somewhere: then a step has no finite error, and no tolerance sets it."""
         return False
 
     @property
     def has_free_bodies(self) -> bool:
-        """Whether the flow carries a body."""
+        """Whether there is a freely moving body."""
         bodies = getattr(self, "bodies", ())
         return any(body.motion == "free" for body in (bodies if isinstance(bodies, tuple) else (bodies,)))
 
@@ -289,29 +292,29 @@ class Config(Model):
 
     @property
     def members(self) -> dict[str, Model]:
-        """Parameters of the chosen members by their family, but for the scheme."""
+        """Parameters of the chosen members of families, except the scheme, by family."""
         return {"rheology": self.fluid.rheology}
 
     @property
     def time_series(self) -> dict[str, Any]:
-        """What is said of the numbers that the scene follows in time, as plain values."""
+        """Settings of the time series of the scene, as plain values."""
         return {}
 
     def problems(self) -> Iterator[Problem]:
-        """What the scene has against the config."""
+        """Yield the conditions of the scene that the config breaks."""
         return iter(())
 
     def incommensurate(self) -> Iterator[Problem]:
-        """What keeps the lattice, whose spacing divides ``across``, from filling the box."""
+        """Yield the problem of a lattice whose spacing divides ``across`` but that does not fill the box."""
         return iter(())
 
     def resolved(self) -> dict[str, Any]:
-        """The config as plain data with every default filled in; loading it gives an equal config."""
+        """Return the config as plain data with every default filled in; loading it returns an equal config."""
         data, former = self.model_dump(), {new: old for old, new in FORMER_KEYS.items()}
         return {former.get(key, key): data[key] for key in self.keys() if key in data}
 
     def resolved_yaml(self) -> str:
-        """The same as YAML."""
+        """Return ``resolved()`` as YAML."""
         return yaml_text.dump(self.resolved())
 
 
@@ -319,10 +322,10 @@ ORDER = (
     "name", "scene", "units", "fluid", "geometry", "walls", "drive", "initial", "reference", "discretisation",
     "scheme", "time", "probes", "output", "runtime",
 )  # fmt: skip
-"""Keys as a resolved config gives them; others come with ``geometry``."""
+"""Order of the keys in a resolved config; other keys come with ``geometry``."""
 
 
 def model_of(data: Any) -> type[Config]:
-    """The model of the scene that the raw ``data`` of a config names; that of all scenes where there is none."""
+    """Return the model of the scene that the raw ``data`` of a config names; ``Config`` for an unknown scene."""
     name = data.get("scene") if isinstance(data, dict) else None
     return registry.load("scenes", name).Config if name in registry.names("scenes") else Config

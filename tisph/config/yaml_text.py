@@ -14,16 +14,16 @@ MOST_LEVELS = 20
 """Deepest nesting that is read; a config has four levels."""
 
 LONGEST_SHOWN = 60
-"""Characters of a user's text that a message repeats."""
+"""Number of characters of a user's text in a message."""
 
 KeyPath = tuple[str | int, ...]
 
-# What ruamel's scanner and constructor raise on some malformed texts besides their own errors.
+# ruamel's scanner and constructor also raise Python's errors on some malformed texts
 PARSER_ERRORS = (YAMLError, ValueError, TypeError, AttributeError, IndexError, KeyError, AssertionError)
 
 
 class YamlTextError(Exception):
-    """Text that is no acceptable YAML: what is wrong, and the line (from 1) where known."""
+    """Text that is no acceptable YAML, with the error's ``text``, and its ``line`` (from 1) where known."""
 
     def __init__(self, text: str, line: int | None = None):
         super().__init__(text)
@@ -31,7 +31,7 @@ class YamlTextError(Exception):
 
 
 def in_one_line(text: str) -> str:
-    """Text of a user as it may stand in a message: control characters escaped, cut where it is long."""
+    """Return a user's text for a message: in one line, with control characters escaped, cut where it is long."""
     escaped = "".join(c if c.isprintable() else repr(c)[1:-1] for c in text[:LONGEST_SHOWN])
     return escaped if len(text) <= LONGEST_SHOWN else f"{escaped}..."
 
@@ -45,19 +45,19 @@ class Document:
 
 
 def parse(text: str) -> Document:
-    """Read one YAML document; raises YamlTextError for everything but plain data."""
+    """Return the data of one YAML document; raises YamlTextError for everything but plain data."""
     try:
         reader, builder = _reader(), _Builder()
         events = list(_plain_events(reader.parse(text)))
-        reader._parser = _Parsed(events)  # what composes nodes scans the text again otherwise, half of the time
+        reader._parser = _Parsed(events)  # otherwise the composer scans the text again, which doubles the time
         return Document(builder.plain(reader.composer.get_single_node()), builder.lines)
     except PARSER_ERRORS as error:
         raise YamlTextError(*_parser_message(error)) from None
 
 
 def dump(data: dict[str, Any]) -> str:
-    """Block-style YAML of plain data; ``parse`` gives the same data back, numbers to the last bit."""
-    writer = YAML(typ="safe", pure=True)
+    """Return plain data as block-style YAML; ``parse`` returns the same data, with bitwise the same numbers."""
+    writer = _reader()
     writer.default_flow_style = False
     writer.sort_base_mapping_type_on_output = False
     stream = io.StringIO()
@@ -65,11 +65,11 @@ def dump(data: dict[str, Any]) -> str:
     return stream.getvalue()
 
 
-def _reader() -> YAML:
+def _reader() -> Any:
     return YAML(typ="safe", pure=True)
 
 
-def _parser_message(error: Exception) -> tuple[str, int | None]:
+def _parser_message(error: Any) -> tuple[str, int | None]:
     mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
     marked = isinstance(error, MarkedYAMLError)
     text = ", ".join(part for part in (error.context, error.problem) if part) if marked else ""
@@ -77,8 +77,8 @@ def _parser_message(error: Exception) -> tuple[str, int | None]:
     return f"is not YAML: {text}", mark.line + 1 if mark else None
 
 
-def _plain_events(events: Iterable[Event]) -> Iterator[Event]:
-    """Look at the stream of events first, so that no alias is expanded and no deep nesting is followed."""
+def _plain_events(events: Iterable[Any]) -> Iterator[Event]:
+    """Yield the events, and refuse aliases and deep nesting before any alias is expanded."""
     level = 0
     for event in events:
         line = event.start_mark.line + 1
@@ -96,7 +96,7 @@ def _plain_events(events: Iterable[Event]) -> Iterator[Event]:
 
 
 def _decimal_comma(data: dict[str, Any], node: Node, key: Any) -> str:
-    """Return a remark where the number ``key`` of ``node`` stands after that of ``data``, as in {gap: 1,0}."""
+    """Return a remark if the number ``key`` of ``node`` may be the decimals of the last value, as in {gap: 1,0}."""
     name, before = next(reversed(data.items()), ("", None))
     if not isinstance(key, int | float) or type(before) is not int or not name.isprintable():
         return ""
@@ -104,7 +104,7 @@ def _decimal_comma(data: dict[str, Any], node: Node, key: Any) -> str:
 
 
 class _Parsed:
-    """A parser's events, once more, as ruamel's composer asks for them."""
+    """The events of a parser again, with the methods that ruamel's composer calls."""
 
     def __init__(self, events: list[Event]):
         self._coming = events[::-1]
@@ -120,9 +120,9 @@ class _Parsed:
 
 
 class _Builder:
-    """Plain data from the nodes of one document, noting the line of every key and item."""
+    """Builds plain data from the nodes of one document, and stores the line of every key and item."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.lines: dict[KeyPath, int] = {}
         self._constructor = _reader().constructor
 
@@ -130,28 +130,29 @@ class _Builder:
         if isinstance(node, MappingNode):
             return self._map(node, path)
         if isinstance(node, SequenceNode):
-            for index, item in enumerate(node.value):
-                self.lines[(*path, index)] = item.start_mark.line + 1
-            return [self.plain(item, (*path, index)) for index, item in enumerate(node.value)]
+            places = [(*path, index) for index in range(len(node.value))]
+            self.lines.update({place: item.start_mark.line + 1 for place, item in zip(places, node.value, strict=True)})
+            return [self.plain(item, place) for place, item in zip(places, node.value, strict=True)]
         return None if node is None else self._scalar(node)
 
     def _map(self, node: MappingNode, path: KeyPath) -> dict[str, Any]:
-        data = {}
+        data: dict[str, Any] = {}
         for key_node, value_node in node.value:
             line = key_node.start_mark.line + 1
             key = self._scalar(key_node) if isinstance(key_node, ScalarNode) else None
             if not isinstance(key, str):
                 shown = repr(in_one_line(key_node.value)) if isinstance(key_node, ScalarNode) else "a map or list"
                 raise YamlTextError(f"key {shown}: keys must be words{_decimal_comma(data, key_node, key)}", line)
+            place = (*path, key)
             if key in data:
-                dotted = in_one_line(".".join(map(str, (*path, key))))
-                raise YamlTextError(f"duplicate key {dotted}: already given in line {self.lines[(*path, key)]}", line)
-            self.lines[(*path, key)] = line
-            data[key] = self.plain(value_node, (*path, key))
+                dotted = in_one_line(".".join(map(str, place)))
+                raise YamlTextError(f"duplicate key {dotted}: already given in line {self.lines[place]}", line)
+            self.lines[place] = line
+            data[key] = self.plain(value_node, place)
         return data
 
-    def _scalar(self, node: ScalarNode) -> Any:
-        if node.tag.endswith((":merge", ":value")):  # the keys << and =, which mean nothing here
+    def _scalar(self, node: Any) -> Any:
+        if node.tag.endswith((":merge", ":value")):  # the keys << and =, which have no meaning here
             return node.value
         try:
             return self._constructor.construct_object(node)

@@ -8,7 +8,7 @@ SUPPORT = 3.0
 NORM = 7.0 / (478.0 * pi)
 
 
-def value(q):
+def value(q: float) -> float:
     """Kernel h^2 W at distance ``q`` = r/h: NORM [(3-q)+^5 - 6 (2-q)+^5 + 15 (1-q)+^5]."""
     far = max(0.0, 3.0 - q)
     middle = max(0.0, 2.0 - q)
@@ -16,7 +16,7 @@ def value(q):
     return NORM * (far**5 - 6.0 * middle**5 + 15.0 * near**5)
 
 
-def slope_over_q(q):
+def slope_over_q(q: float) -> float:
     """Minus the slope over the distance, -h^4 W'(r)/r at ``q`` = r/h > 0: the weight of every pair sum.
 
     Written without branches so that the pair loop stays straight-line code.

@@ -1,4 +1,4 @@
-"""The stable counting sort of everything that lies in cells: particles, points and ghosts, members of grid cells.
+"""The stable counting sort of particles, points and ghosts into cells.
 
 It runs in one thread and without atomics, and so gives the same order whatever the number of threads.
 """
@@ -8,9 +8,9 @@ from tisph.runtime import ti
 
 @ti.func
 def counting_sort(cell: ti.template(), start: ti.template(), order: ti.template(), cells, first, second):
-    """Sort slots by their ``cell`` into ``order``: those of cell c from ``start[c + 1]`` to ``start[c + 2]`` - 1.
+    """Sort slots by their ``cell`` into ``order``, with cell c from ``start[c + 1]`` to ``start[c + 2]`` - 1.
 
-    ``first`` is the number of the slots from 0 on; ``second``, number and first one of the slots that come after these.
+    ``first``: number of slots from 0 on. ``second``: number of further slots, and the first of them.
     """
     total = first + second[0]
     for c in range(cells + 1):
@@ -29,5 +29,5 @@ def counting_sort(cell: ti.template(), start: ti.template(), order: ti.template(
 
 @ti.func
 def slot_of(number, first, second):
-    """Return the slot of item ``number``: the first ``first`` lie from slot 0 on, the others from ``second`` on."""
+    """Return the slot of item ``number``: the first ``first`` items have slots from 0, the others from ``second``."""
     return number + ti.select(number < first, 0, second - first)

@@ -1,14 +1,16 @@
-"""Points and their neighbours, found anew for each arrangement: for steps so long that no list outlives one.
+"""Points and their neighbours, found anew for each arrangement: implicit steps are so long that no list outlives one.
 
 Fluid particles 0 .. fluid-1 keep their numbers, so that nothing is copied; ghost points beyond the walls follow from
-``capacity`` on, then one sentinel far away that pads rows. In shear flow the layers of particles move past one another
-as wholes, and what is near in space stays near in memory.
+``capacity`` on, then one sentinel far away that pads rows. In shear flow whole layers of particles move past one
+another, so that neighbours in space stay near one another in memory.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
+from tisph.domain import ChannelDomain, PeriodicDomain
 from tisph.neighbours.counting_sort import counting_sort, slot_of
 from tisph.runtime import integer, real, scalar, ti, view
 from tisph.size_class import size_class
@@ -24,51 +26,60 @@ CELLS_WITHIN = 3
 were beyond the cutoff."""
 
 WALL_FACTOR = 1.3
-"""That mean near walls, where some reach farther, over the one elsewhere."""
+"""Mean number of neighbours near walls, where some cutoffs are larger, over the mean elsewhere."""
 
 
-def active(field):
-    """Return what the fluid particles use of a field that ``PointCloud`` made for them, in place: (..., fluid)."""
+def active(field: Any) -> np.ndarray:
+    """Return the values (..., fluid) of a field of ``PointCloud.field`` at the fluid particles, as a view."""
     return view(field)[field.used]
 
 
 @ti.data_oriented
 class PointCloud:
-    """Positions of all points, of which fluid particle i has slot i and ghost k slot ``capacity`` + k.
+    """Positions of all points: fluid particle i has slot i, ghost k slot ``capacity`` + k.
 
-    ``domain`` is that of a channel or a ``PeriodicDomain``, without ghosts; there positions must be inside the box.
-    ``particles`` and ``ghosts`` are their numbers at present; there is space for ``ghost_capacity``. ``capacity``,
-    ``slots`` and the ``sentinel`` after them depend on the size class alone and may be compiled in, ``fluid`` may not.
-    ``fluid`` and ``particles`` count points on walls, too, where there are any: ``n_fluid`` does not. Neighbours of
-    particle i within the ``cutoff`` are ``neighbours[i, k]``, k < ``count[i]``. With ``mirrors`` that table goes on
-    with a row for each ghost, in its slot: the fluid particles around its mirror point ``mirror[k]``. Where ``cutoff``
-    is a pair, the usual and the largest one, less than twice that, each point has its own, ``radius``.
+    In a ``PeriodicDomain`` there are no ghosts, and positions must be inside the box. ``particles`` and ``ghosts`` are
+    their present numbers; there is space for ``ghost_capacity``. ``capacity``, ``slots`` and the ``sentinel`` after
+    them depend only on the size class and may be compiled in, ``fluid`` may not. ``fluid`` and ``particles`` also
+    count points on walls, ``n_fluid`` does not. Neighbours of particle i within the ``cutoff`` are
+    ``neighbours[i, k]``, k < ``count[i]``. With ``mirrors`` the table also has a row for each ghost, in its slot: the
+    fluid particles around its mirror point ``mirror[k]``. ``cutoff`` [length]: a number, or the usual and the largest
+    cutoff, less than twice the usual one; then each point has its own, ``radius``. ``flow``: has ``particles``,
+    ``columns``, ``rows``, ``spacing``, and where cutoffs vary ``crowding``, a factor of the capacity of rows.
     """
 
-    def __init__(self, channel, domain, cutoff, ghost_capacity, serial, mirrors=False):
+    def __init__(
+        self,
+        flow: Any,
+        domain: PeriodicDomain | ChannelDomain,
+        cutoff: float | tuple[float, float],
+        ghost_capacity: int,
+        serial: bool,
+        mirrors: bool = False,
+    ):
         self.domain = domain
         self.serial = serial
-        self.fluid, self.ghost_capacity = channel.particles, ghost_capacity
+        self.fluid, self.ghost_capacity = flow.particles, ghost_capacity
         self.particles, self.ghosts = integer(self.fluid), integer(0)
         self.n_fluid = self.particles
         self.capacity, self.ghost_slots = size_class(self.fluid), size_class(self.ghost_capacity)
         self.slots = self.sentinel = self.capacity + self.ghost_slots
         self.varying = isinstance(cutoff, tuple)
-        cutoff, largest = cutoff if self.varying else (cutoff, cutoff)
-        self.cutoff_squared = scalar(cutoff**2)
+        usual, largest = cutoff if isinstance(cutoff, tuple) else (cutoff, cutoff)
+        self.cutoff_squared = scalar(usual**2)
         if self.varying:
             self.radius = ti.field(real(), shape=self.capacity)
-        # counted in spacings, of which length and gap are whole numbers: no cell is lost to round-off
-        side = cutoff / CELLS_WITHIN
-        columns = int(channel.columns * channel.spacing / side * (1 + 1e-12))
-        rows = max(1, int(channel.rows * channel.spacing / side * (1 + 1e-12)))
+        # counted in spacings: length and height are whole numbers of spacings, and no cell is lost to round-off
+        side = usual / CELLS_WITHIN
+        columns = int(flow.columns * flow.spacing / side * (1 + 1e-12))
+        rows = max(1, int(flow.rows * flow.spacing / side * (1 + 1e-12)))
         least = 2 * math.ceil(largest / side) + 1
         if columns < least or (domain.periodic_y and rows < least):
             axis = f"{columns} cells along x" if columns < least else f"{rows} cells along y"
             raise ValueError(f"{axis}: a pair and its periodic copy would both be listed")
         self.side = scalar(side)
         self.columns, self.rows = integer(columns), integer(rows)
-        mean = math.pi * (cutoff / channel.spacing) ** 2 * (WALL_FACTOR * channel.crowding if self.varying else 1.0)
+        mean = math.pi * (usual / flow.spacing) ** 2 * (WALL_FACTOR * flow.crowding if self.varying else 1.0)
         self.row_capacity = math.ceil((CAPACITY_FACTOR * mean + LANES) / LANES) * LANES
         self.position = ti.field(ti.types.vector(2, real()), shape=self.slots + 1)
         self.mirrors = mirrors
@@ -81,10 +92,10 @@ class PointCloud:
         self.start = ti.field(ti.i32, shape=size_class((rows + 2) * columns + 2))
         self.cell = ti.field(ti.i32, shape=self.slots)
         self.order = ti.field(ti.i32, shape=self.slots)
-        self.far = scalar(1e3 * channel.spacing * (channel.rows + channel.columns))
+        self.far = scalar(1e3 * flow.spacing * (flow.rows + flow.columns))
 
-    def field(self, kind, *axes):
-        """Return a field of ``kind`` with a number for each fluid particle along its last axis; see ``active``."""
+    def field(self, kind: Any, *axes: int) -> Any:
+        """Return a field of ``kind`` with a value for each fluid particle along its last axis; see ``active``."""
         field = ti.field(kind, (*axes, self.capacity))
         field.used = (*[slice(None)] * len(axes), slice(self.fluid))
         return field
@@ -107,7 +118,7 @@ class PointCloud:
 
     @ti.func
     def sort(self, particles):
-        """Fill ``order`` with the points cell by cell, row by row of cells, and ``start`` with where a cell begins."""
+        """Fill ``order`` with the points cell by cell, row by row, and ``start`` with the first point of each cell."""
         self.position[self.sentinel] = [self.far[None], self.far[None]]
         ghosts = self.ghosts[None]
         for number in range(particles + ghosts):
@@ -137,8 +148,8 @@ class PointCloud:
     def gather(self, i, centre, end):
         """Fill row ``i`` of the table with the points before ``end`` around ``centre``; return how many it needed.
 
-        They come from the cells around it, ``span`` on each side: in a row those before the end of the period, then
-        those beyond it. Ghosts beyond a wall are in one row of cells, however deep they lie.
+        They come from the cells around it, ``span`` on each side: in a row first the cells before the end of the
+        period, then the cells beyond it. Ghosts beyond a wall are in one row of cells, however deep they lie.
         """
         columns, column, row = self.columns[None], self.column_of(centre.x), self.row_of(centre.y, 0)
         found, span, rows = 0, CELLS_WITHIN, self.rows[None]
@@ -167,7 +178,7 @@ class PointCloud:
 
     @ti.func
     def append(self, i, centre, end, first, last, found):
-        """Append what is within the cutoff of ``order[first .. last-1]``, without a branch; return the new count."""
+        """Append the points of ``order[first .. last-1]`` within the cutoff, without a branch; return the new count."""
         limit = self.cutoff_squared[None]
         if ti.static(self.varying):
             limit = self.radius[i] ** 2
@@ -184,17 +195,17 @@ class PointCloud:
         """Return the vector from point ``i`` to point ``j``, to its nearest periodic copy."""
         return self.domain.minimum_image(self.position[j] - self.position[i])
 
-    def listed_neighbours(self, rows):
-        """Return the table of the chosen ``rows`` and where it holds points and no left-overs, (chosen, capacity)."""
+    def listed_neighbours(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the table of ``rows`` (k,), and whether an entry is a neighbour, both of shape (k, row_capacity)."""
         return view(self.neighbours)[rows], np.arange(self.row_capacity) < view(self.count)[rows, None]
 
-    def mean_length(self):
+    def mean_length(self) -> float:
         """Return the mean number of neighbours within the cutoff of a fluid particle, padding not counted."""
         count, table = view(self.count)[: self.fluid], view(self.neighbours)[: self.fluid]
         listed = sum(np.count_nonzero((table[:, k] != self.sentinel) & (count > k)) for k in range(self.row_capacity))
         return listed / self.fluid
 
-    def overflow(self):
+    def overflow(self) -> int:
         """Return the longest row if it may not have fitted into the table, else 0."""
         longest = int(view(self.longest))
         return longest if longest >= self.row_capacity else 0

@@ -1,47 +1,49 @@
 """Verlet lists that are reused for as long as they are provably complete.
 
-A list holds every pair closer than ``radius`` = ``cutoff`` + skin when it was built. Until then particle i has
+A list holds every pair closer than ``radius`` = ``cutoff`` + skin when it was built. Since then particle i has
 moved by w(y_i) t + e_i, where w is a reference velocity profile (the row means at the build, linear in
 between) with the largest slope s. A pair that is now within the cutoff was then at most
-stretch (cutoff + 2 max|e|) apart, stretch = (st + sqrt((st)^2 + 4)) / 2 being the norm of a shear by st. As
-long as that is within the radius no pair is missing: shear flow alone, however fast, hardly wears a list out.
-The mirror image of a particle keeps its x, and |y_i - y_j| <= |y_i + y_j|, so the bound holds for images too;
-wall particles move with the walls, where w is the wall velocity. (A mirror point of a dummy particle moves with the
-wall too, although w is another one there: who looks inside must do with three quarters of the cutoff.) Where
-the flow is two-dimensional, in a box without walls, no profile tells where particles go: w = 0 there.
+stretch (cutoff + 2 max|e|) apart, where stretch = (st + sqrt((st)^2 + 4)) / 2 is the norm of a shear by st. As
+long as that is within the radius no pair is missing: shear alone, however fast, hardly requires a new list.
+The mirror image of a particle keeps its x, and |y_i - y_j| <= |y_i + y_j|, so that the bound holds for images too;
+wall particles move with the walls, where w is the wall velocity. (A mirror point of a dummy particle also moves with
+the wall, but w differs from the wall velocity there: lists of mirror points are complete only up to three quarters of
+the cutoff.) In two-dimensional flow, in a box without plane walls, no profile predicts the motion, and w = 0.
 """
 
 import math
 
 import numpy as np
 
+from tisph.domain import ChannelDomain, PeriodicDomain
 from tisph.neighbours import list_radius
+from tisph.neighbours.cells import Cells, Particles
 from tisph.runtime import integer, real, scalar, ti, view
 
 ROOM = 1.6
-"""Capacity of a row over the mean number of particles within reach."""
+"""Capacity of a row over the mean number of particles within the radius."""
 
 
 @ti.data_oriented
 class VerletLists:
     """Neighbours ``table[i, k]``, k < ``count[i]``, of fluid and dummy particles; after the last comes i itself.
 
-    Pair loops look one neighbour ahead, which is why a row goes on after its end.
-    ``crosses[i]`` tells whether a neighbour lies across the period, so that only few particles pay for it.
-    Dummy particles list the fluid around them, with ``uses_mirror_points`` that around their mirror points: in a
-    channel those follow from the places, in a box those of bodies are in ``mirror``, by wall slot.
+    Pair loops look one neighbour ahead, and so read one entry after the last neighbour.
+    ``crosses[i]``: whether a neighbour lies across the period; most particles need no minimum image.
+    Dummy particles list the fluid around them, with ``uses_mirror_points`` the fluid around their mirror points. In a
+    channel mirror points follow from the positions; of bodies in a box they are in ``mirror``, by wall slot.
     """
 
-    def __init__(self, cells, cutoff, spacing, serial, uses_mirror_points=False):
+    def __init__(self, cells: Cells, cutoff: float, spacing: float, serial: bool, uses_mirror_points: bool = False):
         self.cells = cells
-        self.particles = cells.particles
-        self.domain = cells.domain
+        self.particles: Particles = cells.particles
+        self.domain: PeriodicDomain | ChannelDomain = cells.domain
         self.serial = serial
         self.uses_mirror_points = uses_mirror_points
         self.cutoff = cutoff
         self.spacing = spacing
         self.radius = list_radius(cutoff, spacing)
-        self.capacity = row_capacity(self.radius, spacing)
+        self.capacity = math.ceil(ROOM * math.pi * (self.radius / spacing) ** 2) + 4
         self.radius_squared = scalar(self.radius**2)
         mobile, fluid = self.particles.mobile_slots, self.particles.first_wall
         self.table = ti.field(ti.i32, shape=(mobile, self.capacity))
@@ -62,8 +64,8 @@ class VerletLists:
         used = self.particles.first_wall + self.particles.dummies
         self.table.used = self.count.used = self.crosses.used = np.s_[:used]
 
-    def outdated(self, drift_squared, elapsed):
-        """Tell whether a pair may be missing, from max|e|^2 and the time since the lists were built."""
+    def outdated(self, drift_squared: float, elapsed: float) -> bool:
+        """Return whether a pair may be missing, from max|e|^2 and the time since the lists were built."""
         tilt = float(view(self.steepest)) * elapsed if self.follows_shear else 0.0
         stretch = 0.5 * (tilt + math.sqrt(tilt * tilt + 4.0))
         return not stretch * (self.cutoff + 2.0 * math.sqrt(drift_squared)) <= self.radius
@@ -91,7 +93,7 @@ class VerletLists:
 
     @ti.func
     def row_velocity(self, now, row):
-        """Return the mean velocity of a row of cells, or that of the wall beyond the last row."""
+        """Return the mean velocity of a row of cells, or the wall velocity beyond the first and last row."""
         mean = self.domain.bottom_velocity[None]
         if row > self.cells.rows[None]:
             mean = self.domain.top_velocity[None]
@@ -160,7 +162,7 @@ class VerletLists:
 
     @ti.func
     def append_level(self, now, i, column, level, copied, found, across):
-        """Append those within reach in the cells of ``level`` around a ``column``; return the new counts.
+        """Append the particles within the radius in the cells of ``level`` around a ``column``; return the new counts.
 
         ``copied``: the level stands for its periodic copy. Second count: neighbours across the period.
         """
@@ -183,7 +185,7 @@ class VerletLists:
 
     @ti.func
     def centre(self, now, i):
-        """Return the point whose neighbours particle ``i`` lists: its own place, or its mirror point."""
+        """Return the point whose neighbours particle ``i`` lists: its position, or its mirror point."""
         place = self.particles.mid_position[now, i]
         if ti.static(self.uses_mirror_points):  # noqa: SIM102 (Taichi would not see the static one)
             if i >= self.particles.first_wall:
@@ -195,7 +197,7 @@ class VerletLists:
 
     @ti.func
     def append(self, now, i, begin, end, found, periodic: ti.template()):
-        """Append the slots begin .. end-1 that lie within reach, without a branch, and return the new count."""
+        """Append the slots begin .. end-1 that lie within the radius, without a branch, and return the new count."""
         place = self.centre(now, i)
         limit = self.radius_squared[None]
         for j in range(begin, end):
@@ -206,19 +208,14 @@ class VerletLists:
             found += ti.cast(apart.dot(apart) < limit, ti.i32) * ti.cast(j != i, ti.i32)
         return found
 
-    def mean_length(self):
-        """Return the mean number of neighbours within reach of a fluid particle."""
+    def mean_length(self) -> float:
+        """Return the mean number of listed neighbours of a fluid particle."""
         return float(view(self.count)[: self.particles.fluid].mean())
 
-    def overflow(self):
+    def overflow(self) -> int:
         """Return the longest row if it may not have fitted into the table, else 0.
 
-        The place after the last neighbour takes candidates that are then refused, so a full row is too long.
+        Rejected candidates are written to the entry after the last neighbour, so that a full row is too long.
         """
         longest = int(view(self.longest))
         return longest if longest >= self.capacity else 0
-
-
-def row_capacity(radius, spacing):
-    """Return the number of entries of a row."""
-    return math.ceil(ROOM * math.pi * (radius / spacing) ** 2) + 4

@@ -1,18 +1,21 @@
 """The common part of both sets of operators: pair weight, separation and linear artificial viscosity.
 
-The weight is the slope of the kernel over the distance, by a table, without a root or a division. A root, a division
-and three powers are nearly half the arithmetic of a pair. A piecewise linear function of the squared distance takes
-their place; it is a kernel as good as the original one, since the consistent operators are normalised by their own
-moments, whatever the weights are.
+The weight is the slope of the kernel over the distance. A root, a division and three powers would be nearly half the
+arithmetic of a pair; a table replaces them, which is a piecewise linear function of the squared distance. It is a
+kernel as good as the original one, since the consistent operators are normalised by their own moments, for any weights.
 
-Pair loops look one neighbour ahead: separation and weight of the next pair are made while this one is summed. The
-processor, which sees only so far ahead, would wait for a weight before it could go on; a step takes a tenth to a
-quarter less. No pair loop treats two pairs at once: the compiler would pack them into a vector and shuffle longer than
-that saves.
+Pair loops look one neighbour ahead: separation and weight of the next pair are computed while the present pair is
+summed. Otherwise the processor would wait for each weight; a step takes a tenth to a quarter less time. No pair loop
+treats two pairs at once: the compiler would pack them into a vector, whose shuffles take longer than that saves.
 """
+
+from typing import Any
 
 import numpy as np
 
+from tisph.domain import Fluid
+from tisph.neighbours.cells import Particles
+from tisph.neighbours.verlet import VerletLists
 from tisph.runtime import holding, real, scalar, ti, unrolled
 
 INTERVALS = 2048
@@ -29,7 +32,7 @@ class WeightTable:
     Entry k holds intercept and slope of the weight over the squared distance in interval k.
     """
 
-    def __init__(self, kernel, length):
+    def __init__(self, kernel: Any, length: float):
         squares = np.arange(INTERVALS + 1) * (kernel.SUPPORT**2 / INTERVALS)
         # the limit at zero distance, where no pair is, need not be exact
         values = np.array([kernel.slope_over_q(q) for q in np.sqrt(np.maximum(squares, 1e-6))])
@@ -41,7 +44,7 @@ class WeightTable:
 
     @ti.func
     def at(self, squared):
-        """Return the weight of a pair at a squared distance; whatever that is, even NaN, no entry outside is read."""
+        """Return the weight of a pair at a squared distance; for any distance, even NaN, the entry exists."""
         line = self.entries[ti.cast(squared * self.per_square[None], ti.i32) & (ENTRIES - 1)]
         return line.x + squared * line.y
 
@@ -51,12 +54,17 @@ class PairOperators:
     """Access to particles and lists, and the rates that an evaluation returns.
 
     ``Rates``: ``acceleration``, rate of ``compression``, ``transport``, the velocity of the particle relative to
-    the fluid, and where particles carry stress, the rate of ``stress``. ``pair_weight`` turns kernel slopes into
-    V_j (-W'(r)/r) with the volume V = spacing^2 that every particle keeps to within the weak compression.
+    the fluid, and where particles carry stress, the rate of ``stress``. ``pair_weight``: factor from the weights of the
+    table to V_j (-W'(r)/r), with the volume V = spacing^2 of every particle up to the weak compression. A set of
+    operators has ``rates(now, i)``, ``pair_sums(now, i, periodic)`` with its structure ``Sums``, and for the force on
+    walls ``pair_pull`` and ``pull_norm``. ``kernel``: a module of ``tisph/kernels``.
     """
 
-    def __init__(self, particles, lists, fluid, kernel, artificial_viscosity, shift_speed):
-        self.particles = particles
+    Sums: Any
+    """Structure of the sums over neighbours."""
+
+    def __init__(self, lists: VerletLists, fluid: Fluid, kernel: Any, artificial_viscosity: float, shift_speed: float):
+        self.particles: Particles = lists.particles
         self.lists = lists
         self.domain = lists.domain
         self.fluid = fluid
@@ -76,7 +84,7 @@ class PairOperators:
 
     @ti.func
     def sums(self, now, i):
-        """Return the ``pair_sums`` of particle ``i``, wrapping distances only where a neighbour is across."""
+        """Return the ``pair_sums`` of particle ``i``, with minimum images only where a neighbour is across."""
         sums = self.Sums()
         if self.lists.crosses[i] > 0:  # noqa: SIM108 (Taichi has no conditional expression of structs)
             sums = self.pair_sums(now, i, True)
@@ -100,7 +108,7 @@ class PairOperators:
 
     @ti.func
     def artificial_push(self, weight, apart, approach):
-        """Return a pair's share of Monaghan's linear artificial viscosity, without the factor alpha c h.
+        """Return the term of a pair in Monaghan's linear artificial viscosity, without the factor alpha c h.
 
         Acceleration sum_j V_j alpha c h (v_ij . r_ij) / r^2 grad W for approaching pairs (Monaghan 1992,
         Annu. Rev. Astron. Astrophys. 30, eq. 4.1, beta = 0) without his 0.01 h^2, since r > 0;
@@ -110,7 +118,7 @@ class PairOperators:
 
     @ti.func
     def artificial_strength(self):
-        """Return what the sum of ``artificial_push`` is multiplied by, V alpha c h."""
+        """Return the factor V alpha c h of the sum of ``artificial_push``."""
         return (
             self.artificial_viscosity[None]
             * self.fluid.sound_speed[None]
@@ -120,10 +128,10 @@ class PairOperators:
 
     @ti.func
     def wall_pull(self, now, i):
-        """Return the acceleration along x that particle ``i`` gets from the wall particles below and above.
+        """Return the acceleration of particle ``i`` along x by the wall particles below and above.
 
-        A sum over pairs that straddle a wall is the flux of momentum through it; operators give ``pair_pull``, and
-        ``pull_norm`` for the trace of their second moment.
+        A sum over pairs that straddle a wall is the flux of momentum through it. The term of a pair is ``pair_pull``,
+        the factor of the sum ``pull_norm`` of the trace of the second moment.
         """
         trace = 0.0
         pull = ti.Vector([0.0, 0.0])

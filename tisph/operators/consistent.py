@@ -13,10 +13,14 @@ error as in Fatehi & Manzari 2011 and normalised by its own second moment). The 
     dx/dt = u + du,   du = -c_s h sum V grad W
 
 The shift du evens out the arrangement (Lind et al. 2012); its arbitrary Lagrangian-Eulerian terms keep the
-fields where they are (Oger et al. 2016). Density diffusion is that of Antuono et al. 2010, in which the
-renormalised density gradient is the linear correction above.
+fields where they are (Oger et al. 2016). Density diffusion follows Antuono et al. 2010; the linear correction above is
+their renormalised density gradient.
 """
 
+from typing import Any
+
+from tisph.domain import Fluid
+from tisph.neighbours.verlet import VerletLists
 from tisph.operators._pairs import PairOperators
 from tisph.runtime import real, ti, unrolled
 
@@ -28,8 +32,8 @@ DIFFUSION = 0.1
 class Operators(PairOperators):
     """Corrected gradient, moment-normalised Laplacian, particle shifting, density diffusion."""
 
-    def __init__(self, particles, lists, fluid, kernel, artificial_viscosity, shift_speed):
-        super().__init__(particles, lists, fluid, kernel, artificial_viscosity, shift_speed)
+    def __init__(self, lists: VerletLists, fluid: Fluid, kernel: Any, artificial_viscosity: float, shift_speed: float):
+        super().__init__(lists, fluid, kernel, artificial_viscosity, shift_speed)
         stress_sums = {"stress_gradient": ti.types.matrix(3, 2, real())} if fluid.carries_stress else {}
         self.Sums = ti.types.struct(
             moment_xx=real(),
@@ -88,9 +92,9 @@ class Operators(PairOperators):
 
     @ti.func
     def pair_pull(self, now, i, j, weight, apart):
-        """Return a pair's share in the acceleration along x by viscosity and polymer stress, times tr M.
+        """Return the term of a pair in the acceleration along x by viscosity and polymer stress, times tr M.
 
-        Only what two particles exchange: without the linear correction, and with the sum of their stresses, which
+        It is antisymmetric in the particles: without the linear correction, and with the sum of their stresses, which
         on an even arrangement gives the same force as the difference.
         """
         faster = self.particles.mid_velocity[now, j].x - self.particles.mid_velocity[now, i].x
@@ -102,7 +106,7 @@ class Operators(PairOperators):
 
     @ti.func
     def pull_norm(self, trace):
-        """Return what the sum of ``pair_pull`` is multiplied by."""
+        """Return the factor of the sum of ``pair_pull``."""
         return 1.0 / trace
 
     @ti.func

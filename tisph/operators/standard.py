@@ -7,6 +7,10 @@ Symmetric pressure form (Monaghan 1992), Morris' viscosity with his 0.01 h^2 (Mo
 density by the continuity equation; no correction, shifting or diffusion.
 """
 
+from typing import Any
+
+from tisph.domain import Fluid
+from tisph.neighbours.verlet import VerletLists
 from tisph.operators._pairs import PairOperators
 from tisph.runtime import real, ti, unrolled
 
@@ -15,8 +19,8 @@ from tisph.runtime import real, ti, unrolled
 class Operators(PairOperators):
     """Uncorrected sums as they stand in most codes."""
 
-    def __init__(self, particles, lists, fluid, kernel, artificial_viscosity, shift_speed):
-        super().__init__(particles, lists, fluid, kernel, artificial_viscosity, shift_speed)
+    def __init__(self, lists: VerletLists, fluid: Fluid, kernel: Any, artificial_viscosity: float, shift_speed: float):
+        super().__init__(lists, fluid, kernel, artificial_viscosity, shift_speed)
         self.Sums = ti.types.struct(
             pressure=self.vector, viscosity=self.vector, divergence=real(), **self.artificial_sums
         )
@@ -38,7 +42,7 @@ class Operators(PairOperators):
 
     @ti.func
     def pair_pull(self, now, i, j, weight, apart):
-        """Return a pair's share in the acceleration along x by viscosity and pressure, without the volume."""
+        """Return the term of a pair in the acceleration along x by viscosity and pressure, without the volume."""
         faster = self.particles.mid_velocity[now, j].x - self.particles.mid_velocity[now, i].x
         viscous = 2.0 * self.fluid.kinematic_viscosity[None] * self.softened(apart.dot(apart)) * faster
         pressure = self.particles.mid_pressure[now, i] + self.particles.mid_pressure[now, j]
@@ -46,7 +50,7 @@ class Operators(PairOperators):
 
     @ti.func
     def pull_norm(self, trace):
-        """Return what the sum of ``pair_pull`` is multiplied by."""
+        """Return the factor of the sum of ``pair_pull``."""
         return self.pair_weight[None]
 
     @ti.func

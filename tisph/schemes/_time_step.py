@@ -1,7 +1,4 @@
-"""Limits of an explicit time step, as formulas in plain numbers, and of the speed of shifts.
-
-Shifts move particles towards an even arrangement, no faster than an explicit step can follow.
-"""
+"""Limits of an explicit time step, and the speed of shifts, which an explicit step limits too."""
 
 import math
 from typing import TYPE_CHECKING, Any, Literal
@@ -19,15 +16,15 @@ VISCOUS_NUMBER = 0.125
 """Step over h^2/nu; J. P. Morris, P. J. Fox and Y. Zhu, J. Comput. Phys. 136 (1997) 214-226."""
 
 SHIFT = 1.5
-"""Rate at which the shift evens out the stiffest wave of displacements on the lattice, times h/c.
+"""Decay rate, by shifting, of the stiffest wave of displacements on the lattice, times h/c.
 
-A step of CFL 0.25 then takes away 3/8 of that wave, where the predictor is stable up to 1 and disorder, with pairs
-closer than a spacing, is up to twice as stiff. At 0.2 (the 2 U h usual in the literature) particles cross walls from
-cell Reynolds numbers of 20 on.
+A step of CFL 0.25 then reduces that wave by 3/8. The predictor is stable up to a reduction by 1, and disorder, with
+pairs closer than a spacing, is up to twice as stiff. At 0.2 (the 2 U h usual in the literature) particles cross walls
+from cell Reynolds numbers of 20 on.
 """
 
 WAVES = 32
-"""Wave lengths among which the stiffest is looked for."""
+"""Number of wave lengths among which the stiffest is searched."""
 
 
 def sound_speed_of(config: Any, scene: "Scene") -> float:
@@ -74,12 +71,13 @@ def time_step_limits(
     elastic_speed: float = 0.0,
     relaxation_time: float = math.inf,
 ) -> dict[str, float]:
-    """Largest stable steps [time] by the name of what limits them; a run takes the smallest.
+    """Return the largest stable steps [time] by the names of the limits; a run takes the smallest.
 
     ``acoustic``: cfl h / (sqrt(c^2 + c_e^2) + U), with cfl 0.25 for ``auto`` and the ``elastic_speed`` c_e of
-    shear waves in the polymer. ``viscous``: 0.125 h^2 / nu, nu that of the solvent. ``acceleration``: 0.25
-    sqrt(h / a), no limit without acceleration. ``relaxation``: 0.25 ``relaxation_time``, so that an explicit step
-    follows the decay of the polymer stress; no limit without elastic speed. All in the units of the config.
+    shear waves in the polymer. ``viscous``: 0.125 h^2 / nu, with the ``kinematic_viscosity`` nu of the solvent.
+    ``acceleration``: 0.25 sqrt(h / a), no limit without acceleration. ``relaxation``: 0.25 ``relaxation_time``, so that
+    an explicit step follows the decay of the polymer stress; no limit without elastic speed. All in the units of the
+    config.
     """
     number = AUTO_CFL if cfl == "auto" else cfl
     return {
@@ -90,26 +88,33 @@ def time_step_limits(
     }
 
 
-def shift_speed(kernel, smoothing_ratio, sound_speed, cfl, diffusion_speed):
+def shift_speed(
+    kernel: Any,
+    smoothing_ratio: float,
+    sound_speed: float,
+    cfl: float | Literal["auto"],
+    diffusion_speed: float,
+) -> float:
     """Return the speed [length/time] that multiplies -h sum V grad W in the shift velocity.
 
-    It scales with the sound speed c, as the longest step does, and above the automatic CFL number with 1/cfl, so that
-    the shift of a step is bounded. Where viscosity binds the step more tightly it scales with the ``diffusion_speed``
-    nu/h instead, for the same shift in a step: else disorder would outlive the start of a slow flow. ``kernel`` is a
-    module of ``kernels/``, ``smoothing_ratio`` h over the spacing, ``cfl`` the number of the config or ``auto``.
+    It scales with the sound speed c, as the inverse of the longest step does, and above the automatic CFL number with
+    1/cfl, so that the shift of a step is bounded. Where viscosity limits the step more strictly, it scales with the
+    ``diffusion_speed`` nu/h instead, for the same shift in a step: else disorder would last beyond the start of a slow
+    flow. ``kernel`` is a module of ``kernels/``, ``smoothing_ratio`` h over the spacing, ``cfl`` as in the config.
     """
     number = AUTO_CFL if cfl == "auto" else max(cfl, AUTO_CFL)
     pace = AUTO_CFL * max(sound_speed / number, diffusion_speed / VISCOUS_NUMBER)  # h over the longest step, times CFL
     return SHIFT * pace / stiffness(kernel, smoothing_ratio)
 
 
-def stiffness(kernel, smoothing_ratio):
+def stiffness(kernel: Any, smoothing_ratio: float) -> float:
     """Return the largest eigenvalue of -h^2 d(sum V grad W)_i/dx_i on the square lattice, a pure number.
 
     The stiffest waves of displacement are longitudinal, along a row.
     """
-    reach = int(kernel.SUPPORT * smoothing_ratio)
-    x, y = (axis.ravel() for axis in np.meshgrid(np.arange(-reach, reach + 1.0), np.arange(-reach, reach + 1.0)))
+    furthest = int(kernel.SUPPORT * smoothing_ratio)
+    row = np.arange(-furthest, furthest + 1.0)
+    x, y = (axis.ravel() for axis in np.meshgrid(row, row))
     neighbours = (x != 0) | (y != 0)
     x, y = x[neighbours] / smoothing_ratio, y[neighbours] / smoothing_ratio
     small = 1e-4
@@ -118,7 +123,7 @@ def stiffness(kernel, smoothing_ratio):
     return max(-float(np.sum(slope * (1 - np.cos(number * x)))) for number in numbers) / smoothing_ratio**2
 
 
-def _pull(kernel, x, y):
+def _pull(kernel: Any, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     distance = np.hypot(x, y)
     weights = [kernel.slope_over_q(q) if q < kernel.SUPPORT else 0.0 for q in distance]
     return np.array(weights) * x

@@ -13,8 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 from tisph import runtime
-from tisph.errors import TisphError
-from tisph.signals import ending_signals
+from tisph.errors import TisphError, ending_signals
 
 INSTEAD = "tisph.run has a process of its own for each run"
 

@@ -7,7 +7,7 @@ import math
 import sys
 import time
 
-from tisph import clock
+from tisph import version
 from tisph.errors import TisphError
 from tisph.folder import Folder
 from tisph.observers.protocol import StateObserver
@@ -132,9 +132,9 @@ def run(config, out_dir, *, pictures=True, video=True, resume=False):
             drawing_process.shared()  # it gets ready while this process does
         interrupts = Interrupts()
         with logging_to(folder.log, append=resume), interrupts.counted():
-            imported = time.perf_counter() - clock.PROCESS_START
+            imported = time.perf_counter() - version.PROCESS_START
             simulation = Simulation.restore(folder.checkpoint, config) if resume else Simulation(config)
-            simulation.costs.began, simulation.costs.seconds["import"] = clock.PROCESS_START, imported
+            simulation.costs.began, simulation.costs.seconds["import"] = version.PROCESS_START, imported
             recording = Recording(simulation, folder, pictures=pictures, video=video, interrupts=interrupts)
             _to_the_end(simulation, recording, interrupts)
     except OSError as error:

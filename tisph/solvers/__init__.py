@@ -1,1 +1,1 @@
-"""Linear solvers: BiCGStab with a choice of preconditioner, and the auxiliary grids of the two-level one."""
+"""Linear solvers: BiCGStab with its preconditioners, and the auxiliary grids of the two-level one."""

@@ -1,30 +1,35 @@
 """Auxiliary grids, on which sigma + c (-Laplacian) is inverted.
 
-The residual of a linear system after a few Jacobi sweeps is smooth; it is brought from the particles to the nodes of
-the grid by bilinear weights, solved for there, and brought back by the same weights. As a preconditioner that leaves a
-number of iterations that does not depend on the number of particles. Each node gathers from the particles in the four
-cells around it, in the order of their numbers: bitwise the same for any number of threads. Without walls, and between
-the plane walls of a channel, the solution is by fast Fourier transforms and the symbol of the five-point Laplacian; one
-thread transforms: a second one of SciPy's costs more than it saves up to 1e5 nodes, and saves a quarter of a transform
-of 1e6. Between any other walls the grid is a ``WalledGrid``.
+The residual of a linear system after a few Jacobi sweeps is smooth. Bilinear weights transfer it from the particles to
+the nodes of the grid, the system is solved there, and the same weights transfer the solution back. With this
+preconditioner the number of iterations does not depend on the number of particles. Each node gathers from the particles
+in the four cells around it, in the order of their numbers: bitwise the same for any number of threads. Without walls,
+and between the plane walls of a channel, the solution is by fast Fourier transforms and the symbol of the five-point
+Laplacian. They run on one thread: a second thread of SciPy's costs more than it saves up to 1e5 nodes, and saves a
+quarter of the time at 1e6. Between any other walls the grid is a ``WalledGrid``.
 """
+
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from tisph.neighbours.counting_sort import counting_sort
+from tisph.neighbours.point_cloud import PointCloud
 from tisph.runtime import integer, real, scalar, ti, view
 from tisph.size_class import size_class
 
 
 @ti.data_oriented
 class AuxiliaryGrid:
-    """``shape`` (rows, columns) of nodes in the box of a ``flow``, of this ``height``, in which all points are.
+    """Grid of ``shape`` (rows, columns) nodes in a box of the length of a ``flow`` and this ``height``.
 
-    ``members`` are the particles cell by cell, those of cell c from ``begin[c + 1]`` to ``begin[c + 2]``; ``offset``
-    is where in its ``cell`` a particle is, from 0 to 1 along each axis. What nodes get is multiplied by ``share``.
+    All points are in the box. ``members``: particles cell by cell, in cell c from ``begin[c + 1]`` to
+    ``begin[c + 2]``. ``offset``: position of a particle in its ``cell``, from 0 to 1 along each axis. ``share``:
+    factor of the sums over particles at the nodes.
     """
 
-    def __init__(self, points, flow, height, shape, share):
+    def __init__(self, points: PointCloud, flow: Any, height: float, shape: tuple[int, int], share: float):
         self.points, self.shape = points, shape
         rows, columns = shape
         self.columns, self.rows = integer(columns), integer(rows)
@@ -35,13 +40,17 @@ class AuxiliaryGrid:
         self.cell, self.members = (ti.field(ti.i32, points.capacity) for _ in range(2))
         self.offset = ti.field(ti.types.vector(2, real()), points.capacity)
 
-    def nodes(self, kind):
+    def nodes(self, kind: Any) -> Any:
         """Return a field of this ``kind`` for each node."""
         return ti.field(kind, self.begin.shape)
 
+    def invert(self, field: Any, sigma: float, coefficient: float) -> None:
+        """Replace the values f at the nodes, in ``field``, by (``sigma`` - ``coefficient`` Laplacian)^-1 f."""
+        raise NotImplementedError
+
     @ti.kernel
     def sort(self):
-        """Sort the points as they lie now."""
+        """Sort the points by cell at their present positions."""
         particles = self.points.particles[None]
         columns, rows = self.columns[None], self.rows[None]
         ti.loop_config(serialize=self.points.serial)
@@ -58,7 +67,7 @@ class AuxiliaryGrid:
 
     @ti.func
     def deposit(self, values: ti.template(), node):
-        """Return what node number ``node`` gets of the particles' values."""
+        """Return the weighted sum of the particles' values at node number ``node``."""
         columns, rows = self.columns[None], self.rows[None]
         column, row = node % columns, node // columns
         left, below = ti.select(column == 0, columns, column) - 1, ti.select(row == 0, rows, row) - 1
@@ -76,7 +85,7 @@ class AuxiliaryGrid:
 
     @ti.func
     def interpolate(self, values: ti.template(), i):
-        """Return the nodes' values at particle ``i``."""
+        """Return the values of the nodes interpolated to particle ``i``."""
         columns, rows = self.columns[None], self.rows[None]
         cell, offset = self.cell[i], self.offset[i]
         column, row = cell % columns, cell // columns
@@ -88,10 +97,10 @@ class AuxiliaryGrid:
 
 @ti.data_oriented
 class PeriodicGrid(AuxiliaryGrid):
-    """Nodes of a periodic box, about as far apart as the particles."""
+    """Grid of a periodic box, with nodes about as far apart as the particles."""
 
-    def __init__(self, points, flow, height):
-        from scipy import fft  # not before it is needed: it takes as long to import as a small run
+    def __init__(self, points: PointCloud, flow: Any, height: float):
+        from scipy import fft  # only where it is needed: its import takes as long as a small run
 
         self.fft = fft
         columns, rows = fft.next_fast_len(flow.columns, real=True), fft.next_fast_len(flow.rows)
@@ -99,12 +108,12 @@ class PeriodicGrid(AuxiliaryGrid):
         wave_x = (2.0 * columns / flow.length * np.sin(np.pi * np.arange(columns // 2 + 1) / columns)) ** 2
         self.eigenvalues = self.eigenvalues_y(rows, height)[:, None] + wave_x
 
-    def eigenvalues_y(self, rows, height):
-        """Return the eigenvalues of minus the second difference along y."""
+    def eigenvalues_y(self, rows: int, height: float) -> np.ndarray:
+        """Return the eigenvalues (rows,) of minus the second difference along y."""
         return (2.0 * rows / height * np.sin(np.pi * np.arange(rows) / rows)) ** 2
 
-    def invert(self, field, sigma, coefficient):
-        """Replace the nodes' values f by (``sigma`` - ``coefficient`` Laplacian)^-1 f; the mean is 0 where sigma is."""
+    def invert(self, field: Any, sigma: float, coefficient: float) -> None:
+        """Replace f at the nodes by (``sigma`` - ``coefficient`` Laplacian)^-1 f; of mean 0 where sigma is 0."""
         rows, columns = self.shape
         values = view(field)[: rows * columns].reshape(rows, columns, -1)
         symbol = sigma + coefficient * self.eigenvalues
@@ -112,7 +121,7 @@ class PeriodicGrid(AuxiliaryGrid):
             symbol[0, 0] = np.inf
         self.divide_by_symbol(values, symbol[:, :, None])
 
-    def divide_by_symbol(self, values, symbol):
+    def divide_by_symbol(self, values: np.ndarray, symbol: np.ndarray) -> None:
         """Divide the transform of ``values`` (rows, columns, width) by ``symbol``, in place."""
         transformed = self.fft.rfft2(values, axes=(0, 1))
         transformed /= symbol
@@ -121,14 +130,16 @@ class PeriodicGrid(AuxiliaryGrid):
 
 @ti.data_oriented
 class DirichletGrid(PeriodicGrid):
-    """Nodes of a channel, for fields that are odd about its walls: the first row of nodes, at the bottom wall, holds
-    zeros, and stands for the row at the top wall too. The transform along y is that of sines."""
+    """Grid of a channel, for fields that are odd about its walls, with a sine transform along y.
 
-    def eigenvalues_y(self, rows, height):
-        """Return the eigenvalues of minus the second difference along y, of sines."""
+    The first row of nodes, at the bottom wall, holds zeros, and stands for the row at the top wall too.
+    """
+
+    def eigenvalues_y(self, rows: int, height: float) -> np.ndarray:
+        """Return the eigenvalues (rows - 1,) of minus the second difference along y, of sines."""
         return (2.0 * rows / height * np.sin(0.5 * np.pi * np.arange(1, rows) / rows)) ** 2
 
-    def divide_by_symbol(self, values, symbol):
+    def divide_by_symbol(self, values: np.ndarray, symbol: np.ndarray) -> None:
         """Divide the transform of ``values`` (rows, columns, width) by ``symbol``, in place."""
         transformed = self.fft.dst(values[1:], 1, axis=0)
         transformed = self.fft.rfft(transformed, axis=1)
@@ -149,29 +160,33 @@ FLOATING = 1e-8
 """Part of the largest entry on the diagonal that is added to it, since a constant is no part of the solution."""
 
 STIFFNESS, MASS = np.array([[1.0, -1.0], [-1.0, 1.0]]), np.array([[2.0, 1.0], [1.0, 2.0]]) / 6.0
-"""Of a linear element of length 1: along x and along y they give those of a bilinear one."""
+"""Matrices of a linear element of length 1; their products along x and y are the matrices of a bilinear element."""
 
 
 @ti.data_oriented
 class WalledGrid(AuxiliaryGrid):
     """Grid between curved walls, for the pressure: bilinear finite elements on the nodes of a ``box`` around the fluid.
 
-    Of each element counts the part in the fluid, by the distance of its middle from the nearest wall. The stiffness
+    An element is weighted by its part in the fluid, from the distance of its middle to the nearest wall. The stiffness
     matrix obeys the natural boundary condition, a normal derivative of zero, as corrections of the pressure do once the
     rows of the points on walls are satisfied (``TwoLevel``). It is the Galerkin operator of the particles' matrix in
-    the limit of many particles: the integral of grad(test) . grad(trial), over the area of a particle. It depends on
-    the places of the walls alone: where walls stay, or move along themselves, it is factorised once. In axisymmetric
-    flow elements count by their distance from the axis, and rows are those of a unit of volume again. A solution needs
-    ``set_walls`` first.
+    the limit of many particles: the integral of grad(test) . grad(trial), over the area of a particle. It depends only
+    on the positions of the walls: where walls rest, or move along themselves, it is factorised once. In axisymmetric
+    flow an element is also weighted by its distance from the axis, and rows are divided by the volume of a node.
+    ``set_walls`` comes before the first ``invert``.
     """
 
-    def __init__(self, points, box):
-        shape = tuple(max(1, round(number / COARSENING)) for number in (box.rows, box.columns))
-        super().__init__(points, box, box.height, shape, 1.0)
+    def __init__(self, points: PointCloud, box: Any):
+        rows, columns = (max(1, round(number / COARSENING)) for number in (box.rows, box.columns))
+        super().__init__(points, box, box.height, (rows, columns), 1.0)
         self.box = box
 
-    def set_walls(self, distance):
-        """Assemble and factorise the matrix; ``distance`` of positions (n, 2) in the box is that from walls (n,)."""
+    def set_walls(self, distance: Callable[[np.ndarray], np.ndarray]) -> None:
+        """Assemble and factorise the matrix.
+
+        ``distance(positions)``: distance (n,) of positions (n, 2) in the box from the nearest wall, positive in the
+        fluid [length].
+        """
         from scipy.sparse import coo_matrix, diags, identity
         from scipy.sparse.linalg import splu
 
@@ -195,8 +210,8 @@ class WalledGrid(AuxiliaryGrid):
         floating = FLOATING * diagonal.max() * identity(len(self.active), format="csc")
         self.factors = splu(matrix[self.active][:, self.active] + floating)
 
-    def invert(self, field, sigma, coefficient):
-        """Replace the nodes' values f by (- ``coefficient`` Laplacian)^-1 f; ``sigma`` is 0."""
+    def invert(self, field: Any, sigma: float, coefficient: float) -> None:
+        """Replace f at the nodes by (- ``coefficient`` Laplacian)^-1 f; ``sigma`` is 0."""
         values = view(field)[: self.shape[0] * self.shape[1]]
         found = self.factors.solve(values[self.active].astype(float) / coefficient)
         values[...] = 0.0

@@ -1,15 +1,19 @@
 """BiCGStab for (sigma - c A) x = b, A being the Laplacian of least-squares operators, preconditioned from the right.
 
 H. A. van der Vorst, SIAM J. Sci. Stat. Comput. 13 (1992) 631-644. The preconditioner is the diagonal (Jacobi), which
-suffices where c A is small beside sigma, or another one, such as ``TwoLevel``.
+suffices where c A is small beside sigma, or ``TwoLevel``.
 
 In a pure Neumann problem sigma is 0: x is determined up to a constant, and there is a solution only if b has no part
-along the left null vector of A, which for least-squares operators is not quite constant. Solved is A x = b - constant
-with whatever constant that takes: all residuals lose their mean. Sums run block by block in a fixed order: the result
-does not depend on the number of threads.
+along the left null vector of A, which for least-squares operators is not quite constant. The equation solved is
+A x = b - constant, where the constant is such that a solution exists: the mean is subtracted from all residuals. Sums
+run block by block in a fixed order: the result does not depend on the number of threads.
 """
 
+from typing import Any, Protocol
+
+from tisph.least_squares.operators import LeastSquaresOperators
 from tisph.runtime import CHUNK, real, scalar, threads, ti, view
+from tisph.solvers.auxiliary_grid import AuxiliaryGrid
 
 MAX_ITERATIONS = 200
 
@@ -17,20 +21,32 @@ BLOCK = 256
 """Particles whose part of a sum is one number."""
 
 
+class Preconditioner(Protocol):
+    """Preconditioner of a ``BiCGStab``."""
+
+    def apply(self) -> None:
+        """Set the solver's ``correction`` from its ``input``, then call ``multiply``, which sets its ``product``."""
+
+
 @ti.data_oriented
 class BiCGStab:
-    """Solver of a system for a number, or a vector of ``width`` numbers, a particle.
+    """Solver for one number, or a vector of ``width`` numbers, at each particle.
 
-    ``x`` (slots + 1): guess, then solution; ``b`` (capacity): right side. Where there are ``ghosts`` their values are
-    ``parity`` times those of their sources: -1 for velocities, 1 for pressure. ``iterations``: of the last solution, by
-    halves. With ``hoop`` all components but the first are those across and around the axis over the distance from it,
-    in axisymmetric flow. A preconditioner turns ``input`` into ``correction`` and calls ``multiply``, which gives
-    ``product``.
+    ``x`` (slots + 1): guess, then solution; ``b`` (capacity): right side. ``ghosts``: points beyond walls, with minus
+    the value of their source in the fluid: number ``count``, value of the source ``value(values, k)``. ``iterations``:
+    number for the last solution, in halves. ``hoop``: all components but the first are v/r and w/r of axisymmetric
+    flow, whose Laplacian has a further term.
     """
 
-    def __init__(self, operators, ghosts=None, parity=-1.0, width=None, pure_neumann=False, hoop=False):
-        self.operators, self.ghosts, self.parity, self.points = operators, ghosts, parity, operators.points
-        self.hoop = hoop
+    def __init__(
+        self,
+        operators: LeastSquaresOperators,
+        ghosts: Any = None,
+        width: int | None = None,
+        pure_neumann: bool = False,
+        hoop: bool = False,
+    ):
+        self.operators, self.ghosts, self.points, self.hoop = operators, ghosts, operators.points, hoop
         self.is_scalar, self.pure_neumann, self.has_ghosts = width is None, pure_neumann, ghosts is not None
         self.number = self.points.particles if pure_neumann else self.points.n_fluid
         self.serial = operators.serial_light
@@ -49,11 +65,18 @@ class BiCGStab:
         self.size, self.norm = scalar(0.0), scalar(0.0)
         self.iterations = 0.0
 
-    def solve(self, coefficient, tolerance, sigma=1.0, preconditioner=None, max_iterations=MAX_ITERATIONS, least=0.0):
-        """Solve (``sigma`` - ``coefficient`` A) x = b to a residual of ``tolerance`` |b|; return whether it did.
+    def solve(
+        self,
+        coefficient: float,
+        tolerance: float,
+        sigma: float = 1.0,
+        preconditioner: Preconditioner | None = None,
+        max_iterations: int = MAX_ITERATIONS,
+        least: float = 0.0,
+    ) -> bool:
+        """Solve (``sigma`` - ``coefficient`` A) x = b to a residual of ``tolerance`` |b|; return whether it converged.
 
-        ``least``: residual below which there is only rounding, whatever |b|.
-        ``preconditioner``: something with an ``apply()``, None for the diagonal.
+        ``least``: residual that counts as zero, whatever |b|. ``preconditioner``: None for the diagonal.
         """
         view(self.sigma)[()], view(self.coefficient)[()] = sigma, coefficient
         precondition = preconditioner.apply if preconditioner else self.apply_jacobi
@@ -73,17 +96,12 @@ class BiCGStab:
         return bool(norm <= limit)
 
     @ti.func
-    def reflect(self, values, k):
-        """Give ghost ``k`` its value."""
-        values[self.points.capacity + k] = self.parity * self.ghosts.value(values, k)
-
-    @ti.func
     def update_ghosts(self, values: ti.template(), particles):
-        """Give what a row of the matrix needs of ``values`` beyond those of the particles."""
+        """Set the ``values`` of the ghosts from the values of the particles."""
         if ti.static(self.has_ghosts):
             ti.loop_config(serialize=True)
             for k in range(self.ghosts.count[None]):
-                self.reflect(values, k)
+                values[self.points.capacity + k] = -self.ghosts.value(values, k)
 
     @ti.func
     def row(self, values: ti.template(), i):
@@ -95,7 +113,7 @@ class BiCGStab:
 
     @ti.func
     def dot(self, left, right):
-        """Return the product of the numbers of two particles."""
+        """Return the product of the numbers, or the scalar product of the vectors, of two particles."""
         result = 0.0
         if ti.static(self.is_scalar):
             result += left * right
@@ -105,14 +123,14 @@ class BiCGStab:
 
     @ti.func
     def blocks(self, task, particles):
-        """Return the first block, and that after the last, to sum in a task: those of a thread in its first one."""
+        """Return the first block of a task and the end of its blocks; the first task of a thread has all blocks."""
         worker, blocks = task // CHUNK, (particles + BLOCK - 1) // BLOCK
         first, last = worker * blocks // self.workers, (worker + 1) * blocks // self.workers
         return first, ti.select(task % CHUNK == 0, last, first)
 
     @ti.func
     def end(self, block, particles):
-        """Return the particle after the last one of a block."""
+        """Return the end of the particles of a block."""
         return ti.min(particles, (block + 1) * BLOCK)
 
     @ti.func
@@ -125,7 +143,7 @@ class BiCGStab:
 
     @ti.func
     def take_mean(self, particles):
-        """Let ``mean`` be that over all blocks; return what it adds to a sum of squares."""
+        """Set ``mean`` to the mean over all blocks; return its part of the sum of squares, particles * mean^2."""
         total = 0.0 * self.totals[0]
         for block in range((particles + BLOCK - 1) // BLOCK):
             total += self.totals[block]
@@ -134,7 +152,7 @@ class BiCGStab:
 
     @ti.kernel
     def start(self):
-        """Residual of the guess and its ``norm``, inverse diagonal, and the ``size`` |b|."""
+        """Compute the residual of the guess, its ``norm``, the inverse diagonal, and the ``size`` |b|."""
         particles = self.number[None]
         self.update_ghosts(self.x, particles)
         ti.loop_config(serialize=self.serial)
@@ -171,7 +189,7 @@ class BiCGStab:
 
     @ti.kernel
     def apply_jacobi(self):
-        """The diagonal alone as a preconditioner."""
+        """Apply the inverse of the diagonal as the preconditioner."""
         particles = self.number[None]
         ti.loop_config(serialize=self.serial)
         for i in range(particles):
@@ -180,7 +198,7 @@ class BiCGStab:
 
     @ti.func
     def multiply(self, particles):
-        """The matrix times the ``correction``, and its products with shadow, residual and itself."""
+        """Compute the matrix times the ``correction``, and its products with shadow, residual and itself."""
         self.update_ghosts(self.correction, particles)
         ti.loop_config(serialize=self.serial)
         for task in range(self.workers * CHUNK):
@@ -199,7 +217,7 @@ class BiCGStab:
 
     @ti.kernel
     def step_half(self):
-        """Go along the first direction as far as the shadow says."""
+        """Take the step along the BiCG direction, x += alpha correction."""
         particles = self.number[None]
         ti.loop_config(serialize=True)
         for _ in range(1):
@@ -227,7 +245,7 @@ class BiCGStab:
 
     @ti.kernel
     def step(self):
-        """Go along the second direction to the smallest residual, and choose the next first one."""
+        """Take the step that minimises the residual, x += omega correction, and compute the next BiCG direction."""
         particles = self.number[None]
         ti.loop_config(serialize=True)
         for _ in range(1):
@@ -265,7 +283,7 @@ class BiCGStab:
 
     @ti.kernel
     def remove_mean(self):
-        """Take the mean off the solution, block by block."""
+        """Subtract the mean of the solution, summed block by block."""
         particles = self.number[None]
         ti.loop_config(serialize=True)
         for _ in range(1):
@@ -278,3 +296,68 @@ class BiCGStab:
         ti.loop_config(serialize=self.serial)
         for i in range(particles):
             self.x[i] -= self.mean[None]
+
+
+DAMPING = 0.8
+"""Damping factor of the Jacobi sweep."""
+
+
+@ti.data_oriented
+class TwoLevel:
+    """Preconditioner of two levels, with which the number of iterations does not depend on the number of particles.
+
+    The solver of the ``grid``, which has sorted the particles, reduces the smooth part of the residual, and a damped
+    Jacobi sweep on the particles the rough part and the errors of the transfers. A second sweep before them costs more
+    than the iterations that it saves. ``walls``: whether points on walls follow the fluid among the unknowns of the
+    ``solver``. Their rows, one-sided derivatives, are not dominated by the diagonal: a further sweep satisfies them for
+    the new values of the fluid.
+    """
+
+    def __init__(self, solver: BiCGStab, grid: AuxiliaryGrid, walls: bool = False):
+        self.solver, self.grid, self.walls, self.points = solver, grid, walls, solver.points
+        self.smooth = ti.field(solver.kind, solver.points.slots + 1)
+        self.nodes = grid.nodes(solver.kind)
+
+    def apply(self) -> None:
+        """Apply one cycle of the preconditioner to the solver's ``input``."""
+        self.restrict()
+        self.grid.invert(self.nodes, float(view(self.solver.sigma)), float(view(self.solver.coefficient)))
+        self.prolong()
+
+    @ti.func
+    def satisfy_walls(self, values: ti.template(), particles):
+        """Change the ``values`` at points on walls by one Jacobi sweep over their rows."""
+        if ti.static(self.walls):
+            fluid = self.points.n_fluid[None]
+            ti.loop_config(serialize=self.solver.serial)
+            for i in range(fluid, particles):
+                residual = self.solver.input[i] - self.solver.row(values, i)
+                self.solver.product[i] = values[i] + self.solver.inverse[i] * residual
+            ti.loop_config(serialize=self.solver.serial)
+            for i in range(fluid, particles):
+                values[i] = self.solver.product[i]
+
+    @ti.kernel
+    def restrict(self):
+        """Transfer the solver's ``input`` to the grid."""
+        ti.loop_config(serialize=self.solver.serial)
+        for node in range(self.grid.rows[None] * self.grid.columns[None]):
+            self.nodes[node] = self.grid.deposit(self.solver.input, node)
+
+    @ti.kernel
+    def prolong(self):
+        """Interpolate the solution on the grid, sweep once, and multiply the result by the matrix."""
+        particles = self.solver.number[None]
+        ti.loop_config(serialize=self.solver.serial)
+        for i in range(particles):
+            self.smooth[i] = self.grid.interpolate(self.nodes, i)
+        self.solver.update_ghosts(self.smooth, particles)
+        ti.loop_config(serialize=self.solver.serial)
+        for i in range(particles):
+            damping = DAMPING
+            if ti.static(self.walls):
+                damping = ti.select(i < self.points.n_fluid[None], DAMPING, 0.0)
+            residual = self.solver.input[i] - self.solver.row(self.smooth, i)
+            self.solver.correction[i] = self.smooth[i] + damping * self.solver.inverse[i] * residual
+        self.satisfy_walls(self.solver.correction, particles)
+        self.solver.multiply(particles)

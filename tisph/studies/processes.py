@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tisph import clock, registry
+from tisph import registry, version
 from tisph.folder import Folder
 from tisph.results._results import Arrays
 
@@ -94,7 +94,7 @@ def start(arguments: list, messages: Path) -> multiprocessing.process.BaseProces
 
 def _be(arguments, messages):
     """Be that process: as ``python -m tisph`` with ``arguments``."""
-    clock.PROCESS_START = time.perf_counter()
+    version.PROCESS_START = time.perf_counter()
     for path, descriptor in ((os.devnull, 1), (messages, 2)):
         file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         os.dup2(file, descriptor)

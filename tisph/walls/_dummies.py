@@ -1,24 +1,34 @@
-"""Walls made of dummy particles, which move with the wall and carry extrapolated fluid values.
+"""Walls made of dummy particles, which move with the wall and carry values extrapolated from the fluid.
 
 In a channel they are rows of the lattice, in bodies of any smooth shape layers along the wall.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tisph.domain import ChannelDomain, Fluid
+from tisph.neighbours.verlet import VerletLists
 from tisph.runtime import real, ti, view
 from tisph.size_class import size_class
+from tisph.walls import WallParameters
 from tisph.walls._treatment import SolidWalls, WallTreatment
+
+if TYPE_CHECKING:
+    from tisph.geometry.body import Body
+    from tisph.geometry.shape import Boundary, Shape
+    from tisph.scenes._channel import Channel
 
 
 @ti.data_oriented
 class Dummies(WallTreatment):
-    """Dummy particles, wherever they are; ``extrapolate`` comes from the treatment.
+    """Dummy particles of any wall. The treatment has ``extrapolate(buffer, k)``, which sets the values of particle k.
 
-    Where they are and move, ``advance(now, k, elapsed)``, and the velocity of their walls, ``velocity_at(buffer, k)``,
-    come from subclasses; where ``accelerates``, the acceleration of these, ``acceleration_at(k)``, too.
+    The subclass for a kind of wall has ``advance(now, k, elapsed)``, which moves the particle, ``velocity_at(buffer,
+    k)``, the velocity of its wall, and, where ``accelerates``, ``acceleration_at(k)``, the acceleration of its wall.
     """
 
     has_dummies = True
@@ -33,12 +43,12 @@ class Dummies(WallTreatment):
 
     @ti.func
     def set_dummy(self, buffer, k, velocity, pressure, stress):
-        """Set what dummy particle ``k`` carries."""
+        """Set velocity, pressure and stress of dummy particle ``k``."""
         self.write(buffer, k, self.particles.mid_position[buffer, k], velocity, pressure, stress)
 
     @ti.func
     def give_wall_values(self, buffer, k):
-        """Let dummy particle ``k``, which has no fluid in cutoff, move with its wall."""
+        """Set the values of dummy particle ``k``, without fluid in reach, to the wall velocity and no stress."""
         velocity = self.velocity_at(buffer, k)
         if ti.static(self.particles.carries_stress):
             self.set_dummy(buffer, k, velocity, 0.0, ti.Vector([0.0, 0.0, 0.0]))
@@ -50,14 +60,16 @@ class Dummies(WallTreatment):
 class DummyWalls(Dummies):
     """Dummy particles on the continued lattice, beyond the walls of a channel."""
 
-    @staticmethod
-    def wall_slots(channel, cutoff):
-        """Return (dummy particles, room for images): layers as deep as the kernel reaches, on both walls."""
-        return 2 * layers(channel, cutoff) * channel.columns, 0
+    domain: ChannelDomain
 
-    def load(self, channel):
-        """Put the dummy particles on the lattice continued beyond both walls, at rest relative to them."""
-        depth = layers(channel, self.lists.radius)
+    @staticmethod
+    def wall_slots(channel: "Channel", cutoff: float) -> tuple[int, int]:
+        """Return the number of dummy particles, in layers as deep as ``cutoff`` on both walls, and 0 for images."""
+        return 2 * _layers(channel.spacing, cutoff) * channel.columns, 0
+
+    def load(self, channel: "Channel") -> None:
+        """Place the dummy particles on the lattice continued beyond both walls, at rest relative to them."""
+        depth = _layers(channel.spacing, self.lists.radius)
         column, layer = np.meshgrid(np.arange(channel.columns), np.arange(depth))
         x = (column.ravel() + 0.5) * channel.spacing
         beyond = (layer.ravel() + 0.5) * channel.spacing
@@ -69,7 +81,7 @@ class DummyWalls(Dummies):
 
     @ti.func
     def advance(self, now, k, elapsed):
-        """Carry dummy particle ``k`` along with its wall into the other buffer."""
+        """Move dummy particle ``k`` with its wall, into the other buffer."""
         position = self.particles.mid_position[now, k]
         position.x += self.wall_velocity(position.y) * elapsed
         self.particles.mid_position[1 - now, k] = position
@@ -90,16 +102,16 @@ class DummyWalls(Dummies):
         return ti.select(y < 0.0, self.domain.bottom_velocity[None], self.domain.top_velocity[None])
 
 
-def layers(channel, cutoff):
-    """Return the number of layers on each wall that a fluid particle at the wall could see."""
-    return math.ceil(cutoff / channel.spacing - 0.5)
+def _layers(spacing: float, cutoff: float) -> int:
+    """Return the number of layers, at the depths (k + 1/2) ``spacing``, within ``cutoff`` of a particle at the wall."""
+    return math.ceil(cutoff / spacing - 0.5)
 
 
 @dataclass(frozen=True)
 class Layers:
-    """Dummy particles in the frames of their bodies: ``place`` and ``wall_point``, the nearest wall point, (n, 2) each.
+    """Dummy particles in the frames of their bodies: ``place`` and nearest wall point, ``wall_point``, (n, 2) each.
 
-    ``body`` (n,) is the number of the body that each is in.
+    ``body`` (n,): number of the body of each particle.
     """
 
     place: np.ndarray
@@ -107,43 +119,42 @@ class Layers:
     body: np.ndarray
 
     @property
-    def mirror(self):
-        """Mirror points (n, 2) of the particles, in the fluid."""
-        return 2.0 * self.wall_point - self.place
-
-    @property
-    def slots(self):
+    def slots(self) -> tuple[int, int]:
         """Number of particles, and room for images."""
         return len(self.place), 0
 
-    def radius(self, body, mirrored):
-        """Distance of the farthest particle in a body from its centre, or ``mirrored`` of it or its mirror point."""
-        farthest = [np.linalg.norm(self.place[self.body == body], axis=1).max()]
+    def radius(self, body: int, mirrored: bool) -> float:
+        """Return the largest distance of the particles in a body from its centre; ``mirrored``: or of mirror points."""
+        places, wall_points = self.place[self.body == body], self.wall_point[self.body == body]
+        farthest = [np.linalg.norm(places, axis=1).max()]
         if mirrored:
-            farthest.append(np.linalg.norm(self.mirror[self.body == body], axis=1).max())
+            farthest.append(np.linalg.norm(2.0 * wall_points - places, axis=1).max())
         return float(max(farthest))
 
 
-def layers_in(bodies, spacing, cutoff):
-    """Return the ``Layers`` of bodies: (k + 1/2) ``spacing`` behind the wall, as many as a particle at it could see.
+def layers_in(bodies: Sequence["Body"], spacing: float, cutoff: float) -> Layers:
+    """Return the ``Layers`` of bodies at the depths (k + 1/2) ``spacing`` within ``cutoff`` of a particle at the wall.
 
     In each layer particles are about a spacing apart; there is none where the wall's centre of curvature is nearer.
     """
-    feet, places, numbers = [], [], []
+    wall_points, places, numbers = [], [], []
     for number, body in enumerate(bodies):
-        for layer in range(math.ceil(cutoff / spacing - 0.5)):
+        for layer in range(_layers(spacing, cutoff)):
             depth = (layer + 0.5) * spacing
             part = _outline(body.shape, spacing, depth)
             if part is None:
                 break
-            feet.append(part.point)
+            wall_points.append(part.point)
             places.append(part.point - depth * part.normal)
             numbers.append(np.full(len(part.point), number))
-    return Layers(np.concatenate(places), np.concatenate(feet), np.concatenate(numbers))
+    return Layers(np.concatenate(places), np.concatenate(wall_points), np.concatenate(numbers))
 
 
-def _outline(shape, spacing, depth):
-    """Return wall points whose like at a ``depth`` behind the wall are a spacing apart; None where none can be."""
+def _outline(shape: "Shape", spacing: float, depth: float) -> "Boundary | None":
+    """Return wall points for a layer at ``depth`` behind the wall, whose particles are a ``spacing`` apart.
+
+    None where the centre of curvature is nearer than ``depth``.
+    """
     wall = shape.boundary_points(spacing)
     shrinking = 1.0 - depth * wall.curvature
     if shrinking.min() <= 0.0:
@@ -155,13 +166,22 @@ def _outline(shape, spacing, depth):
 class LayerWalls(Dummies, SolidWalls):
     """Dummy particles in bodies.
 
-    ``number[k]`` tells which of the ``Layers`` the k-th wall slot holds: a sort permutes them, and nothing else of
-    theirs but that is kept by slot from step to step. With ``uses_mirror_points`` the lists get their mirror points.
+    ``number[k]``: index among the ``layers`` of the particle in the k-th wall slot; a sort permutes it. With
+    ``uses_mirror_points`` the mirror points are stored in the lists.
     """
 
     accelerates = True
 
-    def __init__(self, lists, kernel, fluid, parameters, layers, bodies, origin):
+    def __init__(
+        self,
+        lists: VerletLists,
+        kernel: Any,
+        fluid: Fluid,
+        parameters: WallParameters | None,
+        layers: Layers,
+        bodies: Sequence["Body"],
+        origin: np.ndarray,
+    ):
         super().__init__(lists, kernel, fluid, parameters, bodies, origin)
         self.layers = layers
         slots, vector = size_class(self.particles.dummies), ti.types.vector(2, real())
@@ -172,12 +192,12 @@ class LayerWalls(Dummies, SolidWalls):
         self.sorted.used = None
 
     @staticmethod
-    def arrange(bodies, spacing, cutoff):
-        """Return the ``Layers`` of bodies, for particles of the support radius ``cutoff``."""
+    def arrange(bodies: Sequence["Body"], spacing: float, cutoff: float) -> Layers:
+        """Return the ``Layers`` of bodies, for lists of the radius ``cutoff``."""
         return layers_in(bodies, spacing, cutoff)
 
-    def load(self, time):
-        """Put the dummy particles into the bodies at the start."""
+    def load(self, time: float) -> None:
+        """Place the dummy particles in the bodies at the start ``time``."""
         count = self.particles.dummies
         view(self.number)[:count] = np.arange(count)
         view(self.body)[:count] = self.layers.body
@@ -191,7 +211,7 @@ class LayerWalls(Dummies, SolidWalls):
 
     @ti.kernel
     def lay_out(self, now: ti.i32):
-        """Follow a sort: find which particle each slot holds."""
+        """Update ``number`` after a sort, and the mirror points."""
         first, fluid = self.particles.first_wall, self.particles.fluid_number[None]
         count = self.particles.mobile_number[None] - fluid
         ti.loop_config(serialize=True)
@@ -205,7 +225,7 @@ class LayerWalls(Dummies, SolidWalls):
 
     @ti.func
     def advance(self, now, k, elapsed):
-        """Carry dummy particle ``k`` along with its body into the other buffer."""
+        """Move dummy particle ``k`` with its body, into the other buffer."""
         number = self.number[k - self.particles.first_wall]
         body = self.body[number]
         self.particles.mid_position[1 - now, k] = self.centre[body] + self.rotated(body, self.lever_arm[number])
@@ -214,7 +234,7 @@ class LayerWalls(Dummies, SolidWalls):
 
     @ti.func
     def mirror(self, k):
-        """Tell the lists where the mirror point of dummy particle ``k`` is."""
+        """Store the mirror point of dummy particle ``k`` in the lists."""
         number = self.number[k - self.particles.first_wall]
         body = self.body[number]
         lever_arm = self.rotated(body, 2.0 * self.wall_point[number] - self.lever_arm[number])

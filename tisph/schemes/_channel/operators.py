@@ -34,7 +34,8 @@ from tisph.neighbours.point_cloud import LANES, PointCloud
 from tisph.runtime import holding, real, scalar, ti, view
 from tisph.schemes._channel.step import ClosedOperators
 from tisph.schemes._channel.walls import Series, stress_excess
-from tisph.solvers.bicgstab import BiCGStab
+from tisph.solvers.auxiliary_grid import DirichletGrid
+from tisph.solvers.bicgstab import BiCGStab, TwoLevel
 
 if TYPE_CHECKING:
     from tisph.scenes._channel import Channel
@@ -398,7 +399,7 @@ class ViscousSolver(BiCGStab):
     """
 
     def __init__(self, operators: LeastSquaresOperators, ghosts: Ghosts, channel: "Channel") -> None:
-        super().__init__(operators, ghosts, -1.0)
+        super().__init__(operators, ghosts)
         self.channel = channel
         self.two_level: Any = None
         self.coarse = None if ghosts.mirrors else LayerCoarseSpace(operators, ghosts, channel, coupled=False)
@@ -413,9 +414,6 @@ class ViscousSolver(BiCGStab):
         if coefficient <= self.roughest or self.points.fluid <= FEW:
             return super().solve(coefficient, tolerance)
         if self.two_level is None:
-            from tisph.solvers.auxiliary_grid import DirichletGrid  # few channels need it
-            from tisph.solvers.two_level import TwoLevel
-
             self.two_level = TwoLevel(self, DirichletGrid(self.points, self.channel, self.channel.gap))
         self.two_level.grid.sort()
         return super().solve(coefficient, tolerance, preconditioner=self.two_level)
@@ -431,7 +429,7 @@ class CoupledSolver(BiCGStab):
     """
 
     def __init__(self, operators: LeastSquaresOperators, ghosts: Ghosts, channel: "Channel") -> None:
-        super().__init__(operators, ghosts, -1.0)
+        super().__init__(operators, ghosts)
         self.coarse = None if ghosts.mirrors else LayerCoarseSpace(operators, ghosts, channel, coupled=True)
         self.tangent, self.tangent_stress = self.points.field(real()), ti.field(real(), self.points.slots + 1)
         self.fluid = slice(self.points.fluid)
@@ -451,7 +449,7 @@ class CoupledSolver(BiCGStab):
     @ti.func
     def reflect(self, values, k):
         """Set the value of ghost ``k``."""
-        values[self.points.capacity + k] = self.parity * self.sign(k) * self.ghosts.value(values, k)
+        values[self.points.capacity + k] = -self.sign(k) * self.ghosts.value(values, k)
 
     @ti.func
     def update_ghosts(self, values: ti.template(), particles):

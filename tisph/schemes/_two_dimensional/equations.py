@@ -19,8 +19,7 @@ import numpy as np
 from tisph.runtime import holding, real, scalar, ti, view
 from tisph.schemes._two_dimensional.parts import MOST_ITERATIONS, Boundary, Coupling, ExtraStress
 from tisph.schemes._two_dimensional.time_levels import PRESSURES, VELOCITIES, TimeLevels, TimeWeights, gradients
-from tisph.solvers.bicgstab import BiCGStab
-from tisph.solvers.two_level import TwoLevel
+from tisph.solvers.bicgstab import BiCGStab, TwoLevel
 
 ROUGH = 1.0
 """Viscous number dt nu/(gamma_0 spacing^2) up to which Jacobi suffices as a preconditioner. Between walls, where it is

@@ -10,12 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from tisph.domain import PeriodicDomain
 from tisph.errors import DivergedError
 from tisph.least_squares import SKIN
-from tisph.least_squares.axisymmetric import AxisymmetricOperators
-from tisph.least_squares.operators import LeastSquaresOperators
+from tisph.least_squares.operators import AxisymmetricOperators, LeastSquaresOperators
 from tisph.neighbours.point_cloud import PointCloud, active
-from tisph.periodic import PeriodicDomain
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes import _two_dimensional as limits
 from tisph.schemes._controlled_scheme import ControlledScheme

@@ -4,20 +4,24 @@ The steps, and the kernel that takes one, are in ``_scheme.py``.
 """
 
 import math
-from typing import Literal
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import Field
 
-from tisph import registry
 from tisph.config import checks
-from tisph.config.base import Model
+from tisph.config.base import Model, Problem
 from tisph.config.fields import member_name
 from tisph.equation_of_state import Tait
 from tisph.neighbours import list_radius
 from tisph.schemes import AROUND_BODIES, unsupported
 
+if TYPE_CHECKING:
+    from tisph.scenes._scene import Scene
+    from tisph.schemes._protocol import Scheme, SchemeEstimates
+
 PERIODIC = [(True, False), (True, True), (False, False)]
-"""Boxes that it can have, by whether they are periodic in x and y."""
+"""Boxes that the scheme can serve, by whether they are periodic in x and y."""
 
 
 class Parameters(Model):
@@ -33,14 +37,14 @@ class Parameters(Model):
     artificial_viscosity: float = Field(default=0.0, ge=0, le=10)
 
 
-def build(config, scene, targets, serial):
-    """Return the scheme of a scene."""
+def build(config: Any, scene: "Scene", targets: Sequence[float], serial: bool) -> "Scheme":
+    """Return the scheme of a scene, with steps that end on the times ``targets`` exactly."""
     from tisph.schemes.wcsph._scheme import ExplicitScheme
 
     return ExplicitScheme(config, scene, targets, serial)
 
 
-def problems(config):
+def problems(config: Any) -> Iterator[Problem]:
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
     yield from unsupported(config, "wcsph")
     if config.time.tolerance != "auto":
@@ -55,7 +59,7 @@ def problems(config):
         yield from _problems_around_bodies(config)
 
 
-def _problems_around_bodies(config):
+def _problems_around_bodies(config: Any) -> Iterator[Problem]:
     if not hasattr(getattr(config, "walls", None), "treatment"):
         yield "scheme.type", f"wcsph has no walls as those of {config.scene}; take implicit"
     elif "walls" in config.members and config.walls.treatment.type not in AROUND_BODIES:
@@ -68,9 +72,8 @@ def _problems_around_bodies(config):
         yield from _problems_of_images(config)
 
 
-def _problems_of_images(config):
-    kernel = registry.load("kernels", config.discretisation.kernel)
-    deepest = list_radius(kernel.SUPPORT * config.discretisation.smoothing_ratio * config.spacing, config.spacing)
+def _problems_of_images(config: Any) -> Iterator[Problem]:
+    deepest = list_radius(config.support * config.spacing, config.spacing)
     if config.smallest_radius <= deepest:
         text = (
             f"images {deepest:g} deep, as far as particles see, have no room in a radius of {config.smallest_radius:g}"
@@ -79,17 +82,17 @@ def _problems_of_images(config):
         yield "walls.treatment.type", f"{text}; take a spacing below {largest:g}, virtual_image or adami"
 
 
-def coarsen_steps(config, factor):
+def coarsen_steps(config: Any, factor: float) -> Any:
     """Return the config: its steps are limited by multiples of the spacing already."""
     return config
 
 
-def orders(config):
-    """Return the least and the largest order in the spacing that is to be expected: second, and scatter."""
+def orders(config: Any) -> tuple[float, float]:
+    """Return the least and the largest order in the spacing that counts as observed: second order, and scatter."""
     return 1.0, 3.5
 
 
-def estimates(config, scene):
+def estimates(config: Any, scene: "Scene") -> "SchemeEstimates":
     """Return the estimates of a run of this scheme for ``tisph check``."""
     from tisph.schemes._estimate import explicit
 

@@ -1,13 +1,9 @@
-"""Boundaries of the fluid of an explicit run: the plane walls of a channel, bodies, or copies of the fluid itself.
-
-``box`` says how many ``columns`` and ``rows`` of ``spacing`` the cells have to cover, from ``origin`` on; ``slots`` how
-many wall particles of their own and how much room for images there has to be (``tisph/particles.py``);
-``displacement_factor`` how much farther wall particles go than the fluid that they are images of.
+"""Boundaries of the fluid of an explicit run: the plane walls of a channel, bodies, or periodic copies of the fluid.
 
 Walls that start or stop at once give the fluid an impulse, by the images that obey the momentum equation. A wall whose
 velocity jumps by J at t = 0 has the acceleration J delta(t), and there the images of ``consistent_image`` have the
-velocity d^2 J/nu_s delta(t): no velocity, but a displacement xi = d^2 J/nu_s in no time. The rates are linear in the
-velocities, so that the fluid's velocity changes by
+velocity d^2 J/nu_s delta(t): a displacement xi = d^2 J/nu_s in no time. The rates are linear in the velocities, so that
+the fluid's velocity changes by
 
     du = nu_s lap xi
 
@@ -15,34 +11,113 @@ as if xi were a velocity: in the row next to the wall by about J/4, the momentum
 the particles cannot resolve yet. It halves the error of start-up Couette flow.
 
 The displacement also strains the polymer by gamma = xi_y, with no time to relax. The stress of the particles and its
-slope at the wall (``walls/_consistent_image.py``), where u_yy = J/nu_s delta(t), become
+slope at the wall (``walls/_wall_stress.py``), where u_yy = J/nu_s delta(t), become
 
     S -> F (S + G) F^T - G,  F = 1 + gamma e_x e_y,        S_xx,y += 2 S_xy J/nu_s,  S_xy,y += (S_yy + G) J/nu_s
 
 Without the slope the wall shear stress of start-up flow converges with the first order only.
 """
 
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from tisph import registry
-from tisph.domain import ChannelDomain
-from tisph.periodic import PeriodicDomain
+from tisph.domain import ChannelDomain, Lattice, PeriodicDomain
+from tisph.neighbours.verlet import VerletLists
+from tisph.operators._pairs import PairOperators
 from tisph.runtime import ti, view
+from tisph.scenes._scene import Scene
 from tisph.schemes._momentum import MomentumBalance
 from tisph.schemes._step_control import Kept
+from tisph.snapshot import Snapshot
 from tisph.walls._treatment import WallTreatment
+
+if TYPE_CHECKING:
+    from tisph.scenes._channel import Channel
+
+
+class Boundary(Kept):
+    """Boundary of the fluid, which here has no particles, does not move and exerts no force.
+
+    ``box``: is covered by the cells, from ``origin`` [length] on.
+    ``slots``: number of dummy particles, and room for images. ``treatment``: class of the ``walls``.
+    ``displacement_factor``: largest displacement of a wall particle over the displacement of the fluid particle that
+    it is the image of. ``now`` is a buffer of the particles; ``middle`` the time in the middle of a step [time].
+    """
+
+    origin: Sequence[float] = (0.0, 0.0)
+    slots = (0, 0)
+    displacement_factor = 1.0
+    treatment: type[Any] = WallTreatment
+    box: Lattice
+    domain: PeriodicDomain | ChannelDomain
+    walls: Any
+
+    def create_walls(self, operators: PairOperators, kernel: Any) -> WallTreatment:
+        """Create the ``walls`` for the lists and the fluid of ``operators``; return them."""
+        self.walls = self.treatment(operators.lists, kernel, operators.fluid, None)
+        return self.walls
+
+    def drifts(self) -> Iterable[float]:
+        """Return distances of wall particles from their positions as the lists predict them [length]."""
+        return [0.0]
+
+    def begin(self, momentum: float) -> None:
+        """Place the wall particles at the start; ``momentum``: sum of the fluid's velocities along x."""
+
+    def jump(self, stepper: Any, now: int) -> None:
+        """Apply the impulse of impulsively started walls to the fluid."""
+
+    def account(self, now: int, steps: int, middle: float) -> None:
+        """Add the wall forces in step number ``steps`` to the balance of momentum."""
+
+    def move_on(self, before: float, middle: float) -> None:
+        """Move the walls from the middle of one step, ``before``, to the middle of the next."""
+
+    def rebuilt(self, now: int, middle: float) -> None:
+        """Prepare the wall particles for new lists."""
+
+    def momentum_balance(self, time: float, momentum: float) -> Mapping[str, float | None]:
+        """Return the balance of momentum along x up to ``time``, see ``MomentumBalance.report``."""
+        raise NotImplementedError
+
+    def described(self, snapshot: Snapshot) -> Snapshot:
+        """Return the ``snapshot`` with the bodies."""
+        return snapshot
+
+
+class PeriodicBoundaries(Boundary):
+    """A box that is periodic in x and y: nothing changes the momentum of the fluid, ``initial`` at the start."""
+
+    kept: tuple[str, ...] = ("initial",)
+
+    def __init__(self, scene: Scene):
+        self.box = scene
+        self.particle_mass = scene.density * scene.spacing**2
+        self.domain = PeriodicDomain(*scene.extent)
+        self.initial = 0.0
+
+    def begin(self, momentum: float) -> None:
+        """Store the sum of the velocities along x at the start."""
+        self.initial = momentum
+
+    def momentum_balance(self, time: float, momentum: float) -> Mapping[str, float | None]:
+        """Return the ``change`` of momentum along x [mass * velocity per length], which has no cause."""
+        return {"change": self.particle_mass * (momentum - self.initial)}
 
 
 @ti.data_oriented
 class WallForces:
-    """Force along x that each wall exerts on the fluid, by the pairs of particles that straddle it."""
+    """Force along x of each wall on the fluid, by the pairs of particles that straddle it."""
 
-    def __init__(self, lists, operators):
+    def __init__(self, lists: VerletLists, operators: PairOperators):
         self.particles, self.cells, self.operators = lists.particles, lists.cells, operators
         self.pull = ti.field(ti.f64, shape=2)
 
-    def __call__(self, now):
-        """Return the acceleration along x summed over the particles, by the bottom and the top wall."""
+    def __call__(self, now: int) -> np.ndarray:
+        """Return the acceleration along x summed over the particles (2,), by the bottom and the top wall."""
         self.add_up(now)
         return view(self.pull).copy()
 
@@ -60,135 +135,89 @@ class WallForces:
                 self.pull[1] += pull[1]
 
 
-class PlaneWalls(Kept):
-    """The walls of a channel: their particles, how far these drift, and the momentum that they give to the fluid.
+class PlaneWalls(Boundary):
+    """The walls of a channel.
 
-    ``drift``: of the bottom and the top wall, how far dummy particles are from where the lists expect them.
+    ``drift``: distances of the dummy particles of the bottom and the top wall from their positions as the lists predict
+    them; ``built_velocity``: wall velocities when the lists were built.
     """
 
-    origin = (0.0, 0.0)
-    displacement_factor = 1.0
     kept = "drift", "built_velocity"
 
-    def __init__(self, config, channel, radius):
+    def __init__(self, config: Any, channel: "Channel", radius: float):
         self.channel, self.parameters = channel, config.walls.treatment
         self.box = channel
-        self.treatment = registry.compiled("walls", self.parameters.type).Treatment
+        self.treatment = registry.load("walls", self.parameters.type).treatments().channel
         self.slots = self.treatment.wall_slots(channel, radius)
-        self.domain = ChannelDomain(channel)
+        self.domain: ChannelDomain = ChannelDomain(channel)
         self.balance = MomentumBalance(channel.start_time)
         self.drift, self.built_velocity = [0.0, 0.0], [0.0, 0.0]
 
-    def surround(self, operators, kernel):
-        """Make the ``walls`` that particles see, for the lists and the fluid of ``operators``; return them."""
+    def create_walls(self, operators: PairOperators, kernel: Any) -> WallTreatment:
+        """Create the ``walls`` for the lists and the fluid of ``operators``; return them."""
         self.walls = self.treatment(operators.lists, kernel, operators.fluid, self.parameters)
         self.wall_forces = WallForces(operators.lists, operators)
         return self.walls
 
-    def begin(self, momentum):
-        """Place the wall particles around a fluid whose velocities along x add up to ``momentum``."""
+    def drifts(self) -> Iterable[float]:
+        """Return the ``drift`` of both walls."""
+        return self.drift
+
+    def begin(self, momentum: float) -> None:
+        """Place the wall particles at the start; ``momentum``: sum of the fluid's velocities along x."""
         self.walls.load(self.channel)
         self.balance.initial = momentum
 
-    def jump(self, stepper, now):
-        """Give the fluid in buffer ``now`` the impulse of impulsively started walls."""
+    def jump(self, stepper: Any, now: int) -> None:
+        """Apply the impulse of impulsively started walls to the fluid."""
         if self.parameters.obeys_momentum and any(self.channel.wall_jumps):
             self.balance.impulse = ImpulsiveStart(stepper).apply(now, self.channel.wall_jumps)
             self.walls.lay_out(now)
 
-    def account(self, now, steps, middle):
-        """Add the wall forces at the ``middle`` of step number ``steps`` to the balance, where they are due."""
+    def account(self, now: int, steps: int, middle: float) -> None:
+        """Add the wall forces in step number ``steps`` to the balance of momentum, in steps where they are due."""
         if self.balance.due(steps):
             self.balance.add(middle, self.wall_forces(now))
 
-    def move_on(self, before, middle):
-        """Move the walls from the middle of one step to that of the next."""
+    def move_on(self, before: float, middle: float) -> None:
+        """Set the wall velocities in the ``middle`` of the next step, and update the drift."""
         self.domain.move_on(middle)
         if self.domain.oscillates and self.walls.has_dummies:
             motions = zip(self.drift, self.domain.motions, self.built_velocity, strict=True)
             elapsed = middle - before
             self.drift = [drift + elapsed * (wall.velocity(middle) - built) for drift, wall, built in motions]
 
-    def rebuilt(self, now, middle):
-        """Prepare the wall particles for lists that were built anew."""
+    def rebuilt(self, now: int, middle: float) -> None:
+        """Prepare the wall particles for new lists."""
         self.walls.refresh(now)
         self.built_velocity = [wall.velocity(middle) for wall in self.domain.motions]
         self.drift = [0.0, 0.0]
 
-    def momentum_balance(self, time, momentum):
+    def momentum_balance(self, time: float, momentum: float) -> Mapping[str, float | None]:
         """Return the balance of momentum along x up to ``time``, see ``MomentumBalance.report``."""
         return self.balance.report(self.channel, time, momentum)
 
-    def described(self, snapshot):
-        """Return the ``snapshot``, which says all of plane walls."""
-        return snapshot
-
-    def host_state(self):
+    def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
         return {**super().host_state(), "balance": vars(self.balance)}
 
-    def restore_host_state(self, state):
-        """Take up the numbers of ``host_state``."""
+    def restore_host_state(self, state: Mapping[str, Any]) -> None:
+        """Restore the numbers of ``host_state``."""
         super().restore_host_state(state)
         vars(self.balance).update(state["balance"])
 
 
-class PeriodicBoundaries(Kept):
-    """A box that is periodic in x and y: nothing moves but the fluid, and nothing changes its momentum."""
-
-    treatment = WallTreatment
-    drift = (0.0,)
-    origin = (0.0, 0.0)
-    slots = (0, 0)
-    displacement_factor = 1.0
-    kept: tuple[str, ...] = ("initial",)
-
-    def __init__(self, config, scene):
-        self.box = scene
-        self.particle_mass = scene.density * scene.spacing**2
-        self.domain = PeriodicDomain(*scene.extent)
-        self.initial = 0.0
-
-    def surround(self, operators, kernel):
-        """Return walls of no particles."""
-        return WallTreatment(operators.lists, kernel, operators.fluid, None)
-
-    def begin(self, momentum):
-        """Note the sum of the velocities along x at the start."""
-        self.initial = momentum
-
-    def jump(self, stepper, now):
-        """Nothing gives the fluid an impulse."""
-
-    def account(self, now, steps, middle):
-        """Nothing exerts a force."""
-
-    def move_on(self, before, middle):
-        """Nothing moves."""
-
-    def rebuilt(self, now, middle):
-        """Lists are all there is."""
-
-    def momentum_balance(self, time, momentum):
-        """Return the ``change`` of momentum along x [mass * velocity per length], which has no cause."""
-        return {"change": self.particle_mass * (momentum - self.initial)}
-
-    def described(self, snapshot):
-        """Return the ``snapshot``: there is nothing but fluid."""
-        return snapshot
-
-
 class ImpulsiveStart:
-    """Applies the jumps of the wall velocities to particles just loaded, of an image treatment.
+    """Applies the jumps of the wall velocities to particles just loaded, with walls of images.
 
-    The kernel of a step evaluates the rates: of a step of length 1 the velocities alone are kept. A kernel of its own
-    would take as long to compile as that one.
+    The ``stepper``'s kernel evaluates the rates, in a step of length 1 from which only velocities and stresses are
+    used. A separate kernel would take as long to compile.
     """
 
-    def __init__(self, stepper):
+    def __init__(self, stepper: Any):
         self.stepper, self.walls = stepper, stepper.walls
         self.particles, self.domain, self.fluid = stepper.particles, stepper.domain, stepper.fluid
-        # no shift in no time, no finite force, and nothing that is not linear
+        # there is no time for shifts and finite forces; artificial viscosity is not linear
         self.disabled = [stepper.operators.shift_speed]
         if stepper.operators.has_artificial_viscosity:
             self.disabled.append(stepper.operators.artificial_viscosity)
@@ -204,11 +233,11 @@ class ImpulsiveStart:
         self.modulus = float(view(self.fluid.stress.modulus)) if particles.carries_stress else 0.0
         self.points = self.walls.track.fields() if self.walls.tracks_walls else []
 
-    def apply(self, now, jumps):
-        """Change velocities and stresses in buffer ``now``; return the velocity gained, summed over the particles.
+    def apply(self, now: int, jumps: Sequence[float]) -> list[float]:
+        """Change velocities and stresses in buffer ``now``; return the gained velocity, summed over the particles.
 
-        ``jumps``: of the bottom and the top wall, taken one after the other; returns an array of shape (2,). Needs the
-        lists and the images in buffer ``now``, and leaves the images behind.
+        ``jumps``: velocity jumps of the bottom and the top wall, applied one after the other; the result has the gain
+        by each. Needs the lists and the images in buffer ``now``; the images have to be updated afterwards.
         """
         particles, gains = self.particles, [0.0, 0.0]
         for top, jump in enumerate(jumps):
@@ -222,8 +251,8 @@ class ImpulsiveStart:
                 gains[top] = particles.momentum(now) - before
         return gains
 
-    def displace(self, now, top, jump):
-        """Copy the state to the other buffer, with displacements of the images beyond one wall for velocities."""
+    def displace(self, now: int, top: int, jump: float) -> None:
+        """Copy the state to the other buffer; the images beyond one wall get displacements as velocities."""
         particles, other = self.particles, 1 - now
         for field in self.copied:
             view(field)[other] = view(field)[now]
@@ -235,8 +264,8 @@ class ImpulsiveStart:
         displacement = depth * depth * jump / view(self.fluid.kinematic_viscosity)
         view(particles.mid_velocity)[other, images, 0] = np.where(depth > 0.0, displacement, 0.0)
 
-    def change(self, now):
-        """Change the velocities and the stresses in buffer ``now`` by the displacements, and nothing else."""
+    def change(self, now: int) -> None:
+        """Change the velocities and the stresses in buffer ``now``, and nothing else, by the displacements."""
         kept = [*self.disabled, *self.points]
         values = [view(field).copy() for field in kept]
         for field in self.disabled:
@@ -249,8 +278,8 @@ class ImpulsiveStart:
         for field in self.middles:
             view(field)[now] = 0.0
 
-    def shear(self, now, top, jump):
-        """Strain the polymer of the particles, whose S_xy the step changed by G gamma, and of one wall's points."""
+    def shear(self, now: int, top: int, jump: float) -> None:
+        """Strain the polymer of the particles, whose S_xy the step changed by G gamma, and at the points of a wall."""
         stress, track, modulus = self.particles.stress, self.walls.track, self.modulus
         xx, xy, yy = view(stress)[1 - now].T
         strain = (view(stress)[now, :, 1] - xy) / modulus

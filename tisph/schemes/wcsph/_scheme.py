@@ -1,51 +1,55 @@
 """Steps of the explicit scheme: second-order midpoint steps with one evaluation of the rates f each.
 
 From the state y^n a predictor with the previous rates, y^(n+1/2) = y^n + dt/2 f^(n-1/2) (positions with the new
-velocity), then y^(n+1) = y^n + dt f(y^(n+1/2)). One loop over the particles evaluates, corrects and predicts the next
-middle, reading one buffer and writing the other: one kernel finishes the pending step and predicts the next middle. A
-body force that a user gives as a function is evaluated on the host in each step.
+velocity), then y^(n+1) = y^n + dt f(y^(n+1/2)). One kernel with one loop over the particles evaluates the rates,
+finishes the pending step and predicts the next middle; it reads one buffer and writes the other. A body force that a
+user gives as a function is evaluated on the host in each step.
 """
 
 import math
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from tisph import registry
+from tisph.domain import Fluid
 from tisph.equation_of_state import compression, pressure
 from tisph.errors import ConfigError, DivergedError
-from tisph.fluid import Fluid
 from tisph.neighbours import list_radius
-from tisph.neighbours.cells import Cells
+from tisph.neighbours.cells import Cells, Particles
 from tisph.neighbours.verlet import VerletLists
-from tisph.particles import Particles
+from tisph.operators._pairs import PairOperators
 from tisph.runtime import scalar, ti, view
+from tisph.scenes._scene import Scene
 from tisph.schemes._step_control import Kept, StepPlan
 from tisph.schemes._time_step import limits_of, shift_speed, sound_speed_of
-from tisph.schemes.wcsph._boundaries import PeriodicBoundaries, PlaneWalls
-from tisph.snapshot import Snapshot
+from tisph.schemes.wcsph._boundaries import Boundary, PeriodicBoundaries, PlaneWalls
+from tisph.snapshot import STRESSES, Snapshot
+from tisph.walls._treatment import WallTreatment
 
 AT_WALLS = 1e-9
-"""Acceleration on walls, over the largest in the fluid, that counts as none."""
+"""Acceleration on walls, over the largest in the fluid, that counts as zero."""
 
 CONTROL_INTERVAL = 50
-"""Steps between two looks at speeds and accelerations for the time step."""
+"""Steps between two updates of the time-step limit."""
 
 
 class BodyForce:
     """Accelerations of the ``particles`` in the middle of each step, by the ``body_force`` of a ``scene``.
 
     Positions of particles count from ``origin`` [length]. Wall treatments continue pressure and velocity as without a
-    body force, so that one which acts on a wall is refused: ``evaluate`` raises ConfigError.
+    body force, so that a force at a wall is refused: ``evaluate`` raises ConfigError.
     """
 
-    def __init__(self, scene, particles, origin):
+    def __init__(self, scene: Scene, particles: Particles, origin: Sequence[float]):
         self.scene, self.particles, self.origin = scene, particles, np.array(origin)
-        self.values, self.largest = None, 0.0
+        self.values, self.largest = np.zeros((particles.fluid, 2)), 0.0
         self.outlines = [(body, body.shape.boundary_points(scene.spacing).point) for body in scene.bodies]
         x = np.arange(scene.columns) * scene.spacing
         self.planes = [np.stack([x, np.full_like(x, y)]) for y in (0.0, scene.extent[1]) if scene.walls]
 
-    def evaluate(self, now, middle):
+    def evaluate(self, now: int, middle: float) -> None:
         """Store the accelerations (fluid, 2) at the time ``middle`` of the pending step, whose buffer is ``now``."""
         place = self.origin + view(self.particles.mid_position)[now, : self.particles.fluid].astype(float)
         place = np.where(self.scene.periodic, place % self.scene.extent, place)
@@ -58,8 +62,8 @@ class BodyForce:
         ):
             raise ConfigError("body_force: must be 0 on walls with scheme wcsph; scheme implicit has no such limit")
 
-    def apply(self, now, length, half):
-        """Add them to the step of ``length`` that is in the buffer ``now``, and to the ``half`` step after it."""
+    def apply(self, now: int, length: float, half: float) -> None:
+        """Add the accelerations to the step of ``length`` in the buffer ``now``, and to the ``half`` step after it."""
         fluid, given = self.particles.fluid, self.values
         view(self.particles.velocity)[now, :fluid] += length * given
         view(self.particles.mid_velocity)[now, :fluid] += (length + half) * given
@@ -68,13 +72,13 @@ class BodyForce:
 
 @ti.data_oriented
 class Stepper:
-    """The kernel that advances the particles, and the largest squares that it meets on the way.
+    """The kernel that advances the particles, and the largest values over all particles for limits of the steps.
 
-    ``drift_squared``: displacement from where the lists expect a particle; ``speed_squared``,
+    ``drift_squared``: distance from the position that the lists predict, squared; ``speed_squared``;
     ``acceleration_squared``; ``stress_trace`` (where particles carry stress): polymer stress xx + yy.
     """
 
-    def __init__(self, operators, walls, serial):
+    def __init__(self, operators: PairOperators, walls: WallTreatment, serial: bool):
         self.operators, self.walls, self.serial = operators, walls, serial
         self.particles, self.lists, self.domain = operators.particles, operators.lists, operators.domain
         self.fluid = operators.fluid
@@ -86,7 +90,7 @@ class Stepper:
 
     @ti.kernel
     def step(self, now: ti.i32, dt: float, next_dt: float, elapsed: float, between: float):
-        """Finish the pending step of ``dt`` and predict the middle of the one after it.
+        """Finish the pending step of ``dt`` and predict the middle of the next step, of ``next_dt``.
 
         ``elapsed``: time from the build of the lists to the new middle; ``between``: from middle to middle.
         """
@@ -116,7 +120,7 @@ class Stepper:
 
     @ti.func
     def advance(self, now, i, dt, half, elapsed):
-        """Finish the pending step of particle ``i``, publish its next middle, and measure."""
+        """Finish the pending step of particle ``i``, write its next middle, and update the largest values."""
         rates = self.operators.rates(now, i)
         acceleration = rates.acceleration
         if ti.static(self.domain.has_body_force):
@@ -150,14 +154,15 @@ class Stepper:
 
 
 class ExplicitScheme(Kept):
-    """Particles in the box of a scene, advanced step by step; ``time`` and ``steps`` tell how far.
+    """Particles in the box of a scene, advanced step by step: the ``Scheme`` of ``wcsph``.
 
-    ``targets`` are times that steps end on exactly. ``serial`` compiles loops without threads.
+    ``targets``: times on which steps end exactly [time]. ``serial`` compiles loops without threads. ``length``,
+    ``middle`` and ``end`` belong to the pending step; ``built``: time when the lists were built; ``now``: buffer.
     """
 
     kept = "time", "middle", "end", "built", "steps", "rebuilds", "now", "length", "limit", "shortest", "longest"
 
-    def __init__(self, config, scene, targets, serial):
+    def __init__(self, config: Any, scene: Scene, targets: Sequence[float], serial: bool):
         kernel = registry.load("kernels", config.discretisation.kernel)
         operators = registry.load("operators", config.scheme.operators).Operators
         rheology = config.fluid.rheology
@@ -179,8 +184,8 @@ class ExplicitScheme(Kept):
         speeds = self.sound_speed, config.time.cfl, scene.solvent_viscosity / length
         shift = shift_speed(kernel, config.discretisation.smoothing_ratio, *speeds)
         artificial = config.scheme.artificial_viscosity
-        self.operators = operators(self.particles, self.lists, self.fluid, kernel, artificial, shift)
-        self.walls = self.boundaries.surround(self.operators, kernel)
+        self.operators = operators(self.lists, self.fluid, kernel, artificial, shift)
+        self.walls = self.boundaries.create_walls(self.operators, kernel)
         self.stepper = Stepper(self.operators, self.walls, serial)
         self.body_force = BodyForce(scene, self.particles, self.boundaries.origin) if scene.body_force else None
         self.plan = StepPlan(scene.start_time, targets)
@@ -188,13 +193,13 @@ class ExplicitScheme(Kept):
         self.steps = self.rebuilds = self.now = 0
         self.length, self.limit, self.shortest, self.longest = 0.0, math.inf, math.inf, 0.0
 
-    def start(self, position, velocity, stress=None):
-        """Place the particles, (particles, 2) arrays, and evaluate their first rates.
+    def start(self, position: np.ndarray, velocity: np.ndarray, stress: np.ndarray | None = None) -> None:
+        """Place the particles at ``position`` with ``velocity``, (particles, 2), and evaluate their first rates.
 
-        ``stress``: polymer stress xx, xy, yy, (particles, 3), where particles carry it.
+        ``stress``: polymer stress xx, xy, yy [mass/(length time^2)], (particles, 3), where particles carry it.
         """
         self.limit = self.time_step_limit()
-        scaled = stress / self.scene.density if self.particles.carries_stress else None
+        scaled = None if stress is None else stress / self.scene.density
         self.particles.load(position - np.array(self.boundaries.origin), velocity, scaled)
         self.initialise_pressure(position)
         self.boundaries.begin(float(velocity[:, 0].sum()))
@@ -203,8 +208,8 @@ class ExplicitScheme(Kept):
         self.proceed()
         self.limit = self.time_step_limit()
 
-    def initialise_pressure(self, position):
-        """Give the particles the pressure that the flow starts with, where it is known: without it there is sound."""
+    def initialise_pressure(self, position: np.ndarray) -> None:
+        """Set the initial pressure of the particles where it is known: without it there would be sound waves."""
         scene, fluid = self.scene, self.particles.fluid
         if "pressure" not in scene.fields:
             return
@@ -215,11 +220,11 @@ class ExplicitScheme(Kept):
         view(self.particles.mid_pressure)[0, :fluid] = values / scene.density
 
     @property
-    def finished(self):
+    def finished(self) -> bool:
         """Whether the last target is reached."""
         return self.length == 0.0
 
-    def advance(self):
+    def advance(self) -> None:
         """Take one step; raise DivergedError where a capacity overflows."""
         self.steps += 1
         self.shortest = min(self.shortest, self.length)
@@ -228,9 +233,9 @@ class ExplicitScheme(Kept):
         if self.steps % CONTROL_INTERVAL == 0:
             self.limit = self.time_step_limit()
 
-    def proceed(self):
+    def proceed(self) -> None:
         """Evaluate the rates in the middle of the pending step, finish it, and predict the next middle."""
-        drifts = (drift * drift for drift in self.boundaries.drift)
+        drifts = (drift * drift for drift in self.boundaries.drifts())
         of_fluid = float(view(self.stepper.drift_squared)) * self.boundaries.displacement_factor**2
         drift_squared = max(of_fluid, *drifts)
         if self.lists.outdated(drift_squared, self.middle - self.built):
@@ -250,10 +255,10 @@ class ExplicitScheme(Kept):
             self.body_force.apply(self.now, length, 0.5 * self.length)
         self.time, self.middle = time, middle
 
-    def time_step_limit(self):
+    def time_step_limit(self) -> float:
         """Return the longest step that the present speeds, accelerations and stresses allow.
 
-        Where they are not finite the step stays as it is: the guard, which looks as often, names the fault.
+        Where they are not finite the limit is not changed: the guard, called as often, raises the error.
         """
         scene, stepper = self.scene, self.stepper
         tension = max(0.0, float(view(stepper.stress_trace))) if self.particles.carries_stress else 0.0
@@ -269,7 +274,7 @@ class ExplicitScheme(Kept):
         limit = min(limits.values())
         return limit if limit > 0.0 else self.limit
 
-    def rebuild(self):
+    def rebuild(self) -> None:
         """Sort the particles into cells and list their neighbours anew."""
         self.cells.sort(self.now)
         self.particles.reorder(self.now, self.cells.order, self.serial)
@@ -282,27 +287,27 @@ class ExplicitScheme(Kept):
         self.built = self.middle
         self.rebuilds += 1
 
-    def require_room(self, what, needed):
-        """Raise DivergedError if ``needed`` (0 where all fits) tells of an overflow."""
+    def require_room(self, what: str, needed: int) -> None:
+        """Raise DivergedError for an overflow: ``needed`` is the number of entries, 0 without an overflow."""
         if needed:
             crowded = np.argmax(view(self.lists.count)[: self.particles.fluid])
             particle = int(view(self.particles.identity)[self.now, crowded])
             where = f"around particle {particle}, at step {self.steps}, t = {self.time:.6g}"
             raise DivergedError(f"x, y: too many {what} ({needed}) {where}: the particles have clustered")
 
-    def output_times(self, due):
-        """Return the times at which there is a snapshot for those that are ``due``: the end of the last step."""
+    def output_times(self, due: Sequence[float]) -> Sequence[float]:
+        """Return the time of the snapshot for the times that are ``due``: the end of the last step."""
         return [self.time] if due else []
 
-    def snapshot(self, time=None):
-        """Return the state at the end of the last step as a Snapshot; ``time`` can be no other."""
+    def snapshot(self, time: float | None = None) -> Snapshot:
+        """Return the state at the end of the last step as a Snapshot; ``time`` is that time."""
         position, velocity, compression, stress = self.particles.state(self.now)
         compression = compression.astype(float)
         sides = zip(position.T, self.scene.extent, self.scene.periodic, self.boundaries.origin, strict=True)
         x, y = (first + (place % size if periodic else place) for place, size, periodic, first in sides)
         stresses = {}
         if stress is not None:
-            parts = zip(("stress_xx", "stress_xy", "stress_yy"), stress.T, strict=True)
+            parts = zip(STRESSES, stress.T, strict=True)
             stresses = {name: self.scene.density * values.astype(float) for name, values in parts}
         snapshot = Snapshot(
             t=self.time,
@@ -322,11 +327,13 @@ class ExplicitScheme(Kept):
         )
         return self.boundaries.described(snapshot)
 
-    def around(self, times, x, half_width):
-        """Return the particles within ``half_width`` of ``x`` (times,) at the end of the last step, as flat arrays.
+    def around(
+        self, times: Sequence[float], x: np.ndarray, half_width: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return the particles within ``half_width`` of ``x`` (times,) at the end of the last step; see ``_protocol``.
 
-        Which of the ``times``, all of them that end; x, y and u of each. Only x less its period counts. Nothing is put
-        in order or computed for the others: a history asks for some particles hundreds of times in a run.
+        Distances are to the nearest periodic copy. The particles are not sorted, and nothing is computed for the
+        others: a history calls this hundreds of times in a run.
         """
         fluid, length = self.particles.fluid, self.scene.extent[0]
         fields = self.particles.position, self.particles.velocity
@@ -337,16 +344,17 @@ class ExplicitScheme(Kept):
             apart -= length * np.round(apart / length)
             near = np.flatnonzero(np.abs(apart) < half_width)
             found.append((np.full(len(near), number), centre + apart[near], position[near, 1], velocity[near, 0]))
-        return tuple(np.concatenate(column) for column in zip(*found, strict=True))
+        index, near_x, near_y, near_u = (np.concatenate(column) for column in zip(*found, strict=True))
+        return index, near_x, near_y, near_u
 
-    def momentum_balance(self):
+    def momentum_balance(self) -> Mapping[str, Any]:
         """Return the balance of momentum along x up to ``time``."""
         if self.body_force and self.scene.walls:  # the impulse of a given function is not known
             return {}
         return self.boundaries.momentum_balance(self.time, self.particles.momentum(self.now))
 
-    def parts(self):
-        """Return everything that holds fields, by name, for a checkpoint."""
+    def parts(self) -> Mapping[str, Any]:
+        """Return all objects that hold fields, by name, for a checkpoint."""
         return {
             "stepper": self.stepper,
             "domain": self.domain,
@@ -357,25 +365,25 @@ class ExplicitScheme(Kept):
             **self.walls.parts(),
         }
 
-    def host_state(self):
+    def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
         return {**super().host_state(), "plan": vars(self.plan), "surroundings": self.boundaries.host_state()}
 
-    def restore_host_state(self, state):
-        """Take up the numbers of ``host_state``."""
+    def restore_host_state(self, state: Mapping[str, Any]) -> None:
+        """Restore the numbers of ``host_state``."""
         super().restore_host_state(state)
         vars(self.plan).update(state["plan"])
         self.boundaries.restore_host_state(state["surroundings"])
 
-    def set_targets(self, targets):
-        """Go on to other targets; return whether a run that had them from the start would have the same steps."""
+    def set_targets(self, targets: Sequence[float]) -> bool:
+        """Continue to other targets; return whether a run that had them from the start would have the same steps."""
         same = self.plan.aim(targets)
-        if self.finished:  # the rates of the last step are gone: a run that had gone on would predict with them
+        if self.finished:  # the rates of the last step are gone; a run with later targets would predict with them
             self.proceed()
             return False
         return same
 
-    def numbers(self):
+    def numbers(self) -> Mapping[str, Any]:
         """Return the numbers of this scheme for ``summary.json``."""
         return {
             "mach": self.scene.peak_velocity / self.sound_speed,
@@ -386,12 +394,12 @@ class ExplicitScheme(Kept):
         }
 
 
-def boundaries(config, scene, radius):
-    """Return the boundaries of the fluid of a ``scene``, for lists of this ``radius``."""
+def boundaries(config: Any, scene: Any, radius: float) -> Boundary:
+    """Return the boundary of the fluid of a ``scene``, for lists of this ``radius`` [length]."""
     if scene.walls:
         return PlaneWalls(config, scene, radius)
     if scene.bodies:
-        from tisph.schemes.wcsph._bodies import SolidBodies  # of no use to the others
+        from tisph.schemes.wcsph._bodies import SolidBodies  # it imports scipy.spatial
 
         return SolidBodies(config, scene, radius)
-    return PeriodicBoundaries(config, scene)
+    return PeriodicBoundaries(scene)

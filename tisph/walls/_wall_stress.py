@@ -1,9 +1,6 @@
-"""Kernels of ``consistent_image.py``, where the formulas are, and the state of the fluid on the walls.
+"""Density and polymer stress of the fluid on the walls, at points that move with them, for ``consistent_image.py``.
 
-That state is needed where the fluid carries polymer stress: points move with the walls.
-
-At the wall u_x = v_x = 0, so that, along with the wall, density and stress follow from the slopes u_y and v_y across
-it,
+At the wall u_x = v_x = 0, so that at a point of the wall density and stress follow from the slopes u_y and v_y,
 
     d rho_W/dt = -rho_W v_y,      dS_W/dt = rate of ``Stress`` with the velocity gradient [[0, u_y], [0, v_y]]
 
@@ -14,32 +11,38 @@ and the slope of the stress from the derivative of that law across the wall,
 
 where the momentum equation at the wall gives u_yy = (dU/dt - g - S_xy,y/rho_W)/nu_s. This is the order of Bierbrauer's
 slides 14 to 20: density, stress, velocity; derivatives along the wall are left out, as rho_x is on slide 21. A slope of
-the stress taken from the particles instead feeds back on them through u_yy: with a solvent fraction of 0.1 the row
-next to the wall then runs away from the others within a few relaxation times.
+the stress fitted to the particles would feed back on them through u_yy: with a solvent fraction of 0.1 the velocity of
+the row next to the wall then diverges within a few relaxation times.
 
 u_y and v_y come from the particles near each point: f - f_W = a d + b d^2 is fitted by weighted least squares over the
 distance d from the wall, with two rows in reach the one-sided difference (-8 f_W + 9 f_1 - f_2)/(6 d).
 """
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
+from tisph.domain import Fluid
+from tisph.neighbours.verlet import VerletLists
 from tisph.runtime import integer, real, scalar, ti, view
 from tisph.size_class import size_class
-from tisph.walls._images import ImageWalls
+
+if TYPE_CHECKING:
+    from tisph.scenes._channel import Channel
 
 STEP = 1e-4
-"""Of the gap: distance over which the slope of the initial stress at the walls is taken."""
+"""Step of the one-sided difference that gives the slope of the initial stress at the walls, over the gap."""
 
 
 @ti.data_oriented
 class WallStress:
     """Points one spacing apart on both walls, index [top, k]: compression, stress, slope of the stress over y.
 
-    There are ``count`` of them on a wall, which is not compiled in; point k is at ``origin[top]`` + k spacing. Stresses
-    are over the reference density.
+    ``count``: points on a wall, not compiled in; point k is at ``origin[top]`` + k spacing. Stresses are over the
+    reference density.
     """
 
-    def __init__(self, lists, fluid, points):
+    def __init__(self, lists: VerletLists, fluid: Fluid, points: int):
         self.lists = lists
         self.particles, self.cells, self.domain, self.fluid = lists.particles, lists.cells, lists.domain, fluid
         self.count = integer(points)
@@ -54,12 +57,12 @@ class WallStress:
         for field in (self.column, *self.fields()):
             field.used = np.s_[:, :points]
 
-    def fields(self):
-        """Return the fields of what a step changes along the walls."""
+    def fields(self) -> list[Any]:
+        """Return the fields that a step changes."""
         return [self.compression, self.stress, self.mid_stress, self.slope, self.mid_slope]
 
-    def load(self, channel):
-        """Give the points the stress, and its slope, that the fluid at the walls starts with."""
+    def load(self, channel: "Channel") -> None:
+        """Set stress and slope of the points from the initial polymer stress of the fluid."""
         step = STEP * channel.gap
         inside = step * np.arange(3)
         heights = np.concatenate([inside, channel.gap - inside])
@@ -112,7 +115,7 @@ class WallStress:
 
     @ti.func
     def move(self, top: ti.template(), elapsed):
-        """Carry the points of a wall along with it."""
+        """Move the points of a wall with it."""
         self.origin[top] = self.domain.wrap_x(self.origin[top] + self.domain.wall_velocity(top) * elapsed)
 
     @ti.func
@@ -157,61 +160,8 @@ class WallStress:
 
     @ti.func
     def place(self, top: ti.template(), x):
-        """Return the point before ``x`` and how far ``x`` is on the way to the next."""
+        """Return the point before ``x``, and the distance of ``x`` from it in spacings."""
         along = self.domain.wrap_x(x - self.origin[top]) / self.spacing[None]
         k = ti.cast(along, ti.i32)
         part = along - k
         return k % self.count[None], part
-
-
-@ti.data_oriented
-class Treatment(ImageWalls):
-    """Mirror images corrected by the curvature that the velocity has at the wall."""
-
-    def __init__(self, lists, kernel, fluid, parameters):
-        super().__init__(lists, kernel, fluid, parameters)
-        self.fluid = fluid
-        self.tracks_walls = fluid.carries_stress
-        self.corrects = self.tracks_walls or self.domain.has_body_force or self.domain.oscillates
-        if self.tracks_walls:
-            self.track = WallStress(lists, fluid, self.domain.columns)
-
-    def load(self, channel):
-        """Place the tracked points on the walls."""
-        if self.tracks_walls:
-            self.track.load(channel)
-
-    def parts(self):
-        """Return what else holds fields, by name."""
-        return {"track": self.track} if self.tracks_walls else {}
-
-    def lay_out(self, now):
-        """Lay out the images after a sort, and see to it that tracked points find their particles."""
-        if self.tracks_walls:
-            self.track.locate()
-        self.lay_out_images(now)
-
-    @ti.func
-    def image_velocity(self, top: ti.template(), position, velocity):
-        """Return the velocity of the image of a particle: reflected about that of the wall, on a curved profile."""
-        image = ti.Vector([2.0 * self.domain.wall_velocity(top) - velocity.x, -velocity.y])
-        if ti.static(self.corrects):
-            distance = self.domain.wall_distance(top, position.y)
-            image.x += distance * distance * self.curvature(top, position)
-        return image
-
-    @ti.func
-    def curvature(self, top: ti.template(), position):
-        """Return the second derivative of the velocity across the wall below or above a particle."""
-        curvature = self.domain.relative_acceleration(top) / self.fluid.kinematic_viscosity[None]
-        if ti.static(self.tracks_walls):
-            curvature = self.track.curvature_at(top, position.x)
-        return curvature
-
-    @ti.func
-    def image_stress(self, top: ti.template(), position, stress):
-        """Return the polymer stress of the image: continued with its slope at the wall."""
-        height = self.domain.wall_distance(top, position.y)
-        if ti.static(top):
-            height = -height
-        return stress - 2.0 * height * self.track.slope_at(top, position.x)

@@ -41,7 +41,7 @@ for the closed forms of a Newtonian fluid in a pipe under constant and oscillati
 """
 
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -49,8 +49,53 @@ from tisph.exact._collocation import Elements, RadauSolution, graded_edges
 from tisph.exact._sheared import AnalyticLayer, Equations, ShiftedWall, jump
 
 
+class ViscosityLaw(Protocol):
+    """Law of an inelastic fluid; the result has the unit of the viscosity that the law was made with."""
+
+    def viscosity(self, shear_rate_squared: Any) -> Any:
+        """Return the viscosity at the square of the shear rate [1/time^2]."""
+
+
+class PolymerLaw(Protocol):
+    """Law of one polymer mode: evolution of C, the excess of its conformation tensor over rest, and its stress S.
+
+    ``c``: components xx, xy, yy and, where the law needs it, zz, each an array, a number or a Taichi expression.
+    ``rate``: shear rate du/dy of the same shape. Stresses have the unit of ``polymer_viscosity`` / time.
+    """
+
+    components: int
+    relaxation_time: float
+    polymer_viscosity: float
+
+    def stress(self, c: Any) -> tuple:
+        """Return the components of S."""
+
+    def rate_in_shear(self, c: Any, rate: Any) -> tuple:
+        """Return the components of dC/dt in simple shear."""
+
+
+class Rheology(Protocol):
+    """Parameters of a non-Newtonian fluid, by a config (``tisph/rheology``).
+
+    ``carries_stress``: whether the fluid is a polymer solution. Only a polymer solution has ``relaxation_time`` [time]
+    of the first mode (mean of several modes), ``solvent_fraction`` of the total viscosity, and ``laws``; only an
+    inelastic fluid has ``law``. Laws have the unit of the viscosity that they are made with.
+    """
+
+    type: str
+    carries_stress: bool
+    relaxation_time: float
+    solvent_fraction: float
+
+    def laws(self, viscosity: float) -> tuple[PolymerLaw, ...]:
+        """Return the law of each polymer mode of a fluid with this total ``viscosity``."""
+
+    def law(self, viscosity: float, density: float) -> ViscosityLaw:
+        """Return the law of an inelastic fluid of this ``viscosity``, which is dynamic viscosity / ``density``."""
+
+
 class Steady:
-    """What does not change in time."""
+    """Base of motions that are constant in time."""
 
     oscillates = False
     angular_frequency = 0.0

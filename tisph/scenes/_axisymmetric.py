@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 
 from tisph.config import schema
-from tisph.config.base import Model, Problem
+from tisph.config.base import Problem
 from tisph.geometry.body import Body
 from tisph.geometry.line import Line
 from tisph.geometry.region import Region
 from tisph.geometry.shape import POINTS, volume_of_revolution
 from tisph.measures.fits import max_void_radius, min_distance, section_weights, with_walls
 from tisph.scenes._initial import incommensurate_periods
-from tisph.scenes._scene import BodyScene
+from tisph.scenes._scene import BodyScene, bodies_in
 from tisph.scenes._views import Line as ProfileLine
 from tisph.scenes._views import Profile, TimeSeries
 from tisph.scenes.annulus import scales
@@ -33,7 +33,7 @@ class Config(schema.Config):
     The spacing is changed to the nearest one that divides the length.
     """
 
-    geometry: Model
+    geometry: Any
 
     axisymmetric = True
     periodic = (True, False)
@@ -182,11 +182,12 @@ class AxisymmetricScene(BodyScene):
 
         Forces on bodies include the force of the mean pressure gradient.
         """
-        found, gradient = {}, self.density * self.axial_acceleration(snapshot)
+        found, bodies = {}, bodies_in(snapshot)
+        gradient = self.density * self.axial_acceleration(snapshot)
         for index, name in enumerate(self.names):
             pressed = gradient * self.volumes[index] if gradient else 0.0
-            found[f"force_{name}"] = snapshot.bodies.force[index, 0] + pressed
-            found[f"torque_{name}"] = snapshot.bodies.torque[index]
+            found[f"force_{name}"] = bodies.force[index, 0] + pressed
+            found[f"torque_{name}"] = bodies.torque[index]
         return found
 
     def axial_acceleration(self, snapshot: Snapshot) -> float:
@@ -198,7 +199,7 @@ class AxisymmetricScene(BodyScene):
 
         The particles are even in the half-plane, so the weight of each in the mean over the volume is its radius y.
         """
-        parts = (snapshot.u, snapshot.v, snapshot.w)
+        parts: tuple[Any, ...] = (snapshot.u, snapshot.v, snapshot.w)
         return np.array([0.5 * float(np.average(np.square(part), weights=snapshot.y)) for part in parts])
 
     def mean_velocity(self, snapshot: Snapshot) -> float:

@@ -23,7 +23,7 @@ from tisph.geometry.region import Region
 from tisph.measures import resolution
 from tisph.measures.fits import cell_mean
 from tisph.scenes._initial import still_problem
-from tisph.scenes._scene import BodyScene, farthest, largest_speed
+from tisph.scenes._scene import BodyScene, bodies_in, farthest, largest_speed
 from tisph.scenes._views import Profile, TimeSeries, planar_diagnostics, velocity_profile
 from tisph.snapshot import Snapshot
 
@@ -36,7 +36,7 @@ def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -
     if config.scheme.type == "wcsph":
         yield "scheme.type", "wcsph cannot serve bodies yet; take auto or implicit"
     moving = any(largest_speed(body) or body.spin.largest_speed for body in (*bodies, *walls.values()))
-    free = [body for body in bodies if body.free]
+    free: list[Any] = [body for body in bodies if body.free]
     pulled = any(any(body.motion.inertia.load) for body in free) or (free and config.drive.gravity)
     if not moving and not pulled and not config.drive.acceleration:
         remedy = "give an acceleration, or let a body or a wall move"
@@ -107,7 +107,7 @@ def plane_walls(length: float, gap: float, walls: Any) -> dict[str, Body]:
     return {name: Body(line, motion=motions[name]) for name, line in lines.items()}
 
 
-def planes(walls: dict[str, Body]) -> tuple[tuple[str, WallMotion], ...]:
+def planes(walls: dict[str, Body]) -> tuple[tuple[str, Any], ...]:
     """Return the pairs of ``Scene.walls``, (side, motion) from top to bottom, of walls from ``plane_walls``."""
     return tuple((name, walls[name].motion.x) for name in ("top", "bottom"))
 
@@ -243,7 +243,8 @@ class Cell(BodyScene):
         speeds = [self.driven_wall]
         for body in self.bodies:
             if body.free:
-                *force, torque = body.motion.inertia.load
+                motion: Any = body.motion
+                *force, torque = motion.inertia.load
                 radius = farthest(body.shape)
                 pull = math.hypot(*force) + abs(torque) / radius
                 slow = pull / (4.0 * math.pi * self.dynamic_viscosity)
@@ -295,7 +296,8 @@ class Cell(BodyScene):
         front = FRONT * math.sqrt(self.kinematic_viscosity / strain_rate) if strain_rate else math.inf
         layers = [(self.layer_depth(t), "the layer at bodies and walls"), (front, "the layer in front of a body")]
         for body in self.bodies:
-            for part in (body.motion.x, body.motion.y, body.motion.rotation):
+            parts: tuple[Any, ...] = (body.motion.x, body.motion.y, body.motion.rotation)
+            for part in parts:
                 if part.oscillates and part.largest_speed:
                     moved = 0.5 * part.penetration_depth(self.kinematic_viscosity)
                     layers.append((moved, "the layer at what oscillates"))
@@ -354,18 +356,19 @@ class Cell(BodyScene):
 
     def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
         """Return motions of free bodies, mean stresses, ``loads``, ``velocities`` and ``planar_diagnostics``."""
-        found = {**self.free_motions(snapshot), **self.mean_stresses(snapshot)}
-        found |= {**self.loads(snapshot), **self.velocities(snapshot)}
-        return {**found, **planar_diagnostics(self, snapshot)[1]}
+        found = {**self.free_motions(snapshot), **self.mean_stresses(snapshot), **self.loads(snapshot)}
+        return {**found, **self.velocities(snapshot), **planar_diagnostics(self, snapshot)[1]}
 
     def loads(self, snapshot: Snapshot) -> dict[str, float | None]:
         """Return the ``LOADS`` on each body by name, and the part of the pressure with the suffix ``_pressure``.
 
         None where the forces are not known.
         """
-        found, bodies = {}, snapshot.bodies
+        found: dict[str, float | None] = {}
+        bodies = snapshot.bodies
         for index, (name, body) in enumerate(zip(self.names, self.bodies, strict=True)):
-            whole, pressure = (None,) * 3, (None,) * 3
+            whole: tuple = (None,) * 3
+            pressure = whole
             if bodies is not None:
                 whole = (*bodies.force[index], bodies.torque[index])
                 pressure = (*bodies.pressure_force[index], bodies.pressure_torque[index])
@@ -410,9 +413,11 @@ class Cell(BodyScene):
         """Return the recorded motions of free bodies by name: places [length], not wrapped by periods, angles
         [radians], velocities; or their means.
         """
-        chosen, bodies = self._free, snapshot.bodies
+        chosen = self._free
         if not chosen:
             return {}
+        bodies = bodies_in(snapshot)
+        values: Any
         if self._means_only:
             mean = bodies.velocity[chosen].mean(axis=0)
             values = [*mean, np.abs(bodies.angular_velocity[chosen]).mean()]
@@ -450,9 +455,10 @@ class Cell(BodyScene):
         Source: G. K. Batchelor, J. Fluid Mech. 41 (1970) 545-570, eqs. 3.4 to 3.8, whose forces and couples from
         outside are y F and T here.
         """
-        names, bodies, (width, height) = self.mean_stress_names, snapshot.bodies, self.size
+        names, (width, height) = self.mean_stress_names, self.size
         if not names:
             return {}
+        bodies: Any = bodies_in(snapshot)
         drag = {side: bodies.force[self.names.index(f"_{side}"), 0] for side in ("bottom", "top")}
         found = {STRESS_ON_WALLS: 0.5 * (drag["bottom"] - drag["top"]) / width}
         if STRESS_BY_BODIES in names:
@@ -469,7 +475,8 @@ class Cell(BodyScene):
                 torque = -(bodies.torque[index] + bodies.contact_torque[index])
                 momentum, (y, (u, v)) = 0.0, (bodies.centre[index, 1], bodies.velocity[index])
                 if body.free:
-                    inertia = body.motion.inertia
+                    motion: Any = body.motion
+                    inertia = motion.inertia
                     force = force if inertia.held[0] else inertia.load[0]
                     torque = torque if inertia.held[2] else inertia.load[2]
                     if not inertia.held[0]:
@@ -593,7 +600,7 @@ class Cell(BodyScene):
             ("cell", f"{width:.6g} x {height:.6g} {length}, {self.region.area / (width * height):.4g} of it fluid"),
         ]
         if self._free:
-            free = [self.bodies[index] for index in self._free]
+            free: list[Any] = [self.bodies[index] for index in self._free]
             ratios = [body.motion.inertia.mass[0] / (self.density * body.shape.area) for body in free]
             found = sorted({f"{ratio:.6g}" for ratio in ratios}, key=float)
             shown = found if len(found) <= MOST_RATIOS else [f"{found[0]} to {found[-1]}"]
@@ -633,11 +640,12 @@ class Cell(BodyScene):
         The momentum should be the impulse of all loads since the start. A step does not conserve momentum by
         construction, and no other number shows a common drift of fluid and bodies.
         """
-        inertias = [body.motion.inertia for body in self.bodies if body.free]
+        motions: list[Any] = [body.motion for body in self.bodies if body.free]
+        inertias = [motion.inertia for motion in motions]
         if len(inertias) < len(self.bodies) or not all(self.periodic) or any(any(each.held[:2]) for each in inertias):
             return 0.0
         fluid = self.density * self.region.area
-        mean, bodies = cell_mean(self, snapshot), snapshot.bodies.velocity
+        mean, bodies = cell_mean(self, snapshot), bodies_in(snapshot).velocity
         mass = np.array([[each.mass[0]] for each in inertias])
         displaced = self.density * np.array([[body.shape.area] for body in self.bodies])
         load = np.sum([each.load[:2] for each in inertias], axis=0) + fluid * np.array([self.acceleration, 0.0])

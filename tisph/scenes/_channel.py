@@ -19,8 +19,9 @@ from typing import Any
 
 import numpy as np
 
+from tisph.exact._fluids import Rheology, fluid_of
 from tisph.exact.linear_viscoelasticity import apparent_viscosity
-from tisph.exact.start_up import Flow, Rheology, StartUp, Wall, fluid_of
+from tisph.exact.start_up import Flow, StartUp, Wall
 from tisph.exact.uniform_shear import UniformShear
 from tisph.geometry.motion import Schedule, StressControlledMotion, StressControlledWall, WallMotion
 from tisph.measures.channel import Probes, integral, interpolate, wall_shear, wall_velocity
@@ -53,6 +54,11 @@ def wall_of(config: Any) -> WallMotion | StressControlledWall | Schedule:
     if config.velocities:
         return Schedule(config.times, config.velocities)
     return StressControlledWall.from_config(config) if config.stress_controlled else WallMotion.from_config(config)
+
+
+def n1(snapshot: Any) -> np.ndarray:
+    """Return the polymer's first normal stress difference S_xx - S_yy (particles,)."""
+    return snapshot.stress_xx - snapshot.stress_yy
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,7 +113,7 @@ class Channel(Scene):
     @property
     def walls(self) -> tuple[tuple[str, Any], ...]:
         """Both walls, the upper one first; for a stress-controlled wall, its motion in the reference."""
-        motions = {"top": self.top, "bottom": self.bottom}
+        motions: dict[str, Any] = {"top": self.top, "bottom": self.bottom}
         if self.driven_side is not None:
             wall, height = self._pair[self.driven_side], self.gap * self.driven_side
             moved = StressControlledMotion(wall, self._largest_speed(wall), lambda t: self.exact_velocity(height, t))
@@ -288,14 +294,14 @@ class Channel(Scene):
     @property
     def _flow(self) -> StartUp:
         """The exact flow from rest, or from the flow that had developed before t = 0."""
-        walls = [wall.over(self.density) if wall.stress_controlled else wall for wall in self._pair]
-        flow, before = Flow(self.gap, *walls, self.acceleration), None
+        bottom, top = (wall.over(self.density) if wall.stress_controlled else wall for wall in self._pair)
+        flow, before = Flow(self.gap, bottom, top, self.acceleration), None
         if self.starts_developed:
-            old = (
+            bottom, top = (
                 wall if wall.oscillates else Wall(wall.cosine if wall.before is None else wall.before)
                 for wall in self._pair
             )
-            before = Flow(self.gap, *old, self.acceleration)
+            before = Flow(self.gap, bottom, top, self.acceleration)
         return _solved(self.rheology, self.kinematic_viscosity, self.density, flow, before)
 
     def exact(self, field: str, x: Any, y: Any, t: Any) -> np.ndarray:
@@ -373,12 +379,13 @@ class Channel(Scene):
         velocities at the same probes. ``density_variation`` = max |density/density_0 - 1|; ``max_transverse_velocity``
         = max |v|.
         """
-        t, found = snapshot.t, {}
+        t = snapshot.t
+        found: dict[str, Any] = {}
         if self.polymer:
-            exact = snapshot.reference
+            exact: Any = snapshot.reference
             found["shear_stress_l2"] = relative_difference(snapshot.stress_xy, exact["stress_xy"])
             normal = exact["stress_xx"] - exact["stress_yy"]
-            found["normal_stress_l2"] = relative_difference(snapshot.stress_xx - snapshot.stress_yy, normal)
+            found["normal_stress_l2"] = relative_difference(n1(snapshot), normal)
         y, u = series[:2]
         slope, intercept = fit_line(y, u)
         slope_exact, intercept_exact = fit_line(y, self.exact_velocity(y, t))
@@ -422,7 +429,7 @@ class Channel(Scene):
                 wall_velocity(self, side, snapshot) if wall.stress_controlled else float(wall.velocity(snapshot.t))
                 for side, wall in enumerate(self._pair)
             ]
-            normal = [np.mean(snapshot.stress_xx - snapshot.stress_yy)] if self.polymer else []
+            normal = [np.mean(n1(snapshot))] if self.polymer else []
             return np.array([*wall_shear(self, snapshot), *velocities, *normal])
 
         def final(times: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -476,13 +483,13 @@ class Channel(Scene):
             name=f"first normal stress difference N1 = Sxx {MINUS} Syy",
             unit="stress",
             line=line,
-            of=lambda snapshot: snapshot.stress_xx - snapshot.stress_yy,
+            of=n1,
             exact=exact_normal_stress,
         )
         return {"speed": speed, "shear_stress": shear, "normal_stress_difference": normal}
 
     def movie_ends(self, name: str, profile: Profile, end: float) -> Sequence[float]:
-        """Return values that span the range of a ``profile`` to time ``end``; velocities include those of the walls."""
+        """Return values that span the range of a ``profile`` to time ``end``; velocities include the wall velocities."""
         found = [*profile.extremes(self.start_time, end)]
         if profile.unit == "stress":
             return found

@@ -18,14 +18,13 @@ from typing import Any
 
 import numpy as np
 
-from tisph.exact._sheared import STEP
-from tisph.exact.start_up import Rheology, fluid_of
+from tisph.exact._fluids import Rheology, derivative, fluid_of
 from tisph.geometry.body import Body
 from tisph.geometry.motion import RigidMotion, Schedule, WallMotion
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
 from tisph.scenes._views import COLOURS, ExtraSeries, MovieView, Profile, TimeSeries, movie_view
-from tisph.snapshot import STRESSES, Snapshot
+from tisph.snapshot import STRESSES, Bodies, Snapshot
 
 FAINT = 0.015
 """Fraction of a velocity jump that is negligible: resolved samples may have this error (measures/resolution.py)."""
@@ -283,7 +282,7 @@ class Scene(SceneDefaults):
         """Return the kinematic viscosity nu that spreads the motion of a wall to the depth sqrt(nu t) in a time ``t``.
 
         In an inelastic fluid nu is d(stress)/d(shear rate) / density at the shear rate U/sqrt(nu t), a fixed point. In
-        a polymeric fluid nu is that of the solvent until the front of the shear wave has decayed to ``FAINT``.
+        a polymer solution nu is the solvent's viscosity until the front of the shear wave has decayed to ``FAINT``.
         """
         viscosity = self.kinematic_viscosity
         if self.polymer:
@@ -292,7 +291,7 @@ class Scene(SceneDefaults):
             fluid, speed = fluid_of(self.rheology, viscosity, self.density), self.reference_velocity
             for _ in range(FIXED_POINT):
                 rate = speed / math.sqrt(viscosity * t)
-                viscosity = (fluid.flux(rate + 1j * STEP) / STEP).imag
+                viscosity = float(derivative(fluid.flux, rate))
         return viscosity
 
     def layer_depth(self, t: float) -> float:
@@ -398,6 +397,12 @@ class Scene(SceneDefaults):
         return movie_view(self, name, end)
 
 
+def bodies_in(snapshot: Snapshot) -> Bodies:
+    """Return the state of the bodies in a snapshot of a scene with bodies."""
+    assert snapshot.bodies is not None
+    return snapshot.bodies
+
+
 def farthest(shape: Any) -> float:
     """Return the largest distance of points of a ``shape`` from the centre of its body; 0 for a line."""
     return float(np.linalg.norm(shape.boundary_points(shape.length / 1000).point, axis=1).max()) if shape.area else 0.0
@@ -414,7 +419,10 @@ tear it along the diagonals, because repulsive displacements cancel there."""
 
 
 class BodyScene(Scene):
-    """A scene with ``bodies``: fluid around them, and within them where the box is not ``periodic``."""
+    """A scene with ``bodies``: fluid around them, and within them where the box is not ``periodic``.
+
+    Scenes with free bodies have ``bodies`` as a field.
+    """
 
     def initial(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
         """Return the fields of a fluid at rest without stress."""
@@ -439,7 +447,7 @@ class BodyScene(Scene):
         """See ``Scene.seen``."""
         if not self.has_free_bodies:
             return self
-        bodies, found = list(self.bodies), snapshot.bodies
+        bodies, found = list(self.bodies), bodies_in(snapshot)
         for index, body in enumerate(self.bodies):
             if body.free:
                 velocity, rotation = found.velocity[index], float(found.angular_velocity[index])
@@ -447,7 +455,8 @@ class BodyScene(Scene):
                 centre = tuple((found.centre[index] - snapshot.t * velocity).tolist())
                 angle = float(found.angle[index]) - snapshot.t * rotation
                 bodies[index] = replace(body, centre=centre, angle=angle, motion=motion)
-        return replace(self, bodies=tuple(bodies))
+        changed: Any = {"bodies": tuple(bodies)}
+        return replace(self, **changed)
 
     def contains(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Return whether each of the ``points`` (n, 2) is in the fluid at ``time``."""

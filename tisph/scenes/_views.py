@@ -209,7 +209,7 @@ class Colour:
     fields: tuple[str, ...] = ()
 
 
-def _shear_stress(scene: Any, snapshot: Snapshot) -> np.ndarray:
+def _shear_stress(scene: Any, snapshot: Any) -> np.ndarray:
     """Return the polymer's shear stress, or without polymer mu (du/dy + dv/dx)."""
     if scene.polymer:
         return snapshot.stress_xy
@@ -217,7 +217,7 @@ def _shear_stress(scene: Any, snapshot: Snapshot) -> np.ndarray:
     return scene.dynamic_viscosity * (gradients[1] + gradients[2])
 
 
-def _conformation_trace(scene: Any, snapshot: Snapshot) -> np.ndarray:
+def _conformation_trace(scene: Any, snapshot: Any) -> np.ndarray:
     """Return tr A for a polymer stress S = G (A - 1) of modulus G: 2 + (S_xx + S_yy)/G in planar flow.
 
     In axisymmetric flow tr A = 3 + (S_xx + S_yy + S_tt)/G, with the stress S_tt around the axis.

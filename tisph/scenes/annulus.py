@@ -20,13 +20,14 @@ from tisph.config.base import Model, Positive, Problem, Signed, findings, refusa
 from tisph.config.fields import Member
 from tisph.config.motion import Amplitude, Times, Values, check_as_many, check_schedule
 from tisph.config.motion import WallMotion as WallKeys
-from tisph.exact.start_up import CircularStartUp, Rheology, Wall, fluid_of
+from tisph.exact._fluids import Rheology, fluid_of
+from tisph.exact.start_up import CircularStartUp, Wall
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, Schedule, WallMotion
 from tisph.measures.metrics import field_error, relative_difference
 from tisph.scenes._initial import Initial, start_problems, still_problem
-from tisph.scenes._scene import BodyScene, age
+from tisph.scenes._scene import BodyScene, age, bodies_in
 from tisph.scenes._views import (
     ExtraSeries,
     Profile,
@@ -334,7 +335,7 @@ class Annulus(BetweenCylinders):
             numbers["normal_stress_l2"] = relative_difference(normal, around - along)
         exact = self.exact_torques(snapshot.t)
         for index, name in enumerate(("inner", "outer")):
-            numbers[f"torque_{name}"] = snapshot.bodies.torque[index]
+            numbers[f"torque_{name}"] = bodies_in(snapshot).torque[index]
             numbers[f"torque_{name}_exact"] = exact[index]
         return {**numbers, **planar_diagnostics(self, snapshot)[1]}
 
@@ -424,7 +425,7 @@ class Annulus(BetweenCylinders):
         columns = ["n1_inner", "n1_outer"]
 
         def measure(snapshot: Snapshot) -> np.ndarray:
-            found = snapshot.bodies.normal_stress
+            found = bodies_in(snapshot).normal_stress
             return np.full(2, np.nan) if found is None else found
 
         def exact(times: np.ndarray, _: np.ndarray) -> np.ndarray:

@@ -100,7 +100,7 @@ class Cavity(BodyScene):
             return ()
         cell = self.velocity_scale * self.spacing / self.kinematic_viscosity
         viscous = max(VISCOUS_DECAY_LENGTH * self.spacing / cell, LEAST_DECAY_LENGTH * self.spacing)
-        same = {
+        same: dict[str, Any] = {
             "inward": (0.0, -1.0),
             "angle": 0.5 * np.pi,
             "kinematic_viscosity": self.kinematic_viscosity,
@@ -155,7 +155,8 @@ class Cavity(BodyScene):
         """
         upright = np.stack([np.full(len(coordinate), 0.5), coordinate], 1)
         points = np.concatenate([upright, upright[:, ::-1]]) * self.extent
-        found = interpolated(self, *with_walls(self, snapshot), points)
+        positions, velocity = with_walls(self, snapshot)
+        found = interpolated(self, positions, velocity, points)
         return found[: len(upright), 0], found[len(upright) :, 1]
 
     def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Journal bearing: fluid between two cylinders with different axes, either of which turns as in an annulus.
+"""Journal bearing: fluid between two cylinders with different axes, which turn as in an annulus.
 
 The outer axis is at the origin, the inner one at (eccentricity * (R2 - R1), 0). Particles fill the gap evenly, at rest
 or in the Stokes flow of the cylinders' motion before t = 0. The reference is the steady Stokes flow: see
@@ -19,6 +19,7 @@ from tisph.measures import resolution
 from tisph.measures.metrics import relative_difference
 from tisph.measures.resolution import steadiness
 from tisph.scenes import annulus
+from tisph.scenes._scene import bodies_in
 from tisph.scenes._views import (
     Profile,
     TimeSeries,
@@ -56,7 +57,7 @@ class Geometry(annulus.Radii):
 class Config(annulus.Config):
     """A whole run of a journal bearing."""
 
-    geometry: Geometry
+    geometry: Geometry  # type: ignore[assignment]  # another model, with an eccentricity in place of the centre
 
     across_name = "the mean gap between the cylinders"
     has_exact_velocity = False  # only the steady flow is known
@@ -72,10 +73,10 @@ class Config(annulus.Config):
             text = "must be rest, or developed for a Newtonian fluid between cylinders that do not oscillate"
             yield "initial.state", f"{text}: no other flow is known"
         inner, outer = Scene.from_config(self).bodies
-        for _, text in _clearance.size_problems([("", circle.Parameters, inner)], self.spacing, self.across):
-            yield "geometry.inner_radius", text
-        for _, text in _clearance.problems([inner], {"walls.outer": outer}, self.spacing):
-            yield "geometry.eccentricity", text
+        for problem in _clearance.size_problems([("", circle.Parameters, inner)], self.spacing, self.across):
+            yield "geometry.inner_radius", problem[1]
+        for problem in _clearance.problems([inner], {"walls.outer": outer}, self.spacing):
+            yield "geometry.eccentricity", problem[1]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -196,4 +197,5 @@ class Scene(BetweenCylinders):
 
 def _loads(snapshot: Snapshot) -> tuple[float, ...]:
     """Return ``LOADS`` of a snapshot."""
-    return *snapshot.bodies.torque, *snapshot.bodies.force[0]
+    bodies = bodies_in(snapshot)
+    return *bodies.torque, *bodies.force[0]

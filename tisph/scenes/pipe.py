@@ -18,7 +18,8 @@ from pydantic import Field, model_validator
 from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, refusals
 from tisph.config.motion import Amplitude
 from tisph.config.motion import WallMotion as Oscillation
-from tisph.exact.start_up import CircularStartUp, PipeStartUp, Rheology, fluid_of
+from tisph.exact._fluids import Rheology, fluid_of
+from tisph.exact.start_up import CircularStartUp, PipeStartUp
 from tisph.geometry.body import Body
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.measures.metrics import field_error
@@ -200,8 +201,8 @@ class Scene(AxisymmetricScene):
     @property
     def _flows(self) -> "tuple[PipeStartUp | None, CircularStartUp | None]":
         """The references along and around the axis, each None if nothing moves that way."""
-        walls = self.bodies if self.inner_radius else (self.bodies[0], self.bodies[0])
-        axial, turning = tuple(wall.motion.x for wall in walls), tuple(wall.spin for wall in walls)
+        inner, outer = self.bodies if self.inner_radius else (self.bodies[0], self.bodies[0])
+        axial, turning = (inner.motion.x, outer.motion.x), (inner.spin, outer.spin)
         developed = self.initial_state == "developed"
         fluid = self.rheology, self.kinematic_viscosity, self.density
         return _solved(*fluid, (self.inner_radius, self.outer_radius), axial, turning, self.drive, developed)
@@ -322,8 +323,8 @@ def _solved(
     kinematic_viscosity: float,
     density: float,
     radii: tuple[float, float],
-    axial: tuple[WallMotion, ...],
-    turning: tuple[WallMotion, ...],
+    axial: tuple[Any, Any],
+    turning: tuple[Any, Any],
     drive: WallMotion,
     developed: bool,
 ) -> tuple[PipeStartUp | None, CircularStartUp | None]:
@@ -331,7 +332,7 @@ def _solved(
     fluid = fluid_of(rheology, kinematic_viscosity, density)
     along = around = None
     if any(wall.largest_speed for wall in turning):
-        around = CircularStartUp(*radii, fluid, *turning, turning if developed else None)
+        around = CircularStartUp(radii[0], radii[1], fluid, turning[0], turning[1], turning if developed else None)
     if not around or drive.largest_speed or any(wall.largest_speed for wall in axial):
         given: dict[str, Any] = {"pulsation": drive} if drive.oscillates else {"acceleration": drive.cosine}
         along = PipeStartUp(radii, fluid, axial, axial if developed else None, **given)

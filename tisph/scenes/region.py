@@ -195,7 +195,7 @@ class Walls(Model):
 
     unset_keys = ("around", "bottom", "top")
 
-    around: Annotated[Model, Member("bodies", usual="circle")] | None = None
+    around: Annotated[Any, Member("bodies", usual="circle")] | None = None
     bottom: Wall | None = None
     top: Wall | None = None
 
@@ -216,7 +216,7 @@ class Walls(Model):
 
 
 class Turning(annulus.Cylinder):
-    """Angular velocity around the axis of a ``wall`` or body, by its name in results; its keys are those of a cylinder.
+    """Angular velocity around the axis of a ``wall`` or body, by its name in results; the keys are as for a cylinder.
 
     ``around`` means all sides of the closed wall.
     """
@@ -275,10 +275,11 @@ class Config(schema.Config):
     @property
     def box(self) -> np.ndarray:
         """Lowest and highest corner (2, 2) of the box."""
-        if self.walls.around is None:
+        if self.geometry is not None:
             low = self.geometry.inner_radius
             return np.array([[0.0, low], [self.geometry.length, low + self.geometry.height]])
-        body = self.walls.around.body()
+        around: Any = self.walls.around
+        body = around.body()
         if body.motion.rotation.largest_speed:
             return body.centre + farthest(body.shape) * np.array([[-1.0, -1.0], [1.0, 1.0]])
         points = body.boundary_points(body.shape.length / 1000).point if body.angle else body.shape.extent + body.centre

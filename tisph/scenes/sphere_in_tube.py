@@ -25,6 +25,7 @@ from tisph.geometry.shape import POINTS, volume_of_revolution
 from tisph.scenes import _axisymmetric
 from tisph.scenes._axisymmetric import AxisymmetricScene, cylinder, wall_speed
 from tisph.scenes._initial import RestInitial, still_problem
+from tisph.scenes._scene import bodies_in
 from tisph.scenes._views import Profile, TimeSeries
 from tisph.scenes.pipe import Cylinder
 from tisph.snapshot import Snapshot
@@ -119,10 +120,10 @@ class Config(_axisymmetric.Config):
             remedy = "give a velocity or an angular_velocity, or let it be free under a force"
             yield from still_problem(self, "sphere", remedy)
         body, tube = Scene.from_config(self).bodies
-        for _, text in _clearance.size_problems([("", circle.Parameters, body)], self.spacing, self.across):
-            yield "geometry.sphere_radius", text
-        for _, text in _clearance.problems([body], {"walls.tube": tube}, self.spacing):
-            yield "geometry.sphere_radius", text
+        for problem in _clearance.size_problems([("", circle.Parameters, body)], self.spacing, self.across):
+            yield "geometry.sphere_radius", problem[1]
+        for problem in _clearance.problems([body], {"walls.tube": tube}, self.spacing):
+            yield "geometry.sphere_radius", problem[1]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,8 +140,8 @@ class Scene(AxisymmetricScene):
     def from_config(cls, config: Any) -> "Scene":
         """Return the scene that a validated config describes."""
         geometry, kept = config.geometry, config.closure == "no_flux"
-        tube = {"motion": RigidMotion(x=WallMotion(config.walls.tube.velocity))}
-        tube["spin"] = WallMotion(config.walls.tube.angular_velocity)
+        given = config.walls.tube
+        tube = {"motion": RigidMotion(x=WallMotion(given.velocity)), "spin": WallMotion(given.angular_velocity)}
         return cls(
             **cls.fluid_of(config),
             length=geometry.length,
@@ -165,16 +166,16 @@ class Scene(AxisymmetricScene):
     @cached_property
     def velocity_scale(self) -> float:
         """Largest speed of body, tube and driven fluid; rough estimates for a free body under a load and the fluid."""
-        body, radius = self.sphere, self.reference_length
+        body, radius, motion = self.sphere, self.reference_length, self.sphere.motion
         speeds = [abs(self.kept_mean_velocity or 0.0), wall_speed(self.bodies[1])]
         speeds.append(abs(self.acceleration) * (self.outer_radius - radius) ** 2 / (4.0 * self.kinematic_viscosity))
         speeds.append(radius * body.spin.largest_speed)
-        if body.free:
-            load = abs(body.motion.inertia.load[0])
+        if isinstance(motion, FreeMotion):
+            load = abs(motion.inertia.load[0])
             slow = load / (6.0 * math.pi * self.dynamic_viscosity * radius)
             speeds.append(min(slow, math.sqrt(load / (self.density * radius**2))))
         else:
-            speeds.append(body.motion.x.largest_speed)
+            speeds.append(motion.x.largest_speed)
         return max(speeds)
 
     @property
@@ -218,15 +219,16 @@ class Scene(AxisymmetricScene):
         """
         found = self.loads(snapshot)
         force = found["force_sphere"]
-        velocity = snapshot.bodies.velocity[0, 0] - snapshot.bodies.velocity[1, 0]
+        bodies = bodies_in(snapshot)
+        velocity = bodies.velocity[0, 0] - bodies.velocity[1, 0]
         drag = -force * np.sign(velocity) if velocity else abs(force)
         speed = abs(velocity) or abs(self.kept_mean_velocity or 0.0)
         scale = 6.0 * np.pi * self.dynamic_viscosity * self.reference_length * speed
         return {
             "drag": drag,
             "drag_ratio": drag / scale if scale else None,
-            "place": snapshot.bodies.centre[0, 0],
-            "velocity": snapshot.bodies.velocity[0, 0],
+            "place": bodies.centre[0, 0],
+            "velocity": bodies.velocity[0, 0],
             **found,
             "acceleration": self.axial_acceleration(snapshot),
             "mean_velocity": self.mean_velocity(snapshot),
@@ -251,7 +253,7 @@ class Scene(AxisymmetricScene):
         force = 6.0 * np.pi * self.dynamic_viscosity * radius * speed
 
         def measure(snapshot: Snapshot) -> np.ndarray:
-            bodies, load = snapshot.bodies, self.loads(snapshot)["force_sphere"]
+            bodies, load = bodies_in(snapshot), self.loads(snapshot)["force_sphere"]
             return np.array([load, bodies.torque[0], bodies.centre[0, 0], bodies.velocity[0, 0]])
 
         return TimeSeries(

@@ -187,7 +187,7 @@ class Scene(AnyScene):
             content="mean kinetic energy per mass over time t",
             name="kinetic energy per mass",
             unit="energy",
-            scale=taylor_green.kinetic_energy(0.0, **self._flow),
+            scale=float(taylor_green.kinetic_energy(0.0, **self._flow)),
             columns=["kinetic_energy"],
             labels=[("mean over the box", None)],
             exact_columns=["kinetic_energy_exact"],

@@ -489,7 +489,7 @@ class Channel(Scene):
         return {"speed": speed, "shear_stress": shear, "normal_stress_difference": normal}
 
     def movie_ends(self, name: str, profile: Profile, end: float) -> Sequence[float]:
-        """Return values that span the range of a ``profile`` to time ``end``; velocities include the wall velocities."""
+        """Return values that span the range of a ``profile`` to time ``end``, wall velocities included."""
         found = [*profile.extremes(self.start_time, end)]
         if profile.unit == "stress":
             return found

@@ -57,7 +57,7 @@ class Geometry(annulus.Radii):
 class Config(annulus.Config):
     """A whole run of a journal bearing."""
 
-    geometry: Geometry  # type: ignore[assignment]  # another model, with an eccentricity in place of the centre
+    geometry: Geometry  # type: ignore[assignment]  # other keys than in an annulus
 
     across_name = "the mean gap between the cylinders"
     has_exact_velocity = False  # only the steady flow is known
